@@ -1,0 +1,61 @@
+# Targets and the functions by which the folders add to them.
+
+add_library(colmap_tsar STATIC)
+add_library(ColmapTsar::colmap_tsar ALIAS colmap_tsar)
+target_include_directories(colmap_tsar PUBLIC
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  $<INSTALL_INTERFACE:include>)
+# As system headers, so that their warnings are not ours.
+target_include_directories(colmap_tsar SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
+target_compile_features(colmap_tsar PUBLIC cxx_std_20)
+target_compile_definitions(colmap_tsar PRIVATE
+  TSAR_VERSION="${PROJECT_VERSION}")
+target_link_libraries(colmap_tsar
+  PUBLIC Eigen3::Eigen
+  PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
+          Boost::program_options nlohmann_json::nlohmann_json
+          PkgConfig::glog ${FLANN_LIBRARY} ${LZ4_LIBRARY})
+
+# Warnings, sanitizers and the rules of floating-point arithmetic, for every
+# target of this project.
+function(tsar_configure_target target)
+  set(warnings -Wall -Wextra)
+  if(TSAR_WARNINGS_AS_ERRORS)
+    list(APPEND warnings -Werror)
+  endif()
+  # Contraction is off because a fused multiply-add rounds differently: the
+  # same source must give the same bytes with every host compiler, and nearly
+  # the same ones on the GPU.
+  set(host_flags ${warnings} -ffp-contract=off)
+  if(TSAR_SANITIZE)
+    list(APPEND host_flags -fsanitize=address,undefined
+      -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=address,undefined)
+  endif()
+  list(JOIN host_flags "," cuda_host_flags)
+  target_compile_options(${target} PRIVATE
+    "$<$<COMPILE_LANGUAGE:CXX>:${host_flags}>"
+    "$<$<COMPILE_LANGUAGE:CUDA>:SHELL:-fmad=false -Xcompiler ${cuda_host_flags}>")
+  # Kernels do not use Eigen; its device code is full of warnings.
+  target_compile_definitions(${target} PRIVATE
+    $<$<COMPILE_LANGUAGE:CUDA>:EIGEN_NO_CUDA>)
+  if(TSAR_CUDA_ENABLED AND TSAR_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE
+      "$<$<COMPILE_LANGUAGE:CUDA>:SHELL:--Werror all-warnings>")
+  endif()
+endfunction()
+
+# Adds a folder's files to the library. A .cu file holds both forms of its
+# loops; without CUDA it is compiled as C++.
+function(tsar_add_sources)
+  foreach(file IN LISTS ARGN)
+    set(path ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+    target_sources(colmap_tsar PRIVATE ${path})
+    if(file MATCHES "\\.cu$" AND NOT TSAR_CUDA_ENABLED)
+      set_source_files_properties(${path}
+        TARGET_DIRECTORY colmap_tsar PROPERTIES LANGUAGE CXX)
+    endif()
+  endforeach()
+endfunction()
+
+tsar_configure_target(colmap_tsar)
