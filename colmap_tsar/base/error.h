@@ -1,0 +1,46 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace tsar {
+
+// What went wrong, for callers that react to it. The command line prints the
+// message and ends with exit code 1, whatever the cause.
+enum class ErrorCode {
+  kNotFound,      // A file, folder or named thing does not exist.
+  kCorrupt,       // A file's content breaks its format.
+  kMismatch,      // Two inputs contradict each other (sizes, names, counts).
+  kUnsupported,   // Valid, but not something this program can work on.
+  kIo,            // Reading or writing failed (permissions, full disk).
+  kBadOption,     // A command-line option or its value is wrong.
+  kDevice,        // The GPU or its driver failed.
+  kOutOfMemory,   // Host or GPU memory did not suffice.
+  kInterrupted,   // The user asked to stop.
+};
+
+// The one exception type of this project. The message is a single line for the
+// user: it names the file, what is wrong, and what to do about it.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorCode code, const std::string& message)
+      : std::runtime_error(message), code_(code) {}
+
+  // The form that all errors about a file take: "PATH: WHAT; ADVICE".
+  static Error File(ErrorCode code,
+                    const std::string& path,
+                    const std::string& what,
+                    const std::string& advice) {
+    return Error(code, path + ": " + what + "; " + advice);
+  }
+
+  ErrorCode Code() const { return code_; }
+
+ private:
+  ErrorCode code_;
+};
+
+}  // namespace tsar

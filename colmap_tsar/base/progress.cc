@@ -1,0 +1,110 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/progress.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr int kFewImages = 20;
+constexpr double kSecondsBetweenLines = 10.0;
+constexpr double kSecondsBetweenUpdates = 0.2;
+
+double SteadySeconds() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string DurationText(double seconds) {
+  if (seconds < 90.0) {
+    return std::to_string(std::lround(seconds)) + " s";
+  }
+  const long minutes = std::lround(seconds / 60.0);
+  return minutes < 90 ? std::to_string(minutes) + " min"
+                      : std::to_string(minutes / 60) + " h " +
+                            std::to_string(minutes % 60) + " min";
+}
+
+}  // namespace
+
+std::string ProgressText(int num_done,
+                         int num_worked,
+                         int num_total,
+                         double seconds) {
+  std::ostringstream text;
+  text << "[" << num_done << "/" << num_total << "]";
+  if (num_worked > 0 && seconds > 0.0) {
+    const double speed = num_worked / seconds;
+    // Slow work reads better the other way round.
+    text << " " << std::fixed << std::setprecision(1);
+    if (speed >= 1.0) {
+      text << speed << " images/s";
+    } else {
+      text << 1.0 / speed << " s per image";
+    }
+    if (num_done < num_total) {
+      text << ", " << DurationText((num_total - num_done) / speed) << " left";
+    }
+  }
+  return text.str();
+}
+
+Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
+    : out_(out),
+      is_terminal_(is_terminal),
+      clock_(clock ? std::move(clock) : SteadySeconds) {}
+
+void Progress::Start(int num_total) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  num_total_ = num_total;
+  num_done_ = 0;
+  num_worked_ = 0;
+  line_length_ = 0;
+  start_ = clock_();
+  last_print_ = start_;
+}
+
+void Progress::Advance(bool was_work) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double now = clock_();
+  ++num_done_;
+  num_worked_ += was_work ? 1 : 0;
+  const bool is_due =
+      num_done_ == num_total_ || (!is_terminal_ && num_total_ <= kFewImages) ||
+      now - last_print_ >=
+          (is_terminal_ ? kSecondsBetweenUpdates : kSecondsBetweenLines);
+  if (is_due) {
+    Print(now);
+  }
+}
+
+void Progress::Finish() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (line_length_ > 0) {
+    out_ << std::endl;
+    line_length_ = 0;
+  }
+}
+
+void Progress::Print(double now) {
+  last_print_ = now;
+  const std::string text =
+      ProgressText(num_done_, num_worked_, num_total_, now - start_);
+  if (!is_terminal_) {
+    out_ << text << std::endl;
+    return;
+  }
+  const size_t length = std::max(text.size(), line_length_);
+  out_ << "\r" << text << std::string(length - text.size(), ' ') << std::flush;
+  line_length_ = text.size();
+}
+
+}  // namespace tsar

@@ -1,0 +1,48 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/macros.h"
+
+namespace tsar {
+
+// Stores min(*address, value) and returns what was there before. Safe between
+// the threads of the CPU and between those of one GPU; the outcome does not
+// depend on their order.
+TSAR_HD inline int AtomicMin(int* address, int value) {
+#ifdef __CUDA_ARCH__
+  return atomicMin(address, value);
+#else
+  int current = __atomic_load_n(address, __ATOMIC_RELAXED);
+  while (value < current &&
+         !__atomic_compare_exchange_n(address,
+                                      &current,
+                                      value,
+                                      true,
+                                      __ATOMIC_RELAXED,
+                                      __ATOMIC_RELAXED)) {
+  }
+  return current;
+#endif
+}
+
+// Adds to *address and returns what was there before.
+TSAR_HD inline int AtomicAdd(int* address, int value) {
+#ifdef __CUDA_ARCH__
+  return atomicAdd(address, value);
+#else
+  return __atomic_fetch_add(address, value, __ATOMIC_RELAXED);
+#endif
+}
+
+// Reads a value that other threads may be changing.
+TSAR_HD inline int AtomicLoad(const int* address) {
+#ifdef __CUDA_ARCH__
+  return *const_cast<const volatile int*>(address);
+#else
+  return __atomic_load_n(address, __ATOMIC_RELAXED);
+#endif
+}
+
+}  // namespace tsar

@@ -1,0 +1,141 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+// Connected components by a union-find that all pixels build at once. Included
+// by .cu files only.
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/atomic.h"
+#include "colmap_tsar/device/parallel_for.h"
+
+namespace tsar {
+
+enum class Connectivity { kFour, kEight };
+
+namespace internal {
+
+TSAR_HD inline int FindRoot(const int* parents, int i) {
+  int parent = AtomicLoad(parents + i);
+  while (parent != i) {
+    i = parent;
+    parent = AtomicLoad(parents + i);
+  }
+  return i;
+}
+
+// Joins two trees under the smaller root. Another thread may move a root
+// between looking and writing; then the loop goes on from what it found.
+TSAR_HD inline void UniteRoots(int* parents, int a, int b) {
+  while (true) {
+    a = FindRoot(parents, a);
+    b = FindRoot(parents, b);
+    if (a == b) {
+      return;
+    }
+    const int high = a > b ? a : b;
+    const int low = a > b ? b : a;
+    const int previous = AtomicMin(parents + high, low);
+    if (previous == high) {
+      return;
+    }
+    a = previous;
+    b = low;
+  }
+}
+
+template <typename Relation>
+struct InitComponents {
+  ImageView<int> labels;
+  Relation relation;
+  TSAR_HD void operator()(int64_t i) const {
+    labels.data[i] = relation.Contains(static_cast<int>(i))
+                         ? static_cast<int>(i)
+                         : -1;
+  }
+};
+
+template <typename Relation>
+struct UniteNeighbours {
+  ImageView<int> labels;
+  Relation relation;
+  bool eight;
+
+  TSAR_HD void Unite(int i, int x, int y) const {
+    if (!labels.Contains(x, y)) {
+      return;
+    }
+    const int j = static_cast<int>(labels.Index(x, y));
+    if (relation.Contains(j) && relation.Connected(i, j)) {
+      UniteRoots(labels.data, i, j);
+    }
+  }
+  TSAR_HD void operator()(int x, int y) const {
+    const int i = static_cast<int>(labels.Index(x, y));
+    if (!relation.Contains(i)) {
+      return;
+    }
+    Unite(i, x + 1, y);
+    Unite(i, x, y + 1);
+    if (eight) {
+      Unite(i, x + 1, y + 1);
+      Unite(i, x - 1, y + 1);
+    }
+  }
+};
+
+struct FlattenComponents {
+  ImageView<int> labels;
+  TSAR_HD void operator()(int64_t i) const {
+    if (AtomicLoad(labels.data + i) >= 0) {
+      // Roots never change here, so threads that write and threads that read
+      // agree on the outcome.
+      const int root = FindRoot(labels.data, static_cast<int>(i));
+      AtomicMin(labels.data + i, root);
+    }
+  }
+};
+
+struct CountComponents {
+  ImageView<const int> labels;
+  int* sizes;
+  TSAR_HD void operator()(int64_t i) const {
+    if (labels.data[i] >= 0) {
+      AtomicAdd(sizes + labels.data[i], 1);
+    }
+  }
+};
+
+}  // namespace internal
+
+// Labels every pixel with the smallest pixel index of its component, or with -1
+// where the pixel takes no part. Relation has two TSAR_HD members:
+//   bool Contains(int i) const            whether pixel i takes part,
+//   bool Connected(int i, int j) const    whether neighbours i < j are joined.
+template <typename Relation>
+void LabelComponents(Device& device,
+                     const Relation& relation,
+                     Connectivity connectivity,
+                     ImageView<int> labels) {
+  const int64_t count = static_cast<int64_t>(labels.NumPixels());
+  ParallelFor(device, count, internal::InitComponents<Relation>{labels, relation});
+  ParallelFor(device,
+              labels.width,
+              labels.height,
+              internal::UniteNeighbours<Relation>{
+                  labels, relation, connectivity == Connectivity::kEight});
+  ParallelFor(device, count, internal::FlattenComponents{labels});
+}
+
+// sizes[label] = number of pixels with that label; sizes must hold zeros and
+// have one element per pixel.
+inline void CountComponentPixels(Device& device,
+                                 ImageView<const int> labels,
+                                 int* sizes) {
+  ParallelFor(device,
+              static_cast<int64_t>(labels.NumPixels()),
+              internal::CountComponents{labels, sizes});
+}
+
+}  // namespace tsar

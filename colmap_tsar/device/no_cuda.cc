@@ -1,0 +1,20 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What the CUDA part answers in a program that was built without it.
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/device/device.h"
+
+namespace tsar {
+
+std::unique_ptr<Device> Device::CreateCuda(int /*gpu_index*/,
+                                           int /*num_threads*/) {
+  throw Error(ErrorCode::kDevice,
+              "this program was built without CUDA; pass --TsarRefine.device "
+              "cpu, or build it with -DTSAR_CUDA=ON");
+}
+
+int Device::NumCudaDevices() { return 0; }
+
+}  // namespace tsar

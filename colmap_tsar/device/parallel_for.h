@@ -1,0 +1,102 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+// Runs a kernel object over a range on whichever device it is given. A kernel
+// is a small struct of views and numbers with a const TSAR_HD call operator: the
+// one place where its arithmetic is written. Included by .cu files only: nvcc
+// compiles them for both devices, and without CUDA the host compiler compiles
+// them for the CPU.
+
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/device/device.h"
+
+#ifdef __CUDACC__
+#include "colmap_tsar/device/cuda_check.h"
+#include "colmap_tsar/device/cuda_device.h"
+#endif
+
+#include <cstdint>
+
+namespace tsar {
+
+#ifdef __CUDACC__
+namespace internal {
+
+template <typename Kernel>
+__global__ void Launch1D(int64_t count, Kernel kernel) {
+  const int64_t i = static_cast<int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i < count) {
+    kernel(i);
+  }
+}
+
+template <typename Kernel>
+__global__ void Launch2D(int width, int height, Kernel kernel) {
+  const int x = blockIdx.x * blockDim.x + threadIdx.x;
+  const int y = blockIdx.y * blockDim.y + threadIdx.y;
+  if (x < width && y < height) {
+    kernel(x, y);
+  }
+}
+
+}  // namespace internal
+#endif
+
+// kernel(i) for every i in [0, count); i is an int64_t.
+template <typename Kernel>
+void ParallelFor(Device& device, int64_t count, const Kernel& kernel) {
+  if (count <= 0) {
+    return;
+  }
+#ifdef __CUDACC__
+  if (device.IsCuda()) {
+    CudaDevice& cuda = static_cast<CudaDevice&>(device);
+    cuda.Activate();
+    constexpr int kThreads = 128;
+    internal::Launch1D<<<static_cast<unsigned>((count + kThreads - 1) /
+                                               kThreads),
+                         kThreads,
+                         0,
+                         cuda.Stream()>>>(count, kernel);
+    CheckCuda(cudaGetLastError(), "starting a kernel");
+    return;
+  }
+#endif
+  device.Threads().Run(count, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      kernel(i);
+    }
+  });
+}
+
+// kernel(x, y) for every pixel of a width x height raster.
+template <typename Kernel>
+void ParallelFor(Device& device, int width, int height, const Kernel& kernel) {
+  if (width <= 0 || height <= 0) {
+    return;
+  }
+#ifdef __CUDACC__
+  if (device.IsCuda()) {
+    CudaDevice& cuda = static_cast<CudaDevice&>(device);
+    cuda.Activate();
+    const dim3 threads(32, 4);
+    const dim3 blocks((width + threads.x - 1) / threads.x,
+                      (height + threads.y - 1) / threads.y);
+    internal::Launch2D<<<blocks, threads, 0, cuda.Stream()>>>(
+        width, height, kernel);
+    CheckCuda(cudaGetLastError(), "starting a kernel");
+    return;
+  }
+#endif
+  device.Threads().Run(height, [&](int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y) {
+      for (int x = 0; x < width; ++x) {
+        kernel(x, static_cast<int>(y));
+      }
+    }
+  });
+}
+
+}  // namespace tsar

@@ -1,0 +1,25 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/buffer.h"
+
+namespace tsar {
+
+// The pixels of a raster sorted by label: those of label k are
+// pixels[begin[k]] ... pixels[begin[k + 1] - 1], in raster order.
+struct PixelGroups {
+  Buffer<int> begin;   // num_labels + 1 offsets
+  Buffer<int> pixels;  // pixel indices
+
+  int NumGroups() const { return static_cast<int>(begin.Size()) - 1; }
+};
+
+// labels: in [0, num_labels), or negative for pixels of no group.
+PixelGroups GroupPixels(ImageView<const int> labels,
+                        int num_labels,
+                        Device& device);
+
+}  // namespace tsar

@@ -1,0 +1,156 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/device/connected_components.h"
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/device/buffer.h"
+
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+// Joins neighbours of similar value; negative values take no part.
+struct SimilarValue {
+  const int* values;
+  bool Contains(int i) const { return values[i] >= 0; }
+  bool Connected(int i, int j) const {
+    return std::abs(values[i] - values[j]) <= 1;
+  }
+};
+
+// The plain form: floods from each pixel in raster order.
+Image<int> Flood(const Image<int>& values, bool eight) {
+  Image<int> labels(values.Width(), values.Height(), -1);
+  const SimilarValue relation{values.Data()};
+  for (size_t seed = 0; seed < values.NumPixels(); ++seed) {
+    if (!relation.Contains(static_cast<int>(seed)) ||
+        labels.Data()[seed] >= 0) {
+      continue;
+    }
+    std::vector<int> front = {static_cast<int>(seed)};
+    labels.Data()[seed] = static_cast<int>(seed);
+    while (!front.empty()) {
+      const int i = front.back();
+      front.pop_back();
+      const int x = i % values.Width();
+      const int y = i / values.Width();
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          if ((!eight && dx != 0 && dy != 0) ||
+              !values.Contains(x + dx, y + dy)) {
+            continue;
+          }
+          const int j = (y + dy) * values.Width() + x + dx;
+          if (relation.Contains(j) && relation.Connected(i, j) &&
+              labels.Data()[j] < 0) {
+            labels.Data()[j] = static_cast<int>(seed);
+            front.push_back(j);
+          }
+        }
+      }
+    }
+  }
+  return labels;
+}
+
+Image<int> DrawNoise(int width, int height, int num_values, uint32_t seed) {
+  Image<int> values(width, height);
+  Philox random(seed, 0, 0);
+  for (int& value : values) {
+    value = static_cast<int>(random.NextBelow(num_values)) - 1;
+  }
+  return values;
+}
+
+void ExpectSameAsFlood(const Image<int>& values) {
+  for (const int num_threads : {1, 2, 7}) {
+    const auto device = Device::CreateCpu(num_threads);
+    for (const bool eight : {false, true}) {
+      Image<int> labels(values.Width(), values.Height());
+      LabelComponents(*device,
+                      SimilarValue{values.Data()},
+                      eight ? Connectivity::kEight : Connectivity::kFour,
+                      labels.View());
+      const Image<int> expected = Flood(values, eight);
+      ASSERT_EQ(std::vector<int>(labels.begin(), labels.end()),
+                std::vector<int>(expected.begin(), expected.end()))
+          << num_threads << " threads, eight = " << eight;
+
+      std::vector<int> sizes(labels.NumPixels(), 0);
+      CountComponentPixels(*device, labels.View(), sizes.data());
+      std::vector<int> expected_sizes(labels.NumPixels(), 0);
+      for (const int label : expected) {
+        if (label >= 0) {
+          ++expected_sizes[label];
+        }
+      }
+      ASSERT_EQ(sizes, expected_sizes);
+    }
+  }
+}
+
+TEST(LabelComponents, AgreesWithAFloodFillOnNoise) {
+  const std::vector<std::pair<int, int>> sizes = {
+      {1, 1}, {1, 23}, {23, 1}, {2, 2}, {13, 17}, {61, 47}, {128, 64}};
+  uint32_t seed = 0;
+  for (const auto& [width, height] : sizes) {
+    for (const int num_values : {2, 3, 5, 8}) {
+      ExpectSameAsFlood(DrawNoise(width, height, num_values, ++seed));
+    }
+  }
+}
+
+TEST(LabelComponents, FollowsASpiral) {
+  // One corridor that turns inwards: the worst case for joining trees.
+  Image<int> values(41, 41, -1);
+  int x = 0;
+  int y = 0;
+  int dx = 1;
+  int dy = 0;
+  values(x, y) = 0;
+  for (int turns = 0; turns < 2;) {
+    const int ahead_x = x + 2 * dx;
+    const int ahead_y = y + 2 * dy;
+    const bool blocked =
+        !values.Contains(x + dx, y + dy) ||
+        (values.Contains(ahead_x, ahead_y) && values(ahead_x, ahead_y) >= 0);
+    if (blocked) {
+      std::swap(dx, dy);
+      dx = -dx;
+      ++turns;
+    } else {
+      turns = 0;
+      x += dx;
+      y += dy;
+      values(x, y) = 0;
+    }
+  }
+  ExpectSameAsFlood(values);
+}
+
+TEST(LabelComponents, KeepsDiagonalNeighboursApartWithFour) {
+  Image<int> values(4, 4, -1);
+  for (int i = 0; i < 4; ++i) {
+    values(i, i) = 0;
+  }
+  const auto device = Device::CreateCpu(1);
+  Image<int> labels(4, 4);
+  LabelComponents(
+      *device, SimilarValue{values.Data()}, Connectivity::kFour, labels.View());
+  EXPECT_EQ(labels(1, 1), 5);
+  EXPECT_EQ(labels(1, 0), -1);
+  LabelComponents(*device,
+                  SimilarValue{values.Data()},
+                  Connectivity::kEight,
+                  labels.View());
+  EXPECT_EQ(labels(3, 3), 0);
+}
+
+}  // namespace
+}  // namespace tsar
