@@ -1,0 +1,284 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/map_io.h"
+
+#include "colmap_tsar/base/error.h"
+
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <span>
+#include <string>
+#include <system_error>
+
+namespace tsar {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "maps are little-endian and read as they are");
+
+Error CorruptMap(const std::filesystem::path& path, const std::string& what) {
+  return Error::File(ErrorCode::kCorrupt,
+                     path.string(),
+                     "not a complete map: " + what,
+                     "run patch_match_stereo again for this image");
+}
+
+// Reads "123&" and returns 123, or -1 for anything else. Nine digits are more
+// than any file can have and fit an int.
+int ReadHeaderNumber(std::istream& stream) {
+  int number = 0;
+  for (int num_digits = 0; num_digits < 10; ++num_digits) {
+    const int character = stream.get();
+    if (character == '&') {
+      return num_digits > 0 ? number : -1;
+    }
+    if (character < '0' || character > '9' || num_digits == 9) {
+      return -1;
+    }
+    number = 10 * number + (character - '0');
+  }
+  return -1;
+}
+
+// An open map whose header agrees with the length of the file.
+class MapReader {
+ public:
+  explicit MapReader(const std::filesystem::path& path) : path_(path) {
+    std::error_code error;
+    const std::filesystem::file_status status =
+        std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status)) {
+      throw Error::File(ErrorCode::kNotFound,
+                        path.string(),
+                        "no such map",
+                        "run patch_match_stereo for this image");
+    }
+    const uintmax_t num_bytes = std::filesystem::file_size(path, error);
+    if (error) {
+      throw CorruptMap(path, "it is not a regular file");
+    }
+    file_.open(path, std::ios::binary);
+    if (!file_) {
+      throw Error::File(ErrorCode::kIo,
+                        path.string(),
+                        "the map cannot be opened",
+                        "check that you may read it");
+    }
+    ReadHeader(num_bytes);
+  }
+
+  const MapSize& Size() const { return size_; }
+
+  void RequireChannels(int channels, const char* kind) const {
+    if (size_.channels != channels) {
+      throw CorruptMap(path_,
+                       std::string(kind) + " has " + std::to_string(channels) +
+                           " channel(s), the header says " +
+                           std::to_string(size_.channels));
+    }
+  }
+
+  void Read(std::span<float> values) {
+    file_.read(reinterpret_cast<char*>(values.data()),
+               static_cast<std::streamsize>(values.size_bytes()));
+    if (!file_) {
+      throw CorruptMap(path_, "reading it failed");
+    }
+  }
+
+ private:
+  void ReadHeader(uintmax_t num_bytes) {
+    if (num_bytes == 0) {
+      throw CorruptMap(path_, "the file is empty");
+    }
+    size_.width = ReadHeaderNumber(file_);
+    size_.height = ReadHeaderNumber(file_);
+    size_.channels = ReadHeaderNumber(file_);
+    if (!file_ || size_.width < 1 || size_.height < 1 || size_.channels < 1) {
+      throw CorruptMap(
+          path_, "it does not begin with WIDTH&HEIGHT&CHANNELS& in digits");
+    }
+    const auto header = static_cast<uintmax_t>(file_.tellg());
+    const uintmax_t num_values = (num_bytes - header) / sizeof(float);
+    const auto num_pixels = static_cast<uintmax_t>(size_.width) *
+                            static_cast<uintmax_t>(size_.height);
+    // Divisions, since the product of three hostile numbers overflows.
+    const bool fits =
+        num_values / num_pixels == static_cast<uintmax_t>(size_.channels) &&
+        num_values % num_pixels == 0 &&
+        (num_bytes - header) % sizeof(float) == 0;
+    if (!fits) {
+      throw CorruptMap(path_,
+                       "the header says " + std::to_string(size_.width) +
+                           " x " + std::to_string(size_.height) + " x " +
+                           std::to_string(size_.channels) + ", the file has " +
+                           std::to_string(num_bytes) + " bytes");
+    }
+  }
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  MapSize size_;
+};
+
+void SetCount(int64_t* target, int64_t count) {
+  if (target != nullptr) {
+    *target = count;
+  }
+}
+
+// Writes one map and fingerprints it on the way.
+class MapWriter {
+ public:
+  MapWriter(int width, int height, int channels, AtomicFile* file)
+      : file_(file) {
+    Require(width > 0 && height > 0 && channels > 0, "empty");
+    const std::string header = std::to_string(width) + "&" +
+                               std::to_string(height) + "&" +
+                               std::to_string(channels) + "&";
+    Put(header.data(), header.size());
+  }
+
+  void Write(std::span<const float> values) {
+    for (const float value : values) {
+      Require(std::isfinite(value), "not finite");
+    }
+    Put(values.data(), values.size_bytes());
+  }
+
+  uint64_t Hash() const { return hash_.Value(); }
+
+ private:
+  static void Require(bool condition, const char* what) {
+    if (!condition) {
+      throw Error(ErrorCode::kMismatch,
+                  std::string("a map to be written is ") + what +
+                      ", which COLMAP's fusion cannot stand; this is a mistake "
+                      "of the program, please report it");
+    }
+  }
+
+  void Put(const void* data, size_t num_bytes) {
+    hash_.Update(data, num_bytes);
+    file_->Stream().write(static_cast<const char*>(data),
+                          static_cast<std::streamsize>(num_bytes));
+  }
+
+  AtomicFile* file_;
+  ContentHash hash_;
+};
+
+}  // namespace
+
+MapSize ReadMapSize(const std::filesystem::path& path) {
+  return MapReader(path).Size();
+}
+
+Image<float> ReadDepthMap(const std::filesystem::path& path,
+                          int64_t* num_not_finite) {
+  MapReader reader(path);
+  reader.RequireChannels(1, "a depth map");
+  Image<float> depth(reader.Size().width, reader.Size().height);
+  reader.Read({depth.Data(), depth.NumPixels()});
+  int64_t count = 0;
+  for (float& value : depth) {
+    count += std::isfinite(value) ? 0 : 1;
+    if (!(std::isfinite(value) && value > 0.f)) {
+      value = 0.f;
+    }
+  }
+  SetCount(num_not_finite, count);
+  return depth;
+}
+
+Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
+                           int64_t* num_not_finite) {
+  MapReader reader(path);
+  reader.RequireChannels(3, "a normal map");
+  Image<Vec3f> normal(reader.Size().width, reader.Size().height);
+  std::vector<float> plane(normal.NumPixels());
+  for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
+    reader.Read(plane);
+    for (size_t i = 0; i < plane.size(); ++i) {
+      normal.Data()[i].*element = plane[i];
+    }
+  }
+  int64_t count = 0;
+  for (Vec3f& n : normal) {
+    if (!(std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z))) {
+      n = {};
+      ++count;
+    }
+  }
+  SetCount(num_not_finite, count);
+  return normal;
+}
+
+PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
+  MapReader reader(path);
+  PlanarMap map;
+  map.width = reader.Size().width;
+  map.height = reader.Size().height;
+  map.channels = reader.Size().channels;
+  map.values.resize(static_cast<size_t>(map.width) *
+                    static_cast<size_t>(map.height) *
+                    static_cast<size_t>(map.channels));
+  reader.Read(map.values);
+  return map;
+}
+
+uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file) {
+  MapWriter writer(depth.Width(), depth.Height(), 1, file);
+  writer.Write({depth.Data(), depth.NumPixels()});
+  return writer.Hash();
+}
+
+uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
+  MapWriter writer(normal.Width(), normal.Height(), 3, file);
+  std::vector<float> plane(normal.NumPixels());
+  for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
+    for (size_t i = 0; i < plane.size(); ++i) {
+      plane[i] = normal.Data()[i].*element;
+    }
+    writer.Write(plane);
+  }
+  return writer.Hash();
+}
+
+uint64_t WriteDepthMap(const std::filesystem::path& path,
+                       const Image<float>& depth) {
+  AtomicFile file(path);
+  const uint64_t hash = PutDepthMap(depth, &file);
+  file.Commit();
+  return hash;
+}
+
+uint64_t WriteNormalMap(const std::filesystem::path& path,
+                        const Image<Vec3f>& normal) {
+  AtomicFile file(path);
+  const uint64_t hash = PutNormalMap(normal, &file);
+  file.Commit();
+  return hash;
+}
+
+uint64_t WritePlanarMap(const std::filesystem::path& path,
+                        const PlanarMap& map) {
+  const size_t num_values = static_cast<size_t>(map.width) *
+                            static_cast<size_t>(map.height) *
+                            static_cast<size_t>(map.channels);
+  if (map.values.size() != num_values) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the number of values does not fit the map's size",
+                      "this is a mistake of the program, please report it");
+  }
+  AtomicFile file(path);
+  MapWriter writer(map.width, map.height, map.channels, &file);
+  writer.Write(map.values);
+  file.Commit();
+  return writer.Hash();
+}
+
+}  // namespace tsar

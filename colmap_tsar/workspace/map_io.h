@@ -1,0 +1,71 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/content_hash.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace tsar {
+
+// COLMAP's raster files: ASCII "W&H&C&", then W*H*C float32, little-endian, one
+// channel after the other. Depth maps have C = 1 (z in the camera frame, units
+// of the sparse model, 0 = invalid), normal maps C = 3 (unit vectors in the
+// camera frame, towards the camera, (0, 0, 0) = invalid).
+//
+// All readers throw Error: kNotFound where there is no such file, kCorrupt
+// where the header is not exactly of this form or the file is not exactly as
+// long as the header says. The length is checked before memory is allocated.
+
+struct MapSize {
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+};
+
+// Element (x, y) of channel c is values[(c * height + y) * width + x].
+struct PlanarMap {
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+  std::vector<float> values;
+};
+
+// Reads only the header, and checks the file's length.
+MapSize ReadMapSize(const std::filesystem::path& path);
+
+// Depths that are negative, NaN or infinite become 0; num_not_finite, where
+// given, receives the number of the last two.
+Image<float> ReadDepthMap(const std::filesystem::path& path,
+                          int64_t* num_not_finite = nullptr);
+
+// Normals with an element that is NaN or infinite become (0, 0, 0);
+// num_not_finite, where given, receives their number.
+Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
+                           int64_t* num_not_finite = nullptr);
+
+// A map with any number of channels (cost maps: 2, confidence maps: 1), with
+// its values as they are in the file.
+PlanarMap ReadPlanarMap(const std::filesystem::path& path);
+
+// The writers replace the file in one step (see AtomicFile) and return the
+// fingerprint that HashFile() gives for it. They refuse, with kMismatch, what
+// COLMAP's fusion cannot stand: empty maps and values that are not finite.
+uint64_t WriteDepthMap(const std::filesystem::path& path,
+                       const Image<float>& depth);
+uint64_t WriteNormalMap(const std::filesystem::path& path,
+                        const Image<Vec3f>& normal);
+uint64_t WritePlanarMap(const std::filesystem::path& path,
+                        const PlanarMap& map);
+
+// The same, into a file that the caller commits.
+uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file);
+uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
+
+}  // namespace tsar

@@ -1,0 +1,38 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/map_paths.h"
+
+namespace tsar {
+
+std::string ToString(MapType type) {
+  return type == MapType::kPhotometric ? "photometric" : "geometric";
+}
+
+MapPaths GetMapPaths(const std::filesystem::path& root,
+                     const std::string& key) {
+  const std::filesystem::path stereo = root / "stereo";
+  const std::filesystem::path original = GetTsarFolder(root) / "original";
+  MapPaths paths;
+  paths.depth = stereo / "depth_maps" / (key + ".bin");
+  paths.normal = stereo / "normal_maps" / (key + ".bin");
+  paths.cost = stereo / "cost_maps" / (key + ".bin");
+  paths.confidence = stereo / "confidence_maps" / (key + ".bin");
+  paths.provenance = stereo / "provenance_maps" / (key + ".png");
+  paths.original_depth = original / "depth_maps" / (key + ".bin");
+  paths.original_normal = original / "normal_maps" / (key + ".bin");
+  paths.record = GetTsarFolder(root) / "records" / (key + ".json");
+  return paths;
+}
+
+MapPaths GetMapPaths(const std::filesystem::path& root,
+                     const std::string& image_name,
+                     MapType type) {
+  return GetMapPaths(root, image_name + "." + ToString(type));
+}
+
+std::filesystem::path GetTsarFolder(const std::filesystem::path& root) {
+  return root / "stereo" / "tsar";
+}
+
+}  // namespace tsar

@@ -1,0 +1,30 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/workspace/workspace.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace tsar {
+
+// Makes a second workspace in `output` that stereo_fusion can use, and opens
+// it: images and sparse model are links to the input's, the configuration files
+// copies, and every map a link to the input's original until WriteRefined puts
+// a file in its place. The input is not changed.
+//
+// A folder that an earlier call made for the same input is taken up again, with
+// the maps that were refined there. Throws Error: kUnsupported (output is the
+// input, inside its stereo folder or around it; or not empty and not ours),
+// kIo.
+Workspace CreateOutputWorkspace(const Workspace& input,
+                                const std::filesystem::path& output,
+                                MapType type);
+
+// The input of a workspace that CreateOutputWorkspace made; nothing for others.
+std::optional<std::filesystem::path> ReadOutputMarker(
+    const std::filesystem::path& root);
+
+}  // namespace tsar

@@ -1,0 +1,193 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/patch_match_config.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/source_selection.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <unordered_set>
+
+namespace tsar {
+namespace {
+
+struct ConfigLine {
+  int number = 0;
+  std::string text;
+};
+
+std::string Trimmed(const std::string& text) {
+  constexpr const char* kBlank = " \t\r\n\v\f";
+  const size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string::npos) {
+    return "";
+  }
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+// The lines that are neither blank nor comments.
+std::vector<ConfigLine> ReadConfigLines(const std::filesystem::path& path) {
+  std::error_code error;
+  std::ifstream file(path);
+  if (!file || !std::filesystem::is_regular_file(path, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "the configuration file is missing or cannot be read",
+                      "make the workspace with image_undistorter");
+  }
+  std::vector<ConfigLine> lines;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    std::string text = Trimmed(line);
+    if (!text.empty() && text[0] != '#') {
+      lines.push_back({number, std::move(text)});
+    }
+  }
+  return lines;
+}
+
+// COLMAP separates names by commas or semicolons.
+std::vector<std::string> SplitNames(const std::string& text) {
+  std::vector<std::string> names;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find_first_of(",;", begin), text.size());
+    std::string name = Trimmed(text.substr(begin, end - begin));
+    if (!name.empty()) {
+      names.push_back(std::move(name));
+    }
+    begin = end + 1;
+  }
+  return names;
+}
+
+class ConfigParser {
+ public:
+  ConfigParser(const std::filesystem::path& path,
+               const SparseModel& model,
+               double min_triangulation_angle_degrees)
+      : path_(path),
+        model_(model),
+        min_angle_(min_triangulation_angle_degrees) {}
+
+  std::vector<StereoProblem> Parse() {
+    const std::vector<ConfigLine> lines = ReadConfigLines(path_);
+    std::vector<StereoProblem> problems;
+    for (size_t i = 0; i < lines.size(); i += 2) {
+      StereoProblem problem;
+      problem.reference = FindImage(lines[i], lines[i].text);
+      if (!references_.insert(problem.reference).second) {
+        throw Corrupt(
+            lines[i],
+            "gives the sources of " + lines[i].text + " a second time");
+      }
+      if (i + 1 == lines.size()) {
+        throw Corrupt(lines[i],
+                      "names the reference " + lines[i].text +
+                          ", but no line with its sources follows");
+      }
+      problem.sources = ParseSources(lines[i + 1], problem.reference);
+      problems.push_back(std::move(problem));
+    }
+    return problems;
+  }
+
+ private:
+  std::vector<int> ParseSources(const ConfigLine& line, int reference) {
+    const std::vector<std::string> names = SplitNames(line.text);
+    if (names.size() == 1 && names[0] == "__all__") {
+      std::vector<int> sources;
+      for (int i = 0; i < static_cast<int>(model_.images.size()); ++i) {
+        if (i != reference) {
+          sources.push_back(i);
+        }
+      }
+      return sources;
+    }
+    if (!names.empty() && names[0] == "__auto__") {
+      return SelectSources(line, names, reference);
+    }
+    std::vector<int> sources;
+    std::unordered_set<int> seen = {reference};
+    for (const std::string& name : names) {
+      sources.push_back(FindImage(line, name));
+      if (!seen.insert(sources.back()).second) {
+        throw Corrupt(
+            line,
+            "lists " + name + ", which is the reference or already listed");
+      }
+    }
+    if (sources.empty()) {
+      throw Corrupt(line, "lists no source image");
+    }
+    return sources;
+  }
+
+  std::vector<int> SelectSources(const ConfigLine& line,
+                                 const std::vector<std::string>& names,
+                                 int reference) {
+    int count = 0;
+    if (names.size() == 2) {
+      const char* end = names[1].data() + names[1].size();
+      const auto result = std::from_chars(names[1].data(), end, count);
+      count = result.ec == std::errc() && result.ptr == end ? count : 0;
+    }
+    if (count < 1) {
+      throw Corrupt(line,
+                    "must have the form \"__auto__, N\" with a number N > 0");
+    }
+    // Only made where it is needed: it holds every track.
+    if (!selector_) {
+      selector_.emplace(model_);
+    }
+    return selector_->SelectSources(reference, count, min_angle_);
+  }
+
+  int FindImage(const ConfigLine& line, const std::string& name) const {
+    const int index = model_.IndexOf(name);
+    if (index < 0) {
+      throw Error::File(ErrorCode::kMismatch,
+                        path_.string(),
+                        "line " + std::to_string(line.number) + " names " +
+                            name + ", which is not in the sparse model",
+                        "correct the name or make the workspace again");
+    }
+    return index;
+  }
+
+  Error Corrupt(const ConfigLine& line, const std::string& what) const {
+    return Error::File(ErrorCode::kCorrupt,
+                       path_.string(),
+                       "line " + std::to_string(line.number) + " " + what,
+                       "correct the line or make the workspace again");
+  }
+
+  const std::filesystem::path& path_;
+  const SparseModel& model_;
+  double min_angle_;
+  std::optional<SourceSelector> selector_;
+  std::unordered_set<int> references_;
+};
+
+}  // namespace
+
+std::vector<StereoProblem> ReadPatchMatchConfig(
+    const std::filesystem::path& path,
+    const SparseModel& model,
+    double min_triangulation_angle_degrees) {
+  return ConfigParser(path, model, min_triangulation_angle_degrees).Parse();
+}
+
+std::vector<std::string> ReadFusionConfig(const std::filesystem::path& path) {
+  std::vector<std::string> names;
+  for (ConfigLine& line : ReadConfigLines(path)) {
+    names.push_back(std::move(line.text));
+  }
+  return names;
+}
+
+}  // namespace tsar

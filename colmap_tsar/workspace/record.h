@@ -1,0 +1,53 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+enum class ImageStatus {
+  kPending,  // Not begun.
+  kWriting,  // The refined maps are being given their names.
+  kDone,     // The refined maps are in place.
+  kKept,     // The original maps were left as they are; the note says why.
+  kFailed,   // An error; the note says which.
+};
+
+std::string ToString(ImageStatus status);
+
+// What is known about one image's maps of one type, kept as
+// stereo/tsar/records/NAME.TYPE.json. The caller of WriteRefined fills in
+// options_hash, counts, seconds and note; the rest is filled in there.
+struct ImageRecord {
+  std::string version;  // Of the program that wrote it.
+  std::string image;
+  std::string type;
+  ImageStatus status = ImageStatus::kPending;
+  std::string options_hash;
+  // Fingerprints of the maps of ours that may be in place, the latest first.
+  // More than one only while maps are being replaced.
+  std::vector<uint64_t> depth_hashes;
+  std::vector<uint64_t> normal_hashes;
+  // Fingerprints of the originals; only in output workspaces, whose originals
+  // can change without our knowing.
+  uint64_t original_depth_hash = 0;
+  uint64_t original_normal_hash = 0;
+  std::map<std::string, int64_t> counts;
+  std::map<std::string, double> seconds;
+  std::string note;
+};
+
+// Nothing where there is no such file; Error kCorrupt where it is not a record.
+std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
+
+// In one step; creates the folder.
+void WriteRecord(const std::filesystem::path& path, const ImageRecord& record);
+
+}  // namespace tsar

@@ -1,0 +1,171 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/sparse_model_files.h"
+
+#include <bit>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace tsar {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "the files are little-endian and read as they are");
+
+// Reads values one after the other and knows how many bytes are left, so that
+// no count is believed that the file cannot hold.
+class BinaryReader {
+ public:
+  explicit BinaryReader(const std::filesystem::path& path)
+      : path_(path), file_(path, std::ios::binary) {
+    std::error_code error;
+    num_left_ = std::filesystem::file_size(path, error);
+    if (error || !file_) {
+      throw Error::File(ErrorCode::kIo,
+                        path.string(),
+                        "cannot be read",
+                        "check that it is a file and that you may read it");
+    }
+  }
+
+  template <typename T>
+  T Read() {
+    Take(sizeof(T));
+    T value;
+    file_.read(reinterpret_cast<char*>(&value), sizeof(T));
+    if (!file_) {
+      throw Truncated();
+    }
+    return value;
+  }
+
+  std::string ReadName() {
+    std::string name;
+    for (char c = Read<char>(); c != '\0'; c = Read<char>()) {
+      name.push_back(c);
+    }
+    return name;
+  }
+
+  // A number of records, each of at least min_bytes.
+  uint64_t ReadCount(uint64_t min_bytes) {
+    const uint64_t count = Read<uint64_t>();
+    if (count > num_left_ / min_bytes) {
+      throw Truncated();
+    }
+    return count;
+  }
+
+  void Skip(uint64_t num_bytes) {
+    Take(num_bytes);
+    file_.seekg(static_cast<std::streamoff>(num_bytes), std::ios::cur);
+  }
+
+ private:
+  void Take(uint64_t num_bytes) {
+    if (num_bytes > num_left_) {
+      throw Truncated();
+    }
+    num_left_ -= num_bytes;
+  }
+
+  Error Truncated() const {
+    return Error::File(ErrorCode::kCorrupt,
+                       path_.string(),
+                       "the file is shorter than its content says",
+                       "copy or make the sparse model again");
+  }
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  uint64_t num_left_ = 0;
+};
+
+// By COLMAP's model id, as far as it is of use in a message.
+std::string CameraModelName(int id) {
+  static const char* const kNames[] = {"SIMPLE_PINHOLE",
+                                       "PINHOLE",
+                                       "SIMPLE_RADIAL",
+                                       "RADIAL",
+                                       "OPENCV",
+                                       "OPENCV_FISHEYE",
+                                       "FULL_OPENCV",
+                                       "FOV",
+                                       "SIMPLE_RADIAL_FISHEYE",
+                                       "RADIAL_FISHEYE",
+                                       "THIN_PRISM_FISHEYE"};
+  return id >= 0 && id < static_cast<int>(std::size(kNames))
+             ? kNames[id]
+             : "with number " + std::to_string(id);
+}
+
+void ReadCameras(SparseModelFiles* files) {
+  BinaryReader reader(files->cameras_path);
+  const uint64_t count = reader.ReadCount(48);
+  for (uint64_t i = 0; i < count; ++i) {
+    const uint32_t id = reader.Read<uint32_t>();
+    SparseModelFiles::FileCamera camera;
+    camera.model = CameraModelName(reader.Read<int32_t>());
+    camera.width = reader.Read<uint64_t>();
+    camera.height = reader.Read<uint64_t>();
+    camera.params.resize(static_cast<size_t>(
+        NumCameraParams(files->cameras_path, camera.model)));
+    for (double& param : camera.params) {
+      param = reader.Read<double>();
+    }
+    AddCamera(id, std::move(camera), files);
+  }
+}
+
+void ReadImages(SparseModelFiles* files) {
+  BinaryReader reader(files->images_path);
+  const uint64_t count = reader.ReadCount(73);
+  files->images.resize(count);
+  for (SparseModelFiles::FileImage& image : files->images) {
+    image.id = reader.Read<uint32_t>();
+    for (double& value : image.quaternion) {
+      value = reader.Read<double>();
+    }
+    for (double& value : image.translation) {
+      value = reader.Read<double>();
+    }
+    image.camera_id = reader.Read<uint32_t>();
+    image.name = reader.ReadName();
+    // Keypoints: x, y and the point's id, which the tracks have too.
+    constexpr uint64_t kKeypointBytes = 24;
+    reader.Skip(kKeypointBytes * reader.ReadCount(kKeypointBytes));
+  }
+}
+
+void ReadPoints(SparseModelFiles* files) {
+  BinaryReader reader(files->points_path);
+  const uint64_t count = reader.ReadCount(51);
+  files->points.resize(count);
+  for (SparseModelFiles::FilePoint& point : files->points) {
+    point.id = reader.Read<uint64_t>();
+    for (int i = 0; i < 3; ++i) {
+      point.position(i) = reader.Read<double>();
+    }
+    reader.Skip(3 + sizeof(double));  // Colour and error.
+    point.track_begin = files->track_image_ids.size();
+    const uint64_t length = reader.ReadCount(8);
+    for (uint64_t i = 0; i < length; ++i) {
+      files->track_image_ids.push_back(reader.Read<uint32_t>());
+      reader.Skip(4);  // The keypoint's index.
+    }
+    point.track_end = files->track_image_ids.size();
+  }
+}
+
+}  // namespace
+
+void ReadSparseModelBinary(SparseModelFiles* files) {
+  ReadCameras(files);
+  ReadImages(files);
+  ReadPoints(files);
+}
+
+}  // namespace tsar

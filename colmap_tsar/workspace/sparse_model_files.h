@@ -1,0 +1,64 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// What the files of a sparse model say, before ids are resolved and values
+// checked. Shared by the two formats.
+struct SparseModelFiles {
+  struct FileCamera {
+    std::string model;
+    uint64_t width = 0;
+    uint64_t height = 0;
+    std::vector<double> params;
+  };
+  struct FileImage {
+    uint32_t id = 0;
+    double quaternion[4] = {};  // w, x, y, z
+    double translation[3] = {};
+    uint32_t camera_id = 0;
+    std::string name;
+  };
+  struct FilePoint {
+    uint64_t id = 0;
+    Eigen::Vector3d position;
+    // [begin, end) in track_image_ids.
+    size_t track_begin = 0;
+    size_t track_end = 0;
+  };
+
+  std::filesystem::path cameras_path;
+  std::filesystem::path images_path;
+  std::filesystem::path points_path;
+
+  std::unordered_map<uint32_t, FileCamera> cameras;
+  std::vector<FileImage> images;
+  std::vector<FilePoint> points;
+  std::vector<uint32_t> track_image_ids;
+};
+
+// The paths must be set. Throw Error kCorrupt, kUnsupported or kIo.
+void ReadSparseModelBinary(SparseModelFiles* files);
+void ReadSparseModelText(SparseModelFiles* files);
+
+// The number of parameters of a camera model that this program can use; throws
+// Error kUnsupported for the others.
+int NumCameraParams(const std::filesystem::path& path,
+                    const std::string& model);
+
+// Adds a camera; Error kCorrupt where the id is taken.
+void AddCamera(uint32_t id,
+               SparseModelFiles::FileCamera camera,
+               SparseModelFiles* files);
+
+}  // namespace tsar

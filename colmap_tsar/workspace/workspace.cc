@@ -1,0 +1,202 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/workspace.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/originals.h"
+#include "colmap_tsar/workspace/output_workspace.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+void RequireFolder(const std::filesystem::path& folder, const char* advice) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "no such folder, so this is not a dense workspace",
+                      advice);
+  }
+}
+
+// Every path of an image is made from its name, so a name must not lead out.
+void RequireSafeName(const std::filesystem::path& root,
+                     const std::string& name) {
+  const std::filesystem::path path(name);
+  if (path.is_absolute() ||
+      std::find(path.begin(), path.end(), "..") != path.end()) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      (root / "sparse").string(),
+                      "the image name " + name + " leads out of the workspace",
+                      "rename the image and make the workspace again");
+  }
+}
+
+cv::Mat DecodeImage(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "no such image",
+                      "make the workspace again with image_undistorter");
+  }
+  cv::Mat image;
+  try {
+    image = cv::imread(path.string(),
+                       cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      path.string(),
+                      "not a readable image",
+                      "make the workspace again with image_undistorter");
+  }
+  return image;
+}
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+void RequireMap(OriginalState state,
+                const std::filesystem::path& path,
+                const char* kind) {
+  if (state == OriginalState::kMissing) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      std::string("the image has no ") + kind + " map",
+                      "run patch_match_stereo for this image");
+  }
+}
+
+}  // namespace
+
+Workspace::Workspace(const std::filesystem::path& root, MapType type)
+    : root_(root), source_root_(root), type_(type) {
+  RequireFolder(root, "check --workspace_path");
+  for (const char* folder : {"images", "sparse", "stereo"}) {
+    RequireFolder(root / folder, "make the workspace with image_undistorter");
+  }
+  for (const char* folder : {"depth_maps", "normal_maps"}) {
+    RequireFolder(root / "stereo" / folder, "run patch_match_stereo first");
+  }
+  if (const std::optional<std::filesystem::path> source =
+          ReadOutputMarker(root)) {
+    source_root_ = *source;
+    is_output_ = true;
+    RequireFolder(source_root_,
+                  "the input of this output workspace has been moved or "
+                  "deleted; make the output workspace again");
+  }
+  model_ = ReadSparseModel(root / "sparse");
+  for (const SparseModel::ModelImage& image : model_.images) {
+    RequireSafeName(root, image.name);
+  }
+  problems_ = ReadPatchMatchConfig(root / "stereo" / "patch-match.cfg", model_);
+}
+
+std::filesystem::path Workspace::ImagePath(int image) const {
+  return root_ / "images" / model_.images.at(static_cast<size_t>(image)).name;
+}
+
+MapPaths Workspace::Paths(int image, MapType type) const {
+  return GetMapPaths(
+      root_, model_.images.at(static_cast<size_t>(image)).name, type);
+}
+
+std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
+  return Paths(image, type).depth;
+}
+
+std::filesystem::path Workspace::NormalPath(int image, MapType type) const {
+  return Paths(image, type).normal;
+}
+
+std::filesystem::path Workspace::CostPath(int image, MapType type) const {
+  return Paths(image, type).cost;
+}
+
+std::filesystem::path Workspace::ConfidencePath(int image, MapType type) const {
+  return Paths(image, type).confidence;
+}
+
+std::filesystem::path Workspace::ProvenancePath(int image, MapType type) const {
+  return Paths(image, type).provenance;
+}
+
+MapPaths Workspace::SourcePaths(int image, MapType type) const {
+  return GetMapPaths(
+      source_root_, model_.images.at(static_cast<size_t>(image)).name, type);
+}
+
+bool Workspace::HasMaps(int image, MapType type) const {
+  const MapPaths paths = SourcePaths(image, type);
+  const auto exists = [](const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::exists(path, error);
+  };
+  return (exists(paths.depth) || exists(paths.original_depth)) &&
+         (exists(paths.normal) || exists(paths.original_normal));
+}
+
+Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
+  const std::filesystem::path path = ImagePath(image);
+  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  cv::Mat pixels = DecodeImage(path);
+  if (pixels.cols != camera.width || pixels.rows != camera.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the image has " + SizeText(pixels.cols, pixels.rows) +
+                          " pixels, its camera " +
+                          SizeText(camera.width, camera.height),
+                      "make the workspace again with image_undistorter");
+  }
+  if (pixels.cols != width || pixels.rows != height) {
+    cv::resize(pixels, pixels, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  }
+  Image<Rgb> result(width, height);
+  for (int y = 0; y < height; ++y) {
+    const cv::Vec3b* row = pixels.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < width; ++x) {
+      result(x, y) = {row[x][2], row[x][1], row[x][0]};
+    }
+  }
+  return result;
+}
+
+DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
+  const OriginalMaps originals = FindOriginals(SourcePaths(image, type));
+  RequireMap(originals.depth_state, originals.depth, "depth");
+  RequireMap(originals.normal_state, originals.normal, "normal");
+  DepthNormal maps;
+  int64_t num_bad_depths = 0;
+  int64_t num_bad_normals = 0;
+  maps.depth = ReadDepthMap(originals.depth, &num_bad_depths);
+  maps.normal = ReadNormalMap(originals.normal, &num_bad_normals);
+  maps.num_not_finite = num_bad_depths + num_bad_normals;
+  if (!maps.depth.HasSizeOf(maps.normal)) {
+    throw Error::File(ErrorCode::kMismatch,
+                      originals.normal.string(),
+                      "the normal map has " +
+                          SizeText(maps.normal.Width(), maps.normal.Height()) +
+                          " pixels, the depth map " +
+                          SizeText(maps.depth.Width(), maps.depth.Height()),
+                      "run patch_match_stereo again for this image");
+  }
+  return maps;
+}
+
+}  // namespace tsar

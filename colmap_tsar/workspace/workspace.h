@@ -1,0 +1,79 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/workspace/patch_match_config.h"
+#include "colmap_tsar/workspace/sparse_model.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace tsar {
+
+// A depth and a normal map of the same size (see map_io.h).
+struct DepthNormal {
+  Image<float> depth;
+  Image<Vec3f> normal;
+  int64_t num_not_finite = 0;  // Values that were read as invalid.
+};
+
+// COLMAP's dense workspace: images/, sparse/ and stereo/. Images are named by
+// their index in Model().images. All methods are const and may be called from
+// several threads.
+class Workspace {
+ public:
+  // type: the maps to refine. Reads the sparse model and patch-match.cfg.
+  // Throws Error: kNotFound (a folder or file of the workspace is missing),
+  // kUnsupported (an image's name leaves the folder: absolute or with ".."),
+  // and what ReadSparseModel and ReadPatchMatchConfig throw.
+  Workspace(const std::filesystem::path& root, MapType type);
+
+  const std::filesystem::path& Root() const { return root_; }
+  MapType Type() const { return type_; }
+  const SparseModel& Model() const { return model_; }
+  const std::vector<StereoProblem>& Problems() const { return problems_; }
+
+  // The workspace that holds the originals: another one where this one was
+  // made by CreateOutputWorkspace, otherwise this one.
+  const std::filesystem::path& SourceRoot() const { return source_root_; }
+  bool IsOutput() const { return is_output_; }
+
+  std::filesystem::path ImagePath(int image) const;
+  // In this workspace, and in the one that holds the originals.
+  MapPaths Paths(int image, MapType type) const;
+  MapPaths SourcePaths(int image, MapType type) const;
+  std::filesystem::path DepthPath(int image, MapType type) const;
+  std::filesystem::path NormalPath(int image, MapType type) const;
+  std::filesystem::path CostPath(int image, MapType type) const;
+  std::filesystem::path ConfidencePath(int image, MapType type) const;
+  std::filesystem::path ProvenancePath(int image, MapType type) const;
+
+  // Whether the image has both a depth and a normal map of this type.
+  bool HasMaps(int image, MapType type) const;
+
+  // The undistorted image, reduced to width x height by averaging. The EXIF
+  // orientation is ignored, as COLMAP does. Throws Error: kNotFound, kCorrupt
+  // (not a readable image), kMismatch (its size is not the camera's).
+  Image<Rgb> ReadImage(int image, int width, int height) const;
+
+  // The maps as COLMAP wrote them, also where they have been refined since.
+  // Maps that COLMAP has written anew after that count as the originals.
+  // Throws Error: kNotFound (one of the two is missing), kMismatch (sizes
+  // differ; or the original is lost), and what the readers of map_io.h throw.
+  DepthNormal ReadOriginalMaps(int image, MapType type) const;
+
+ private:
+  std::filesystem::path root_;
+  std::filesystem::path source_root_;
+  bool is_output_ = false;
+  MapType type_;
+  SparseModel model_;
+  std::vector<StereoProblem> problems_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,81 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/workspace_lock.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/map_paths.h"
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include <fcntl.h>
+#include <glog/logging.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+// Whether the open file still has the name: the holder before may have removed
+// it between our open() and flock().
+bool HasName(int descriptor, const std::filesystem::path& path) {
+  struct stat opened;
+  struct stat named;
+  return fstat(descriptor, &opened) == 0 && stat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+WorkspaceLock::WorkspaceLock(const std::filesystem::path& root)
+    : path_(GetTsarFolder(root) / kFileName) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(root / "stereo", error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      (root / "stereo").string(),
+                      "no such folder, so this is not a dense workspace",
+                      "check --workspace_path");
+  }
+  do {
+    if (descriptor_ >= 0) {
+      close(descriptor_);
+    }
+    CreateFolders(path_.parent_path());
+    descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) {
+      throw Error::File(
+          ErrorCode::kIo,
+          path_.string(),
+          std::string("cannot be written (") + std::strerror(errno) + ")",
+          "check the permissions there");
+    }
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      const int reason = errno;
+      if (reason == EWOULDBLOCK) {
+        close(descriptor_);
+        throw Error::File(ErrorCode::kUnsupported,
+                          path_.string(),
+                          "another program is working on this workspace",
+                          "wait until it has ended");
+      }
+      LOG(WARNING) << path_.string() << ": the file cannot be locked ("
+                   << std::strerror(reason)
+                   << "); do not start a second program on this workspace";
+      return;
+    }
+  } while (!HasName(descriptor_, path_));
+}
+
+WorkspaceLock::~WorkspaceLock() {
+  unlink(path_.c_str());
+  close(descriptor_);
+  // Only goes where nothing else was written.
+  rmdir(path_.parent_path().c_str());
+}
+
+}  // namespace tsar

@@ -1,0 +1,216 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/write_back.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/content_hash.h"
+#include "colmap_tsar/workspace/links.h"
+#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/originals.h"
+
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
+  if (!maps.normal.HasSizeOf(maps.depth) ||
+      !maps.confidence.HasSizeOf(maps.depth) ||
+      !maps.provenance.HasSizeOf(maps.depth)) {
+    throw Error(ErrorCode::kMismatch,
+                image +
+                    ": the refined maps differ in size; this is a mistake "
+                    "of the program, please report it");
+  }
+}
+
+void PutProvenance(const Image<uint8_t>& provenance,
+                   const std::filesystem::path& path,
+                   AtomicFile* file) {
+  cv::Mat pixels(provenance.Height(), provenance.Width(), CV_8UC1);
+  for (int y = 0; y < provenance.Height(); ++y) {
+    for (int x = 0; x < provenance.Width(); ++x) {
+      pixels.at<uint8_t>(y, x) = provenance(x, y);
+    }
+  }
+  std::vector<uchar> bytes;
+  if (!cv::imencode(".png", pixels, bytes)) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be encoded as PNG",
+                      "check that OpenCV was built with PNG");
+  }
+  file->Stream().write(reinterpret_cast<const char*>(bytes.data()),
+                       static_cast<std::streamsize>(bytes.size()));
+}
+
+void KeepOriginal(OriginalState state,
+                  const std::filesystem::path& current,
+                  const std::filesystem::path& stored) {
+  switch (state) {
+    case OriginalState::kMissing:
+      throw Error::File(ErrorCode::kNotFound,
+                        current.string(),
+                        "there is no map to refine",
+                        "run patch_match_stereo for this image");
+    case OriginalState::kInPlace:
+    case OriginalState::kReplaced:
+      LinkOrCopyFile(current, stored);
+      break;
+    case OriginalState::kStored:
+      break;
+  }
+}
+
+// The inverse of KeepOriginal.
+void PutOriginalBack(OriginalState state,
+                     const std::filesystem::path& current,
+                     const std::filesystem::path& stored) {
+  if (state == OriginalState::kStored) {
+    RenameFile(stored, current);
+  } else if (state == OriginalState::kReplaced) {
+    RemoveFile(stored);
+  }
+}
+
+void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
+  record->version = TSAR_VERSION;
+  record->image = workspace.Model().images.at(static_cast<size_t>(image)).name;
+  record->type = ToString(workspace.Type());
+}
+
+}  // namespace
+
+WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
+    : workspace_(workspace),
+      image_(image),
+      paths_(workspace.Paths(image, workspace.Type())),
+      record_(std::move(record)) {
+  FillIn(workspace, image, &record_);
+}
+
+void WriteBack::PrepareFiles(const RefinedMaps& maps) {
+  RequireSameSizes(maps, record_.image);
+  for (const std::filesystem::path* path : {&paths_.depth,
+                                            &paths_.normal,
+                                            &paths_.confidence,
+                                            &paths_.provenance}) {
+    CreateFolders(path->parent_path());
+    files_.emplace_back(*path);
+  }
+  // An earlier refinement may still be in place until the files are renamed.
+  const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
+  record_.depth_hashes = earlier.depth_hashes;
+  record_.normal_hashes = earlier.normal_hashes;
+  record_.depth_hashes.insert(record_.depth_hashes.begin(),
+                              PutDepthMap(maps.depth, &files_[0]));
+  record_.normal_hashes.insert(record_.normal_hashes.begin(),
+                               PutNormalMap(maps.normal, &files_[1]));
+  PutDepthMap(maps.confidence, &files_[2]);
+  PutProvenance(maps.provenance, paths_.provenance, &files_[3]);
+  for (AtomicFile& file : files_) {
+    file.Prepare();
+  }
+}
+
+void WriteBack::KeepOriginals() {
+  const OriginalMaps originals =
+      FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
+  if (workspace_.IsOutput()) {
+    record_.original_depth_hash = HashFile(originals.depth);
+    record_.original_normal_hash = HashFile(originals.normal);
+    return;
+  }
+  KeepOriginal(originals.depth_state, paths_.depth, paths_.original_depth);
+  KeepOriginal(originals.normal_state, paths_.normal, paths_.original_normal);
+}
+
+void WriteBack::RecordWriting() {
+  record_.status = ImageStatus::kWriting;
+  WriteRecord(paths_.record, record_);
+}
+
+void WriteBack::RenameFiles() {
+  for (AtomicFile& file : files_) {
+    file.Commit();
+  }
+}
+
+void WriteBack::RecordDone() {
+  record_.status = ImageStatus::kDone;
+  record_.depth_hashes.resize(1);
+  record_.normal_hashes.resize(1);
+  WriteRecord(paths_.record, record_);
+}
+
+void WriteRefined(const Workspace& workspace,
+                  int image,
+                  const RefinedMaps& maps,
+                  ImageRecord record) {
+  WriteBack write_back(workspace, image, std::move(record));
+  write_back.PrepareFiles(maps);
+  write_back.KeepOriginals();
+  write_back.RecordWriting();
+  write_back.RenameFiles();
+  write_back.RecordDone();
+}
+
+void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals =
+      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
+  if (workspace.IsOutput()) {
+    LinkMap(originals.depth_state, originals.depth, paths.depth);
+    LinkMap(originals.normal_state, originals.normal, paths.normal);
+  } else {
+    PutOriginalBack(originals.depth_state, paths.depth, paths.original_depth);
+    PutOriginalBack(
+        originals.normal_state, paths.normal, paths.original_normal);
+  }
+  RemoveFile(paths.confidence);
+  RemoveFile(paths.provenance);
+  FillIn(workspace, image, &record);
+  record.status = ImageStatus::kKept;
+  record.depth_hashes.clear();
+  record.normal_hashes.clear();
+  WriteRecord(paths.record, record);
+}
+
+bool IsDone(const Workspace& workspace,
+            int image,
+            const std::string& options_hash) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const std::optional<ImageRecord> record = ReadRecord(paths.record);
+  if (!record || record->status != ImageStatus::kDone ||
+      record->options_hash != options_hash || record->version != TSAR_VERSION ||
+      record->depth_hashes.empty() || record->normal_hashes.empty()) {
+    return false;
+  }
+  if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
+      !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
+      HashFile(paths.depth) != record->depth_hashes[0] ||
+      HashFile(paths.normal) != record->normal_hashes[0]) {
+    return false;
+  }
+  if (!workspace.IsOutput()) {
+    return true;
+  }
+  const OriginalMaps originals =
+      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
+  return IsFile(originals.depth) && IsFile(originals.normal) &&
+         HashFile(originals.depth) == record->original_depth_hash &&
+         HashFile(originals.normal) == record->original_normal_hash;
+}
+
+}  // namespace tsar

@@ -1,0 +1,69 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/record.h"
+#include "colmap_tsar/workspace/workspace.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The result for one image; all four have the size of the original maps.
+struct RefinedMaps {
+  Image<float> depth;         // See map_io.h.
+  Image<Vec3f> normal;        // See map_io.h.
+  Image<float> confidence;    // In [0, 1].
+  Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
+};
+
+// Puts the refined maps of workspace.Type() in the place of the originals. At
+// every instant each map file is the complete original or the complete refined
+// one, and the original is kept in stereo/tsar/original (in an output workspace
+// it stays where it is, in the input). Safe for different images at once.
+// Throws Error: kMismatch (sizes, or values that are not finite), kNotFound
+// (the image has no maps), kIo.
+void WriteRefined(const Workspace& workspace,
+                  int image,
+                  const RefinedMaps& maps,
+                  ImageRecord record);
+
+// Notes that the image keeps its original maps, and why (record.note). Where
+// they had been refined by an earlier run, the originals are put back.
+void KeepImage(const Workspace& workspace, int image, ImageRecord record);
+
+// Whether the image was refined with the same options and the files are still
+// what was written then. Images that were kept are not done: what they lacked
+// may have come.
+bool IsDone(const Workspace& workspace,
+            int image,
+            const std::string& options_hash);
+
+// The steps of WriteRefined, in the order in which they must be called. An
+// interruption between any two leaves a workspace in which the originals are
+// found and every map is complete.
+class WriteBack {
+ public:
+  WriteBack(const Workspace& workspace, int image, ImageRecord record);
+
+  void PrepareFiles(const RefinedMaps& maps);  // Temporaries, flushed.
+  void KeepOriginals();
+  void RecordWriting();
+  void RenameFiles();
+  void RecordDone();
+
+ private:
+  const Workspace& workspace_;
+  int image_;
+  MapPaths paths_;
+  ImageRecord record_;
+  std::vector<AtomicFile> files_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,187 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/atomic_file.h"
+
+#include <csignal>
+
+#include "tests/workspace/test_workspace.h"
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+size_t NumEntries(const std::filesystem::path& folder) {
+  const std::filesystem::directory_iterator entries(folder);
+  return static_cast<size_t>(std::distance(begin(entries), end(entries)));
+}
+
+TEST(AtomicFileTest, ShowsTheOldContentUntilTheCommit) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  WriteText(path, "old");
+  AtomicFile file(path);
+  file.Stream() << "new";
+  EXPECT_EQ(ReadText(path), "old");
+  file.Prepare();
+  EXPECT_EQ(ReadText(path), "old");
+  file.Commit();
+  EXPECT_EQ(ReadText(path), "new");
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
+}
+
+TEST(AtomicFileTest, LeavesNothingBehindWithoutCommit) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  {
+    AtomicFile file(path);
+    file.Stream() << "new";
+    file.Prepare();
+  }
+  EXPECT_EQ(NumEntries(folder.Path()), 0u);
+}
+
+TEST(AtomicFileTest, WritesMoreThanItsBuffer) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  std::string text;
+  AtomicFile file(path);
+  for (int i = 0; i < 300; ++i) {
+    const std::string piece(static_cast<size_t>(i * 13 % 1000),
+                            static_cast<char>('a' + i % 26));
+    file.Stream() << piece;
+    text += piece;
+  }
+  const std::string large(200000, 'x');
+  file.Stream() << large << "end";
+  file.Commit();
+  EXPECT_EQ(ReadText(path), text + large + "end");
+}
+
+// A killed program may have left its temporary, even as a link.
+TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  const auto victim = folder.Path() / "victim";
+  WriteText(victim, "untouched");
+  std::filesystem::create_symlink(victim,
+                                  path.string() + AtomicFile::kTemporarySuffix);
+  AtomicFile file(path);
+  file.Stream() << "new";
+  file.Commit();
+  EXPECT_EQ(ReadText(path), "new");
+  EXPECT_EQ(ReadText(victim), "untouched");
+  EXPECT_EQ(NumEntries(folder.Path()), 2u);
+}
+
+TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsNone) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "file", "");
+  const auto path = folder.Path() / "file" / "below";
+  ExpectError(ErrorCode::kIo, {path.string(), "Not a directory"}, [&] {
+    AtomicFile file(path);
+  });
+  ExpectError(ErrorCode::kIo, {path.string(), "Not a directory"}, [&] {
+    CreateFolders(path);
+  });
+}
+
+TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsReadOnly) {
+  if (geteuid() == 0) {
+    GTEST_SKIP() << "the superuser may write everywhere";
+  }
+  const TemporaryFolder folder;
+  std::filesystem::permissions(
+      folder.Path(),
+      std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const auto path = folder.Path() / "file";
+  ExpectError(ErrorCode::kIo, {path.string(), "Permission denied"}, [&] {
+    AtomicFile file(path);
+  });
+  std::filesystem::permissions(folder.Path(),
+                               std::filesystem::perms::owner_all);
+}
+
+TEST(AtomicFileTest, KeepsTheOldFileWhereARenameFails) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "taken";
+  WriteText(path / "inside", "");
+  AtomicFile file(path);
+  ExpectError(
+      ErrorCode::kIo, {path.string(), "directory"}, [&] { file.Commit(); });
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
+}
+
+// A limit on the size of files fails in the same place as a full disk.
+TEST(AtomicFileTest, KeepsTheOldFileWhereWritingFails) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  WriteText(path, "old");
+  rlimit before;
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 100000;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  ExpectError(ErrorCode::kIo, {path.string(), "File too large"}, [&] {
+    AtomicFile file(path);
+    file.Stream() << std::string(200000, 'x') << "more";
+    file.Commit();
+  });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(ReadText(path), "old");
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
+}
+
+TEST(LinkOrCopyFileTest, GivesTheSameContentAndReplaces) {
+  const TemporaryFolder folder;
+  const auto source = folder.Path() / "source";
+  const auto target = folder.Path() / "new" / "target";
+  WriteText(source, "one");
+  LinkOrCopyFile(source, target);
+  EXPECT_EQ(ReadText(target), "one");
+  // Once more onto itself, which rename() alone would leave half done.
+  LinkOrCopyFile(source, target);
+  EXPECT_EQ(NumEntries(target.parent_path()), 1u);
+  WriteText(source, "two");
+  EXPECT_EQ(ReadText(target), "one");
+  LinkOrCopyFile(source, target);
+  EXPECT_EQ(ReadText(target), "two");
+}
+
+TEST(LinkOrCopyFileTest, LinksTheFileBehindASymbolicLink) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "source", "one");
+  std::filesystem::create_symlink("source", folder.Path() / "link");
+  const auto target = folder.Path() / "new" / "target";
+  LinkOrCopyFile(folder.Path() / "link", target);
+  EXPECT_FALSE(std::filesystem::is_symlink(target));
+  EXPECT_EQ(ReadText(target), "one");
+}
+
+TEST(CopyFileTest, CopiesAlsoEmptyFiles) {
+  const TemporaryFolder folder;
+  for (const std::string& text : {std::string(), std::string(70000, 'x')}) {
+    WriteText(folder.Path() / "source", text);
+    CopyFile(folder.Path() / "source", folder.Path() / "target");
+    EXPECT_EQ(ReadText(folder.Path() / "target"), text);
+  }
+  const auto missing = folder.Path() / "missing";
+  ExpectError(ErrorCode::kIo, {missing.string()}, [&] {
+    CopyFile(missing, folder.Path() / "target");
+  });
+}
+
+TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "a", "text");
+  std::filesystem::create_hard_link(folder.Path() / "a", folder.Path() / "b");
+  RenameFile(folder.Path() / "a", folder.Path() / "b");
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
+  EXPECT_EQ(ReadText(folder.Path() / "b"), "text");
+}
+
+}  // namespace
+}  // namespace tsar

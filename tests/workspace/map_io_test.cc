@@ -1,0 +1,219 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <limits>
+
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+std::string MapBytes(const std::string& header,
+                     const std::vector<float>& values) {
+  std::string bytes = header;
+  for (const float value : values) {
+    Append(value, &bytes);
+  }
+  return bytes;
+}
+
+class MapIoTest : public testing::Test {
+ protected:
+  std::filesystem::path Write(const std::string& bytes) {
+    const std::filesystem::path path = folder_.Path() / "view.jpg.bin";
+    WriteText(path, bytes);
+    return path;
+  }
+  void ExpectCorruptDepth(const std::string& bytes) {
+    const std::filesystem::path path = Write(bytes);
+    ExpectError(ErrorCode::kCorrupt,
+                {path.string(), "run patch_match_stereo again"},
+                [&] { ReadDepthMap(path); });
+    ExpectError(
+        ErrorCode::kCorrupt, {path.string()}, [&] { ReadMapSize(path); });
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(MapIoTest, ReadsDepthsRowByRow) {
+  const auto path = Write(MapBytes("3&2&1&", {1, 2, 3, 4, 5, 6}));
+  const Image<float> depth = ReadDepthMap(path);
+  ASSERT_EQ(depth.Width(), 3);
+  ASSERT_EQ(depth.Height(), 2);
+  EXPECT_EQ(depth(2, 0), 3.f);
+  EXPECT_EQ(depth(0, 1), 4.f);
+  const MapSize size = ReadMapSize(path);
+  EXPECT_EQ(size.width, 3);
+  EXPECT_EQ(size.height, 2);
+  EXPECT_EQ(size.channels, 1);
+}
+
+TEST_F(MapIoTest, ReadsNormalsPlaneByPlane) {
+  const auto path = Write(MapBytes("2&1&3&", {1, 2, 3, 4, 5, 6}));
+  const Image<Vec3f> normal = ReadNormalMap(path);
+  EXPECT_EQ(normal(0, 0), (Vec3f{1, 3, 5}));
+  EXPECT_EQ(normal(1, 0), (Vec3f{2, 4, 6}));
+}
+
+TEST_F(MapIoTest, MakesBadDepthsInvalidAndCountsThoseNotFinite) {
+  int64_t count = -1;
+  const Image<float> depth = ReadDepthMap(
+      Write(MapBytes("5&1&1&", {kNan, kInf, -kInf, -1.f, 2.f})), &count);
+  EXPECT_EQ(count, 3);
+  EXPECT_THAT(std::vector<float>(depth.begin(), depth.end()),
+              testing::ElementsAre(0.f, 0.f, 0.f, 0.f, 2.f));
+}
+
+TEST_F(MapIoTest, MakesBadNormalsInvalidAndCountsThem) {
+  int64_t count = -1;
+  const Image<Vec3f> normal = ReadNormalMap(
+      Write(MapBytes("3&1&3&", {0, 1, 2, kInf, 1, 2, 0, 1, kNan})), &count);
+  EXPECT_EQ(count, 2);
+  EXPECT_EQ(normal(0, 0), Vec3f());
+  EXPECT_EQ(normal(1, 0), (Vec3f{1, 1, 1}));
+  EXPECT_EQ(normal(2, 0), Vec3f());
+}
+
+TEST_F(MapIoTest, WritesTheBytesThatColmapReads) {
+  const auto path = folder_.Path() / "out.bin";
+  Image<Vec3f> normal(2, 1);
+  normal(0, 0) = {1, 3, 5};
+  normal(1, 0) = {2, 4, 6};
+  uint64_t hash = WriteNormalMap(path, normal);
+  EXPECT_EQ(hash, HashFile(path));
+  EXPECT_EQ(ReadText(path), MapBytes("2&1&3&", {1, 2, 3, 4, 5, 6}));
+  hash = WriteDepthMap(path, Image<float>(1, 2, 7.f));
+  EXPECT_EQ(hash, HashFile(path));
+  EXPECT_EQ(ReadText(path), MapBytes("1&2&1&", {7, 7}));
+  const PlanarMap map = {2, 1, 2, {1, 2, 3, 4}};
+  hash = WritePlanarMap(path, map);
+  EXPECT_EQ(hash, HashFile(path));
+  EXPECT_EQ(ReadText(path), MapBytes("2&1&2&", {1, 2, 3, 4}));
+  const PlanarMap read = ReadPlanarMap(path);
+  EXPECT_EQ(read.width, 2);
+  EXPECT_EQ(read.height, 1);
+  EXPECT_EQ(read.channels, 2);
+  EXPECT_EQ(read.values, map.values);
+}
+
+TEST_F(MapIoTest, RefusesFilesOfAnotherLength) {
+  const std::string good = MapBytes("3&2&1&", {1, 2, 3, 4, 5, 6});
+  ExpectCorruptDepth("");
+  for (size_t length = 1; length < good.size(); ++length) {
+    ExpectCorruptDepth(good.substr(0, length));
+  }
+  ExpectCorruptDepth(good + "x");
+  ExpectCorruptDepth(good + "four");
+}
+
+TEST_F(MapIoTest, RefusesBadHeaders) {
+  for (const char* header : {"0&2&1&",
+                             "2&0&1&",
+                             "2&2&0&",
+                             "-2&2&1&",
+                             "+2&2&1&",
+                             " 2&2&1&",
+                             "2 &2&1&",
+                             "2&2&1",
+                             "2&&1&",
+                             "&&&",
+                             "2x2x1x",
+                             "0x2&2&1&",
+                             "2.0&2&1&",
+                             "2&2&1&\n",
+                             "4294967298&2&1&",
+                             "99999999999999999999&1&1&"}) {
+    SCOPED_TRACE(header);
+    ExpectCorruptDepth(MapBytes(header, {1, 2, 3, 4}));
+  }
+}
+
+// Products of these numbers wrap around to small sizes in 32 and 64 bits.
+TEST_F(MapIoTest, RefusesAbsurdSizesBeforeAllocating) {
+  for (const char* header : {"999999999&999999999&1&",
+                             "999999999&999999999&999999999&",
+                             "65536&65536&1&",
+                             "536870912&536870912&536870912&"}) {
+    SCOPED_TRACE(header);
+    ExpectCorruptDepth(MapBytes(header, {}));
+    ExpectCorruptDepth(MapBytes(header, {1, 2, 3, 4}));
+  }
+}
+
+TEST_F(MapIoTest, RefusesTheWrongNumberOfChannels) {
+  const auto path = Write(MapBytes("2&1&2&", {1, 2, 3, 4}));
+  ExpectError(
+      ErrorCode::kCorrupt, {path.string(), "2"}, [&] { ReadDepthMap(path); });
+  ExpectError(
+      ErrorCode::kCorrupt, {path.string(), "2"}, [&] { ReadNormalMap(path); });
+}
+
+TEST_F(MapIoTest, NamesMissingFilesAndFolders) {
+  const auto missing = folder_.Path() / "missing.bin";
+  ExpectError(
+      ErrorCode::kNotFound, {missing.string()}, [&] { ReadDepthMap(missing); });
+  ExpectError(ErrorCode::kCorrupt, {folder_.Path().string()}, [&] {
+    ReadDepthMap(folder_.Path());
+  });
+}
+
+TEST_F(MapIoTest, RefusesToWriteWhatFusionCannotRead) {
+  const auto path = folder_.Path() / "out.bin";
+  WriteText(path, "old");
+  for (const float value : {kNan, kInf}) {
+    ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
+      WriteDepthMap(path, Image<float>(2, 2, value));
+    });
+    ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
+      WriteNormalMap(path, Image<Vec3f>(2, 2, Vec3f{0, 0, value}));
+    });
+  }
+  ExpectError(ErrorCode::kMismatch, {"empty"}, [&] {
+    WriteDepthMap(path, Image<float>());
+  });
+  ExpectError(ErrorCode::kMismatch, {path.string()}, [&] {
+    WritePlanarMap(path, {2, 2, 1, {1, 2, 3}});
+  });
+  EXPECT_EQ(ReadText(path), "old");
+}
+
+TEST(ContentHashTest, DoesNotDependOnTheSplit) {
+  std::string bytes;
+  for (int i = 0; i < 200; ++i) {
+    bytes.push_back(static_cast<char>(i * 7));
+  }
+  ContentHash whole;
+  whole.Update(bytes.data(), bytes.size());
+  for (size_t step : {1u, 3u, 31u, 32u, 33u, 100u}) {
+    ContentHash parts;
+    for (size_t i = 0; i < bytes.size(); i += step) {
+      parts.Update(bytes.data() + i, std::min(step, bytes.size() - i));
+    }
+    EXPECT_EQ(parts.Value(), whole.Value()) << step;
+  }
+}
+
+TEST(ContentHashTest, SeesEveryByteAndTheLength) {
+  const std::string bytes(77, '\0');
+  std::vector<uint64_t> values;
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    std::string changed = bytes;
+    changed[i] = 1;
+    ContentHash hash;
+    hash.Update(changed.data(), changed.size());
+    values.push_back(hash.Value());
+    ContentHash shorter;
+    shorter.Update(bytes.data(), i);
+    values.push_back(shorter.Value());
+  }
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(std::adjacent_find(values.begin(), values.end()), values.end());
+}
+
+}  // namespace
+}  // namespace tsar

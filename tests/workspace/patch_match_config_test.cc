@@ -1,0 +1,189 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/patch_match_config.h"
+
+#include "colmap_tsar/workspace/source_selection.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// Cameras at the given x that look along z; no points yet.
+SparseModel MakeModel(const std::vector<double>& positions) {
+  SparseModel model;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    SparseModel::ModelImage image;
+    image.name = "v";
+    image.name += std::to_string(i);
+    image.name += ".jpg";
+    image.camera.translation = Eigen::Vector3d(-positions[i], 0, 0);
+    model.images.push_back(image);
+  }
+  model.IndexNames();
+  return model;
+}
+
+void AddPoint(const Eigen::Vector3d& position,
+              const std::vector<size_t>& images,
+              SparseModel* model) {
+  for (const size_t image : images) {
+    model->images[image].point_indices.push_back(
+        static_cast<int>(model->points.size()));
+  }
+  model->points.push_back(position);
+}
+
+class PatchMatchConfigTest : public testing::Test {
+ protected:
+  std::vector<StereoProblem> Read(const std::string& text) {
+    WriteText(path_, text);
+    return ReadPatchMatchConfig(path_, model_);
+  }
+  void ExpectRefused(ErrorCode code,
+                     const std::string& text,
+                     const std::string& message) {
+    SCOPED_TRACE(text);
+    ExpectError(code, {path_.string(), message}, [&] { Read(text); });
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "patch-match.cfg";
+  SparseModel model_ = MakeModel({0, 1, 2, 3});
+};
+
+TEST_F(PatchMatchConfigTest, ReadsAllThreeForms) {
+  AddPoint({0, 0, 5}, {1, 3}, &model_);
+  const std::vector<StereoProblem> problems = Read(
+      "# comment\n\n  v2.jpg  \r\n__all__\r\n# another\nv1.jpg\n"
+      "__auto__, 20\n\t\nv0.jpg\nv3.jpg,v1.jpg ; v2.jpg");
+  ASSERT_EQ(problems.size(), 3u);
+  EXPECT_EQ(problems[0].reference, 2);
+  EXPECT_THAT(problems[0].sources, ElementsAre(0, 1, 3));
+  EXPECT_EQ(problems[1].reference, 1);
+  EXPECT_THAT(problems[1].sources, ElementsAre(3));
+  EXPECT_EQ(problems[2].reference, 0);
+  EXPECT_THAT(problems[2].sources, ElementsAre(3, 1, 2));
+}
+
+TEST_F(PatchMatchConfigTest, KeepsReferencesWithoutOverlap) {
+  const std::vector<StereoProblem> problems = Read("v0.jpg\n__auto__, 5\n");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_THAT(problems[0].sources, IsEmpty());
+}
+
+TEST_F(PatchMatchConfigTest, EmptyFileHasNoProblems) {
+  EXPECT_THAT(Read("# nothing\n"), IsEmpty());
+}
+
+TEST_F(PatchMatchConfigTest, NamesTheLineOfAnUnknownImage) {
+  ExpectRefused(ErrorCode::kMismatch,
+                "# comment\nabsent.jpg\n__all__\n",
+                "line 2 names absent.jpg");
+  ExpectRefused(ErrorCode::kMismatch,
+                "v0.jpg\n\nv1.jpg, absent.jpg\n",
+                "line 3 names absent.jpg");
+}
+
+TEST_F(PatchMatchConfigTest, RefusesBrokenPairs) {
+  constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
+  ExpectRefused(kCorrupt, "v0.jpg\n__all__\nv1.jpg\n# end\n", "line 3");
+  ExpectRefused(kCorrupt, "v0.jpg\n__all__\nv0.jpg\n__all__\n", "line 3");
+  ExpectRefused(kCorrupt, "v0.jpg\nv1.jpg, v0.jpg\n", "line 2");
+  ExpectRefused(kCorrupt, "v0.jpg\nv1.jpg, v1.jpg\n", "line 2");
+  ExpectRefused(kCorrupt, "v0.jpg\n,;\n", "line 2");
+  for (const char* number : {"", "0", "-3", "x", "3x", "3, 4", "99999999999"}) {
+    ExpectRefused(kCorrupt,
+                  std::string("v0.jpg\n__auto__, ") + number + "\n",
+                  "line 2 must have the form");
+  }
+}
+
+TEST_F(PatchMatchConfigTest, NamesMissingFiles) {
+  ExpectError(ErrorCode::kNotFound, {path_.string()}, [&] {
+    ReadPatchMatchConfig(path_, model_);
+  });
+  ExpectError(
+      ErrorCode::kNotFound, {path_.string()}, [&] { ReadFusionConfig(path_); });
+}
+
+TEST_F(PatchMatchConfigTest, ReadsFusionConfig) {
+  WriteText(path_, "# images\nv0.jpg\r\n\nsub/v 1.jpg\n");
+  EXPECT_THAT(ReadFusionConfig(path_), ElementsAre("v0.jpg", "sub/v 1.jpg"));
+}
+
+TEST(SourceSelectorTest, OrdersByTheNumberOfSharedPoints) {
+  SparseModel model = MakeModel({0, 1, 2, 3, 4});
+  const Eigen::Vector3d point(0, 0, 5);
+  AddPoint(point, {0, 1, 2, 4}, &model);
+  AddPoint(point, {0, 2}, &model);
+  AddPoint(point, {0, 2, 4}, &model);
+  AddPoint(point, {3, 1}, &model);
+  const SourceSelector selector(model);
+  EXPECT_THAT(selector.SelectSources(0, 20, 1.0), ElementsAre(2, 4, 1));
+  EXPECT_THAT(selector.SelectSources(0, 2, 1.0), ElementsAre(2, 4));
+  EXPECT_THAT(selector.SelectSources(3, 20, 1.0), ElementsAre(1));
+}
+
+TEST(SourceSelectorTest, EqualCountsGoByIndex) {
+  SparseModel model = MakeModel({0, 1, 2, 3});
+  AddPoint({0, 0, 5}, {3, 1, 0, 2}, &model);
+  EXPECT_THAT(SourceSelector(model).SelectSources(1, 20, 1.0),
+              ElementsAre(0, 2, 3));
+}
+
+// A point on the reference's axis at depth z is seen from x under atan(x / z).
+TEST(SourceSelectorTest, ComparesTheAngleWithTheMinimum) {
+  const double tan1 = std::tan(std::numbers::pi / 180.0);
+  SparseModel model = MakeModel({0, 0.999 * tan1, 1.001 * tan1});
+  AddPoint({0, 0, 1}, {0, 1, 2}, &model);
+  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 1.0), ElementsAre(2));
+  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 0.9),
+              ElementsAre(1, 2));
+}
+
+// Of n angles the one of rank round(0.75 (n - 1)) counts. Near points have
+// large angles, far points small ones.
+TEST(SourceSelectorTest, TakesThe75thPercentileOfTheAngles) {
+  const auto selected = [](int num_near, int num_far) {
+    SparseModel model = MakeModel({0, 1});
+    for (int i = 0; i < num_near; ++i) {
+      AddPoint({0, 0, 5}, {0, 1}, &model);
+    }
+    for (int i = 0; i < num_far; ++i) {
+      AddPoint({0, 0, 1e4}, {0, 1}, &model);
+    }
+    return !SourceSelector(model).SelectSources(0, 20, 1.0).empty();
+  };
+  // Five angles: rank 3, so two large ones are needed.
+  EXPECT_FALSE(selected(1, 4));
+  EXPECT_TRUE(selected(2, 3));
+  // Three angles: rank round(1.5) = 2, the largest.
+  EXPECT_TRUE(selected(1, 2));
+}
+
+// Cameras that face each other see a point under an obtuse angle, which locates
+// it as badly as the acute one.
+TEST(SourceSelectorTest, ObtuseAnglesCountAsTheirSupplement) {
+  SparseModel model = MakeModel({-1, 1});
+  AddPoint({0, 0, 1e-4}, {0, 1}, &model);
+  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 1.0), IsEmpty());
+}
+
+TEST(SourceSelectorTest, CountsRepeatedObservations) {
+  SparseModel model = MakeModel({0, 1, 2});
+  AddPoint({0, 0, 5}, {0, 2, 2}, &model);
+  AddPoint({0, 0, 5}, {0, 1}, &model);
+  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 1.0),
+              ElementsAre(2, 1));
+}
+
+}  // namespace
+}  // namespace tsar

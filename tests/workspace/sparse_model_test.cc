@@ -1,0 +1,289 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/sparse_model.h"
+
+#include <cmath>
+
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+const std::filesystem::path kRoom =
+    std::filesystem::path(TSAR_SOURCE_DIR) / "tests/data/sparse_room";
+
+// Files of a small model as text, to be changed by the tests.
+struct TextModel {
+  std::string cameras =
+      "# Camera list\n1 PINHOLE 80 60 100 101 40 30\n"
+      "7 SIMPLE_PINHOLE 64 48 90 32 24\n";
+  std::string images =
+      "# Image list\n"
+      "5 2 0 0 0 1 2 3 1 sub/with space.png\n"
+      "1.5 2.5 11 3 4 -1\n"
+      "2 0 0 0 -0.5 0 0 0 7 first.png\n"
+      "\n";
+  std::string points =
+      "30 4 5 6 0 0 0 0.5 5 0 2 3\n"
+      "11 1 2 3 255 0 0 0.5 5 1\n";
+
+  SparseModel Read() const {
+    const TemporaryFolder folder;
+    WriteText(folder.Path() / "cameras.txt", cameras);
+    WriteText(folder.Path() / "images.txt", images);
+    WriteText(folder.Path() / "points3D.txt", points);
+    return ReadSparseModel(folder.Path());
+  }
+};
+
+void Replace(const std::string& from, const std::string& to, std::string* s) {
+  const size_t position = s->find(from);
+  ASSERT_NE(position, std::string::npos) << from;
+  s->replace(position, from.size(), to);
+}
+
+TEST(SparseModelTest, ReadsText) {
+  const SparseModel model = TextModel().Read();
+  ASSERT_EQ(model.images.size(), 2u);
+  const SparseModel::ModelImage& first = model.images[0];
+  EXPECT_EQ(first.name, "first.png");
+  EXPECT_EQ(first.camera.width, 64);
+  EXPECT_EQ(first.camera.height, 48);
+  EXPECT_EQ(first.camera.fx, 90);
+  EXPECT_EQ(first.camera.fy, 90);
+  EXPECT_EQ(first.camera.cx, 32);
+  EXPECT_EQ(first.camera.cy, 24);
+  // A turn by 180 degrees about z; the quaternion is not of unit length.
+  EXPECT_TRUE(first.camera.rotation.isApprox(
+      Eigen::Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix()));
+  const SparseModel::ModelImage& second = model.images[1];
+  EXPECT_EQ(second.name, "sub/with space.png");
+  EXPECT_EQ(second.camera.fx, 100);
+  EXPECT_EQ(second.camera.fy, 101);
+  EXPECT_EQ(second.camera.cx, 40);
+  EXPECT_EQ(second.camera.cy, 30);
+  EXPECT_TRUE(second.camera.rotation.isApprox(Eigen::Matrix3d::Identity()));
+  EXPECT_EQ(second.camera.translation, Eigen::Vector3d(1, 2, 3));
+  // By ascending id: 11, 30.
+  ASSERT_EQ(model.points.size(), 2u);
+  EXPECT_EQ(model.points[0], Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(second.point_indices, testing::ElementsAre(0, 1));
+  EXPECT_THAT(first.point_indices, testing::ElementsAre(1));
+  EXPECT_EQ(model.IndexOf("sub/with space.png"), 1);
+  EXPECT_EQ(model.IndexOf("absent"), -1);
+  EXPECT_EQ(model.Find("first.png"), &model.images[0]);
+  EXPECT_EQ(model.Find("absent"), nullptr);
+}
+
+TEST(SparseModelTest, ReadsTextWithWindowsLineEnds) {
+  TextModel text;
+  for (std::string* s : {&text.cameras, &text.images, &text.points}) {
+    std::string converted;
+    for (const char c : *s) {
+      converted += c == '\n' ? "\r\n" : std::string(1, c);
+    }
+    *s = converted;
+  }
+  const SparseModel model = text.Read();
+  ASSERT_EQ(model.images.size(), 2u);
+  EXPECT_EQ(model.images[0].name, "first.png");
+  EXPECT_EQ(model.points.size(), 2u);
+}
+
+// Both were written by COLMAP's model_converter from one model.
+TEST(SparseModelTest, ReadsTheSameFromBothOfColmapsFormats) {
+  const SparseModel a = ReadSparseModel(kRoom / "binary");
+  const SparseModel b = ReadSparseModel(kRoom / "text");
+  ASSERT_EQ(a.images.size(), 8u);
+  ASSERT_EQ(a.points.size(), 70u);
+  ASSERT_EQ(b.images.size(), a.images.size());
+  ASSERT_EQ(b.points.size(), a.points.size());
+  for (size_t i = 0; i < a.images.size(); ++i) {
+    EXPECT_EQ(a.images[i].name, "v00" + std::to_string(i) + ".jpg");
+    EXPECT_EQ(a.images[i].name, b.images[i].name);
+    EXPECT_EQ(a.images[i].point_indices, b.images[i].point_indices);
+    EXPECT_FALSE(a.images[i].point_indices.empty());
+    const Camera& camera_a = a.images[i].camera;
+    const Camera& camera_b = b.images[i].camera;
+    EXPECT_EQ(camera_a.width, 1280);
+    EXPECT_EQ(camera_a.height, camera_b.height);
+    EXPECT_DOUBLE_EQ(camera_a.fx, camera_b.fx);
+    EXPECT_DOUBLE_EQ(camera_a.cy, camera_b.cy);
+    EXPECT_TRUE(camera_a.rotation.isApprox(camera_b.rotation, 1e-14));
+    EXPECT_TRUE(camera_a.translation.isApprox(camera_b.translation, 1e-14));
+  }
+  for (size_t i = 0; i < a.points.size(); ++i) {
+    EXPECT_TRUE(a.points[i].isApprox(b.points[i], 1e-14));
+  }
+}
+
+// Points lie in front of the cameras that see them and project into the image.
+TEST(SparseModelTest, PosesTakeTheWorldToTheCamera) {
+  const SparseModel model = ReadSparseModel(kRoom / "binary");
+  for (const SparseModel::ModelImage& image : model.images) {
+    const Camera& camera = image.camera;
+    for (const int index : image.point_indices) {
+      const Eigen::Vector3d point =
+          camera.rotation * model.points[static_cast<size_t>(index)] +
+          camera.translation;
+      ASSERT_GT(point.z(), 0.0);
+      const double x = camera.fx * point.x() / point.z() + camera.cx;
+      const double y = camera.fy * point.y() / point.z() + camera.cy;
+      EXPECT_TRUE(x > 0 && x < camera.width && y > 0 && y < camera.height);
+    }
+  }
+}
+
+TEST(SparseModelTest, PrefersBinaryWhereAllThreeAreThere) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(kRoom / "text", folder.Path());
+  WriteText(folder.Path() / "cameras.bin", "broken");
+  EXPECT_EQ(ReadSparseModel(folder.Path()).images.size(), 8u);
+  WriteText(folder.Path() / "images.bin", "broken");
+  WriteText(folder.Path() / "points3D.bin", "broken");
+  ExpectError(ErrorCode::kCorrupt,
+              {(folder.Path() / "cameras.bin").string()},
+              [&] { ReadSparseModel(folder.Path()); });
+}
+
+TEST(SparseModelTest, IgnoresRigsAndFrames) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(kRoom / "binary", folder.Path());
+  WriteText(folder.Path() / "rigs.bin", "anything");
+  WriteText(folder.Path() / "frames.bin", "anything");
+  EXPECT_EQ(ReadSparseModel(folder.Path()).images.size(), 8u);
+}
+
+TEST(SparseModelTest, NamesMissingFoldersAndFiles) {
+  const TemporaryFolder folder;
+  const auto missing = folder.Path() / "missing";
+  ExpectError(ErrorCode::kNotFound, {missing.string()}, [&] {
+    ReadSparseModel(missing);
+  });
+  std::filesystem::copy(kRoom / "binary", folder.Path());
+  std::filesystem::remove(folder.Path() / "points3D.bin");
+  ExpectError(ErrorCode::kNotFound, {folder.Path().string()}, [&] {
+    ReadSparseModel(folder.Path());
+  });
+}
+
+TEST(SparseModelTest, RefusesBinaryFilesCutAnywhere) {
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const TemporaryFolder folder;
+    std::filesystem::copy(kRoom / "binary", folder.Path());
+    const std::string bytes = ReadText(folder.Path() / name);
+    const size_t step = std::max<size_t>(1, bytes.size() / 50);
+    for (size_t length = 0; length < bytes.size(); length += step) {
+      WriteText(folder.Path() / name, bytes.substr(0, length));
+      ExpectError(
+          ErrorCode::kCorrupt, {name}, [&] { ReadSparseModel(folder.Path()); });
+    }
+  }
+}
+
+TEST(SparseModelTest, RefusesCountsLargerThanTheFile) {
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    for (const uint64_t count : {uint64_t{1} << 20, ~uint64_t{0}}) {
+      const TemporaryFolder folder;
+      std::filesystem::copy(kRoom / "binary", folder.Path());
+      std::string bytes = ReadText(folder.Path() / name);
+      std::string hostile;
+      Append(count, &hostile);
+      WriteText(folder.Path() / name, hostile + bytes.substr(8));
+      ExpectError(
+          ErrorCode::kCorrupt, {name}, [&] { ReadSparseModel(folder.Path()); });
+    }
+  }
+}
+
+// Every single byte of the small files replaced: an error or a model, never
+// anything else.
+TEST(SparseModelTest, SurvivesDamagedBinaryFiles) {
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const TemporaryFolder folder;
+    std::filesystem::copy(kRoom / "binary", folder.Path());
+    const std::string bytes = ReadText(folder.Path() / name);
+    const size_t step = std::max<size_t>(1, bytes.size() / 400);
+    for (size_t i = 0; i < bytes.size(); i += step) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(~damaged[i]);
+      WriteText(folder.Path() / name, damaged);
+      try {
+        for (const auto& image : ReadSparseModel(folder.Path()).images) {
+          ASSERT_TRUE(image.camera.rotation.allFinite());
+        }
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr(".bin"));
+      }
+    }
+  }
+}
+
+struct BadText {
+  std::string TextModel::*file;
+  const char* from;
+  const char* to;
+  ErrorCode code;
+  const char* message;
+};
+
+TEST(SparseModelTest, RefusesBadText) {
+  constexpr auto kCameras = &TextModel::cameras;
+  constexpr auto kImages = &TextModel::images;
+  constexpr auto kPoints = &TextModel::points;
+  constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
+  const BadText cases[] = {
+      {kCameras,
+       "SIMPLE_PINHOLE",
+       "SIMPLE_RADIAL",
+       ErrorCode::kUnsupported,
+       "undistort first with image_undistorter"},
+      {kCameras, " 24\n", "\n", kCorrupt, "line 3 ends too early"},
+      {kCameras, "7 SIMPLE", "1 SIMPLE", kCorrupt, "more than once"},
+      {kCameras, "100 101", "0 101", kCorrupt, "focal"},
+      {kCameras, "100 101", "100 -101", kCorrupt, "focal"},
+      {kCameras, "100 101", "nan 101", kCorrupt, "focal"},
+      {kCameras, "100 101", "inf 101", kCorrupt, "focal"},
+      {kCameras, "100 101", "1x0 101", kCorrupt, "line 2 has \"1x0\""},
+      {kCameras, "40 30", "nan 30", kCorrupt, "principal"},
+      {kCameras, "80 60", "0 60", kCorrupt, "size"},
+      {kCameras, "80 60", "80 99999999999", kCorrupt, "size"},
+      {kCameras, "80 60", "-80 60", kCorrupt, "\"-80\""},
+      {kImages, "3 1 sub", "3 9 sub", kCorrupt, "camera 9"},
+      {kImages, "first.png", "sub/with space.png", kCorrupt, "more than once"},
+      {kImages, "first.png", "", kCorrupt, "name"},
+      {kImages, "\n2 0", "\n5 0", kCorrupt, "image 5"},
+      {kImages, "0 0 0 -0.5", "0 0 0 0", kCorrupt, "pose"},
+      {kImages, "0 0 0 -0.5", "0 nan 0 1", kCorrupt, "pose"},
+      {kImages, "1 2 3 1", "1 inf 3 1", kCorrupt, "pose"},
+      {kImages, "5 2 0 0", "5 2 0\n", kCorrupt, "line 2 ends too early"},
+      {kPoints, "5 0 2 3", "5 0 8 3", kCorrupt, "image 8"},
+      {kPoints, "5 0 2 3", "5 0 2", kCorrupt, "line 1 ends too early"},
+      {kPoints, "30 4 5 6", "11 4 5 6", kCorrupt, "more than once"},
+      {kPoints, "30 4 5 6", "30 nan 5 6", kCorrupt, "point 30"},
+  };
+  for (const BadText& bad : cases) {
+    SCOPED_TRACE(std::string(bad.from) + " -> " + bad.to);
+    TextModel text;
+    Replace(bad.from, bad.to, &(text.*bad.file));
+    const char* name = bad.file == kCameras  ? "cameras.txt"
+                       : bad.file == kImages ? "images.txt"
+                                             : "points3D.txt";
+    ExpectError(bad.code, {name, bad.message}, [&] { text.Read(); });
+  }
+}
+
+TEST(SparseModelTest, RefusesDistortedBinaryCameras) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(kRoom / "binary", folder.Path());
+  std::string bytes = ReadText(folder.Path() / "cameras.bin");
+  bytes[12] = 4;  // OPENCV
+  WriteText(folder.Path() / "cameras.bin", bytes);
+  ExpectError(ErrorCode::kUnsupported,
+              {"cameras.bin", "OPENCV", "image_undistorter"},
+              [&] { ReadSparseModel(folder.Path()); });
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/workspace_lock.h"
+
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+TEST(WorkspaceLockTest, RefusesASecondHolderUntilTheFirstIsGone) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  const auto path = folder.Path() / "stereo/tsar/lock";
+  {
+    const WorkspaceLock lock(folder.Path());
+    EXPECT_TRUE(std::filesystem::exists(path));
+    for (int i = 0; i < 2; ++i) {
+      ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
+        WorkspaceLock second(folder.Path());
+      });
+    }
+    EXPECT_TRUE(std::filesystem::exists(path));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  const WorkspaceLock again(folder.Path());
+}
+
+TEST(WorkspaceLockTest, TakesOverAFileThatAKilledProgramLeft) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "stereo/tsar/lock", "");
+  WriteText(folder.Path() / "stereo/tsar/manifest.json", "{}");
+  { const WorkspaceLock lock(folder.Path()); }
+  EXPECT_TRUE(
+      std::filesystem::exists(folder.Path() / "stereo/tsar/manifest.json"));
+}
+
+TEST(WorkspaceLockTest, NeedsAWorkspace) {
+  const TemporaryFolder folder;
+  ExpectError(ErrorCode::kNotFound, {(folder.Path() / "stereo").string()}, [&] {
+    WorkspaceLock lock(folder.Path());
+  });
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path()));
+  WriteText(folder.Path() / "stereo/tsar", "a file");
+  ExpectError(ErrorCode::kIo, {(folder.Path() / "stereo/tsar").string()}, [&] {
+    WorkspaceLock lock(folder.Path());
+  });
+}
+
+}  // namespace
+}  // namespace tsar
