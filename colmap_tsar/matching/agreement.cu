@@ -1,0 +1,88 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/matching/agreement.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+struct AgreementKernel {
+  ReferenceView reference;
+  const SourceView* sources;
+  int num_sources;
+  AgreementOptions options;
+  ImageView<uint8_t> counts;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float depth = reference.depth(x, y);
+    int count = 0;
+    if (depth > 0.f) {
+      const Vec3f point = reference.intrinsics.Ray(x, y) * depth;
+      for (int s = 0; s < num_sources && count < 255; ++s) {
+        count += Agrees(sources[s], point, x, y) ? 1 : 0;
+      }
+    }
+    counts(x, y) = static_cast<uint8_t>(count);
+  }
+
+  TSAR_HD bool Agrees(const SourceView& source,
+                      const Vec3f& point,
+                      int x,
+                      int y) const {
+    const Vec3f source_point = source.from_reference * point;
+    if (!(source_point.z > 0.f)) {
+      return false;
+    }
+    float u = 0.f;
+    float v = 0.f;
+    source.intrinsics.Project(source_point, &u, &v);
+    if (!(u >= -0.5f) || !(v >= -0.5f) || !(u < source.depth.width - 0.5f) ||
+        !(v < source.depth.height - 0.5f)) {
+      return false;
+    }
+    const int column = static_cast<int>(u + 0.5f);
+    const int row = static_cast<int>(v + 0.5f);
+    const float source_depth = source.depth(column, row);
+    if (!(source_depth > 0.f)) {
+      return false;
+    }
+    const RelativePose& pose = source.from_reference;
+    const Vec3f back = TransposeTimes(
+        pose.rotation,
+        source.intrinsics.Ray(column, row) * source_depth - pose.translation);
+    if (!(back.z > 0.f) ||
+        !(fabsf(back.z - point.z) <= options.max_depth_error * point.z)) {
+      return false;
+    }
+    reference.intrinsics.Project(back, &u, &v);
+    const float du = u - x;
+    const float dv = v - y;
+    return du * du + dv * dv <=
+           options.max_reprojection_error * options.max_reprojection_error;
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
+                                          const Buffer<SourceView>& sources,
+                                          const AgreementOptions& options,
+                                          Device& device) {
+  DeviceImage<uint8_t> counts(
+      device, reference.depth.width, reference.depth.height);
+  ParallelFor(device,
+              counts.Width(),
+              counts.Height(),
+              AgreementKernel{reference,
+                              sources.Data(),
+                              static_cast<int>(sources.Size()),
+                              options,
+                              counts.View()});
+  return counts;
+}
+
+}  // namespace tsar

@@ -1,0 +1,73 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/filtering/reliability.h"
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+class ReliabilityTest : public testing::Test {
+ protected:
+  ReliabilityTest() : device_(Device::CreateCpu(1)) {}
+
+  // The score of one pixel; a negative argument stands for a missing map.
+  float Score(float depth,
+              float confidence,
+              float discontinuity,
+              int agreement) const {
+    const Image<float> depths(1, 1, depth);
+    const Image<float> confidences(1, 1, confidence);
+    const Image<float> discontinuities(1, 1, discontinuity);
+    const Image<uint8_t> agreements(1, 1, static_cast<uint8_t>(agreement));
+    return AggregateScores(
+               depths.View(),
+               confidence < 0.f ? ImageView<const float>() : confidences.View(),
+               discontinuity < 0.f ? ImageView<const float>()
+                                   : discontinuities.View(),
+               agreement < 0 ? ImageView<const uint8_t>() : agreements.View(),
+               {},
+               *device_)
+        .ToHost()(0, 0);
+  }
+
+  std::unique_ptr<Device> device_;
+};
+
+TEST_F(ReliabilityTest, WeighsConfidenceAgainstDiscontinuity) {
+  EXPECT_FLOAT_EQ(Score(1.f, 0.5f, 1.5f, -1), 0.7f * 0.5f + 0.3f * 1.5f);
+}
+
+// The share of agreeing sources counts twice.
+TEST_F(ReliabilityTest, IsTheMeanWithTheShareOfAgreeingSources) {
+  const float paper = 0.7f * 0.5f + 0.3f * 1.5f;
+  EXPECT_FLOAT_EQ(Score(1.f, 0.5f, 1.5f, 0), paper / 3.f);
+  EXPECT_FLOAT_EQ(Score(1.f, 0.5f, 1.5f, 2), (paper + 1.f) / 3.f);
+  EXPECT_FLOAT_EQ(Score(1.f, 0.5f, 1.5f, 4), (paper + 2.f) / 3.f);
+  EXPECT_FLOAT_EQ(Score(1.f, 0.5f, 1.5f, 255), (paper + 2.f) / 3.f);
+}
+
+TEST_F(ReliabilityTest, GivesAMissingTermsWeightToTheOther) {
+  EXPECT_FLOAT_EQ(Score(1.f, 0.5f, -1.f, -1), 0.5f);
+  EXPECT_FLOAT_EQ(Score(1.f, -1.f, 1.5f, -1), 1.5f);
+}
+
+TEST_F(ReliabilityTest, IsZeroWithoutADepth) {
+  EXPECT_EQ(Score(0.f, 1.f, 1.5f, 4), 0.f);
+}
+
+TEST_F(ReliabilityTest, SelectsWhatIsAboveTheThreshold) {
+  Image<float> score(3, 1);
+  score(0, 0) = 0.5f;
+  score(1, 0) = 0.75f;
+  score(2, 0) = 0.76f;
+  const Image<uint8_t> reliable =
+      SelectReliable(std::as_const(score).View(), 0.75f, *device_).ToHost();
+  EXPECT_EQ(reliable(0, 0), 0);
+  EXPECT_EQ(reliable(1, 0), 0);
+  EXPECT_EQ(reliable(2, 0), 1);
+}
+
+}  // namespace
+}  // namespace tsar

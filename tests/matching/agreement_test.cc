@@ -1,0 +1,129 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/matching/agreement.h"
+
+#include "tests/matching/textured_plane.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+class AgreementTest : public testing::TestWithParam<float> {
+ protected:
+  AgreementTest()
+      : device_(Device::CreateCpu(2)),
+        camera_(DrawnCamera(64, 48, 80.0)),
+        scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f * GetParam()),
+               camera_,
+               *device_) {}
+
+  void AddSource(double x, double angle) {
+    scene_.AddSource(SourceCamera(
+        camera_, GetParam() * Eigen::Vector3d(x, 0.05, 0.0), angle));
+  }
+  Image<uint8_t> Count() {
+    return CountAgreeingSources(
+               scene_.Reference(), scene_.Sources(), {}, *device_)
+        .ToHost();
+  }
+  // The pixels in the middle, which all sources see.
+  void ExpectInTheMiddle(const Image<uint8_t>& counts, int expected) {
+    for (int y = 12; y < 36; ++y) {
+      for (int x = 22; x < 42; ++x) {
+        ASSERT_EQ(counts(x, y), expected) << x << ", " << y;
+      }
+    }
+  }
+
+  std::unique_ptr<Device> device_;
+  Camera camera_;
+  TexturedPlane scene_;
+};
+
+TEST_P(AgreementTest, CountsTheSourcesThatSeeTheSameSurface) {
+  AddSource(0.3, 0.08);
+  AddSource(-0.3, -0.08);
+  AddSource(0.2, 0.0);
+  ExpectInTheMiddle(Count(), 3);
+}
+
+TEST_P(AgreementTest, LeavesOutDepthsThatDifferByTwoPercent) {
+  AddSource(0.3, 0.08);
+  AddSource(-0.3, -0.08);
+  for (float& depth : scene_.SourceDepth(1)) {
+    depth *= 1.02f;
+  }
+  ExpectInTheMiddle(Count(), 1);
+  for (float& depth : scene_.Depth()) {
+    depth *= 0.98f;
+  }
+  ExpectInTheMiddle(Count(), 0);
+}
+
+TEST_P(AgreementTest, AcceptsDepthsThatDifferByHalfAPercent) {
+  AddSource(0.3, 0.08);
+  for (float& depth : scene_.Depth()) {
+    depth *= 1.005f;
+  }
+  ExpectInTheMiddle(Count(), 1);
+}
+
+TEST_P(AgreementTest, LimitsTheReprojectionError) {
+  // Over this baseline half a percent of depth moves the source's pixel by
+  // about 0.005 f b / z = 0.4 pixels.
+  AddSource(3.0, -0.75);
+  for (float& depth : scene_.Depth()) {
+    depth *= 1.005f;
+  }
+  AgreementOptions strict;
+  strict.max_depth_error = 1.f;
+  const auto count = [&](float error) {
+    strict.max_reprojection_error = error;
+    const Image<uint8_t> counts =
+        CountAgreeingSources(
+            scene_.Reference(), scene_.Sources(), strict, *device_)
+            .ToHost();
+    int sum = 0;
+    for (const uint8_t value : counts) {
+      sum += value;
+    }
+    return sum;
+  };
+  EXPECT_GT(count(2.f), 500);
+  EXPECT_LT(count(0.1f), count(2.f) / 2);
+  EXPECT_EQ(count(0.f), 0);
+}
+
+TEST_P(AgreementTest, IgnoresSourcesThatLookAwayOrHaveNoDepth) {
+  AddSource(0.3, 3.14159265);
+  AddSource(0.2, 0.0);
+  scene_.SourceDepth(1) = Image<float>(64, 48, 0.f);
+  ExpectInTheMiddle(Count(), 0);
+  // A source may also come without a depth map.
+  scene_.SourceDepth(1) = Image<float>();
+  ExpectInTheMiddle(Count(), 0);
+}
+
+TEST_P(AgreementTest, IsZeroWithoutSourcesAndWithoutDepth) {
+  ExpectInTheMiddle(Count(), 0);
+  AddSource(0.2, 0.0);
+  scene_.Depth()(30, 20) = 0.f;
+  const Image<uint8_t> counts = Count();
+  EXPECT_EQ(counts(30, 20), 0);
+  EXPECT_EQ(counts(31, 20), 1);
+}
+
+TEST_P(AgreementTest, SaturatesAt255) {
+  for (int i = 0; i < 260; ++i) {
+    AddSource(0.2, 0.0);
+  }
+  EXPECT_EQ(Count()(30, 20), 255);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales,
+                         AgreementTest,
+                         testing::Values(1e-3f, 1.f, 1e3f));
+
+}  // namespace
+}  // namespace tsar
