@@ -1,0 +1,16 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/device/buffer.h"
+
+namespace tsar {
+
+// Turns a labelling (no label negative) into one whose segments are 4-connected and not smaller
+// than min_size pixels: fragments join the neighbour with which they share the
+// longest border. Labels become 0 ... count - 1 in the order of their first
+// pixel. Returns the count.
+int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
+
+}  // namespace tsar

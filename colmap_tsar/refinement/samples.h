@@ -1,0 +1,58 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/plane_fit.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/refinement/weighted_median.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// The raster on which superpixels and regions live: the map's own, or a smaller
+// one of the same shape.
+struct ReducedRaster {
+  int width = 0;
+  int height = 0;
+
+  // The pixel of this raster that covers pixel x of a map of map_size pixels.
+  TSAR_HD static int FromMap(int x, int map_size, int size) {
+    return static_cast<int>((x + 0.5f) * size / map_size);
+  }
+};
+
+// The best reliable measurement under each pixel of the reduced raster, with
+// its own ray, so that nothing is averaged and nothing shifts; z = 0 where
+// there is none.
+// reliable: other than 0 where a pixel may be used; score: the higher the
+// better.
+DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
+                                         ImageView<const float> score,
+                                         ImageView<const uint8_t> reliable,
+                                         const Intrinsics& intrinsics,
+                                         const ReducedRaster& raster,
+                                         Device& device);
+
+// The value of the map's pixel under the middle of each reduced pixel.
+DeviceImage<float> ReduceNearest(ImageView<const float> map,
+                                 const ReducedRaster& raster,
+                                 Device& device);
+
+// Each pixel's plane: that of its label, or an invalid one where the label is
+// negative.
+DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
+                                  const Buffer<Plane>& planes,
+                                  Device& device);
+
+// The depth and normal that each pixel of a width x height map has on the plane
+// of its pixel of the reduced raster; 0 where that plane is invalid.
+DepthNormalImages RenderPlanes(ImageView<const Plane> planes,
+                               const Intrinsics& intrinsics,
+                               int width,
+                               int height,
+                               Device& device);
+
+}  // namespace tsar

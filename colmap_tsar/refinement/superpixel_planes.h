@@ -1,0 +1,31 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/planes/group_planes.h"
+#include "colmap_tsar/refinement/slic.h"
+
+namespace tsar {
+
+struct SuperpixelPlaneOptions {
+  // sigma: the least share of a superpixel's pixels that must be reliable, and
+  // of its reliable pixels that must lie on the plane.
+  float min_support = 0.3f;
+  // t_k of Eq. 7, the tolerance of the inliers, and how RANSAC looks for them.
+  GroupPlaneOptions ransac;
+};
+
+// The plane of each superpixel from its reliable samples; invalid where a
+// superpixel has too little support or its plane leaves [0.8 D_min, 1.2 D_max]
+// at the superpixel's centre (Eq. 6; the bounds as printed enclose nothing).
+// samples: reliable measurements on the superpixels' raster, z = 0 elsewhere;
+// intrinsics: of that raster.
+Buffer<Plane> FitSuperpixelPlanes(const Superpixels& superpixels,
+                                  ImageView<const RayDepth> samples,
+                                  const Intrinsics& intrinsics,
+                                  const DisparityScale& scale,
+                                  const SuperpixelPlaneOptions& options,
+                                  Device& device);
+
+}  // namespace tsar

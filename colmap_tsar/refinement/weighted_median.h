@@ -1,0 +1,64 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/device/buffer.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// A depth map with its normals: z = 0 and a zero normal where there is none.
+struct DepthNormalViews {
+  ImageView<const float> depth;
+  ImageView<const Vec3f> normal;
+};
+
+struct DepthNormalImages {
+  DeviceImage<float> depth;
+  DeviceImage<Vec3f> normal;
+
+  DepthNormalImages() = default;
+  DepthNormalImages(Device& device, int width, int height)
+      : depth(device, width, height), normal(device, width, height) {}
+  DepthNormalViews Views() const { return {depth.View(), normal.View()}; }
+};
+
+struct WeightedMedianOptions {
+  // Half the window's side in pixels of the map; 11 x 11 taps are spread over
+  // it.
+  float radius = 10.f;
+  // alpha and beta of Eq. 8: the weight of a tap is
+  // exp(-distance / alpha^2 - |colour difference| / beta^2), with the distance
+  // in units of the spacing of the taps and colours 0-255.
+  float spatial_sigma = 2.f;
+  float color_sigma = 3.f;
+  // The least share of the taps inside the image that must hold a depth.
+  float min_support = 0.f;
+};
+
+// A radius given for the paper's image size, in pixels of a map.
+inline float ScaledRadius(float radius, int width, int height) {
+  return radius * (width > height ? width : height) / kPaperSize;
+}
+
+// The edge-preserving filters F_A and F_B. Each tap is a plane; its depth on
+// the pixel's own ray counts, so that slanted planes stay what they are. The
+// result is the weighted median of these depths (by disparity, whose order is
+// the reverse of depth's) and the weighted mean normal of the taps that agree
+// with it; 0 where too few taps hold a depth. where: only pixels with a value
+// other than 0 are computed, all others get 0; all of them when the view is
+// empty.
+DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
+                                       ImageView<const Rgb> color,
+                                       ImageView<const uint8_t> where,
+                                       const Intrinsics& intrinsics,
+                                       const WeightedMedianOptions& options,
+                                       Device& device);
+
+}  // namespace tsar
