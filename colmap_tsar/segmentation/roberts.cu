@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/segmentation/roberts.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+
+namespace tsar {
+namespace {
+
+struct RobertsKernel {
+  ImageView<const Rgb> color;
+  float threshold;
+  ImageView<uint8_t> edges;
+
+  TSAR_HD float Gray(int x, int y) const {
+    const Rgb& c = color(x, y);
+    return 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+  }
+
+  TSAR_HD void operator()(int x, int y) const {
+    // The last row and column repeat themselves.
+    const int right = x + 1 < color.width ? x + 1 : x;
+    const int below = y + 1 < color.height ? y + 1 : y;
+    const float first = Gray(x, y) - Gray(right, below);
+    const float second = Gray(right, y) - Gray(x, below);
+    edges(x, y) =
+        first * first + second * second > threshold * threshold ? 1 : 0;
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
+                                        float threshold,
+                                        Device& device) {
+  DeviceImage<uint8_t> edges(device, color.width, color.height);
+  ParallelFor(device,
+              color.width,
+              color.height,
+              RobertsKernel{color, threshold, edges.View()});
+  return edges;
+}
+
+}  // namespace tsar
