@@ -1,0 +1,160 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/evaluation/depth_evaluation.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/evaluation/tolerances.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kTextureWindow = 11;
+constexpr float kMaxGreyVariance = 16.f;
+
+// The names of all images that have ground truth, in a fixed order.
+std::vector<std::string> ListGroundTruth(const fs::path& folder) {
+  std::vector<std::string> names;
+  if (fs::is_directory(folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      if (entry.path().extension() == ".bin") {
+        names.push_back(
+            fs::relative(entry.path(), folder).replace_extension().string());
+      }
+    }
+  }
+  if (names.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there are no ground truth depth maps (NAME.bin)",
+                      "give their folder as --ground_truth_path");
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// 1 where the image, brought to this size, has no texture.
+Image<uint8_t> FindTextureless(const fs::path& path, int width, int height) {
+  // OpenCV would print a warning of its own for a missing file.
+  cv::Mat grey;
+  if (fs::is_regular_file(path)) {
+    grey = cv::imread(path.string(),
+                      cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  }
+  if (grey.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "there is no readable image",
+                      "the textureless areas are found in it; put it there");
+  }
+  cv::Mat resized;
+  cv::resize(grey, resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  resized.convertTo(resized, CV_32F);
+  const cv::Size window(kTextureWindow, kTextureWindow);
+  cv::Mat mean;
+  cv::Mat mean_square;
+  cv::blur(resized, mean, window);
+  cv::blur(resized.mul(resized), mean_square, window);
+  const cv::Mat variance = mean_square - mean.mul(mean);
+  Image<uint8_t> textureless(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      textureless(x, y) = variance.at<float>(y, x) < kMaxGreyVariance ? 1 : 0;
+    }
+  }
+  return textureless;
+}
+
+// The pixel among `to` pixels that covers the centre of pixel i among `from`.
+int NearestPixel(int i, int from, int to) {
+  return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
+}
+
+// Adds one image's pixels to the scores of one area.
+void AddPixels(const Image<float>& estimate,
+               const Image<float>& truth,
+               const Image<uint8_t>* mask,
+               DepthScore* score) {
+  const float tolerance = static_cast<float>(score->tolerance);
+  for (int y = 0; y < estimate.Height(); ++y) {
+    const int truth_y = NearestPixel(y, estimate.Height(), truth.Height());
+    for (int x = 0; x < estimate.Width(); ++x) {
+      const int truth_x = NearestPixel(x, estimate.Width(), truth.Width());
+      const float known = truth(truth_x, truth_y);
+      if (known <= 0 || (mask != nullptr && (*mask)(truth_x, truth_y) == 0)) {
+        continue;
+      }
+      const float depth = estimate(x, y);
+      ++score->num_known;
+      score->num_estimated += depth > 0;
+      score->num_right += depth > 0 && std::abs(depth - known) < tolerance;
+    }
+  }
+}
+
+}  // namespace
+
+double DepthScore::Precision() const {
+  return static_cast<double>(num_right) / std::max<int64_t>(num_estimated, 1);
+}
+
+double DepthScore::Recall() const {
+  return static_cast<double>(num_right) / std::max<int64_t>(num_known, 1);
+}
+
+double DepthScore::F1() const { return HarmonicMean(Precision(), Recall()); }
+
+DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
+                                  const DepthEvaluationOptions& options) {
+  CheckTolerances(options.tolerances);
+  const fs::path truth_folder = options.ground_truth_path.empty()
+                                    ? workspace_path / "ground_truth" / "depth"
+                                    : options.ground_truth_path;
+  const fs::path map_folder = workspace_path / "stereo" / "depth_maps";
+
+  DepthEvaluation evaluation;
+  for (const char* area : {"all", "textureless"}) {
+    for (const double tolerance : options.tolerances) {
+      evaluation.scores.push_back({area, tolerance});
+    }
+  }
+  for (const std::string& name : ListGroundTruth(truth_folder)) {
+    const fs::path map_path =
+        map_folder / (name + "." + options.input_type + ".bin");
+    if (!fs::exists(map_path)) {
+      ++evaluation.num_images_without_map;
+      continue;
+    }
+    ++evaluation.num_images;
+    const Image<float> estimate = ReadDepthMap(map_path);
+    const Image<float> truth = ReadDepthMap(truth_folder / (name + ".bin"));
+    const Image<uint8_t> textureless = FindTextureless(
+        workspace_path / "images" / name, truth.Width(), truth.Height());
+    for (DepthScore& score : evaluation.scores) {
+      AddPixels(estimate,
+                truth,
+                score.area == "all" ? nullptr : &textureless,
+                &score);
+    }
+  }
+  if (evaluation.num_images == 0) {
+    throw Error::File(ErrorCode::kNotFound,
+                      map_folder.string(),
+                      "there is no " + options.input_type +
+                          " depth map of an image with ground truth",
+                      "check --workspace_path and --input_type");
+  }
+  return evaluation;
+}
+
+}  // namespace tsar

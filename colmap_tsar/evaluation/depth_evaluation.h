@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+struct DepthEvaluationOptions {
+  // The maps to score: "geometric" or "photometric".
+  std::string input_type = "geometric";
+
+  // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
+  // empty: ground_truth/depth in the workspace.
+  std::filesystem::path ground_truth_path;
+
+  // A depth is right if it differs from the truth by less than this, in units
+  // of the model; positive and rising.
+  std::vector<double> tolerances = {0.02, 0.1};
+};
+
+// Numbers of pixels, over all images, that have ground truth.
+struct DepthScore {
+  std::string area;  // "all", or "textureless".
+  double tolerance = 0;
+  int64_t num_right = 0;
+  int64_t num_estimated = 0;
+  int64_t num_known = 0;
+
+  double Precision() const;  // Right among estimated; 0 without any.
+  double Recall() const;     // Right among known; 0 without any.
+  double F1() const;
+};
+
+struct DepthEvaluation {
+  int num_images = 0;
+  int num_images_without_map = 0;  // They are left out of the scores.
+  std::vector<DepthScore> scores;  // Per area, then per tolerance.
+};
+
+// Scores the depth maps of a COLMAP workspace on all pixels and on those in
+// textureless areas, where the standard deviation of grey in a window of 11 x
+// 11 pixels is below 4 of 255 levels. Where map and ground truth differ in
+// size, the ground truth is looked up at the map's pixels. Throws Error:
+// kNotFound (no ground truth, no maps, or no image), kBadOption (tolerances),
+// and what ReadDepthMap throws.
+DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
+                                  const DepthEvaluationOptions& options);
+
+}  // namespace tsar

@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/evaluation/voxel_mean.h"
+
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// The laser beam: a cone around the ray from the scanner. The defaults are
+// ETH3D's, for a Faro X 330 and points in metres.
+struct LaserBeam {
+  double start_radius = 0.001125;     // At the scanner, units of the points.
+  double divergence_degrees = 0.011;  // Half the opening angle.
+};
+
+// One laser scan as evidence about space: on the way from the scanner to each
+// scan point there is nothing, at the scan point there is a surface, and behind
+// it nothing is known.
+class LaserScan {
+ public:
+  // Points in the scanner's frame: the scanner is at (0, 0, 0).
+  LaserScan(std::vector<Eigen::Vector3d> points, const LaserBeam& beam);
+
+  // What the beams that pass through this point say about it: good from the
+  // smallest of the rising tolerances that is not below its distance to the end
+  // of one of these beams; bad below that if one of them reaches beyond the
+  // point; otherwise not counted.
+  PointVerdict Judge(const Eigen::Vector3d& point,
+                     const std::vector<double>& tolerances) const;
+
+ private:
+  struct PointRange {
+    size_t begin = 0;
+    size_t end = 0;
+  };
+
+  std::vector<Eigen::Vector3d> points_;      // Ordered by the cells below.
+  std::vector<Eigen::Vector3d> directions_;  // Unit vectors to the points.
+  // The cube around the unit sphere is cut into small cells; each holds the
+  // directions that end in it. Unlike angles, this has no poles and no seam.
+  std::unordered_map<uint64_t, PointRange> cells_;
+  LaserBeam beam_;
+};
+
+}  // namespace tsar

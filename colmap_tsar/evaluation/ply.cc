@@ -1,0 +1,320 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/evaluation/ply.h"
+
+#include "colmap_tsar/base/error.h"
+
+#include <bit>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+namespace tsar {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "The readers of binary files copy little-endian numbers.");
+
+enum class NumberType { kI8, kU8, kI16, kU16, kI32, kU32, kF32, kF64 };
+
+size_t SizeOf(NumberType type) {
+  static const size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return sizes[static_cast<int>(type)];
+}
+
+template <typename T>
+double Load(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return static_cast<double>(value);
+}
+
+double LoadNumber(const char* bytes, NumberType type) {
+  switch (type) {
+    case NumberType::kI8:
+      return Load<int8_t>(bytes);
+    case NumberType::kU8:
+      return Load<uint8_t>(bytes);
+    case NumberType::kI16:
+      return Load<int16_t>(bytes);
+    case NumberType::kU16:
+      return Load<uint16_t>(bytes);
+    case NumberType::kI32:
+      return Load<int32_t>(bytes);
+    case NumberType::kU32:
+      return Load<uint32_t>(bytes);
+    case NumberType::kF32:
+      return Load<float>(bytes);
+    case NumberType::kF64:
+      return Load<double>(bytes);
+  }
+  return 0;
+}
+
+struct Element {
+  std::string name;
+  uint64_t count = 0;
+  bool has_list = false;
+  std::vector<std::string> names;
+  std::vector<NumberType> types;
+
+  size_t Stride() const {
+    size_t stride = 0;
+    for (const NumberType type : types) {
+      stride += SizeOf(type);
+    }
+    return stride;
+  }
+};
+
+class PlyFile {
+ public:
+  explicit PlyFile(const std::filesystem::path& path) : path_(path.string()) {
+    if (!std::filesystem::is_regular_file(path)) {
+      Fail(ErrorCode::kNotFound, "there is no such file", "check the path");
+    }
+    std::ifstream file(path, std::ios::binary);
+    content_.resize(std::filesystem::file_size(path));
+    if (!file.read(content_.data(),
+                   static_cast<std::streamsize>(content_.size()))) {
+      Fail(ErrorCode::kIo, "the file cannot be read", "check its permissions");
+    }
+    rest_ = content_;
+    ReadHeader();
+  }
+
+  std::vector<Eigen::Vector3d> ReadPoints() {
+    for (const Element& element : elements_) {
+      if (element.has_list) {
+        Fail(ErrorCode::kUnsupported,
+             "element " + element.name + " holds a list",
+             "save the points without faces or put the vertices first");
+      }
+      if (element.name == "vertex") {
+        return is_ascii_ ? ReadAscii(element) : ReadBinary(element);
+      }
+      Skip(element);
+    }
+    Corrupt("it has no vertices");
+  }
+
+ private:
+  [[noreturn]] void Fail(ErrorCode code,
+                         const std::string& what,
+                         const std::string& advice) const {
+    throw Error::File(code, path_, what, advice);
+  }
+  [[noreturn]] void Corrupt(const std::string& what) const {
+    Fail(ErrorCode::kCorrupt, "not a valid PLY file: " + what, "write it anew");
+  }
+
+  std::string_view NextLine() {
+    const size_t end = rest_.find('\n');
+    if (end == std::string_view::npos) {
+      Corrupt("its header does not end");
+    }
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(end + 1);
+    if (line.ends_with('\r')) {
+      line.remove_suffix(1);
+    }
+    return line;
+  }
+
+  void ReadHeader() {
+    if (NextLine() != "ply") {
+      Corrupt("it does not begin with 'ply'");
+    }
+    bool has_format = false;
+    for (std::string_view line = NextLine(); line != "end_header";
+         line = NextLine()) {
+      std::istringstream words{std::string(line)};
+      std::string keyword;
+      words >> keyword;
+      if (keyword == "format") {
+        ReadFormat(&words);
+        has_format = true;
+      } else if (keyword == "element") {
+        Element element;
+        if (!(words >> element.name >> element.count)) {
+          Corrupt("element without name or count");
+        }
+        elements_.push_back(element);
+      } else if (keyword == "property") {
+        ReadProperty(&words);
+      } else if (keyword != "comment" && keyword != "obj_info") {
+        Corrupt("unknown line '" + std::string(line.substr(0, 40)) +
+                "' in its header");
+      }
+    }
+    if (!has_format) {
+      Corrupt("its header names no format");
+    }
+  }
+
+  void ReadFormat(std::istringstream* words) {
+    std::string format;
+    *words >> format;
+    is_ascii_ = format == "ascii";
+    if (!is_ascii_ && format != "binary_little_endian") {
+      Fail(ErrorCode::kUnsupported,
+           "PLY format '" + format.substr(0, 40) + "' cannot be read",
+           "save it as ascii or binary_little_endian");
+    }
+  }
+
+  void ReadProperty(std::istringstream* words) {
+    static const std::map<std::string, NumberType> types = {
+        {"char", NumberType::kI8},
+        {"int8", NumberType::kI8},
+        {"uchar", NumberType::kU8},
+        {"uint8", NumberType::kU8},
+        {"short", NumberType::kI16},
+        {"int16", NumberType::kI16},
+        {"ushort", NumberType::kU16},
+        {"uint16", NumberType::kU16},
+        {"int", NumberType::kI32},
+        {"int32", NumberType::kI32},
+        {"uint", NumberType::kU32},
+        {"uint32", NumberType::kU32},
+        {"float", NumberType::kF32},
+        {"float32", NumberType::kF32},
+        {"double", NumberType::kF64},
+        {"float64", NumberType::kF64}};
+    if (elements_.empty()) {
+      Corrupt("a property comes before all elements");
+    }
+    Element& element = elements_.back();
+    std::string type_name;
+    std::string name;
+    *words >> type_name;
+    if (type_name == "list") {
+      element.has_list = true;
+      return;
+    }
+    const auto type = types.find(type_name);
+    if (!(*words >> name) || type == types.end()) {
+      Corrupt("a property has no name or an unknown type");
+    }
+    element.names.push_back(name);
+    element.types.push_back(type->second);
+  }
+
+  // Fails where what is left of the file cannot hold the element's items of at
+  // least this many bytes each.
+  void CheckSize(const Element& element, size_t bytes_per_item) const {
+    if (bytes_per_item == 0) {
+      if (element.count > 0) {
+        Corrupt("element " + element.name + " has no properties");
+      }
+    } else if (element.count > rest_.size() / bytes_per_item) {
+      Corrupt("it is too short for its " + std::to_string(element.count) + " " +
+              element.name + " items");
+    }
+  }
+
+  void Skip(const Element& element) {
+    if (is_ascii_) {
+      CheckSize(element, element.types.size());
+      for (uint64_t i = 0; i < element.count * element.types.size(); ++i) {
+        NextNumber();
+      }
+    } else {
+      CheckSize(element, element.Stride());
+      rest_.remove_prefix(element.count * element.Stride());
+    }
+  }
+
+  // The places of x, y and z among the element's properties.
+  Eigen::Vector3i FindPosition(const Element& element) const {
+    Eigen::Vector3i places(-1, -1, -1);
+    for (size_t i = 0; i < element.names.size(); ++i) {
+      const std::string& name = element.names[i];
+      if (name == "x" || name == "y" || name == "z") {
+        places[name[0] - 'x'] = static_cast<int>(i);
+      }
+    }
+    if (places.minCoeff() < 0) {
+      Corrupt("its vertices have no x, y, z");
+    }
+    return places;
+  }
+
+  void CheckFinite(const Eigen::Vector3d& point, size_t index) const {
+    if (!point.allFinite()) {
+      Corrupt("vertex " + std::to_string(index) + " is not finite");
+    }
+  }
+
+  double NextNumber() {
+    const size_t start = rest_.find_first_not_of(" \t\r\n");
+    rest_.remove_prefix(start == std::string_view::npos ? rest_.size() : start);
+    double value = 0;
+    const char* end = rest_.data() + rest_.size();
+    const auto result = std::from_chars(rest_.data(), end, value);
+    if (result.ec != std::errc()) {
+      Corrupt("a number is missing or cannot be read");
+    }
+    rest_.remove_prefix(static_cast<size_t>(result.ptr - rest_.data()));
+    return value;
+  }
+
+  std::vector<Eigen::Vector3d> ReadAscii(const Element& element) {
+    const Eigen::Vector3i places = FindPosition(element);
+    // A number takes at least a digit.
+    CheckSize(element, element.types.size());
+    std::vector<Eigen::Vector3d> points(element.count);
+    std::vector<double> values(element.types.size());
+    for (size_t i = 0; i < points.size(); ++i) {
+      for (double& value : values) {
+        value = NextNumber();
+      }
+      points[i] = {values[places.x()], values[places.y()], values[places.z()]};
+      CheckFinite(points[i], i);
+    }
+    return points;
+  }
+
+  std::vector<Eigen::Vector3d> ReadBinary(const Element& element) {
+    const Eigen::Vector3i places = FindPosition(element);
+    const size_t stride = element.Stride();
+    CheckSize(element, stride);
+    size_t offsets[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      offsets[axis] = 0;
+      for (int i = 0; i < places[axis]; ++i) {
+        offsets[axis] += SizeOf(element.types[i]);
+      }
+    }
+    std::vector<Eigen::Vector3d> points(element.count);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const char* vertex = rest_.data() + i * stride;
+      for (int axis = 0; axis < 3; ++axis) {
+        points[i][axis] =
+            LoadNumber(vertex + offsets[axis], element.types[places[axis]]);
+      }
+      CheckFinite(points[i], i);
+    }
+    return points;
+  }
+
+  std::string path_;
+  std::string content_;
+  std::string_view rest_;
+  bool is_ascii_ = false;
+  std::vector<Element> elements_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> ReadPlyPoints(const std::filesystem::path& path) {
+  return PlyFile(path).ReadPoints();
+}
+
+}  // namespace tsar

@@ -1,0 +1,119 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/report/comparison_picture.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/report/canvas.h"
+#include "colmap_tsar/report/depth_colors.h"
+#include "colmap_tsar/report/provenance_colors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace tsar {
+namespace {
+
+constexpr int kNumColumns = 4;
+constexpr int kGap = 8;
+constexpr int kLineHeight = 24;
+constexpr int kBoxSize = 12;
+constexpr int kPictureWidth =
+    kNumColumns * kComparisonColumnWidth + (kNumColumns + 1) * kGap;
+
+int ColumnX(int column) {
+  return kGap + column * (kComparisonColumnWidth + kGap);
+}
+
+void CheckRow(const ComparisonRow& row) {
+  if (row.image.Empty() || row.before.Empty()) {
+    throw Error(ErrorCode::kMismatch,
+                row.name +
+                    ": the image or its depth map is empty; both are "
+                    "needed for the picture");
+  }
+  if (!row.after.HasSizeOf(row.before) ||
+      !row.provenance.HasSizeOf(row.before)) {
+    throw Error(ErrorCode::kMismatch,
+                row.name +
+                    ": the maps before and after differ in size; refine "
+                    "the workspace again");
+  }
+}
+
+std::string Coverage(const Image<float>& depth) {
+  const auto valid = std::count_if(
+      depth.begin(), depth.end(), [](float value) { return value > 0.f; });
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1)
+       << 100.0 * valid / depth.NumPixels() << " % of the pixels";
+  return text.str();
+}
+
+void WriteLine(Canvas& canvas, const std::vector<std::string>& texts) {
+  const int middle = canvas.AddStrip(kLineHeight) + kLineHeight / 2;
+  for (size_t i = 0; i < texts.size(); ++i) {
+    canvas.Write(texts[i], ColumnX(static_cast<int>(i)), middle);
+  }
+}
+
+void DrawRow(Canvas& canvas, const ComparisonRow& row) {
+  const DepthRange range = RobustDepthRange(row.before, row.after);
+  std::ostringstream scale;
+  scale << std::setprecision(3) << ", red " << range.nearest << " to blue "
+        << range.farthest;
+  WriteLine(
+      canvas,
+      {row.name, Coverage(row.before) + scale.str(), Coverage(row.after)});
+
+  const int height =
+      std::max(1,
+               static_cast<int>(
+                   std::lround(static_cast<double>(row.before.Height()) *
+                               kComparisonColumnWidth / row.before.Width())));
+  const int top = canvas.AddStrip(height + kGap);
+  const auto draw = [&](const Image<Rgb>& cell, int column, Scaling scaling) {
+    canvas.Draw(
+        cell, ColumnX(column), top, kComparisonColumnWidth, height, scaling);
+  };
+  draw(row.image, 0, Scaling::kAverage);
+  draw(ColorizeDepth(row.before, range), 1, Scaling::kPick);
+  draw(ColorizeDepth(row.after, range), 2, Scaling::kPick);
+  draw(ColorizeProvenance(row.provenance), 3, Scaling::kPick);
+}
+
+void DrawLegend(Canvas& canvas) {
+  const int middle = canvas.AddStrip(kLineHeight) + kLineHeight / 2;
+  const std::vector<ProvenanceKind>& kinds = ProvenanceKinds();
+  const int step = kPictureWidth / static_cast<int>(kinds.size());
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    const int x = kGap + static_cast<int>(i) * step;
+    canvas.FillBox(
+        x, middle - kBoxSize / 2, kBoxSize, kBoxSize, kinds[i].color);
+    canvas.Write(kinds[i].name, x + kBoxSize + kGap, middle);
+  }
+}
+
+}  // namespace
+
+Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows) {
+  if (rows.empty()) {
+    throw Error(ErrorCode::kMismatch,
+                "comparison picture: there is no view to draw; name at least "
+                "one");
+  }
+  std::for_each(rows.begin(), rows.end(), CheckRow);
+
+  Canvas canvas(kPictureWidth);
+  WriteLine(canvas,
+            {"Image", "Depth before", "Depth after", "Origin of the depth"});
+  for (const ComparisonRow& row : rows) {
+    DrawRow(canvas, row);
+  }
+  DrawLegend(canvas);
+  return canvas.Picture();
+}
+
+}  // namespace tsar

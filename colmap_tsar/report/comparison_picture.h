@@ -1,0 +1,34 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// One view before and after its refinement. The three maps have the same size;
+// the image has the same proportions.
+struct ComparisonRow {
+  std::string name;
+  Image<Rgb> image;
+  Image<float> before;        // Depth; 0 = none.
+  Image<float> after;         // Depth; 0 = none.
+  Image<uint8_t> provenance;  // See provenance_colors.h.
+};
+
+// Width of one of the four columns, in pixels of the picture.
+constexpr int kComparisonColumnWidth = 480;
+
+// Draws a row per view: image, depth before, depth after, and where each depth
+// of the latter comes from, with the share of pixels that have a depth, and a
+// legend. Both depth maps of a row have the same colour scale. Throws Error
+// kMismatch (no rows, an empty raster, maps of different sizes) and what
+// ColorizeProvenance throws.
+Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows);
+
+}  // namespace tsar

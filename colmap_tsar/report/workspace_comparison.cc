@@ -1,0 +1,49 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/report/workspace_comparison.h"
+
+#include "colmap_tsar/report/png.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace tsar {
+
+std::vector<int> FindRefinedImages(const Workspace& workspace) {
+  const MapType type = workspace.Type();
+  std::vector<int> refined;
+  const int num_images = static_cast<int>(workspace.Model().images.size());
+  for (int image = 0; image < num_images; ++image) {
+    if (workspace.HasMaps(image, type) &&
+        std::filesystem::exists(workspace.ProvenancePath(image, type))) {
+      refined.push_back(image);
+    }
+  }
+  return refined;
+}
+
+std::vector<int> PickEvenly(const std::vector<int>& values, int count) {
+  const size_t num_picked =
+      std::min(values.size(), static_cast<size_t>(std::max(0, count)));
+  std::vector<int> picked;
+  for (size_t i = 0; i < num_picked; ++i) {
+    picked.push_back(values[i * values.size() / num_picked]);
+  }
+  return picked;
+}
+
+ComparisonRow ReadComparisonRow(const Workspace& workspace, int image) {
+  const MapType type = workspace.Type();
+  ComparisonRow row;
+  row.name = workspace.Model().images[image].name;
+  row.before = workspace.ReadOriginalMaps(image, type).depth;
+  row.after = ReadDepthMap(workspace.DepthPath(image, type));
+  row.provenance = ReadGrayPng(workspace.ProvenancePath(image, type));
+  row.image =
+      workspace.ReadImage(image, row.before.Width(), row.before.Height());
+  return row;
+}
+
+}  // namespace tsar
