@@ -1,0 +1,105 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/commands.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/name_suggestion.h"
+#include "colmap_tsar/cli/version.h"
+
+#include <algorithm>
+#include <exception>
+#include <iomanip>
+#include <iostream>
+#include <new>
+
+namespace tsar {
+namespace {
+
+// Errors of libraries may span lines; the user gets one.
+void PrintError(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::cerr << "ERROR: " << message << std::endl;
+}
+
+void PrintProgramHelp() {
+  std::cout << "Completes the depth maps of COLMAP's dense stage on surfaces "
+               "without texture.\n\nUsage:\n  colmap_tsar COMMAND [options]\n\n"
+               "Commands:\n";
+  size_t width = 0;
+  for (const Command& command : Commands()) {
+    width = std::max(width, command.name.size());
+  }
+  for (const Command& command : Commands()) {
+    std::cout << "  " << std::left << std::setw(static_cast<int>(width) + 2)
+              << command.name << command.summary << "\n";
+  }
+  std::cout << "\ncolmap_tsar COMMAND --help explains a command; colmap_tsar "
+               "--version prints the version.\n";
+}
+
+void PrintUnknownCommand(const std::string& written) {
+  std::vector<std::string> names;
+  std::string list;
+  for (const Command& command : Commands()) {
+    names.push_back(command.name);
+    list += (list.empty() ? "" : ", ") + command.name;
+  }
+  const std::vector<std::string> suggestions = SuggestNames(written, names);
+  PrintError("unknown command '" + written + "'; " +
+             (suggestions.empty()
+                  ? std::string("the")
+                  : "did you mean " + suggestions[0] + "? The") +
+             " commands are " + list);
+}
+
+}  // namespace
+
+const std::vector<Command>& Commands() {
+  static const std::vector<Command> commands = {
+      {"tsar_refine",
+       "Complete the depth and normal maps before stereo_fusion",
+       &RunTsarRefine},
+      {"tsar_report",
+       "Draw the depth before and after tsar_refine",
+       &RunTsarReport},
+      {"tsar_evaluate",
+       "Score depth maps or a point cloud against ground truth",
+       &RunTsarEvaluate},
+  };
+  return commands;
+}
+
+int RunCommand(CommandFunction function, int argc, char** argv) {
+  try {
+    return function(argc, argv);
+  } catch (const Error& error) {
+    PrintError(error.what());
+  } catch (const std::bad_alloc&) {
+    PrintError("out of memory; close other programs or work on smaller images");
+  } catch (const std::exception& error) {
+    PrintError(std::string("unexpected failure: ") + error.what());
+  }
+  return 1;
+}
+
+int RunProgram(int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "help";
+  if (name == "help" || name == "-h" || name == "--help") {
+    PrintProgramHelp();
+    return 0;
+  }
+  if (name == "--version") {
+    std::cout << VersionText() << "\n";
+    return 0;
+  }
+  for (const Command& command : Commands()) {
+    if (command.name == name) {
+      return RunCommand(command.function, argc - 1, argv + 1);
+    }
+  }
+  PrintUnknownCommand(name);
+  return 1;
+}
+
+}  // namespace tsar

@@ -1,0 +1,36 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/interruption.h"
+
+#include <atomic>
+
+namespace tsar {
+namespace {
+
+// A signal handler can reach nothing but a global.
+std::atomic<bool> requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void SetRequested(int /*signal*/) { requested = true; }
+
+}  // namespace
+
+Interruption::Interruption() {
+  requested = false;
+  struct sigaction action = {};
+  action.sa_handler = &SetRequested;
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, &previous_interrupt_);
+  sigaction(SIGTERM, &action, &previous_terminate_);
+}
+
+Interruption::~Interruption() {
+  sigaction(SIGINT, &previous_interrupt_, nullptr);
+  sigaction(SIGTERM, &previous_terminate_, nullptr);
+}
+
+bool Interruption::Requested() const { return requested; }
+
+}  // namespace tsar

@@ -1,0 +1,27 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <signal.h>
+
+namespace tsar {
+
+// While it lives, the first Ctrl-C (SIGINT) or SIGTERM only sets a flag, so
+// that the work can end in order; the second ends the program at once. One
+// object at a time.
+class Interruption {
+ public:
+  Interruption();
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  bool Requested() const;
+
+ private:
+  struct sigaction previous_interrupt_;
+  struct sigaction previous_terminate_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,289 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/option_set.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/name_suggestion.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <utility>
+
+#include <boost/program_options.hpp>
+
+namespace tsar {
+namespace {
+
+namespace po = boost::program_options;
+
+const char kProjectPath[] = "project_path";
+const char kProjectPathHelp[] =
+    "Ini file with values for these options: top-level keys, and one section "
+    "per group. Options on the command line come before it.";
+
+// The option's group, or an empty text for a top-level option.
+std::string Group(const std::string& name) {
+  const size_t dot = name.find('.');
+  return dot == std::string::npos ? std::string() : name.substr(0, dot);
+}
+
+// Breaks a text into lines of at most 79 letters with this indentation.
+std::string Wrap(const std::string& text, size_t indentation) {
+  const std::string indent(indentation, ' ');
+  std::istringstream words(text);
+  std::string wrapped;
+  std::string line = indent;
+  for (std::string word; words >> word;) {
+    if (line.size() > indentation && line.size() + 1 + word.size() > 79) {
+      wrapped += line + "\n";
+      line = indent;
+    }
+    line += (line.size() > indentation ? " " : "") + word;
+  }
+  return wrapped + line + "\n";
+}
+
+bool AsksForHelp(int argc, const char* const* argv) {
+  return std::any_of(argv + std::min(argc, 1), argv + argc, [](const char* a) {
+    return std::string(a) == "-h" || std::string(a) == "--help";
+  });
+}
+
+}  // namespace
+
+OptionSet::OptionSet(std::string command,
+                     std::string summary,
+                     std::string example)
+    : command_(std::move(command)),
+      summary_(std::move(summary)),
+      example_(std::move(example)) {}
+
+void OptionSet::Add(const std::string& name,
+                    OptionTarget target,
+                    const std::string& description,
+                    const OptionRange& range) {
+  options_.push_back({name, description, target, range, {}, false});
+}
+
+void OptionSet::AddRequired(const std::string& name,
+                            std::string* value,
+                            const std::string& description) {
+  options_.push_back({name, description, value, {}, {}, true});
+}
+
+void OptionSet::AddChoice(const std::string& name,
+                          std::string* value,
+                          const std::vector<std::string>& choices,
+                          const std::string& description) {
+  options_.push_back({name, description, value, {}, choices, false});
+}
+
+bool OptionSet::Parse(int argc, const char* const* argv) const {
+  if (AsksForHelp(argc, argv)) {
+    PrintHelp(std::cout);
+    return false;
+  }
+  const std::map<std::string, std::string> given = ReadCommandLine(argc, argv);
+  std::set<std::string> names;
+  for (const auto& [name, text] : given) {
+    names.insert(name);
+  }
+  const auto project = given.find(kProjectPath);
+  if (project != given.end()) {
+    names.merge(ReadIni(project->second, names));
+  }
+  for (const auto& [name, text] : given) {
+    if (name != kProjectPath) {
+      Find(name)->Set(text, "--" + name);
+    }
+  }
+  for (const Option& option : options_) {
+    if (option.required &&
+        (names.count(option.name) == 0 || option.Text().empty())) {
+      throw Error(ErrorCode::kBadOption,
+                  "--" + option.name + " is missing; give it as --" +
+                      option.name + " " + option.ValueHint() + ", or see " +
+                      command_ + " --help");
+    }
+  }
+  return true;
+}
+
+void OptionSet::PrintHelp(std::ostream& out) const {
+  std::string usage = command_;
+  for (const Option& option : options_) {
+    if (option.required) {
+      usage += " --" + option.name + " " + option.ValueHint();
+    }
+  }
+  out << Wrap(summary_, 0) << "\nUsage:\n  " << usage
+      << " [options]\n\nExample:\n  " << example_ << "\n\nOptions:\n";
+  for (const Option& option : options_) {
+    const std::string text = option.Text();
+    out << "  --" << option.name << " " << option.ValueHint()
+        << (option.required ? " (required)"
+            : text.empty()  ? ""
+                            : " (default: " + text + ")")
+        << "\n"
+        << Wrap(option.description, 6);
+  }
+  out << "  --" << kProjectPath << " TEXT\n"
+      << Wrap(kProjectPathHelp, 6) << "  -h, --help\n      Print this text.\n";
+}
+
+std::map<std::string, std::string> OptionSet::Values() const {
+  std::map<std::string, std::string> values;
+  for (const Option& option : options_) {
+    values[option.name] = option.Text();
+  }
+  return values;
+}
+
+const Option* OptionSet::Find(const std::string& name) const {
+  const auto found =
+      std::find_if(options_.begin(), options_.end(), [&](const Option& option) {
+        return option.name == name;
+      });
+  return found == options_.end() ? nullptr : &*found;
+}
+
+std::string OptionSet::Advice(const std::string& written) const {
+  std::vector<std::string> names = {kProjectPath, "help"};
+  for (const Option& option : options_) {
+    names.push_back(option.name);
+  }
+  std::string advice;
+  for (const std::string& name : SuggestNames(written, names)) {
+    advice += (advice.empty() ? "did you mean --" : " or --") + name;
+  }
+  return (advice.empty() ? "see " : advice + "? See ") + command_ + " --help";
+}
+
+std::map<std::string, std::string> OptionSet::ReadCommandLine(
+    int argc, const char* const* argv) const {
+  po::options_description description;
+  for (const Option& option : options_) {
+    description.add_options()(option.name.c_str(), po::value<std::string>());
+  }
+  description.add_options()(kProjectPath, po::value<std::string>());
+
+  using Style = po::command_line_style::style_t;
+  const int style =
+      Style::allow_long | Style::long_allow_adjacent | Style::long_allow_next;
+  po::parsed_options parsed(&description);
+  try {
+    parsed = po::command_line_parser(argc, argv)
+                 .options(description)
+                 .style(style)
+                 .allow_unregistered()
+                 .run();
+  } catch (const po::error_with_option_name& error) {
+    throw Error(ErrorCode::kBadOption,
+                error.get_option_name() + " has no value; give one, or see " +
+                    command_ + " --help");
+  }
+
+  std::map<std::string, std::string> values;
+  for (const po::option& option : parsed.options) {
+    const std::string& token = option.original_tokens.front();
+    if (option.position_key >= 0 || option.string_key.empty()) {
+      throw Error(ErrorCode::kBadOption,
+                  "unexpected argument '" + token +
+                      "'; options begin with two dashes, see " + command_ +
+                      " --help");
+    }
+    if (option.unregistered) {
+      const std::string name = token.substr(0, token.find('='));
+      throw Error(ErrorCode::kBadOption,
+                  "unknown option " + name + "; " +
+                      Advice(name.substr(name.find_first_not_of('-'))));
+    }
+    const std::string name = "--" + option.string_key;
+    // A value in a word of its own that looks like an option is one: the value
+    // was forgotten.
+    if (option.value.empty() || (option.original_tokens.size() > 1 &&
+                                 option.value.front().starts_with("--"))) {
+      throw Error(
+          ErrorCode::kBadOption,
+          name + " has no value; give one, or see " + command_ + " --help");
+    }
+    if (!values.emplace(option.string_key, option.value.front()).second) {
+      throw Error(ErrorCode::kBadOption,
+                  name + " is given twice; give it once");
+    }
+  }
+  return values;
+}
+
+std::set<std::string> OptionSet::ReadIni(
+    const std::string& path, const std::set<std::string>& overridden) const {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path,
+                      "there is no such file",
+                      "give --project_path an ini file");
+  }
+  std::ifstream file(path);
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path,
+                      "the file cannot be opened",
+                      "check its permissions");
+  }
+  po::options_description description;
+  po::parsed_options parsed(&description);
+  try {
+    parsed = po::parse_config_file(file, description, true);
+  } catch (const po::error& error) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      path,
+                      std::string("not an ini file (") + error.what() + ")",
+                      "write lines such as KEY = VALUE and [SECTION]");
+  }
+
+  std::set<std::string> groups;
+  std::vector<std::string> top_level_names;
+  for (const Option& option : options_) {
+    const std::string group = Group(option.name);
+    groups.insert(group);
+    if (group.empty()) {
+      top_level_names.push_back(option.name);
+    }
+  }
+  std::set<std::string> names;
+  for (const po::option& entry : parsed.options) {
+    const std::string& name = entry.string_key;
+    if (const Option* option = Find(name)) {
+      if (!names.insert(name).second) {
+        throw Error::File(ErrorCode::kBadOption,
+                          path,
+                          "key " + name + " is given twice",
+                          "give it once");
+      }
+      if (overridden.count(name) == 0) {
+        option->Set(entry.value.front(), path + ": " + name);
+      }
+      continue;
+    }
+    const std::string group = Group(name);
+    const bool is_ours =
+        group.empty() ? std::any_of(top_level_names.begin(),
+                                    top_level_names.end(),
+                                    [&](const std::string& known) {
+                                      return EditDistance(name, known) <= 2;
+                                    })
+                      : groups.count(group) > 0;
+    if (is_ours) {
+      throw Error::File(
+          ErrorCode::kBadOption, path, "unknown key " + name, Advice(name));
+    }
+  }
+  return names;
+}
+
+}  // namespace tsar

@@ -1,0 +1,75 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/cli/option_value.h"
+
+#include <iosfwd>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The options of one command, in the manner of COLMAP's commands: top-level
+// options ("--workspace_path DIR"), groups ("--TsarRefine.device cpu"), an ini
+// file given by --project_path whose values the command line overrides, and
+// -h/--help.
+//
+// The ini file may be the project.ini of a COLMAP project: sections other than
+// the groups of this command are ignored, and so are top-level keys that are
+// not options of this command, unless they look like a misspelt one. An
+// unknown key in a section of this command is an error.
+class OptionSet {
+ public:
+  // The help begins with the summary (one paragraph) and shows the example, a
+  // whole command line.
+  OptionSet(std::string command, std::string summary, std::string example);
+
+  // Adds an option; the value that the target has now is the default. Names
+  // must be unique; the target must outlive this object.
+  void Add(const std::string& name,
+           OptionTarget target,
+           const std::string& description,
+           const OptionRange& range = {});
+
+  // Adds an option that must be given and must not be empty.
+  void AddRequired(const std::string& name,
+                   std::string* value,
+                   const std::string& description);
+
+  // Adds an option whose value must be one of the choices.
+  void AddChoice(const std::string& name,
+                 std::string* value,
+                 const std::vector<std::string>& choices,
+                 const std::string& description);
+
+  // Reads the arguments after argv[0] into the targets. Returns false, without
+  // touching any target, when help was asked for and has been printed. Throws
+  // kBadOption for a wrong or missing option and kNotFound, kCorrupt or kIo for
+  // an ini file that cannot be read; the message is one line.
+  bool Parse(int argc, const char* const* argv) const;
+
+  void PrintHelp(std::ostream& out) const;
+
+  // All options and their present values as text, e.g. for a manifest; without
+  // project_path, whose content the other values hold.
+  std::map<std::string, std::string> Values() const;
+
+ private:
+  const Option* Find(const std::string& name) const;
+  std::string Advice(const std::string& written) const;
+  std::map<std::string, std::string> ReadCommandLine(
+      int argc, const char* const* argv) const;
+  std::set<std::string> ReadIni(const std::string& path,
+                                const std::set<std::string>& overridden) const;
+
+  std::string command_;
+  std::string summary_;
+  std::string example_;
+  std::vector<Option> options_;
+};
+
+}  // namespace tsar

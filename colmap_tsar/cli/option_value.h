@@ -1,0 +1,47 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace tsar {
+
+// The values that a number may take; both ends belong to it.
+struct OptionRange {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+// The variable that an option sets.
+using OptionTarget =
+    std::variant<bool*, int*, int64_t*, float*, double*, std::string*>;
+
+// One option of a command: where its value goes and what it may be.
+struct Option {
+  std::string name;         // Without dashes: "TsarRefine.num_iterations".
+  std::string description;  // A sentence; with the unit of the value.
+  OptionTarget target;
+  OptionRange range;                 // Only for numbers.
+  std::vector<std::string> choices;  // Only for strings; empty: any text.
+  bool required = false;
+
+  // Parses the text and writes the result to the target. Numbers must be
+  // finite and take up the whole text; a bool is 0, 1, false or true. Throws
+  // kBadOption with "WHERE: WHAT IS WRONG" otherwise, and the target keeps its
+  // value.
+  void Set(const std::string& text, const std::string& where) const;
+
+  // The target's present value as Set would read it. Numbers keep every bit.
+  std::string Text() const;
+
+  // What kind of value to give, for the help: INT, NUMBER, 0|1, TEXT or the
+  // choices.
+  std::string ValueHint() const;
+};
+
+}  // namespace tsar

@@ -1,0 +1,217 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/evaluation/cloud_evaluation.h"
+#include "colmap_tsar/evaluation/depth_evaluation.h"
+#include "colmap_tsar/evaluation/tolerances.h"
+
+#include <iomanip>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char kHelp[] =
+    "Scores a reconstruction against ground truth.\n\n"
+    "Usage:\n"
+    "  tsar_evaluate depth [options]  depth maps, pixel by pixel\n"
+    "  tsar_evaluate cloud [options]  a fused cloud, by the ETH3D measure\n\n"
+    "tsar_evaluate depth --help and tsar_evaluate cloud --help explain the "
+    "options.\n";
+
+// Prints the numbers of all rows in columns; numbers are given as text.
+void PrintRow(const std::vector<std::string>& cells) {
+  for (size_t i = 0; i < cells.size(); ++i) {
+    std::cout << (i == 0 ? std::left : std::right)
+              << std::setw(i == 0 ? 12 : 13) << cells[i];
+  }
+  std::cout << "\n";
+}
+
+std::string Share(double value) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(4) << value;
+  return text.str();
+}
+
+std::string Tolerance(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+void PrintJson(const DepthEvaluation& evaluation) {
+  Json json;
+  json["num_images"] = evaluation.num_images;
+  json["num_images_without_map"] = evaluation.num_images_without_map;
+  json["scores"] = Json::array();
+  for (const DepthScore& score : evaluation.scores) {
+    json["scores"].push_back({{"area", score.area},
+                              {"tolerance", score.tolerance},
+                              {"precision", score.Precision()},
+                              {"recall", score.Recall()},
+                              {"f1", score.F1()}});
+  }
+  std::cout << json.dump(2) << "\n";
+}
+
+void PrintTable(const DepthEvaluation& evaluation) {
+  std::cout << evaluation.num_images << " images";
+  if (evaluation.num_images_without_map > 0) {
+    std::cout << " (" << evaluation.num_images_without_map
+              << " more have ground truth but no map)";
+  }
+  std::cout << "\n";
+  PrintRow({"area", "tolerance", "precision", "recall", "F1"});
+  for (const DepthScore& score : evaluation.scores) {
+    PrintRow({score.area,
+              Tolerance(score.tolerance),
+              Share(score.Precision()),
+              Share(score.Recall()),
+              Share(score.F1())});
+  }
+}
+
+void PrintJson(const CloudEvaluation& evaluation) {
+  Json json;
+  json["num_points"] = evaluation.num_points;
+  json["num_scan_points"] = evaluation.num_scan_points;
+  json["scores"] = Json::array();
+  for (const CloudScore& score : evaluation.scores) {
+    json["scores"].push_back({{"tolerance", score.tolerance},
+                              {"completeness", score.completeness},
+                              {"accuracy", score.accuracy},
+                              {"f1", score.f1}});
+  }
+  std::cout << json.dump(2) << "\n";
+}
+
+void PrintTable(const CloudEvaluation& evaluation) {
+  std::cout << evaluation.num_points << " points, "
+            << evaluation.num_scan_points << " scan points\n";
+  PrintRow({"tolerance", "completeness", "accuracy", "F1"});
+  for (const CloudScore& score : evaluation.scores) {
+    PrintRow({Tolerance(score.tolerance),
+              Share(score.completeness),
+              Share(score.accuracy),
+              Share(score.f1)});
+  }
+}
+
+int EvaluateDepth(int argc, char** argv) {
+  DepthEvaluationOptions evaluation_options;
+  std::string workspace_path;
+  std::string ground_truth_path;
+  std::string tolerances = "0.02,0.1";
+  bool json = false;
+  OptionSet options(
+      "tsar_evaluate depth",
+      "Compares the depth maps of a COLMAP dense workspace with ground truth "
+      "depth. Precision is the share of right depths among the estimated ones, "
+      "recall the share of right depths among all pixels with ground truth, F1 "
+      "their harmonic mean; each for all pixels and for textureless areas, "
+      "where grey values vary by less than 4 of 255 levels (standard deviation "
+      "in a window of 11 x 11 pixels).",
+      "tsar_evaluate depth --workspace_path dense --tolerances 0.02,0.1");
+  options.AddRequired("workspace_path",
+                      &workspace_path,
+                      "Folder of the dense workspace; its images are needed to "
+                      "find the textureless areas.");
+  options.AddChoice("input_type",
+                    &evaluation_options.input_type,
+                    {"geometric", "photometric"},
+                    "Which of the depth maps to score.");
+  options.Add("ground_truth_path",
+              &ground_truth_path,
+              "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 = "
+              "unknown. If empty, ground_truth/depth in the workspace.");
+  options.Add("tolerances",
+              &tolerances,
+              "A depth is right if it is off by less than this; rising numbers "
+              "with commas, in units of the model (metres, if it has them).");
+  options.Add("json", &json, "Print JSON instead of a table.");
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  evaluation_options.ground_truth_path = ground_truth_path;
+  evaluation_options.tolerances = ParseTolerances(tolerances);
+  const DepthEvaluation evaluation =
+      EvaluateDepthMaps(workspace_path, evaluation_options);
+  json ? PrintJson(evaluation) : PrintTable(evaluation);
+  return 0;
+}
+
+int EvaluateCloud(int argc, char** argv) {
+  CloudEvaluationOptions evaluation_options;
+  std::string input_path;
+  std::string ground_truth_path;
+  std::string tolerances = "0.01,0.02,0.05,0.1";
+  bool json = false;
+  OptionSet options(
+      "tsar_evaluate cloud",
+      "Compares a point cloud with laser scans by the measure of the ETH3D "
+      "multi-view benchmark. Completeness is the share of the scanned surface "
+      "that has a point within the tolerance, accuracy the share of points "
+      "within the tolerance of the surface, F1 their harmonic mean; all are "
+      "averaged over voxels. A point counts as wrong only where a laser beam "
+      "passed through it; where no scanner looked it is not counted.",
+      "tsar_evaluate cloud --input_path fused.ply --ground_truth_path "
+      "scan_alignment.mlp");
+  options.AddRequired("input_path",
+                      &input_path,
+                      "The cloud: a PLY file, ASCII or binary little-endian.");
+  options.AddRequired("ground_truth_path",
+                      &ground_truth_path,
+                      "MeshLab project that lists the scans (PLY, each in its "
+                      "scanner's frame) and their poses.");
+  options.Add("tolerances",
+              &tolerances,
+              "Distances up to which a point is right; rising numbers with "
+              "commas, in units of the scans (metres, if they have them).");
+  options.Add("voxel_size",
+              &evaluation_options.voxel_size,
+              "Edge length of the voxels, in units of the scans.");
+  options.Add("beam_radius",
+              &evaluation_options.beam.start_radius,
+              "Radius of a laser beam at the scanner, in units of the scans.");
+  options.Add("beam_angle",
+              &evaluation_options.beam.divergence_degrees,
+              "Half the opening angle of a laser beam, in degrees.");
+  options.Add("json", &json, "Print JSON instead of a table.");
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  evaluation_options.tolerances = ParseTolerances(tolerances);
+  const CloudEvaluation evaluation =
+      EvaluateCloudFile(input_path, ground_truth_path, evaluation_options);
+  json ? PrintJson(evaluation) : PrintTable(evaluation);
+  return 0;
+}
+
+}  // namespace
+
+int RunTsarEvaluate(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "depth") {
+    return EvaluateDepth(argc - 1, argv + 1);
+  }
+  if (what == "cloud") {
+    return EvaluateCloud(argc - 1, argv + 1);
+  }
+  if (what == "-h" || what == "--help") {
+    std::cout << kHelp;
+    return 0;
+  }
+  throw Error(ErrorCode::kBadOption,
+              "tsar_evaluate: say what to evaluate, depth or cloud; see "
+              "tsar_evaluate --help");
+}
+
+}  // namespace tsar

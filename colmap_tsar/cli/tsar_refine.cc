@@ -1,0 +1,173 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/pipeline/refine_workspace.h"
+#include "colmap_tsar/workspace/restore.h"
+#include "colmap_tsar/workspace/workspace_lock.h"
+
+#include <iostream>
+#include <string>
+#include <variant>
+
+#include <opencv2/core.hpp>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+constexpr const char* kGroup = "TsarRefine.";
+constexpr const char* kSummary =
+    "Completes the depth and normal maps of a dense workspace where surfaces "
+    "have no texture: it removes wrong depths, spreads right ones and fits "
+    "planes to walls, floors and facades. Run it after patch_match_stereo and "
+    "before stereo_fusion. The refined maps take the names of the originals, "
+    "so that stereo_fusion needs no other options; the originals are kept in "
+    "stereo/tsar and --restore 1 puts them back. Beside the maps it writes how "
+    "sure each depth is (stereo/confidence_maps), where it comes from "
+    "(stereo/provenance_maps) and an account of the run "
+    "(stereo/tsar/manifest.json). It can be interrupted at any time: the same "
+    "command goes on where it stopped. A run with other options begins from "
+    "the originals again.";
+
+struct RefineCommand {
+  std::string workspace_path;
+  std::string workspace_format = "COLMAP";
+  std::string input_type;
+  std::string output_path;
+  std::string preset = "default";
+  bool restore = false;
+  WorkspaceRefineOptions workspace;
+  RefineOptions refine;
+};
+
+void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
+  options->AddRequired("workspace_path",
+                       &command->workspace_path,
+                       "The dense workspace, as image_undistorter makes it and "
+                       "patch_match_stereo fills it.");
+  options->AddChoice("workspace_format",
+                     &command->workspace_format,
+                     {"COLMAP"},
+                     "The layout of the workspace.");
+  options->AddChoice(
+      "input_type",
+      &command->input_type,
+      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
+      "Which maps to refine; the others serve as evidence where "
+      "they exist. If not given: geometric, or photometric where "
+      "there are no geometric ones.");
+  options->Add("output_path",
+               &command->output_path,
+               "Write a second workspace here, with links to the images, and "
+               "leave the first as it is. If empty, refine in place.");
+  options->Add("restore",
+               &command->restore,
+               "Put the original maps back, remove all that tsar_refine wrote, "
+               "and do nothing else.");
+}
+
+void AddRunOptions(RefineCommand* command, OptionSet* options) {
+  const std::string group = kGroup;
+  options->AddChoice(group + "preset",
+                     &command->preset,
+                     {"default", "paper"},
+                     "Values for the options below that are not given: what "
+                     "measures best, or the published method as it is.");
+  options->AddChoice(group + "device",
+                     &command->workspace.device,
+                     {"auto", "cuda", "cpu"},
+                     "Where to compute; auto: on a GPU where there is one.");
+  options->Add(group + "gpu_index",
+               &command->workspace.gpu_index,
+               "Number of the GPU, from 0 on; -1: the first.",
+               {-1, 1000});
+  options->Add(group + "num_threads",
+               &command->workspace.num_threads,
+               "Number of CPU threads; -1: one for each core.",
+               {-1, 4096});
+  options->Add(group + "cache_size",
+               &command->workspace.cache_size,
+               "Main memory for the images at work, in gigabytes. Fewer images "
+               "are worked on at a time where it does not suffice.",
+               {0.001, 1e6});
+}
+
+void AddRefineOptions(RefineCommand* command, OptionSet* options) {
+  for (const RefineField& field : ListRefineFields(&command->refine)) {
+    std::visit(
+        [&](auto* value) {
+          using T = std::remove_pointer_t<decltype(value)>;
+          const OptionRange range = std::is_same_v<T, bool>
+                                        ? OptionRange{}
+                                        : OptionRange{field.min, field.max};
+          options->Add(kGroup + field.name, value, field.description, range);
+        },
+        field.value);
+  }
+}
+
+int RestoreWorkspace(const RefineCommand& command) {
+  if (!command.output_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                "--restore puts maps back in place; leave --output_path out");
+  }
+  const WorkspaceLock lock(command.workspace_path);
+  const RestoreResult result = Restore(command.workspace_path);
+  std::cout << "Put the original maps of " << result.num_restored
+            << (result.num_restored == 1 ? " image" : " images") << " back.\n";
+  if (result.num_newer > 0) {
+    std::cout << "Left the maps of " << result.num_newer
+              << " as they were, which patch_match_stereo has written since.\n";
+  }
+  return 0;
+}
+
+}  // namespace
+
+int RunTsarRefine(int argc, char** argv) {
+  RefineCommand command;
+  OptionSet options("tsar_refine",
+                    kSummary,
+                    "colmap_tsar tsar_refine --workspace_path dense");
+  AddWorkspaceOptions(&command, &options);
+  AddRunOptions(&command, &options);
+  AddRefineOptions(&command, &options);
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  if (command.preset == "paper") {
+    // The options that were given come on top of the preset.
+    command.refine = RefineOptions::Paper();
+    options.Parse(argc, argv);
+  }
+  if (command.restore) {
+    return RestoreWorkspace(command);
+  }
+  command.workspace.workspace_path = command.workspace_path;
+  command.workspace.output_path = command.output_path;
+  if (!command.input_type.empty()) {
+    command.workspace.input_type =
+        command.input_type == ToString(MapType::kGeometric)
+            ? MapType::kGeometric
+            : MapType::kPhotometric;
+  }
+  // Images are worked on side by side; OpenCV's own threads would only compete
+  // with them.
+  cv::setNumThreads(1);
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  const RunSummary summary =
+      RefineWorkspace(command.workspace, command.refine, progress, [&] {
+        return interruption.Requested();
+      });
+  PrintSummary(summary, std::cout);
+  return 0;
+}
+
+}  // namespace tsar

@@ -1,0 +1,141 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/refine_image.h"
+
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+struct ComposeKernel {
+  ComposeInputs inputs;
+  DisparityScale scale;
+  PlaneTolerance on_plane;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+
+  TSAR_HD bool Same(float a, float b) const {
+    return fabsf(a - b) < on_plane.At(b, scale) * b;
+  }
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float region = Depth(inputs.region_planes, x, y);
+    const float superpixel = Depth(inputs.superpixel_planes, x, y);
+    const float own = inputs.own.depth(x, y);
+    const bool trusted = inputs.trusted(x, y) != 0 && own > 0.f;
+    Provenance source = Provenance::kNone;
+    const DepthNormalViews* values = nullptr;
+    if (trusted) {
+      source = Provenance::kMeasured;
+      values = region > 0.f && Same(own, region) ? &inputs.region_planes
+               : superpixel > 0.f && Same(own, superpixel)
+                   ? &inputs.superpixel_planes
+                   : &inputs.own;
+    } else if (region > 0.f &&
+               !(superpixel > 0.f && !Same(superpixel, region))) {
+      source = Provenance::kRegionPlane;
+      values = &inputs.region_planes;
+    } else if (superpixel > 0.f) {
+      source = Provenance::kSuperpixelPlane;
+      values = &inputs.superpixel_planes;
+    }
+    depth(x, y) = values != nullptr ? values->depth(x, y) : 0.f;
+    normal(x, y) = values != nullptr ? values->normal(x, y) : Vec3f{};
+    provenance(x, y) = static_cast<uint8_t>(source);
+  }
+
+  TSAR_HD static float Depth(const DepthNormalViews& views, int x, int y) {
+    return views.depth.Empty() ? 0.f : views.depth(x, y);
+  }
+};
+
+struct MarkKernel {
+  ImageView<const uint8_t> filled;
+  ImageView<uint8_t> provenance;
+  TSAR_HD void operator()(int x, int y) const {
+    if (filled(x, y) != 0) {
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kInterpolated);
+    }
+  }
+};
+
+constexpr float kMinConfidence = 0.01f;
+
+struct ConfidenceKernel {
+  ImageView<const uint8_t> provenance;
+  ImageView<const float> score;
+  ImageView<float> confidence;
+
+  TSAR_HD void operator()(int x, int y) const {
+    float value = 0.f;
+    switch (static_cast<Provenance>(provenance(x, y))) {
+      case Provenance::kMeasured:
+        // Not 0, which stands for no depth, also where nothing judged it.
+        value = fminf(fmaxf(score(x, y), kMinConfidence), 1.f);
+        break;
+      // About the shares of such pixels that are right to 2 cm on the scenes of
+      // docs/method.md.
+      case Provenance::kRegionPlane:
+        value = 0.5f;
+        break;
+      case Provenance::kSuperpixelPlane:
+        value = 0.3f;
+        break;
+      case Provenance::kInterpolated:
+        value = 0.25f;
+        break;
+      default:
+        break;
+    }
+    confidence(x, y) = value;
+  }
+};
+
+}  // namespace
+
+ComposedMap ComposeMap(const ComposeInputs& inputs,
+                       const DisparityScale& scale,
+                       const ComposeOptions& options,
+                       Device& device) {
+  const int width = inputs.own.depth.width;
+  const int height = inputs.own.depth.height;
+  ComposedMap composed{DepthNormalImages(device, width, height),
+                       DeviceImage<uint8_t>(device, width, height)};
+  ParallelFor(device,
+              width,
+              height,
+              ComposeKernel{inputs,
+                            scale,
+                            options.on_plane,
+                            composed.map.depth.View(),
+                            composed.map.normal.View(),
+                            composed.provenance.View()});
+  return composed;
+}
+
+void MarkInterpolated(ImageView<const uint8_t> filled,
+                      ComposedMap* composed,
+                      Device& device) {
+  ParallelFor(device,
+              filled.width,
+              filled.height,
+              MarkKernel{filled, composed->provenance.View()});
+}
+
+DeviceImage<float> RateConfidence(const ComposedMap& composed,
+                                  ImageView<const float> score,
+                                  Device& device) {
+  DeviceImage<float> confidence(device, score.width, score.height);
+  ParallelFor(
+      device,
+      score.width,
+      score.height,
+      ConfidenceKernel{composed.provenance.View(), score, confidence.View()});
+  return confidence;
+}
+
+}  // namespace tsar

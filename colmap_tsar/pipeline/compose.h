@@ -1,0 +1,53 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/planes/group_planes.h"
+#include "colmap_tsar/refinement/weighted_median.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+struct ComposeOptions {
+  // A measurement this close to a plane lies on it: the spread of good matches,
+  // about a pixel of disparity.
+  PlaneTolerance on_plane{0.f, 1.f};
+};
+
+struct ComposeInputs {
+  DepthNormalViews own;                // The measured hypotheses.
+  ImageView<const uint8_t> trusted;    // Where they stand.
+  DepthNormalViews superpixel_planes;  // May be empty.
+  DepthNormalViews region_planes;      // May be empty.
+};
+
+struct ComposedMap {
+  DepthNormalImages map;
+  DeviceImage<uint8_t> provenance;
+};
+
+// One map from what the stages found. A trusted measurement that lies on a
+// plane moves onto it, which removes its noise; one that does not keeps its
+// depth. Where nothing is trusted, the plane with the more local support wins:
+// the superpixel's, unless the region's says the same.
+ComposedMap ComposeMap(const ComposeInputs& inputs,
+                       const DisparityScale& scale,
+                       const ComposeOptions& options,
+                       Device& device);
+
+// Sets the provenance of the pixels where filled is not 0.
+void MarkInterpolated(ImageView<const uint8_t> filled,
+                      ComposedMap* composed,
+                      Device& device);
+
+// How much each depth is worth, in [0, 1]: the score where it was measured, and
+// for filled pixels a fixed value by provenance, at most 0.5; 0 where there
+// is no depth.
+DeviceImage<float> RateConfidence(const ComposedMap& composed,
+                                  ImageView<const float> score,
+                                  Device& device);
+
+}  // namespace tsar

@@ -1,0 +1,77 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/device_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+// The long side of the paper's segmentation images.
+constexpr int kRasterSize = 777;
+
+ReducedRaster MakeRaster(int width, int height) {
+  const double scale = std::min(
+      1.0, kRasterSize / static_cast<double>(std::max(width, height)));
+  return {std::max(1, static_cast<int>(std::lround(width * scale))),
+          std::max(1, static_cast<int>(std::lround(height * scale)))};
+}
+
+Image<Rgb> ResizeColor(const Image<Rgb>& color, const ReducedRaster& raster) {
+  if (raster.width == color.Width() && raster.height == color.Height()) {
+    return color;
+  }
+  Image<Rgb> resized(raster.width, raster.height);
+  const cv::Mat source(color.Height(),
+                       color.Width(),
+                       CV_8UC3,
+                       const_cast<Rgb*>(color.Data()));
+  cv::Mat target(raster.height, raster.width, CV_8UC3, resized.Data());
+  cv::resize(source, target, target.size(), 0, 0, cv::INTER_AREA);
+  return resized;
+}
+
+}  // namespace
+
+DeviceViews::DeviceViews(const ViewData& reference,
+                         const std::vector<const ViewData*>& sources,
+                         Device& device)
+    : camera_(reference.camera),
+      raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
+      raster_color_(ResizeColor(reference.color, raster_)),
+      gray_(device, reference.gray),
+      depth_(device, reference.depth),
+      normal_(device, reference.normal),
+      color_(device, reference.color) {
+  std::vector<SourceView> views;
+  std::vector<Camera> cameras;
+  source_images_.reserve(2 * sources.size());
+  for (const ViewData* source : sources) {
+    const DeviceImage<float>& gray =
+        source_images_.emplace_back(device, source->gray);
+    const DeviceImage<float>& depth =
+        source_images_.emplace_back(device, source->depth);
+    views.push_back({source->camera.GetIntrinsics(),
+                     ComputeRelativePose(reference.camera, source->camera),
+                     gray.View(),
+                     depth.View()});
+    cameras.push_back(source->camera);
+  }
+  sources_ = Buffer<SourceView>(device, views);
+  scale_ = ComputeDisparityScale(reference.camera, cameras);
+}
+
+Intrinsics DeviceViews::RasterIntrinsics() const {
+  return camera_.Resized(raster_.width, raster_.height).GetIntrinsics();
+}
+
+double DeviceViews::RasterScale() const {
+  return std::max(raster_.width, raster_.height) /
+         static_cast<double>(kRasterSize);
+}
+
+}  // namespace tsar

@@ -1,0 +1,60 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/views.h"
+#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/refinement/samples.h"
+
+#include <vector>
+
+namespace tsar {
+
+// A reference image and its sources in the device's memory, ready for the
+// stages.
+class DeviceViews {
+ public:
+  DeviceViews(const ViewData& reference,
+              const std::vector<const ViewData*>& sources,
+              Device& device);
+
+  int Width() const { return depth_.Width(); }
+  int Height() const { return depth_.Height(); }
+  const Camera& ReferenceCamera() const { return camera_; }
+  Intrinsics MapIntrinsics() const { return camera_.GetIntrinsics(); }
+  Intrinsics RasterIntrinsics() const;
+  const DisparityScale& Scale() const { return scale_; }
+
+  ReferenceView Reference() const {
+    return {MapIntrinsics(), gray_.View(), depth_.View(), normal_.View()};
+  }
+  const Buffer<SourceView>& Sources() const { return sources_; }
+  DepthNormalViews Hypotheses() const {
+    return {depth_.View(), normal_.View()};
+  }
+  ImageView<const Rgb> Color() const { return color_.View(); }
+
+  // The raster of superpixels and regions, and the image reduced to it.
+  const ReducedRaster& Raster() const { return raster_; }
+  const Image<Rgb>& RasterColor() const { return raster_color_; }
+  // The raster's size relative to the paper's: lengths shrink by it, areas by
+  // its square.
+  double RasterScale() const;
+
+ private:
+  Camera camera_;
+  DisparityScale scale_;
+  ReducedRaster raster_;
+  Image<Rgb> raster_color_;
+  DeviceImage<float> gray_;
+  DeviceImage<float> depth_;
+  DeviceImage<Vec3f> normal_;
+  DeviceImage<Rgb> color_;
+  std::vector<DeviceImage<float>> source_images_;
+  Buffer<SourceView> sources_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,294 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_image.h"
+
+#include "colmap_tsar/filtering/confidence.h"
+#include "colmap_tsar/filtering/discontinuity.h"
+#include "colmap_tsar/filtering/reliability.h"
+#include "colmap_tsar/matching/agreement.h"
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/refinement/correlation.h"
+#include "colmap_tsar/refinement/slic.h"
+#include "colmap_tsar/segmentation/hough.h"
+#include "colmap_tsar/segmentation/region_planes.h"
+#include "colmap_tsar/segmentation/roberts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+bool HasDepth(const Image<float>& depth) {
+  return std::any_of(
+      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
+}
+
+// A threshold below every score.
+constexpr float kAnyScore = -1.f;
+
+int ScaledLength(double length, const DeviceViews& views) {
+  return std::max(1,
+                  static_cast<int>(std::lround(length * views.RasterScale())));
+}
+
+// num_sources_with_depth: no more than these can agree with a pixel.
+DeviceImage<float> ScoreHypotheses(const ViewData& reference,
+                                   const DeviceViews& views,
+                                   int num_sources_with_depth,
+                                   const RefineOptions& options,
+                                   Device& device,
+                                   StageTimer* timer) {
+  DeviceImage<float> confidence;
+  if (options.filter_confidence) {
+    MatchingCosts costs =
+        ComputeMatchingCosts(views.Reference(), views.Sources(), device);
+    if (!reference.min_cost.Empty()) {
+      costs.min_cost = DeviceImage<float>(device, reference.min_cost);
+      costs.second_cost = DeviceImage<float>(device, reference.second_cost);
+    }
+    confidence = ComputeConfidence(costs, {}, device);
+  }
+  DeviceImage<uint8_t> agreement;
+  if (options.view_agreement) {
+    agreement =
+        CountAgreeingSources(views.Reference(), views.Sources(), {}, device);
+  }
+  timer->Finish("matching");
+  const ImageView<const float> depth = views.Hypotheses().depth;
+  DeviceImage<float> discontinuity;
+  if (options.filter_discontinuity) {
+    discontinuity = ComputeDiscontinuity(depth, views.Scale(), {}, device);
+  }
+  ReliabilityOptions reliability;
+  reliability.confidence_weight = static_cast<float>(options.confidence_weight);
+  reliability.saturating_agreement =
+      std::clamp(num_sources_with_depth, 1, reliability.saturating_agreement);
+  return AggregateScores(depth,
+                         confidence.View(),
+                         discontinuity.View(),
+                         agreement.View(),
+                         reliability,
+                         device);
+}
+
+CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
+                                          uint32_t image_id) {
+  CorrelationOptions result;
+  result.num_iterations = options.num_iterations;
+  result.window_radius = static_cast<float>(options.window_radius);
+  result.disparity_tolerance = static_cast<float>(options.disparity_tolerance);
+  result.spatial_sigma = static_cast<float>(options.spatial_sigma);
+  result.color_sigma = static_cast<float>(options.color_sigma);
+  result.readmit_filtered = options.readmit_filtered;
+  result.use_superpixel_planes = options.superpixel_planes;
+  result.use_weighted_median = options.weighted_median;
+  result.planes.min_support = static_cast<float>(options.min_plane_support);
+  result.planes.ransac.image_id = image_id;
+  return result;
+}
+
+// What the refinement leaves for the composition.
+struct Refinement {
+  DeviceImage<uint8_t> trusted;
+  DepthNormalImages superpixel_map;
+};
+
+Refinement RefineTrust(const DeviceViews& views,
+                       ImageView<const float> score,
+                       DeviceImage<uint8_t> reliable,
+                       uint32_t image_id,
+                       const RefineOptions& options,
+                       Device& device,
+                       StageTimer* timer) {
+  Refinement result;
+  if (!options.refine) {
+    result.trusted = std::move(reliable);
+    return result;
+  }
+  SlicOptions slic;
+  slic.superpixel_size = options.superpixel_size;
+  const Superpixels superpixels =
+      ComputeSuperpixels(views.RasterColor(),
+                         ReduceNearest(score, views.Raster(), device).View(),
+                         slic,
+                         device);
+  timer->Finish("superpixels");
+  CorrelationResult correlation =
+      RefineByCorrelation(views.Hypotheses(),
+                          score,
+                          reliable.View(),
+                          views.Color(),
+                          superpixels,
+                          views.Raster(),
+                          views.ReferenceCamera(),
+                          views.Scale(),
+                          MakeCorrelationOptions(options, image_id),
+                          device);
+  if (options.superpixel_planes) {
+    const DeviceImage<Plane> planes =
+        PlanesOfLabels(superpixels.labels.View(), correlation.planes, device);
+    result.superpixel_map = RenderPlanes(planes.View(),
+                                         views.MapIntrinsics(),
+                                         views.Width(),
+                                         views.Height(),
+                                         device);
+  }
+  result.trusted = std::move(correlation.trusted);
+  timer->Finish("refinement");
+  return result;
+}
+
+Regions SegmentTexturelessRegions(const DeviceViews& views,
+                                  uint32_t image_id,
+                                  const RefineOptions& options,
+                                  Device& device) {
+  const DeviceImage<Rgb> color(device, views.RasterColor());
+  Image<uint8_t> edges =
+      DetectRobertsEdges(
+          color.View(), static_cast<float>(options.edge_threshold), device)
+          .ToHost();
+  HoughOptions hough;
+  hough.min_votes = options.hough_min_votes;
+  hough.max_gap = ScaledLength(options.hough_max_gap, views);
+  hough.image_id = image_id;
+  DrawLineSegments(DetectLineSegments(edges.View(), hough), edges.View());
+  const double area_scale = views.RasterScale() * views.RasterScale();
+  return FindRegions(DeviceImage<uint8_t>(device, edges).View(),
+                     static_cast<int>(options.min_region_size * area_scale),
+                     device);
+}
+
+DepthNormalImages RenderRegions(const DeviceViews& views,
+                                ImageView<const float> score,
+                                ImageView<const uint8_t> trusted,
+                                uint32_t image_id,
+                                const RefineOptions& options,
+                                Device& device,
+                                StageTimer* timer) {
+  const Regions regions =
+      SegmentTexturelessRegions(views, image_id, options, device);
+  timer->Finish("segmentation");
+  RegionPlaneOptions planes;
+  planes.max_planes = options.max_region_planes;
+  planes.use_core = options.region_cores;
+  planes.rim_width = ScaledLength(planes.rim_width, views);
+  planes.core_margin = ScaledLength(planes.core_margin, views);
+  planes.min_rim_share = static_cast<float>(options.min_plane_support);
+  planes.max_boundary_error = static_cast<float>(options.max_boundary_error);
+  planes.ransac.tolerance.pixels = 1.f;
+  planes.ransac.num_hypotheses = 200;
+  planes.ransac.image_id = image_id;
+  const DeviceImage<RayDepth> samples =
+      SampleMeasurements(views.Hypotheses().depth,
+                         score,
+                         trusted,
+                         views.MapIntrinsics(),
+                         views.Raster(),
+                         device);
+  const RegionPlanes fits =
+      FitRegionPlanes(regions, samples.View(), views.Scale(), planes, device);
+  const DeviceImage<Plane> pixel_planes =
+      AssignRegionPlanes(regions,
+                         fits,
+                         samples.View(),
+                         views.RasterIntrinsics(),
+                         views.Scale(),
+                         planes,
+                         device);
+  DepthNormalImages rendered = RenderPlanes(pixel_planes.View(),
+                                            views.MapIntrinsics(),
+                                            views.Width(),
+                                            views.Height(),
+                                            device);
+  timer->Finish("region planes");
+  return rendered;
+}
+
+}  // namespace
+
+RefineResult RefineImage(const ViewData& reference,
+                         const std::vector<const ViewData*>& sources,
+                         uint32_t image_id,
+                         const RefineOptions& options,
+                         Device& device) {
+  RefineResult result;
+  StageTimer timer(device, &result.seconds);
+  const DeviceViews views(reference, sources, device);
+  timer.Finish("upload");
+  const auto num_sources_with_depth =
+      std::count_if(sources.begin(), sources.end(), [](const ViewData* source) {
+        return HasDepth(source->depth);
+      });
+  const DeviceImage<float> score =
+      ScoreHypotheses(reference,
+                      views,
+                      static_cast<int>(num_sources_with_depth),
+                      options,
+                      device,
+                      &timer);
+  DeviceImage<uint8_t> reliable = SelectReliable(
+      score.View(),
+      options.filter ? static_cast<float>(options.min_aggregated_score)
+                     : kAnyScore,
+      device);
+  timer.Finish("filtering");
+  const Refinement refinement = RefineTrust(views,
+                                            score.View(),
+                                            std::move(reliable),
+                                            image_id,
+                                            options,
+                                            device,
+                                            &timer);
+  DepthNormalImages region_map;
+  if (options.segment) {
+    region_map = RenderRegions(views,
+                               score.View(),
+                               refinement.trusted.View(),
+                               image_id,
+                               options,
+                               device,
+                               &timer);
+  }
+  ComposedMap composed = ComposeMap({views.Hypotheses(),
+                                     refinement.trusted.View(),
+                                     refinement.superpixel_map.Views(),
+                                     region_map.Views()},
+                                    views.Scale(),
+                                    {},
+                                    device);
+  if (options.refine && options.weighted_median) {
+    WeightedMedianOptions filter;
+    filter.radius = ScaledRadius(
+        2.f * options.window_radius, views.Width(), views.Height());
+    filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
+    filter.color_sigma = static_cast<float>(options.color_sigma);
+    filter.min_support = 1.f / 3.f;
+    const DeviceImage<uint8_t> filled = InterpolateHoles(views.Color(),
+                                                         views.MapIntrinsics(),
+                                                         options.num_iterations,
+                                                         filter,
+                                                         &composed.map,
+                                                         device);
+    MarkInterpolated(filled.View(), &composed, device);
+  }
+  const DeviceImage<float> confidence =
+      RateConfidence(composed, score.View(), device);
+  timer.Finish("composition");
+  result.maps.depth = composed.map.depth.ToHost();
+  result.maps.normal = composed.map.normal.ToHost();
+  result.maps.provenance = composed.provenance.ToHost();
+  result.maps.confidence = confidence.ToHost();
+  timer.Finish("download");
+  if (!HasDepth(result.maps.depth)) {
+    result.reason_to_keep = "none of its depths is reliable";
+  }
+  return result;
+}
+
+}  // namespace tsar

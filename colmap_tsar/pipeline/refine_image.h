@@ -1,0 +1,44 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/workspace/write_back.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// Where a pixel's depth comes from; the values of provenance maps.
+enum class Provenance : uint8_t {
+  kNone = 0,
+  kMeasured = 1,
+  kSuperpixelPlane = 2,
+  kInterpolated = 3,
+  kRegionPlane = 4,
+  kOtherViews = 5,
+};
+
+struct RefineResult {
+  RefinedMaps maps;
+  std::map<std::string, double> seconds;  // Per stage.
+  // Why the image should keep its maps; empty where it was refined.
+  std::string reason_to_keep;
+};
+
+// Takes one image through all stages. Reads nothing and writes nothing; the
+// result is a function of the arguments, whatever the device's threads.
+// image_id keys the random numbers.
+RefineResult RefineImage(const ViewData& reference,
+                         const std::vector<const ViewData*>& sources,
+                         uint32_t image_id,
+                         const RefineOptions& options,
+                         Device& device);
+
+}  // namespace tsar

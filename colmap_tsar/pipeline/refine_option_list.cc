@@ -1,0 +1,184 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_option_list.h"
+
+#include "colmap_tsar/segmentation/region_planes.h"
+#include "colmap_tsar/workspace/content_hash.h"
+
+#include <charconv>
+#include <cstdint>
+#include <iomanip>
+#include <sstream>
+#include <system_error>
+#include <type_traits>
+
+namespace tsar {
+namespace {
+
+template <typename T>
+std::string ValueText(T value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    return value ? "1" : "0";
+  } else {
+    char text[64];
+    const std::to_chars_result result =
+        std::to_chars(text, text + sizeof(text), value);
+    return std::string(text, result.ptr);
+  }
+}
+
+}  // namespace
+
+std::vector<RefineField> ListRefineFields(RefineOptions* options) {
+  return {
+      {"filter",
+       &options->filter,
+       "Tell reliable depths from wrong ones. If 0, every depth counts as "
+       "reliable."},
+      {"filter_confidence",
+       &options->filter_confidence,
+       "Judge depths by their matching costs."},
+      {"filter_discontinuity",
+       &options->filter_discontinuity,
+       "Judge depths by the size of the smooth surface around them."},
+      {"view_agreement",
+       &options->view_agreement,
+       "Judge depths by the number of source images whose depths agree."},
+      {"min_aggregated_score",
+       &options->min_aggregated_score,
+       "Score above which a depth is reliable; the best have about 1 (eta in "
+       "the paper).",
+       0.0,
+       2.0},
+      {"confidence_weight",
+       &options->confidence_weight,
+       "Weight of the matching confidence against the discontinuity in the "
+       "score, in [0, 1] (tau in the paper).",
+       0.0,
+       1.0},
+      {"refine",
+       &options->refine,
+       "Spread reliable depths over superpixels and by weighted medians. If "
+       "0, the three switches below have no effect."},
+      {"superpixel_planes",
+       &options->superpixel_planes,
+       "Fit a plane to every superpixel that has enough reliable depths."},
+      {"weighted_median",
+       &options->weighted_median,
+       "Confirm and fill depths by weighted medians of their surroundings."},
+      {"readmit_filtered",
+       &options->readmit_filtered,
+       "Let depths that the filter rejected return where the weighted median "
+       "of their surroundings confirms them."},
+      {"num_iterations",
+       &options->num_iterations,
+       "Rounds of the weighted median filters (N_t in the paper).",
+       1,
+       10},
+      {"superpixel_size",
+       &options->superpixel_size,
+       "Area of a superpixel, in pixels of the image reduced to a long side "
+       "of at most 777 (S_sp in the paper).",
+       16,
+       100000},
+      {"min_plane_support",
+       &options->min_plane_support,
+       "Share of a superpixel's depths that must lie on its plane, and of the "
+       "depths on a region's rim where nothing inside it carries one, in "
+       "[0, 1] (sigma in the paper).",
+       0.0,
+       1.0},
+      {"window_radius",
+       &options->window_radius,
+       "Radius of the smallest median window, in pixels of a map 3110 wide "
+       "(delta in the paper).",
+       1,
+       100},
+      {"spatial_sigma",
+       &options->spatial_sigma,
+       "How fast a neighbour's weight falls with its distance, in steps of the "
+       "window's sampling (alpha in the paper).",
+       0.01,
+       100.0},
+      {"color_sigma",
+       &options->color_sigma,
+       "How fast a neighbour's weight falls with the difference of colour, in "
+       "levels of 0-255 (beta in the paper).",
+       0.01,
+       255.0},
+      {"disparity_tolerance",
+       &options->disparity_tolerance,
+       "How far a depth may be from the median of its surroundings, in pixels "
+       "of disparity in a map 3110 wide (mu in the paper).",
+       0.01,
+       10000.0},
+      {"segment",
+       &options->segment,
+       "Find regions without texture and fit planes to them."},
+      {"edge_threshold",
+       &options->edge_threshold,
+       "Step of brightness that bounds a region, in levels of 0-255.",
+       0.0,
+       255.0},
+      {"hough_min_votes",
+       &options->hough_min_votes,
+       "Edge pixels that a straight line needs (epsilon in the paper).",
+       2,
+       10000},
+      {"hough_max_gap",
+       &options->hough_max_gap,
+       "Largest gap that a straight line may close, in pixels of an image 777 "
+       "wide (upsilon in the paper).",
+       1,
+       10000},
+      {"region_cores",
+       &options->region_cores,
+       "Let depths well inside a region decide about its plane before those on "
+       "its rim, which belong to whatever hangs in front. If 0, one fit takes "
+       "both."},
+      {"max_region_planes",
+       &options->max_region_planes,
+       "Most planes that one region may hold.",
+       1,
+       kMaxPlanesPerRegion},
+      {"min_region_size",
+       &options->min_region_size,
+       "Area of the smallest region, in pixels of an image 777 wide (kappa "
+       "times 10000 in the paper).",
+       1,
+       100000000},
+      {"max_boundary_error",
+       &options->max_boundary_error,
+       "How far a region's plane, where only the rim carries it, may be from "
+       "the reliable depths along the rim, as a fraction of the depth (gamma "
+       "in the paper).",
+       0.0,
+       1.0},
+  };
+}
+
+std::map<std::string, std::string> RefineOptionsText(
+    const RefineOptions& options) {
+  RefineOptions copy = options;
+  std::map<std::string, std::string> text;
+  for (const RefineField& field : ListRefineFields(&copy)) {
+    text[field.name] = std::visit(
+        [](const auto* value) { return ValueText(*value); }, field.value);
+  }
+  return text;
+}
+
+std::string HashRefineOptions(const RefineOptions& options) {
+  std::string text = TSAR_VERSION;
+  for (const auto& [name, value] : RefineOptionsText(options)) {
+    text += "\n" + name + "=" + value;
+  }
+  ContentHash hash;
+  hash.Update(text.data(), text.size());
+  std::ostringstream hex;
+  hex << std::hex << std::setfill('0') << std::setw(16) << hash.Value();
+  return hex.str();
+}
+
+}  // namespace tsar

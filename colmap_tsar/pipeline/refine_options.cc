@@ -1,0 +1,56 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_options.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+
+#include <sstream>
+#include <type_traits>
+
+namespace tsar {
+namespace {
+
+template <typename T>
+void CheckRange(const RefineField& field, const T* value) {
+  if constexpr (!std::is_same_v<T, bool>) {
+    // Not the negation, which NaN would pass.
+    const bool is_inside = *value >= field.min && *value <= field.max;
+    if (!is_inside) {
+      std::ostringstream text;
+      text << "TsarRefine." << field.name << ": " << *value
+           << " makes no sense; give a value from " << field.min << " to "
+           << field.max;
+      throw Error(ErrorCode::kBadOption, text.str());
+    }
+  }
+}
+
+}  // namespace
+
+RefineOptions RefineOptions::Paper() {
+  RefineOptions options;
+  options.view_agreement = false;
+  options.readmit_filtered = true;
+  options.region_cores = false;
+  options.max_region_planes = 1;
+  return options;
+}
+
+void RefineOptions::Check() const {
+  if (filter && !filter_confidence && !filter_discontinuity &&
+      !view_agreement) {
+    throw Error(ErrorCode::kBadOption,
+                "TsarRefine.filter: nothing is left to judge depths by; leave "
+                "filter_confidence, filter_discontinuity or view_agreement on, "
+                "or set filter to 0");
+  }
+  RefineOptions copy = *this;
+  for (const RefineField& field : ListRefineFields(&copy)) {
+    std::visit([&](const auto* value) { CheckRange(field, value); },
+               field.value);
+  }
+}
+
+}  // namespace tsar

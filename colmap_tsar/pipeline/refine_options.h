@@ -1,0 +1,52 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <string>
+
+namespace tsar {
+
+// What a user can set; docs/method.md tells how each default was found. Pixel
+// numbers hold at the paper's sizes: maps 3110 pixels wide and a segmentation
+// raster 777 wide; they are scaled to the maps at hand.
+struct RefineOptions {
+  // Joint hypothesis filtering.
+  bool filter = true;
+  bool filter_confidence = true;
+  bool filter_discontinuity = true;
+  bool view_agreement = true;
+  double min_aggregated_score = 0.8;  // eta
+  double confidence_weight = 0.7;     // tau
+
+  // Iterative correlation refinement.
+  bool refine = true;
+  bool superpixel_planes = true;
+  bool weighted_median = true;
+  bool readmit_filtered = false;
+  int num_iterations = 4;             // N_t
+  int superpixel_size = 400;          // S_sp
+  double min_plane_support = 0.3;     // sigma
+  int window_radius = 5;              // delta
+  double spatial_sigma = 2.0;         // alpha
+  double color_sigma = 3.0;           // beta
+  double disparity_tolerance = 24.0;  // mu
+
+  // Textureless-aware segmentation.
+  bool segment = true;
+  double edge_threshold = 4.0;
+  int hough_min_votes = 5;           // epsilon
+  int hough_max_gap = 15;            // upsilon
+  bool region_cores = true;
+  int max_region_planes = 4;
+  int min_region_size = 8000;        // kappa * 10^4
+  double max_boundary_error = 0.02;  // gamma, as a fraction of depth
+
+  // The method as the paper describes it, in the readings that measure best.
+  static RefineOptions Paper();
+
+  // Throws kBadOption, naming the option, where a value makes no sense.
+  void Check() const;
+};
+
+}  // namespace tsar

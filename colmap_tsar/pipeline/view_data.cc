@@ -1,0 +1,135 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/view_data.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <filesystem>
+#include <string>
+
+namespace tsar {
+namespace {
+
+MapType OtherType(MapType type) {
+  return type == MapType::kGeometric ? MapType::kPhotometric
+                                     : MapType::kGeometric;
+}
+
+Image<float> ToGray(const Image<Rgb>& color) {
+  Image<float> gray(color.Width(), color.Height());
+  for (size_t i = 0; i < color.NumPixels(); ++i) {
+    const Rgb& c = color.Data()[i];
+    gray.Data()[i] = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+  }
+  return gray;
+}
+
+// The exported costs of one type of map. COLMAP gives windows without texture
+// and views that see nothing a cost of exactly 2: no evidence.
+PlanarMap ReadCosts(const std::filesystem::path& path, const ViewData& view) {
+  PlanarMap costs = ReadPlanarMap(path);
+  if (costs.channels != 2 || costs.width != view.depth.Width() ||
+      costs.height != view.depth.Height()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "has " + std::to_string(costs.channels) +
+                          " channels of " + std::to_string(costs.width) + "x" +
+                          std::to_string(costs.height) + ", but needs 2 of " +
+                          std::to_string(view.depth.Width()) + "x" +
+                          std::to_string(view.depth.Height()),
+                      "write it anew with patch_match_stereo or delete it");
+  }
+  for (float& cost : costs.values) {
+    if (!(cost >= 0.f && cost < 2.f)) {
+      cost = kUndefinedCost;
+    }
+  }
+  return costs;
+}
+
+void SetCosts(const PlanarMap& costs, size_t pixel, ViewData* view) {
+  view->min_cost.Data()[pixel] = costs.values[pixel];
+  view->second_cost.Data()[pixel] =
+      costs.values[pixel + view->depth.NumPixels()];
+}
+
+}  // namespace
+
+size_t ViewData::NumBytes() const {
+  return color.NumPixels() * sizeof(Rgb) + gray.NumPixels() * sizeof(float) +
+         depth.NumPixels() * sizeof(float) +
+         normal.NumPixels() * sizeof(Vec3f) +
+         (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
+}
+
+ViewData LoadView(const Workspace& workspace, int image) {
+  const MapType type = workspace.Type();
+  DepthNormal maps = workspace.ReadOriginalMaps(image, type);
+  ViewData view;
+  view.depth = std::move(maps.depth);
+  view.normal = std::move(maps.normal);
+  view.num_not_finite = maps.num_not_finite;
+  const bool has_costs =
+      std::filesystem::exists(workspace.CostPath(image, type));
+  if (has_costs) {
+    const PlanarMap costs = ReadCosts(workspace.CostPath(image, type), view);
+    view.min_cost =
+        Image<float>(view.depth.Width(), view.depth.Height(), kUndefinedCost);
+    view.second_cost = view.min_cost;
+    for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+      SetCosts(costs, i, &view);
+    }
+  }
+
+  const MapType other_type = OtherType(type);
+  DepthNormal other;
+  PlanarMap other_costs;
+  if (workspace.HasMaps(image, other_type)) {
+    other = workspace.ReadOriginalMaps(image, other_type);
+    if (!other.depth.HasSizeOf(view.depth)) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          workspace.DepthPath(image, other_type).string(),
+          "is not of the size of the " + ToString(type) + " map",
+          "run patch_match_stereo again for this image, or delete the file");
+    }
+    view.num_not_finite += other.num_not_finite;
+    if (has_costs &&
+        std::filesystem::exists(workspace.CostPath(image, other_type))) {
+      other_costs = ReadCosts(workspace.CostPath(image, other_type), view);
+    }
+  }
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+    const bool valid =
+        view.depth.Data()[i] > 0.f && !(view.normal.Data()[i] == Vec3f{});
+    view.num_depths_to_refine += valid ? 1 : 0;
+    if (!valid && !other.depth.Empty()) {
+      view.depth.Data()[i] = other.depth.Data()[i];
+      view.normal.Data()[i] = other.normal.Data()[i];
+      if (!other_costs.values.empty()) {
+        SetCosts(other_costs, i, &view);
+      } else if (has_costs) {
+        // The costs at hand are those of the hypothesis that COLMAP rejected.
+        view.min_cost.Data()[i] = kUndefinedCost;
+        view.second_cost.Data()[i] = kUndefinedCost;
+      }
+    }
+    // COLMAP writes unit vectors; other lengths are rounding, or hostile.
+    view.normal.Data()[i] = Normalized(view.normal.Data()[i]);
+    if (view.normal.Data()[i] == Vec3f{}) {
+      view.depth.Data()[i] = 0.f;
+    }
+  }
+
+  const int width = view.depth.Width();
+  const int height = view.depth.Height();
+  view.color = workspace.ReadImage(image, width, height);
+  view.gray = ToGray(view.color);
+  view.camera = workspace.Model().images[image].camera.Resized(width, height);
+  return view;
+}
+
+}  // namespace tsar

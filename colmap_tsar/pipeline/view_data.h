@@ -1,0 +1,37 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/workspace/workspace.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// One image of the workspace as the stages see it; all rasters have the size of
+// its depth map.
+struct ViewData {
+  Camera camera;
+  Image<Rgb> color;
+  Image<float> gray;  // 0-255
+  // The hypotheses: the map to refine, and where that is empty the other type.
+  Image<float> depth;
+  Image<Vec3f> normal;
+  // The two smallest matching costs of the hypotheses as COLMAP exported them,
+  // or empty.
+  Image<float> min_cost;
+  Image<float> second_cost;
+  int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
+  int64_t num_not_finite = 0;        // NaN or infinite values that were dropped.
+
+  size_t NumBytes() const;
+};
+
+// Reads image number `image` with all its evidence. Throws what the
+// workspace's readers throw; kMismatch when two of its maps differ in size.
+ViewData LoadView(const Workspace& workspace, int image);
+
+}  // namespace tsar

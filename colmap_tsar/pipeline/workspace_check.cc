@@ -1,0 +1,204 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/workspace_check.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+constexpr const char* kAgain = "run patch_match_stereo again for this image";
+
+bool Exists(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
+}
+
+std::string SizeText(const MapSize& size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height);
+}
+
+void RequireSameSize(const std::filesystem::path& path,
+                     const MapSize& size,
+                     const MapSize& depth_size) {
+  if (size.width != depth_size.width || size.height != depth_size.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the map has " + SizeText(size) +
+                          " pixels, the depth map " + SizeText(depth_size),
+                      kAgain);
+  }
+}
+
+// The size of a map, or nothing where there is none. Where its original is
+// kept elsewhere both are looked at, since either may turn out to be the one to
+// read.
+std::optional<MapSize> CheckMap(const std::filesystem::path& current,
+                                const std::filesystem::path& stored,
+                                int num_channels) {
+  std::optional<MapSize> size;
+  for (const std::filesystem::path* path : {&stored, &current}) {
+    if (!Exists(*path)) {
+      continue;
+    }
+    size = ReadMapSize(*path);
+    if (size->channels != num_channels) {
+      throw Error::File(ErrorCode::kCorrupt,
+                        path->string(),
+                        "has " + std::to_string(size->channels) +
+                            " channels, but needs " +
+                            std::to_string(num_channels),
+                        kAgain);
+    }
+  }
+  return size;
+}
+
+std::optional<MapSize> CheckMaps(const Workspace& workspace,
+                                 int image,
+                                 MapType type) {
+  const MapPaths paths = workspace.SourcePaths(image, type);
+  const auto depth = CheckMap(paths.depth, paths.original_depth, 1);
+  const auto normal = CheckMap(paths.normal, paths.original_normal, 3);
+  if (depth.has_value() != normal.has_value()) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        (depth ? paths.normal : paths.depth).string(),
+        depth ? "there is a depth map of this name, but no normal map"
+              : "there is a normal map of this name, but no depth map",
+        kAgain);
+  }
+  if (depth) {
+    RequireSameSize(paths.normal, *normal, *depth);
+  }
+  return depth;
+}
+
+void CheckCosts(const Workspace& workspace,
+                int image,
+                MapType type,
+                const MapSize& depth_size) {
+  const std::filesystem::path path = workspace.CostPath(image, type);
+  const std::optional<MapSize> size = CheckMap(path, {}, 2);
+  if (size) {
+    RequireSameSize(path, *size, depth_size);
+  }
+}
+
+void CheckImageFile(const std::filesystem::path& path) {
+  constexpr const char* kAdvice =
+      "make the workspace again with image_undistorter";
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw Error::File(
+        ErrorCode::kNotFound, path.string(), "no such image", kAdvice);
+  }
+  if (std::filesystem::file_size(path, error) == 0) {
+    throw Error::File(
+        ErrorCode::kCorrupt, path.string(), "the file is empty", kAdvice);
+  }
+  // By its first bytes; broken pixel data shows only when it is decoded.
+  if (!cv::haveImageReader(path.string())) {
+    throw Error::File(
+        ErrorCode::kCorrupt, path.string(), "not a readable image", kAdvice);
+  }
+}
+
+// Whether the image has maps to refine.
+bool CheckImage(const Workspace& workspace,
+                int image,
+                WorkspaceOverview* overview) {
+  const MapType type = workspace.Type();
+  const std::optional<MapSize> size = CheckMaps(workspace, image, type);
+  if (!size) {
+    return false;
+  }
+  CheckImageFile(workspace.ImagePath(image));
+  CheckCosts(workspace, image, type, *size);
+  const MapType other =
+      type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
+  if (workspace.HasMaps(image, other)) {
+    const std::optional<MapSize> other_size =
+        CheckMaps(workspace, image, other);
+    RequireSameSize(
+        workspace.SourcePaths(image, other).depth, *other_size, *size);
+    CheckCosts(workspace, image, other, *size);
+  }
+  overview->max_num_pixels =
+      std::max(overview->max_num_pixels,
+               static_cast<int64_t>(size->width) * size->height);
+  return true;
+}
+
+Error NoMaps(const Workspace& workspace) {
+  const std::filesystem::path root = workspace.Root();
+  if (workspace.Problems().empty()) {
+    return Error::File(ErrorCode::kNotFound,
+                       (root / "stereo" / "patch-match.cfg").string(),
+                       "names no image",
+                       "make the workspace again with image_undistorter");
+  }
+  return Error::File(ErrorCode::kNotFound,
+                     (root / "stereo" / "depth_maps").string(),
+                     "holds no " + ToString(workspace.Type()) +
+                         " map of an image in patch-match.cfg",
+                     "run patch_match_stereo first, or choose the other "
+                     "--input_type");
+}
+
+}  // namespace
+
+bool HasAnyMap(const Workspace& workspace, MapType type) {
+  return std::any_of(
+      workspace.Problems().begin(),
+      workspace.Problems().end(),
+      [&](const StereoProblem& problem) {
+        const MapPaths paths = workspace.SourcePaths(problem.reference, type);
+        return Exists(paths.depth) || Exists(paths.normal) ||
+               Exists(paths.original_depth) || Exists(paths.original_normal);
+      });
+}
+
+WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
+  std::set<int> images;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
+  }
+  WorkspaceOverview overview;
+  overview.has_maps.resize(workspace.Model().images.size());
+  for (const int image : images) {
+    overview.has_maps[static_cast<size_t>(image)] =
+        CheckImage(workspace, image, &overview);
+  }
+  bool any_reference = false;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    if (!overview.has_maps[static_cast<size_t>(problem.reference)]) {
+      continue;
+    }
+    any_reference = true;
+    const auto num_sources = std::count_if(
+        problem.sources.begin(), problem.sources.end(), [&](int source) {
+          return overview.has_maps[static_cast<size_t>(source)];
+        });
+    overview.max_num_sources =
+        std::max(overview.max_num_sources, static_cast<int>(num_sources));
+  }
+  if (!any_reference) {
+    throw NoMaps(workspace);
+  }
+  return overview;
+}
+
+}  // namespace tsar

@@ -1,0 +1,200 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/commands.h"
+
+#include "colmap_tsar/base/error.h"
+
+#include <filesystem>
+#include <fstream>
+#include <new>
+#include <set>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+// Runs the program with these arguments and returns what it printed.
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+Outcome RunWith(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "colmap_tsar");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) {
+    argv.push_back(argument.data());
+  }
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code = RunProgram(static_cast<int>(argv.size()), argv.data());
+  return {exit_code,
+          testing::internal::GetCapturedStdout(),
+          testing::internal::GetCapturedStderr()};
+}
+
+std::string ErrorOf(CommandFunction function) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(RunCommand(function, 0, nullptr), 1);
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(Commands, HaveUniqueNamesSummariesAndFunctions) {
+  std::set<std::string> names;
+  for (const Command& command : Commands()) {
+    EXPECT_TRUE(names.insert(command.name).second) << command.name;
+    EXPECT_FALSE(command.summary.empty()) << command.name;
+    EXPECT_NE(command.function, nullptr) << command.name;
+  }
+  EXPECT_EQ(names.count("tsar_evaluate"), 1u);
+}
+
+TEST(RunProgram, HelpListsAllCommands) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{}, {"help"}, {"-h"}, {"--help"}}) {
+    const Outcome outcome = RunWith(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    for (const Command& command : Commands()) {
+      EXPECT_NE(outcome.out.find(command.name), std::string::npos);
+    }
+  }
+}
+
+TEST(RunProgram, VersionSaysWhetherCudaIsBuiltIn) {
+  const Outcome outcome = RunWith({"--version"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.out.find("colmap_tsar "), 0u);
+  EXPECT_NE(outcome.out.find("CUDA"), std::string::npos);
+}
+
+TEST(RunProgram, UnknownCommandIsOneLineWithTheNearestAndAllCommands) {
+  const Outcome outcome = RunWith({"tsar_evaluat"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err.find("ERROR: unknown command 'tsar_evaluat'; did you "
+                             "mean tsar_evaluate? The commands are "),
+            0u);
+  EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1);
+}
+
+TEST(RunCommand, PassesTheExitCodeOn) {
+  EXPECT_EQ(RunCommand([](int, char**) { return 7; }, 0, nullptr), 7);
+}
+
+TEST(RunCommand, PrintsOurErrorsAsTheyAre) {
+  EXPECT_EQ(ErrorOf([](int, char**) -> int {
+              throw Error(ErrorCode::kIo, "a.bin: disk full; make room");
+            }),
+            "ERROR: a.bin: disk full; make room\n");
+}
+
+TEST(RunCommand, PrintsForeignErrorsOnOneLine) {
+  EXPECT_EQ(
+      ErrorOf([](int, char**) -> int { throw std::runtime_error("one\ntwo"); }),
+      "ERROR: unexpected failure: one two\n");
+}
+
+TEST(RunCommand, SaysThatMemoryDidNotSuffice) {
+  EXPECT_EQ(ErrorOf([](int, char**) -> int {
+              throw std::bad_alloc();
+            }).find("ERROR: out of memory"),
+            0u);
+}
+
+TEST(TsarEvaluate, NeedsToKnowWhatToEvaluate) {
+  const Outcome outcome = RunWith({"tsar_evaluate"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("depth or cloud"), std::string::npos);
+  EXPECT_EQ(RunWith({"tsar_evaluate", "mesh"}).exit_code, 1);
+}
+
+TEST(TsarEvaluate, HelpExplainsBothForms) {
+  EXPECT_NE(RunWith({"tsar_evaluate", "--help"}).out.find("cloud"),
+            std::string::npos);
+  EXPECT_NE(RunWith({"tsar_evaluate", "depth", "-h"}).out.find("--input_type"),
+            std::string::npos);
+  EXPECT_NE(RunWith({"tsar_evaluate", "cloud", "-h"}).out.find("--voxel_size"),
+            std::string::npos);
+}
+
+// A scan of one point, and a cloud that has it and a point in front of it.
+class TsarEvaluateCloudTest : public testing::Test {
+ protected:
+  TsarEvaluateCloudTest() {
+    std::filesystem::create_directories(folder_);
+    Write("scan.mlp",
+          "<MeshLabProject><MeshGroup><MLMesh filename=\"scan.ply\">"
+          "<MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>"
+          "</MeshGroup></MeshLabProject>");
+    Write("scan.ply", kPly + "element vertex 1\n" + kXyz + "2 0 0\n");
+    Write("cloud.ply", kPly + "element vertex 2\n" + kXyz + "2 0 0\n1 0 0\n");
+  }
+  ~TsarEvaluateCloudTest() override { std::filesystem::remove_all(folder_); }
+
+  void Write(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name) << content;
+  }
+
+  Outcome Evaluate(const std::string& json) const {
+    return RunWith({"tsar_evaluate",
+                    "cloud",
+                    "--input_path",
+                    (folder_ / "cloud.ply").string(),
+                    "--ground_truth_path",
+                    (folder_ / "scan.mlp").string(),
+                    "--tolerances",
+                    "0.1",
+                    "--json",
+                    json});
+  }
+
+  const std::string kPly = "ply\nformat ascii 1.0\n";
+  const std::string kXyz =
+      "property float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) /
+      ("tsar_commands_" + std::to_string(getpid()));
+};
+
+TEST_F(TsarEvaluateCloudTest, PrintsJson) {
+  const Outcome outcome = Evaluate("1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["num_points"], 2);
+  EXPECT_EQ(json["num_scan_points"], 1);
+  ASSERT_EQ(json["scores"].size(), 1u);
+  EXPECT_EQ(json["scores"][0]["tolerance"], 0.1);
+  EXPECT_EQ(json["scores"][0]["completeness"], 1.0);
+  EXPECT_EQ(json["scores"][0]["accuracy"], 0.5);
+}
+
+TEST_F(TsarEvaluateCloudTest, PrintsATable) {
+  const Outcome outcome = Evaluate("0");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("2 points, 1 scan points"), std::string::npos);
+  EXPECT_NE(outcome.out.find("1.0000       0.5000       0.6667"),
+            std::string::npos)
+      << outcome.out;
+}
+
+TEST(TsarEvaluate, RejectsToleranceListsThatMeanNothing) {
+  for (const std::string list :
+       {"0.1,", "0.1,x", "-1", "0", "nan", "0.2,0.1", "0.1,0.1"}) {
+    const Outcome outcome = RunWith({"tsar_evaluate",
+                                     "depth",
+                                     "--workspace_path",
+                                     "nowhere",
+                                     "--tolerances=" + list});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: --tolerances: "), 0u)
+        << list << " gave " << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,193 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+
+#include <csignal>
+
+#include "tests/pipeline/drawn_workspace.h"
+#include "tests/workspace/test_workspace.h"
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+struct Outcome {
+  int exit_code;
+  std::string out;
+  std::string err;
+};
+
+Outcome RunRefine(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "tsar_refine");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) {
+    argv.push_back(argument.data());
+  }
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int exit_code =
+      RunCommand(&RunTsarRefine, static_cast<int>(argv.size()), argv.data());
+  return {exit_code,
+          testing::internal::GetCapturedStdout(),
+          testing::internal::GetCapturedStderr()};
+}
+
+class TsarRefineTest : public testing::Test {
+ protected:
+  void SetUp() override { DrawWorkspace(root_); }
+
+  Outcome Run(std::vector<std::string> arguments) const {
+    for (const std::string& argument : {std::string("--workspace_path"),
+                                        root_.string(),
+                                        std::string("--TsarRefine.device"),
+                                        std::string("cpu")}) {
+      arguments.push_back(argument);
+    }
+    return RunRefine(arguments);
+  }
+
+  // Expects exit code 1, one line with these texts, and no file changed.
+  void ExpectFailure(const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& texts) const {
+    const auto before = ReadTree(folder_.Path());
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: "), 0u) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    for (const std::string& text : texts) {
+      EXPECT_THAT(outcome.err, testing::HasSubstr(text));
+    }
+    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
+  }
+
+  nlohmann::json UsedOptions() const {
+    return nlohmann::json::parse(
+        ReadText(root_ / "stereo/tsar/manifest.json"))["options"];
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+};
+
+TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
+  const auto before = ReadTree(root_);
+  const Outcome refined = Run({});
+  EXPECT_EQ(refined.exit_code, 0) << refined.err;
+  EXPECT_THAT(refined.out, testing::HasSubstr("4 images: 4 refined\n"));
+  EXPECT_THAT(refined.out, testing::HasSubstr("Pixels with depth: "));
+  EXPECT_THAT(refined.out,
+              testing::HasSubstr("Next: colmap stereo_fusion "
+                                 "--workspace_path " +
+                                 root_.string() + " --input_type geometric"));
+  EXPECT_THAT(refined.err, testing::HasSubstr("[4/4]"));
+  EXPECT_FALSE(ReadTree(root_) == before);
+
+  const Outcome again = Run({});
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.out, testing::HasSubstr("4 done before"));
+
+  const Outcome restored = Run({"--restore", "1"});
+  EXPECT_EQ(restored.exit_code, 0) << restored.err;
+  EXPECT_EQ(restored.out, "Put the original maps of 4 images back.\n");
+  EXPECT_TRUE(ReadTree(root_) == before);
+  ExpectFailure({"--restore", "1"}, {"nothing to restore"});
+}
+
+TEST_F(TsarRefineTest, WritesASecondWorkspace) {
+  const auto before = ReadTree(root_);
+  const std::string output = (folder_.Path() / "out").string();
+  const Outcome outcome =
+      Run({"--output_path", output, "--input_type", "photometric"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              testing::HasSubstr(output + " --input_type photometric"));
+  EXPECT_TRUE(ReadTree(root_) == before);
+  EXPECT_TRUE(std::filesystem::is_regular_file(
+      folder_.Path() / "out/stereo/depth_maps/left/v2.png.photometric.bin"));
+}
+
+TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
+  const std::map<std::string, std::string> paper =
+      RefineOptionsText(RefineOptions::Paper());
+  ASSERT_EQ(paper.at("view_agreement"), "0");
+  ASSERT_NE(paper.at("num_iterations"), "2");
+  WriteText(folder_.Path() / "project.ini",
+            "[TsarRefine]\npreset = paper\nnum_iterations = 2\n"
+            "confidence_weight = 0.5\n");
+  const Outcome outcome = Run({"--project_path",
+                               (folder_.Path() / "project.ini").string(),
+                               "--TsarRefine.confidence_weight=0.6"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const auto& [name, value] : paper) {
+    EXPECT_EQ(UsedOptions()[name],
+              name == "num_iterations"      ? "2"
+              : name == "confidence_weight" ? "0.6"
+                                            : value)
+        << name;
+  }
+}
+
+TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
+  ExpectFailure({"--TsarRefine.num_iteration", "3"},
+                {"--TsarRefine.num_iteration", "num_iterations"});
+  ExpectFailure({"--TsarRefine.min_aggregated_score", "2.5"},
+                {"min_aggregated_score", "too large"});
+  ExpectFailure({"--TsarRefine.num_threads", "0"}, {"num_threads"});
+  ExpectFailure({"--TsarRefine.preset", "best"}, {"preset", "paper"});
+  ExpectFailure({"--workspace_format", "PMVS"}, {"COLMAP"});
+  ExpectFailure({"--input_type", "normal"}, {"input_type", "photometric"});
+  ExpectFailure({"--restore", "1", "--output_path", "out"}, {"--output_path"});
+  ExpectFailure({"--output_path", root_.string()}, {"--output_path"});
+  EXPECT_THAT(RunRefine({}).err, testing::HasSubstr("--workspace_path"));
+}
+
+TEST_F(TsarRefineTest, BrokenWorkspacesAreOneLine) {
+  std::filesystem::remove(root_ / "images/v3.png");
+  ExpectFailure({}, {"images/v3.png", "no such image"});
+  std::filesystem::remove_all(root_ / "stereo");
+  ExpectFailure({}, {"stereo", "no such folder"});
+  ExpectFailure({"--restore", "1"}, {"stereo", "no such folder"});
+}
+
+TEST(TsarRefine, HelpTeaches) {
+  const Outcome outcome = RunRefine({"--help"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* text : {"after patch_match_stereo",
+                           "--restore 1",
+                           "colmap_tsar tsar_refine --workspace_path dense",
+                           "--TsarRefine.preset default|paper",
+                           "manifest.json"}) {
+    EXPECT_THAT(outcome.out, testing::HasSubstr(text));
+  }
+  RefineOptions options;
+  for (const RefineField& field : ListRefineFields(&options)) {
+    EXPECT_THAT(outcome.out,
+                testing::HasSubstr("--TsarRefine." + field.name + " "));
+  }
+}
+
+TEST(Interruption, CatchesTheFirstSignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Interruption interruption;
+    EXPECT_FALSE(interruption.Requested());
+    std::raise(signal);
+    EXPECT_TRUE(interruption.Requested());
+  }
+}
+
+TEST(InterruptionDeathTest, TheSecondSignalEndsTheProgram) {
+  EXPECT_EXIT(
+      {
+        const Interruption interruption;
+        std::raise(SIGINT);
+        std::raise(SIGINT);
+      },
+      testing::KilledBySignal(SIGINT),
+      "");
+}
+
+}  // namespace
+}  // namespace tsar

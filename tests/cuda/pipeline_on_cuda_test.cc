@@ -1,0 +1,78 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/refine_image.h"
+
+#include "tests/cuda/cuda_test.h"
+
+namespace tsar {
+namespace {
+
+// A discrete choice, such as a superpixel's plane, decides about many pixels.
+constexpr double kMaxShare = 5e-3;
+
+template <typename T>
+std::vector<T> Pixels(const Image<T>& image) {
+  return {image.begin(), image.end()};
+}
+
+TEST_F(CudaTest, ComposeMapAndRateConfidence) {
+  ExpectAlike(
+      "ComposeMap, RateConfidence",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const int width = inputs.views.Width();
+        const int height = inputs.views.Height();
+        const Image<Vec3f> normals(width, height, inputs.drawn.wall.normal);
+        const DeviceImage<Vec3f> normal(device, normals);
+        Image<float> depths = RandomImage(width, height, 5.f, 8);
+        const DeviceImage<float> superpixel(device, depths);
+        const DeviceImage<float> region(device, inputs.drawn.truth);
+        ComposedMap composed = ComposeMap({inputs.views.Hypotheses(),
+                                           inputs.reliable.View(),
+                                           {superpixel.View(), normal.View()},
+                                           {region.View(), normal.View()}},
+                                          inputs.views.Scale(),
+                                          {},
+                                          device);
+        MarkInterpolated(inputs.reliable.View(), &composed, device);
+        result->Add("depth", kCloseDepths, composed.map.depth);
+        result->Add("normal", kCloseScores, composed.map.normal);
+        result->Add("provenance", kSameLabels, composed.provenance);
+        result->Add("confidence",
+                    kCloseScores,
+                    RateConfidence(composed, inputs.score.View(), device));
+      });
+}
+
+TEST_F(CudaTest, RefineImage) {
+  std::vector<SceneSize> scenes = AllScenes();
+  scenes.push_back({SceneKind::kWall, 331, 203});
+  for (const bool paper : {false, true}) {
+    ExpectAlike(
+        paper ? "RefineImage, paper" : "RefineImage",
+        scenes,
+        [paper](StageInputs& inputs, Device& device, StageResult* result) {
+          const RefineResult refined =
+              RefineImage(inputs.drawn.views[0],
+                          inputs.drawn.Sources(),
+                          1,
+                          paper ? RefineOptions::Paper() : RefineOptions(),
+                          device);
+          result->Add(
+              "depth", {1e-4, 1e-6, kMaxShare}, Pixels(refined.maps.depth));
+          result->Add(
+              "normal", {0.0, 1e-3, kMaxShare}, Pixels(refined.maps.normal));
+          result->Add("confidence",
+                      {0.0, 1e-3, kMaxShare},
+                      Pixels(refined.maps.confidence));
+          result->Add("provenance",
+                      {0.0, 0.0, kMaxShare},
+                      Pixels(refined.maps.provenance));
+        });
+  }
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,97 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/segmentation/region_planes.h"
+#include "colmap_tsar/segmentation/roberts.h"
+
+#include "tests/cuda/cuda_test.h"
+
+namespace tsar {
+namespace {
+
+// Fields of 20 x 20 pixels between lines.
+Regions FindFields(int width, int height, Device& device) {
+  Image<uint8_t> edges(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      edges(x, y) = x % 21 == 20 || y % 21 == 20 ? 1 : 0;
+    }
+  }
+  return FindRegions(DeviceImage<uint8_t>(device, edges).View(), 10, device);
+}
+
+TEST_F(CudaTest, DetectRobertsEdges) {
+  ExpectAlike("DetectRobertsEdges",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                result->Add(
+                    "edges",
+                    kSameLabels,
+                    DetectRobertsEdges(inputs.views.Color(), 4.f, device));
+              });
+}
+
+TEST_F(CudaTest, FindRegions) {
+  ExpectAlike(
+      "FindRegions",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const Regions regions = FindRegions(inputs.reliable.View(), 2, device);
+        result->Add("labels", kSameLabels, regions.labels);
+        result->Add("count", kSameLabels, std::vector<int>{regions.count});
+      });
+}
+
+TEST_F(CudaTest, GrowAndShrinkLabels) {
+  ExpectAlike(
+      "GrowLabels, ShrinkLabels",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const Regions regions =
+            FindFields(inputs.views.Width(), inputs.views.Height(), device);
+        result->Add(
+            "grown", kSameLabels, GrowLabels(regions.labels.View(), 5, device));
+        result->Add("shrunk",
+                    kSameLabels,
+                    ShrinkLabels(regions.labels.View(), 5, device));
+      });
+}
+
+TEST_F(CudaTest, FitAndAssignRegionPlanes) {
+  for (const bool use_core : {true, false}) {
+    ExpectAlike(
+        use_core ? "FitRegionPlanes, AssignRegionPlanes"
+                 : "FitRegionPlanes, AssignRegionPlanes, no core",
+        AllScenes(),
+        [use_core](StageInputs& inputs, Device& device, StageResult* result) {
+          const Regions regions = FindFields(inputs.views.Raster().width,
+                                             inputs.views.Raster().height,
+                                             device);
+          RegionPlaneOptions options;
+          options.use_core = use_core;
+          options.min_samples = 20;
+          const RegionPlanes fits = FitRegionPlanes(regions,
+                                                    inputs.samples.View(),
+                                                    inputs.views.Scale(),
+                                                    options,
+                                                    device);
+          std::vector<Plane> planes;
+          for (const SupportedPlane& fit : fits.planes.ToHost()) {
+            planes.push_back(fit.plane);
+          }
+          result->Add("planes", kCloseDepths, planes);
+          result->Add("pixels",
+                      kCloseDepths,
+                      AssignRegionPlanes(regions,
+                                         fits,
+                                         inputs.samples.View(),
+                                         inputs.views.RasterIntrinsics(),
+                                         inputs.views.Scale(),
+                                         options,
+                                         device));
+        });
+  }
+}
+
+}  // namespace
+}  // namespace tsar

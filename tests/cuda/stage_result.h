@@ -1,0 +1,92 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+// What a stage computes, as numbers in host memory that can be compared.
+
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/buffer.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// How far two devices may be apart.
+struct Closeness {
+  double relative = 0.0;
+  double absolute = 0.0;
+  // The share of the elements that may be further apart: rounding turns a
+  // discrete choice here and there.
+  double max_share = 1e-3;
+};
+
+constexpr Closeness kSameLabels{};
+constexpr Closeness kCloseDepths{1e-4, 1e-6, 1e-3};
+constexpr Closeness kCloseScores{1e-4, 1e-4, 1e-3};
+
+class StageResult {
+ public:
+  // Elements of num_components numbers each; one is different when any of its
+  // numbers is.
+  struct Channel {
+    std::string name;
+    Closeness closeness;
+    size_t num_components = 1;
+    std::vector<double> values;
+  };
+
+  template <typename T>
+  void Add(const std::string& name,
+           const Closeness& closeness,
+           const DeviceImage<T>& image) {
+    const Image<T> host = image.ToHost();
+    Add(name, closeness, std::vector<T>(host.begin(), host.end()));
+  }
+  template <typename T>
+  void Add(const std::string& name,
+           const Closeness& closeness,
+           const Buffer<T>& buffer) {
+    Add(name, closeness, buffer.ToHost());
+  }
+  template <typename T>
+  void Add(const std::string& name,
+           const Closeness& closeness,
+           const std::vector<T>& values) {
+    Channel channel{name, closeness, 1, {}};
+    for (const T& value : values) {
+      const size_t size = channel.values.size();
+      Append(value, &channel.values);
+      channel.num_components = channel.values.size() - size;
+    }
+    channels_.push_back(std::move(channel));
+  }
+
+  const std::vector<Channel>& Channels() const { return channels_; }
+
+ private:
+  template <typename T>
+  static void Append(const T& value, std::vector<double>* values) {
+    values->push_back(static_cast<double>(value));
+  }
+  static void Append(const Vec3f& value, std::vector<double>* values) {
+    values->insert(values->end(), {value.x, value.y, value.z});
+  }
+  static void Append(const Plane& value, std::vector<double>* values) {
+    Append(value.normal, values);
+    Append(value.offset, values);
+  }
+
+  std::vector<Channel> channels_;
+};
+
+// What keeps two results from being alike, one line for each channel; empty
+// where nothing does.
+std::string FindDifferences(const StageResult& a, const StageResult& b);
+
+// The same, but every bit counts.
+std::string FindDifferentBytes(const StageResult& a, const StageResult& b);
+
+}  // namespace tsar

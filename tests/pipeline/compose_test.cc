@@ -1,0 +1,187 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/compose.h"
+
+#include "colmap_tsar/pipeline/refine_image.h"
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr Vec3f kOwnNormal{0.f, 0.f, -1.f};
+constexpr Vec3f kSuperpixelNormal{0.f, 0.6f, -0.8f};
+constexpr Vec3f kRegionNormal{0.6f, 0.f, -0.8f};
+
+struct Composed {
+  float depth = 0.f;
+  Vec3f normal;
+  Provenance provenance = Provenance::kNone;
+};
+
+// One pixel. On the planes of the options, 1 % of the depth is the limit.
+class ComposeTest : public testing::Test {
+ protected:
+  ComposeTest() : device_(Device::CreateCpu(1)) {
+    options_.on_plane = {0.01f, 0.f};
+  }
+
+  // Depths; 0 stands for none.
+  Composed Compose(float own,
+                   bool trusted,
+                   float superpixel,
+                   float region) const {
+    const Image<float> depths[] = {Image<float>(1, 1, own),
+                                   Image<float>(1, 1, superpixel),
+                                   Image<float>(1, 1, region)};
+    const Image<Vec3f> normals[] = {
+        Image<Vec3f>(1, 1, own > 0.f ? kOwnNormal : Vec3f{}),
+        Image<Vec3f>(1, 1, superpixel > 0.f ? kSuperpixelNormal : Vec3f{}),
+        Image<Vec3f>(1, 1, region > 0.f ? kRegionNormal : Vec3f{})};
+    const Image<uint8_t> mask(1, 1, trusted ? 1 : 0);
+    const ComposedMap map = ComposeMap({{depths[0].View(), normals[0].View()},
+                                        mask.View(),
+                                        {depths[1].View(), normals[1].View()},
+                                        {depths[2].View(), normals[2].View()}},
+                                       {},
+                                       options_,
+                                       *device_);
+    return {map.map.depth.ToHost()(0, 0),
+            map.map.normal.ToHost()(0, 0),
+            static_cast<Provenance>(map.provenance.ToHost()(0, 0))};
+  }
+  static void Expect(const Composed& composed,
+                     float depth,
+                     const Vec3f& normal,
+                     Provenance provenance) {
+    EXPECT_EQ(composed.depth, depth);
+    EXPECT_EQ(composed.normal, normal);
+    EXPECT_EQ(composed.provenance, provenance);
+  }
+
+  std::unique_ptr<Device> device_;
+  ComposeOptions options_;
+};
+
+TEST_F(ComposeTest, MeasurementsMoveOntoThePlaneTheyLieOn) {
+  Expect(Compose(4.f, true, 4.02f, 0.f),
+         4.02f,
+         kSuperpixelNormal,
+         Provenance::kMeasured);
+  Expect(Compose(4.f, true, 0.f, 4.02f),
+         4.02f,
+         kRegionNormal,
+         Provenance::kMeasured);
+  // The larger plane is the better known one.
+  Expect(Compose(4.f, true, 4.01f, 3.98f),
+         3.98f,
+         kRegionNormal,
+         Provenance::kMeasured);
+}
+
+TEST_F(ComposeTest, MeasurementsOffThePlanesKeepTheirDepth) {
+  Expect(
+      Compose(4.f, true, 4.1f, 3.9f), 4.f, kOwnNormal, Provenance::kMeasured);
+  Expect(Compose(4.f, true, 0.f, 0.f), 4.f, kOwnNormal, Provenance::kMeasured);
+  // Off one plane and on the other.
+  Expect(Compose(4.f, true, 4.02f, 5.f),
+         4.02f,
+         kSuperpixelNormal,
+         Provenance::kMeasured);
+}
+
+TEST_F(ComposeTest, WhatIsNotTrustedHasNoSay) {
+  for (const float own : {0.f, 4.f, 5.f}) {
+    Expect(Compose(own, false, 0.f, 0.f), 0.f, {}, Provenance::kNone);
+    Expect(Compose(own, false, 5.f, 0.f),
+           5.f,
+           kSuperpixelNormal,
+           Provenance::kSuperpixelPlane);
+    Expect(Compose(own, false, 0.f, 5.f),
+           5.f,
+           kRegionNormal,
+           Provenance::kRegionPlane);
+  }
+}
+
+TEST_F(ComposeTest, TheSuperpixelWinsUnlessTheRegionSaysTheSame) {
+  Expect(Compose(0.f, false, 5.f, 6.f),
+         5.f,
+         kSuperpixelNormal,
+         Provenance::kSuperpixelPlane);
+  Expect(Compose(0.f, false, 5.f, 5.02f),
+         5.02f,
+         kRegionNormal,
+         Provenance::kRegionPlane);
+}
+
+TEST_F(ComposeTest, PlanesMayBeMissing) {
+  const Image<float> depth(1, 1, 4.f);
+  const Image<Vec3f> normal(1, 1, kOwnNormal);
+  const Image<uint8_t> trusted(1, 1, 1);
+  const ComposedMap map =
+      ComposeMap({{depth.View(), normal.View()}, trusted.View(), {}, {}},
+                 {},
+                 options_,
+                 *device_);
+  EXPECT_EQ(map.map.depth.ToHost()(0, 0), 4.f);
+}
+
+TEST_F(ComposeTest, MarksOnlyWhatWasFilled) {
+  Image<uint8_t> provenance(3, 1);
+  provenance(0, 0) = static_cast<uint8_t>(Provenance::kMeasured);
+  Image<uint8_t> filled(3, 1);
+  filled(1, 0) = 1;
+  ComposedMap map{DepthNormalImages(*device_, 3, 1),
+                  DeviceImage<uint8_t>(*device_, provenance)};
+  MarkInterpolated(std::as_const(filled).View(), &map, *device_);
+  provenance = map.provenance.ToHost();
+  EXPECT_EQ(provenance(0, 0), static_cast<uint8_t>(Provenance::kMeasured));
+  EXPECT_EQ(provenance(1, 0), static_cast<uint8_t>(Provenance::kInterpolated));
+  EXPECT_EQ(provenance(2, 0), static_cast<uint8_t>(Provenance::kNone));
+}
+
+// The confidence of each provenance, in the order of their numbers.
+std::vector<float> Confidences(float score, Device& device) {
+  constexpr int kCount = 5;
+  Image<uint8_t> provenance(kCount, 1);
+  for (int i = 0; i < kCount; ++i) {
+    provenance(i, 0) = static_cast<uint8_t>(i);
+  }
+  const ComposedMap map{DepthNormalImages(device, kCount, 1),
+                        DeviceImage<uint8_t>(device, provenance)};
+  const Image<float> scores(kCount, 1, score);
+  const Image<float> confidence =
+      RateConfidence(map, scores.View(), device).ToHost();
+  return {confidence.begin(), confidence.end()};
+}
+
+TEST_F(ComposeTest, ConfidenceLiesInTheUnitIntervalAndIsZeroWithoutDepth) {
+  for (const float score : {0.81f, 1.f, 1.25f}) {
+    const std::vector<float> values = Confidences(score, *device_);
+    EXPECT_EQ(values[0], 0.f);
+    for (size_t i = 1; i < values.size(); ++i) {
+      EXPECT_GT(values[i], 0.f) << i;
+      EXPECT_LE(values[i], 1.f) << i;
+    }
+  }
+}
+
+TEST_F(ComposeTest, FilledPixelsAreWorthLessThanTrustedOnes) {
+  // The least score that the filter lets pass by default.
+  const auto score = static_cast<float>(RefineOptions().min_aggregated_score);
+  const std::vector<float> values = Confidences(score, *device_);
+  const float measured = values[static_cast<size_t>(Provenance::kMeasured)];
+  for (const Provenance provenance : {Provenance::kSuperpixelPlane,
+                                      Provenance::kInterpolated,
+                                      Provenance::kRegionPlane}) {
+    EXPECT_LT(values[static_cast<size_t>(provenance)], measured);
+  }
+  EXPECT_FLOAT_EQ(
+      Confidences(0.9f, *device_)[static_cast<size_t>(Provenance::kMeasured)],
+      0.9f);
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,198 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_image.h"
+
+#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+
+#include <cmath>
+
+#include "tests/pipeline/drawn_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+class RefineImageTest : public testing::Test {
+ protected:
+  RefineImageTest() : device_(Device::CreateCpu(2)), drawn_(DrawViews({})) {}
+
+  RefineResult Refine(const RefineOptions& options = {}) const {
+    return RefineImage(drawn_.views[0], drawn_.Sources(), 1, options, *device_);
+  }
+  float RelativeError(const Image<float>& depth, int x, int y) const {
+    return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);
+  }
+  const Image<float>& Before() const { return drawn_.views[0].depth; }
+  bool IsBare(int x, int y) const {
+    const Vec3f ray = drawn_.views[0].camera.GetIntrinsics().Ray(x, y);
+    return DrawnViews::IsBare(ray);
+  }
+  // What holds for the maps whatever the options.
+  void ExpectSoundMaps(const RefinedMaps& maps) const {
+    ASSERT_TRUE(maps.depth.HasSizeOf(Before()));
+    const Intrinsics intrinsics = drawn_.views[0].camera.GetIntrinsics();
+    for (int y = 0; y < maps.depth.Height(); ++y) {
+      for (int x = 0; x < maps.depth.Width(); ++x) {
+        const float depth = maps.depth(x, y);
+        const Vec3f& normal = maps.normal(x, y);
+        const float confidence = maps.confidence(x, y);
+        ASSERT_TRUE(std::isfinite(depth) && depth >= 0.f) << x << ", " << y;
+        ASSERT_TRUE(confidence >= 0.f && confidence <= 1.f) << x << ", " << y;
+        ASSERT_EQ(confidence > 0.f, depth > 0.f) << x << ", " << y;
+        ASSERT_EQ(maps.provenance(x, y) != 0, depth > 0.f) << x << ", " << y;
+        if (depth > 0.f) {
+          ASSERT_NEAR(Norm(normal), 1.f, 1e-4f) << x << ", " << y;
+          ASSERT_LT(Dot(normal, intrinsics.Ray(x, y)), 0.f) << x << ", " << y;
+        } else {
+          ASSERT_EQ(normal, Vec3f{}) << x << ", " << y;
+        }
+      }
+    }
+  }
+
+  std::unique_ptr<Device> device_;
+  DrawnViews drawn_;
+};
+
+TEST_F(RefineImageTest, FillsTheBarePartWithTheWall) {
+  const RefineResult result = Refine();
+  EXPECT_EQ(result.reason_to_keep, "");
+  ExpectSoundMaps(result.maps);
+  int num_bare = 0;
+  int num_right = 0;
+  for (int y = 0; y < Before().Height(); ++y) {
+    for (int x = 0; x < Before().Width(); ++x) {
+      if (IsBare(x, y)) {
+        ++num_bare;
+        num_right += RelativeError(result.maps.depth, x, y) < 5e-3f ? 1 : 0;
+      }
+    }
+  }
+  ASSERT_GT(num_bare, 500);
+  EXPECT_GT(num_right, 0.95 * num_bare);
+}
+
+TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
+  const Image<float> after = Refine().maps.depth;
+  double error_before = 0.0;
+  double error_after = 0.0;
+  int count = 0;
+  int num_lost = 0;
+  for (int y = 0; y < after.Height(); ++y) {
+    for (int x = 0; x < after.Width(); ++x) {
+      if (RelativeError(Before(), x, y) > 2e-3f) {
+        continue;
+      }
+      ++count;
+      if (!(after(x, y) > 0.f)) {
+        ++num_lost;
+        continue;
+      }
+      ASSERT_LT(RelativeError(after, x, y), 5e-3f) << x << ", " << y;
+      error_before += RelativeError(Before(), x, y);
+      error_after += RelativeError(after, x, y);
+    }
+  }
+  ASSERT_GT(count, 4000);
+  EXPECT_LT(num_lost, 0.02 * count);
+  EXPECT_LE(error_after, error_before);
+}
+
+TEST_F(RefineImageTest, APlaneStaysAPlane) {
+  DrawnViewsOptions options;
+  options.has_bare_part = false;
+  options.noise = 0.f;
+  drawn_ = DrawViews(options);
+  const RefinedMaps maps = Refine().maps;
+  ExpectSoundMaps(maps);
+  int num_filled = 0;
+  for (int y = 0; y < maps.depth.Height(); ++y) {
+    for (int x = 0; x < maps.depth.Width(); ++x) {
+      if (maps.depth(x, y) > 0.f) {
+        ++num_filled;
+        ASSERT_LT(RelativeError(maps.depth, x, y), 1e-3f) << x << ", " << y;
+        ASSERT_LT(AngleBetween(maps.normal(x, y), drawn_.wall.normal), 0.5f)
+            << x << ", " << y;
+      }
+    }
+  }
+  EXPECT_GT(num_filled, 0.99 * maps.depth.NumPixels());
+}
+
+TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
+  RefineOptions list;
+  const size_t num_fields = ListRefineFields(&list).size();
+  int num_switches = 0;
+  for (size_t i = 0; i < num_fields; ++i) {
+    RefineOptions options;
+    const RefineField field = ListRefineFields(&options)[i];
+    if (!std::holds_alternative<bool*>(field.value)) {
+      continue;
+    }
+    bool* value = std::get<bool*>(field.value);
+    *value = !*value;
+    SCOPED_TRACE(field.name);
+    const RefineResult result = Refine(options);
+    ExpectSoundMaps(result.maps);
+    EXPECT_EQ(result.reason_to_keep, "");
+    ++num_switches;
+  }
+  EXPECT_GT(num_switches, 8);
+  SCOPED_TRACE("paper");
+  const RefineResult paper = Refine(RefineOptions::Paper());
+  ExpectSoundMaps(paper.maps);
+  EXPECT_EQ(paper.reason_to_keep, "");
+}
+
+TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {
+  RefineOptions options;
+  options.filter = false;
+  options.refine = false;
+  options.segment = false;
+  const RefinedMaps maps = Refine(options).maps;
+  int num_kept = 0;
+  for (size_t i = 0; i < Before().NumPixels(); ++i) {
+    const float depth = maps.depth.Data()[i];
+    ASSERT_TRUE(depth == 0.f || depth == Before().Data()[i]) << i;
+    num_kept += depth > 0.f ? 1 : 0;
+  }
+  EXPECT_GT(num_kept, 4000);
+}
+
+TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
+  // Only the costs decide who is reliable.
+  RefineOptions options;
+  options.view_agreement = false;
+  options.filter_discontinuity = false;
+  EXPECT_EQ(Refine(options).reason_to_keep, "");
+  ViewData& reference = drawn_.views[0];
+  const int width = reference.depth.Width();
+  const int height = reference.depth.Height();
+  reference.min_cost = Image<float>(width, height, kUndefinedCost);
+  reference.second_cost = Image<float>(width, height, kUndefinedCost);
+  EXPECT_NE(Refine(options).reason_to_keep, "");
+  // Nor where they are as bad as can be.
+  reference.min_cost = Image<float>(width, height, 1.99f);
+  reference.second_cost = Image<float>(width, height, 1.99f);
+  EXPECT_NE(Refine(options).reason_to_keep, "");
+  reference.min_cost = Image<float>(width, height, 0.f);
+  reference.second_cost = Image<float>(width, height, 0.1f);
+  EXPECT_EQ(Refine(options).reason_to_keep, "");
+}
+
+TEST_F(RefineImageTest, DoesNotDependOnTheNumberOfThreads) {
+  const RefinedMaps two = Refine().maps;
+  device_ = Device::CreateCpu(5);
+  const RefinedMaps five = Refine().maps;
+  for (size_t i = 0; i < two.depth.NumPixels(); ++i) {
+    ASSERT_EQ(two.depth.Data()[i], five.depth.Data()[i]) << i;
+    ASSERT_EQ(two.normal.Data()[i], five.normal.Data()[i]) << i;
+    ASSERT_EQ(two.confidence.Data()[i], five.confidence.Data()[i]) << i;
+    ASSERT_EQ(two.provenance.Data()[i], five.provenance.Data()[i]) << i;
+  }
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,457 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_workspace.h"
+
+#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/restore.h"
+#include "colmap_tsar/workspace/workspace_lock.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "tests/pipeline/drawn_workspace.h"
+#include "tests/workspace/test_workspace.h"
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+using Tree = std::map<std::string, std::string>;
+
+// Those files of a tree that other programs read.
+Tree MapsOf(const std::filesystem::path& root) {
+  Tree maps;
+  for (const char* folder : {"stereo/depth_maps",
+                             "stereo/normal_maps",
+                             "stereo/confidence_maps",
+                             "stereo/provenance_maps"}) {
+    for (auto& [name, content] : ReadTree(root / folder)) {
+      maps[std::string(folder) + "/" + name] = std::move(content);
+    }
+  }
+  return maps;
+}
+
+// Equality without printing megabytes where it fails.
+void ExpectSameFiles(const Tree& a, const Tree& b) {
+  for (const auto& [name, content] : a) {
+    const auto found = b.find(name);
+    ASSERT_NE(found, b.end()) << name << " is missing";
+    EXPECT_TRUE(found->second == content) << name << " differs";
+  }
+  for (const auto& [name, content] : b) {
+    EXPECT_EQ(a.count(name), 1u) << name << " is new";
+  }
+}
+
+class RefineWorkspaceTest : public testing::Test {
+ protected:
+  void SetUp() override { DrawWorkspace(root_); }
+
+  // One thread, so that the order of the images is known.
+  WorkspaceRefineOptions Options(const std::filesystem::path& root) const {
+    WorkspaceRefineOptions options;
+    options.workspace_path = root;
+    options.device = "cpu";
+    options.num_threads = 1;
+    return options;
+  }
+
+  RunSummary Refine(
+      const WorkspaceRefineOptions& options,
+      const RefineOptions& refine = {},
+      const std::function<bool()>& should_stop = [] { return false; }) {
+    std::ostringstream text;
+    Progress progress(text, false);
+    return RefineWorkspace(options, refine, progress, should_stop);
+  }
+  RunSummary Refine() { return Refine(Options(root_)); }
+
+  // Expects an error before anything was changed.
+  void ExpectRefusal(ErrorCode code,
+                     const std::vector<std::string>& texts,
+                     const WorkspaceRefineOptions& options) {
+    const Tree before = ReadTree(folder_.Path());
+    ExpectError(code, texts, [&] { Refine(options); });
+    ExpectSameFiles(before, ReadTree(folder_.Path()));
+  }
+  void ExpectRefusal(ErrorCode code, const std::vector<std::string>& texts) {
+    ExpectRefusal(code, texts, Options(root_));
+  }
+
+  MapPaths Paths(int view, MapType type = MapType::kGeometric) const {
+    return GetMapPaths(
+        root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
+  }
+  void RemoveMaps(int view, MapType type) const {
+    std::filesystem::remove(Paths(view, type).depth);
+    std::filesystem::remove(Paths(view, type).normal);
+  }
+  nlohmann::json Manifest() const {
+    return nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+};
+
+TEST_F(RefineWorkspaceTest, FillsTheBareWallAndKeepsTheOriginals) {
+  const Tree before = ReadTree(root_);
+  const RunSummary summary = Refine();
+  EXPECT_EQ(summary.num_images, 4);
+  EXPECT_EQ(summary.num_refined, 4);
+  EXPECT_TRUE(summary.kept.empty());
+  EXPECT_EQ(summary.counts.at("pixels"), 4 * 96 * 72);
+  EXPECT_GT(summary.counts.at("depth_after"),
+            summary.counts.at("depth_before"));
+
+  int64_t num_bare = 0;
+  int64_t num_right = 0;
+  for (int view = 0; view < 4; ++view) {
+    const MapPaths paths = Paths(view);
+    for (const auto& [stored, current] :
+         {std::pair(paths.original_depth, paths.depth),
+          std::pair(paths.original_normal, paths.normal)}) {
+      EXPECT_TRUE(ReadText(stored) ==
+                  before.at(current.lexically_relative(root_)));
+    }
+    EXPECT_TRUE(std::filesystem::exists(paths.confidence));
+    EXPECT_TRUE(std::filesystem::exists(paths.provenance));
+    const Image<float> depth = ReadDepthMap(paths.depth);
+    for (int y = 0; y < depth.Height(); ++y) {
+      for (int x = 0; x < depth.Width(); ++x) {
+        if (DrawnWorkspace::IsBare(view, x, y)) {
+          ++num_bare;
+          num_right += std::abs(depth(x, y) - 5.f) < 0.05f ? 1 : 0;
+        }
+      }
+    }
+  }
+  // None was right before, apart from chance.
+  EXPECT_GT(num_right, num_bare / 2);
+}
+
+TEST_F(RefineWorkspaceTest, RestoreGivesTheSameBytes) {
+  const Tree before = ReadTree(root_);
+  Refine();
+  EXPECT_EQ(Restore(root_).num_restored, 4);
+  ExpectSameFiles(before, ReadTree(root_));
+}
+
+TEST_F(RefineWorkspaceTest, SkipsWhatIsDoneAndRedoesWithOtherOptions) {
+  RefineOptions others;
+  others.segment = false;
+  Refine(Options(root_), others);
+  const Tree with_others = MapsOf(root_);
+  Refine();
+  const Tree refined = MapsOf(root_);
+  EXPECT_FALSE(refined == with_others);
+
+  const RunSummary again = Refine();
+  EXPECT_EQ(again.num_skipped, 4);
+  EXPECT_EQ(again.num_refined, 0);
+  ExpectSameFiles(refined, MapsOf(root_));
+
+  // The originals are refined again, not the refined maps.
+  EXPECT_EQ(Refine(Options(root_), others).num_refined, 4);
+  ExpectSameFiles(with_others, MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
+  const std::filesystem::path whole = folder_.Path() / "whole";
+  DrawWorkspace(whole);
+  Refine(Options(whole));
+
+  // In the middle of the third image.
+  int num_done = 0;
+  ExpectError(ErrorCode::kInterrupted, {"2 of 4", "same command"}, [&] {
+    Refine(Options(root_), {}, [&] {
+      num_done = 0;
+      for (int view = 0; view < 3; ++view) {
+        num_done += std::filesystem::exists(Paths(view).record) ? 1 : 0;
+      }
+      static int num_calls = 0;
+      return num_done == 2 && ++num_calls > 2;
+    });
+  });
+  EXPECT_EQ(num_done, 2);
+  EXPECT_EQ(Manifest()["num_images"]["done"], 2);
+  EXPECT_EQ(Manifest()["num_images"]["pending"], 2);
+
+  const RunSummary summary = Refine();
+  EXPECT_EQ(summary.num_skipped, 2);
+  EXPECT_EQ(summary.num_refined, 2);
+  EXPECT_EQ(Manifest()["num_images"]["done"], 4);
+  ExpectSameFiles(MapsOf(whole), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, ThreadsAndMemoryDoNotChangeAByte) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out1";
+  EXPECT_EQ(Refine(options).num_workers, 1);
+  const Tree expected = MapsOf(options.output_path);
+  for (const int num_threads : {2, 7}) {
+    options.num_threads = num_threads;
+    options.output_path =
+        folder_.Path() / ("out" + std::to_string(num_threads));
+    EXPECT_EQ(Refine(options).num_workers, std::min(num_threads, 4));
+    ExpectSameFiles(expected, MapsOf(options.output_path));
+  }
+  options.cache_size = 1e-4;
+  options.output_path = folder_.Path() / "out_small";
+  EXPECT_EQ(Refine(options).num_workers, 1);
+  ExpectSameFiles(expected, MapsOf(options.output_path));
+  // In place, where the originals of some are read while others are written.
+  options = Options(root_);
+  options.num_threads = 4;
+  Refine(options);
+  ExpectSameFiles(expected, MapsOf(root_));
+}
+
+// The share of the pixels of all images whose depth in `scaled` is `scale`
+// times that in `root` and whose provenance is the same.
+double ShareOfScaledPixels(const std::filesystem::path& root,
+                           const std::filesystem::path& scaled,
+                           double scale,
+                           double tolerance) {
+  int64_t num_pixels = 0;
+  int64_t num_same = 0;
+  for (const std::string& name : DrawnWorkspace::Names()) {
+    const MapPaths a = GetMapPaths(root, name, MapType::kGeometric);
+    const MapPaths b = GetMapPaths(scaled, name, MapType::kGeometric);
+    const Image<float> depth_a = ReadDepthMap(a.depth);
+    const Image<float> depth_b = ReadDepthMap(b.depth);
+    const cv::Mat provenance_a =
+        cv::imread(a.provenance.string(), cv::IMREAD_UNCHANGED);
+    const cv::Mat provenance_b =
+        cv::imread(b.provenance.string(), cv::IMREAD_UNCHANGED);
+    for (int y = 0; y < depth_a.Height(); ++y) {
+      for (int x = 0; x < depth_a.Width(); ++x) {
+        const double expected = depth_a(x, y) * scale;
+        const bool is_same =
+            std::abs(depth_b(x, y) - expected) <= tolerance * expected &&
+            provenance_a.at<uchar>(y, x) == provenance_b.at<uchar>(y, x);
+        ++num_pixels;
+        num_same += is_same ? 1 : 0;
+      }
+    }
+  }
+  return static_cast<double>(num_same) / static_cast<double>(num_pixels);
+}
+
+TEST_F(RefineWorkspaceTest, ScalingTheSceneScalesTheDepthsAndNothingElse) {
+  Refine();
+  struct Case {
+    double scale;
+    double tolerance;
+    double min_share;
+  };
+  // Powers of two change no digit of any number. Others are rounded, which may
+  // turn whether a superpixel gets a plane; each is more than 1 % of an image.
+  for (const Case& c : {Case{1024.0, 0.0, 1.0},
+                        Case{1.0 / 1024.0, 0.0, 1.0},
+                        Case{1000.0, 1e-3, 0.95},
+                        Case{0.001, 1e-3, 0.95}}) {
+    const std::filesystem::path scaled = folder_.Path() / "scaled";
+    std::filesystem::remove_all(scaled);
+    DrawWorkspace(scaled, c.scale);
+    Refine(Options(scaled));
+    EXPECT_GE(ShareOfScaledPixels(root_, scaled, c.scale, c.tolerance),
+              c.min_share)
+        << c.scale;
+  }
+}
+
+TEST_F(RefineWorkspaceTest, OutputPathLeavesTheInputAlone) {
+  const Tree before = ReadTree(root_);
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  const RunSummary summary = Refine(options);
+  EXPECT_EQ(summary.workspace_path, options.output_path);
+  ExpectSameFiles(before, ReadTree(root_));
+  Refine();
+  ExpectSameFiles(MapsOf(root_), MapsOf(options.output_path));
+}
+
+TEST_F(RefineWorkspaceTest, KeepsImagesThatCannotBeRefined) {
+  // v1 has no maps, v2 sees only v1, and v3 has no depth.
+  RemoveMaps(1, MapType::kGeometric);
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\n__all__\nv1.png\nv0.png\nleft/v2.png\nv1.png\n"
+            "v3.png\nv0.png\n");
+  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    WriteDepthMap(Paths(3, type).depth, Image<float>(96, 72, 0.f));
+  }
+  const std::string before = ReadText(Paths(3).depth);
+  const RunSummary summary = Refine(Options(root_), RefineOptions());
+  EXPECT_EQ(summary.num_refined, 1);
+  EXPECT_EQ(summary.num_sources_without_maps, 1);
+  ASSERT_EQ(summary.kept.size(), 3u);
+  EXPECT_EQ(summary.kept[0].name, "v1.png");
+  EXPECT_THAT(summary.kept[0].reason, testing::HasSubstr("no geometric maps"));
+  EXPECT_EQ(summary.kept[1].name, "left/v2.png");
+  EXPECT_THAT(summary.kept[1].reason, testing::HasSubstr("source images"));
+  EXPECT_EQ(summary.kept[2].name, "v3.png");
+  EXPECT_THAT(summary.kept[2].reason, testing::HasSubstr("no valid depth"));
+  EXPECT_TRUE(ReadText(Paths(3).depth) == before);
+  EXPECT_EQ(Manifest()["num_images"]["kept"], 3);
+
+  std::ostringstream text;
+  PrintSummary(summary, text);
+  EXPECT_THAT(text.str(), testing::HasSubstr("4 images: 1 refined, 3 kept"));
+  EXPECT_THAT(text.str(), testing::HasSubstr("left/v2.png: none of"));
+  EXPECT_THAT(text.str(), testing::HasSubstr("colmap stereo_fusion"));
+}
+
+TEST_F(RefineWorkspaceTest, CountsValuesThatAreNotFinite) {
+  std::string bytes = ReadText(Paths(0).depth);
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity()}) {
+    bytes.resize(bytes.size() - sizeof(float));
+    std::string text;
+    Append(value, &text);
+    bytes.insert(std::string("96&72&1&").size(), text);
+  }
+  WriteText(Paths(0).depth, bytes);
+  const RunSummary summary = Refine();
+  EXPECT_EQ(summary.counts.at("not_finite"), 2);
+  for (const float depth : ReadDepthMap(Paths(0).depth)) {
+    ASSERT_TRUE(std::isfinite(depth));
+  }
+}
+
+TEST_F(RefineWorkspaceTest, TakesPhotometricMapsWhereThereAreNoOthers) {
+  for (int view = 0; view < 4; ++view) {
+    RemoveMaps(view, MapType::kGeometric);
+  }
+  EXPECT_EQ(Refine().type, MapType::kPhotometric);
+  EXPECT_TRUE(
+      std::filesystem::exists(Paths(0, MapType::kPhotometric).original_depth));
+  // Not against the user's word.
+  WorkspaceRefineOptions options = Options(root_);
+  options.input_type = MapType::kGeometric;
+  ExpectError(ErrorCode::kNotFound,
+              {"depth_maps", "no geometric map", "--input_type"},
+              [&] { Refine(options); });
+}
+
+TEST_F(RefineWorkspaceTest, TwoRunsAtATimeAreRefused) {
+  const WorkspaceLock lock(root_);
+  ExpectError(
+      ErrorCode::kUnsupported, {"lock", "another program"}, [&] { Refine(); });
+}
+
+TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\nv1.png\nv1.png\nv0.png\nv3.png\nleft/v2.png\n");
+  const std::string image = ReadText(root_ / "images/v3.png");
+  // Not an image at all: seen before anything is done.
+  WriteText(root_ / "images/v3.png", "no picture");
+  ExpectRefusal(ErrorCode::kCorrupt, {"v3.png", "not a readable"});
+  // Its beginning alone: seen when it is decoded.
+  WriteText(root_ / "images/v3.png", image.substr(0, 24));
+  const std::string depth = ReadText(Paths(3).depth);
+  const RefineOptions options;
+  ExpectError(ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] {
+    Refine(Options(root_), options);
+  });
+  EXPECT_EQ(Manifest()["num_images"]["done"], 2);
+  EXPECT_EQ(Manifest()["num_images"]["failed"], 1);
+  EXPECT_TRUE(ReadText(Paths(3).depth) == depth);
+
+  WriteText(root_ / "images/v3.png", image);
+  const RunSummary summary = Refine(Options(root_), options);
+  EXPECT_EQ(summary.num_skipped, 2);
+  EXPECT_EQ(summary.num_refined, 1);
+}
+
+TEST_F(RefineWorkspaceTest, RefusesWorkspacesWithoutTheirFolders) {
+  ExpectRefusal(ErrorCode::kNotFound,
+                {"nowhere", "--workspace_path"},
+                Options(folder_.Path() / "nowhere"));
+  for (const char* name : {"stereo/normal_maps", "stereo", "sparse"}) {
+    std::filesystem::remove_all(root_ / name);
+    ExpectRefusal(ErrorCode::kNotFound, {name});
+  }
+}
+
+TEST_F(RefineWorkspaceTest, RefusesMissingAndEmptyImageFiles) {
+  WriteText(root_ / "images/left/v2.png", "");
+  ExpectRefusal(ErrorCode::kCorrupt, {"left/v2.png", "empty"});
+  std::filesystem::remove(root_ / "images/left/v2.png");
+  ExpectRefusal(ErrorCode::kNotFound, {"left/v2.png", "image_undistorter"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
+  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    for (const std::filesystem::path& path :
+         {Paths(3, type).depth, Paths(3, type).normal}) {
+      const std::string bytes = ReadText(path);
+      WriteText(path, bytes.substr(0, bytes.size() / 2));
+      ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "not a complete map"});
+      WriteText(path, "");
+      ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "empty"});
+      WriteText(path, bytes);
+    }
+  }
+}
+
+TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
+  WriteDepthMap(Paths(3, MapType::kPhotometric).depth,
+                Image<float>(48, 36, 5.f));
+  WriteNormalMap(Paths(3, MapType::kPhotometric).normal,
+                 Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
+  ExpectRefusal(ErrorCode::kMismatch, {"v3.png.photometric.bin", "48 x 36"});
+  RemoveMaps(3, MapType::kPhotometric);
+
+  const std::string normal = ReadText(Paths(2).normal);
+  WriteNormalMap(Paths(2).normal, Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
+  ExpectRefusal(ErrorCode::kMismatch, {Paths(2).normal.string(), "48 x 36"});
+  WriteDepthMap(Paths(2).normal, Image<float>(96, 72, 5.f));
+  ExpectRefusal(ErrorCode::kCorrupt, {Paths(2).normal.string(), "channels"});
+  std::filesystem::remove(Paths(2).normal);
+  ExpectRefusal(ErrorCode::kNotFound,
+                {Paths(2).normal.string(), "no normal map"});
+  WriteText(Paths(2).normal, normal);
+  std::filesystem::remove(Paths(2).depth);
+  ExpectRefusal(ErrorCode::kNotFound,
+                {Paths(2).depth.string(), "no depth map"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
+  std::filesystem::create_directories(Paths(0).cost.parent_path());
+  WriteDepthMap(Paths(0).cost, Image<float>(96, 72, 1.f));
+  ExpectRefusal(ErrorCode::kCorrupt, {Paths(0).cost.string(), "channels"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesUnknownImagesAndEmptyConfigurations) {
+  const std::filesystem::path config = root_ / "stereo/patch-match.cfg";
+  WriteText(config, "v0.png\nv9.png\n");
+  ExpectRefusal(ErrorCode::kMismatch, {"patch-match.cfg", "line 2", "v9.png"});
+  WriteText(config, "");
+  ExpectRefusal(ErrorCode::kNotFound, {"patch-match.cfg", "names no image"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesOptionsThatMakeNoSense) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.num_threads = 0;
+  ExpectRefusal(ErrorCode::kBadOption, {"num_threads"}, options);
+  options = Options(root_);
+  options.device = "abacus";
+  ExpectRefusal(ErrorCode::kBadOption, {"device"}, options);
+  options = Options(root_);
+  options.cache_size = std::numeric_limits<double>::quiet_NaN();
+  ExpectRefusal(ErrorCode::kBadOption, {"cache_size"}, options);
+  RefineOptions refine;
+  refine.num_iterations = 0;
+  ExpectError(ErrorCode::kBadOption, {"num_iterations"}, [&] {
+    Refine(Options(root_), refine);
+  });
+}
+
+}  // namespace
+}  // namespace tsar
