@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Builds the program, refines the sample scene with it, and shows what that
+# changed. Everything is written below the repository: build/ and sample/ (which
+# is made anew every time).
+#
+#   scripts/quickstart.sh [--skip-install]
+#
+#   --skip-install   do not look for missing packages (and need no root rights)
+set -euo pipefail
+
+install=1
+for argument in "$@"; do
+  case $argument in
+    --skip-install) install=0 ;;
+    *) echo "usage: scripts/quickstart.sh [--skip-install]" >&2; exit 2 ;;
+  esac
+done
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+export QT_QPA_PLATFORM=offscreen  # COLMAP needs no display for this.
+
+program=build/bin/colmap_tsar
+sample=sample
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+
+step() { printf '\n== %s\n' "$*"; }
+
+# Runs a command whose output is of use only when it fails.
+quietly() {
+  if ! "$@" >"$log" 2>&1; then
+    cat "$log" >&2
+    echo "quickstart: failed: $*" >&2
+    exit 1
+  fi
+}
+
+fuse() {  # fuse OUTPUT.ply
+  quietly colmap stereo_fusion --workspace_path "$sample" \
+    --input_type geometric --output_path "$1"
+}
+
+evaluate() {  # evaluate CLOUD.ply OUTPUT.json
+  "$program" tsar_evaluate cloud --input_path "$1" \
+    --ground_truth_path "$sample/scans/scan_alignment.mlp" \
+    --tolerances 0.02,0.05 --json 1 >"$2"
+}
+
+if ((install)); then
+  step "Packages"
+  scripts/install_dependencies.sh
+fi
+
+step "Build"
+# One GPU architecture, this machine's, takes a fraction of the time of all.
+if command -v nvidia-smi >/dev/null && nvidia-smi -L >/dev/null 2>&1; then
+  gpu=(-DTSAR_CUDA=AUTO -DCMAKE_CUDA_ARCHITECTURES=native)
+else
+  gpu=(-DTSAR_CUDA=OFF)
+fi
+quietly cmake --preset release -DTSAR_TESTS=OFF "${gpu[@]}"
+quietly cmake --build --preset release --target colmap_tsar_program
+"$program" --version
+
+step "Sample scene"
+# The python3 of the packages has numpy; another that comes first may not.
+python=python3
+"$python" -c "import numpy" 2>/dev/null || python=/usr/bin/python3
+rm -rf "$sample"
+"$python" scripts/sample_scene.py unpack data/sample "$sample"
+echo "$sample: 8 views of a room with the depth maps of COLMAP 3.10"
+
+step "Fusion of COLMAP's maps"
+fuse "$sample/before.ply"
+echo "$sample/before.ply"
+
+step "Refinement"
+"$program" tsar_refine --workspace_path "$sample"
+
+step "Fusion of the refined maps"
+fuse "$sample/after.ply"
+echo "$sample/after.ply"
+
+step "Result, measured against the scene's laser scans"
+evaluate "$sample/before.ply" "$sample/before.json"
+evaluate "$sample/after.ply" "$sample/after.json"
+"$python" scripts/compare_scores.py "$sample/before.json" "$sample/after.json"
+"$program" tsar_report --workspace_path "$sample" \
+  --output_path "$sample/comparison.png"
+
+cat <<END
+
+Look at $sample/comparison.png, and at $sample/before.ply and after.ply in a
+viewer of point clouds.
+
+With a dense workspace of your own, after colmap patch_match_stereo:
+
+  $PWD/$program tsar_refine --workspace_path DENSE
+  colmap stereo_fusion --workspace_path DENSE --output_path DENSE/fused.ply
+
+The maps that COLMAP wrote are kept; tsar_refine --workspace_path DENSE
+--restore 1 puts them back.
+END

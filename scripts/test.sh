@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Installs what is missing, builds everything, and runs all tests twice:
+# optimised (with CUDA where nvcc is found, and warnings as errors) and under the
+# address and undefined sanitizers. The last line says how many passed; the exit
+# code is 0 only when all did.
+#
+# With CI=true the CUDA part is compiled for one architecture alone, which is
+# enough to see that it compiles.
+set -euo pipefail
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+scripts/install_dependencies.sh
+
+# Hits that survive a fresh checkout: by the compiler's content, not its date,
+# and whatever the folder.
+export CCACHE_COMPILERCHECK=content
+export CCACHE_BASEDIR=$PWD
+export CCACHE_NOHASHDIR=1
+export QT_QPA_PLATFORM=offscreen  # For the tests that run COLMAP.
+
+jobs=$(nproc)
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+passed=0
+failed=0
+
+build_and_test() {  # build_and_test PRESET [CMAKE_OPTION...]
+  local preset=$1
+  shift
+  printf '\n== %s: build\n' "$preset"
+  cmake --preset "$preset" -DTSAR_TESTS=ON "$@"
+  cmake --build --preset "$preset" --parallel "$jobs"
+
+  printf '\n== %s: tests\n' "$preset"
+  local status=0
+  ctest --preset "$preset" --parallel "$jobs" --no-tests=error 2>&1 |
+    tee "$log" || status=$?
+  local summary='^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)'
+  local line failures total
+  line=$(grep -E "$summary" "$log" || true)
+  if [[ ! $line =~ $summary ]]; then
+    echo "test: ctest of preset $preset ended without a summary" >&2
+    exit 1
+  fi
+  failures=${BASH_REMATCH[1]}
+  total=${BASH_REMATCH[2]}
+  if ((status != 0 && failures == 0)); then
+    echo "test: ctest of preset $preset failed without a failed test" >&2
+    exit 1
+  fi
+  passed=$((passed + total - failures))
+  failed=$((failed + failures))
+}
+
+release_options=(-DTSAR_WARNINGS_AS_ERRORS=ON)
+if [[ ${CI:-} == true ]]; then
+  release_options+=(-DCMAKE_CUDA_ARCHITECTURES=90)
+fi
+build_and_test release "${release_options[@]}"
+# Here warnings stay warnings: on instrumented code GCC warns of what cannot be
+# (-Wrestrict inside std::string, for one).
+build_and_test debug -DTSAR_WARNINGS_AS_ERRORS=OFF
+
+printf '\n%d passed, %d failed\n' "$passed" "$failed"
+((failed == 0))
