@@ -45,6 +45,19 @@ class PlaneRegression {
     vq_ += weight * v * q;
   }
 
+  TSAR_HD PlaneRegression& operator+=(const PlaneRegression& other) {
+    w_ += other.w_;
+    u_ += other.u_;
+    v_ += other.v_;
+    q_ += other.q_;
+    uu_ += other.uu_;
+    uv_ += other.uv_;
+    vv_ += other.vv_;
+    uq_ += other.uq_;
+    vq_ += other.vq_;
+    return *this;
+  }
+
   // Invalid where the points lie on a line, or the plane behind the camera.
   TSAR_HD Plane Solve() const {
     if (!(w_ > 0.0)) {

@@ -19,6 +19,13 @@ class Philox {
   TSAR_HD Philox(uint32_t image, uint32_t region, uint32_t iteration)
       : key0_(image), key1_(0x5EEDu), counter1_(region), counter2_(iteration) {}
 
+  // Goes on with the given block of four numbers of the stream, so that many
+  // threads can draw from one stream, each its own blocks.
+  TSAR_HD void SkipToBlock(uint32_t block) {
+    counter0_ = block;
+    used_ = 4;
+  }
+
   // A uniformly distributed 32-bit number.
   TSAR_HD uint32_t Next() {
     if (used_ == 4) {

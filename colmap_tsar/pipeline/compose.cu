@@ -10,6 +10,12 @@
 namespace tsar {
 namespace {
 
+// A depth with its normal; 0 stands for none.
+struct Value {
+  float depth = 0.f;
+  Vec3f normal;
+};
+
 struct ComposeKernel {
   ComposeInputs inputs;
   DisparityScale scale;
@@ -23,33 +29,37 @@ struct ComposeKernel {
   }
 
   TSAR_HD void operator()(int x, int y) const {
-    const float region = Depth(inputs.region_planes, x, y);
-    const float superpixel = Depth(inputs.superpixel_planes, x, y);
-    const float own = inputs.own.depth(x, y);
-    const bool trusted = inputs.trusted(x, y) != 0 && own > 0.f;
+    const Value region = OnPlane(inputs.region_planes, x, y);
+    const Value superpixel = OnPlane(inputs.superpixel_planes, x, y);
+    const Value own = {inputs.own.depth(x, y), inputs.own.normal(x, y)};
+    const bool trusted = inputs.trusted(x, y) != 0 && own.depth > 0.f;
     Provenance source = Provenance::kNone;
-    const DepthNormalViews* values = nullptr;
+    Value value;
     if (trusted) {
       source = Provenance::kMeasured;
-      values = region > 0.f && Same(own, region) ? &inputs.region_planes
-               : superpixel > 0.f && Same(own, superpixel)
-                   ? &inputs.superpixel_planes
-                   : &inputs.own;
-    } else if (region > 0.f &&
-               !(superpixel > 0.f && !Same(superpixel, region))) {
+      value = region.depth > 0.f && Same(own.depth, region.depth) ? region
+              : superpixel.depth > 0.f && Same(own.depth, superpixel.depth)
+                  ? superpixel
+                  : own;
+    } else if (region.depth > 0.f &&
+               !(superpixel.depth > 0.f &&
+                 !Same(superpixel.depth, region.depth))) {
       source = Provenance::kRegionPlane;
-      values = &inputs.region_planes;
-    } else if (superpixel > 0.f) {
+      value = region;
+    } else if (superpixel.depth > 0.f) {
       source = Provenance::kSuperpixelPlane;
-      values = &inputs.superpixel_planes;
+      value = superpixel;
     }
-    depth(x, y) = values != nullptr ? values->depth(x, y) : 0.f;
-    normal(x, y) = values != nullptr ? values->normal(x, y) : Vec3f{};
+    depth(x, y) = value.depth;
+    normal(x, y) = value.normal;
     provenance(x, y) = static_cast<uint8_t>(source);
   }
 
-  TSAR_HD static float Depth(const DepthNormalViews& views, int x, int y) {
-    return views.depth.Empty() ? 0.f : views.depth(x, y);
+  TSAR_HD static Value OnPlane(const PlaneRaster& raster, int x, int y) {
+    const Plane plane = raster.At(x, y);
+    return plane.Valid()
+               ? Value{plane.Depth(raster.intrinsics.Ray(x, y)), plane.normal}
+               : Value{};
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/planes/group_planes.h"
+#include "colmap_tsar/refinement/samples.h"
 #include "colmap_tsar/refinement/weighted_median.h"
 
 #include <cstdint>
@@ -20,8 +21,8 @@ struct ComposeOptions {
 struct ComposeInputs {
   DepthNormalViews own;                // The measured hypotheses.
   ImageView<const uint8_t> trusted;    // Where they stand.
-  DepthNormalViews superpixel_planes;  // May be empty.
-  DepthNormalViews region_planes;      // May be empty.
+  PlaneRaster superpixel_planes;       // May be empty.
+  PlaneRaster region_planes;           // May be empty.
 };
 
 struct ComposedMap {

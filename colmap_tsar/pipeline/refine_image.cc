@@ -96,7 +96,7 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
 // What the refinement leaves for the composition.
 struct Refinement {
   DeviceImage<uint8_t> trusted;
-  DepthNormalImages superpixel_map;
+  DeviceImage<Plane> superpixel_planes;  // Of the raster's pixels.
 };
 
 Refinement RefineTrust(const DeviceViews& views,
@@ -122,7 +122,7 @@ Refinement RefineTrust(const DeviceViews& views,
   CorrelationResult correlation =
       RefineByCorrelation(views.Hypotheses(),
                           score,
-                          reliable.View(),
+                          std::move(reliable),
                           views.Color(),
                           superpixels,
                           views.Raster(),
@@ -131,13 +131,8 @@ Refinement RefineTrust(const DeviceViews& views,
                           MakeCorrelationOptions(options, image_id),
                           device);
   if (options.superpixel_planes) {
-    const DeviceImage<Plane> planes =
+    result.superpixel_planes =
         PlanesOfLabels(superpixels.labels.View(), correlation.planes, device);
-    result.superpixel_map = RenderPlanes(planes.View(),
-                                         views.MapIntrinsics(),
-                                         views.Width(),
-                                         views.Height(),
-                                         device);
   }
   result.trusted = std::move(correlation.trusted);
   timer->Finish("refinement");
@@ -164,7 +159,7 @@ Regions SegmentTexturelessRegions(const DeviceViews& views,
                      device);
 }
 
-DepthNormalImages RenderRegions(const DeviceViews& views,
+DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                 ImageView<const float> score,
                                 ImageView<const uint8_t> trusted,
                                 uint32_t image_id,
@@ -193,21 +188,19 @@ DepthNormalImages RenderRegions(const DeviceViews& views,
                          device);
   const RegionPlanes fits =
       FitRegionPlanes(regions, samples.View(), views.Scale(), planes, device);
-  const DeviceImage<Plane> pixel_planes =
-      AssignRegionPlanes(regions,
-                         fits,
-                         samples.View(),
-                         views.RasterIntrinsics(),
-                         views.Scale(),
-                         planes,
-                         device);
-  DepthNormalImages rendered = RenderPlanes(pixel_planes.View(),
-                                            views.MapIntrinsics(),
-                                            views.Width(),
-                                            views.Height(),
-                                            device);
+  DeviceImage<Plane> pixel_planes = AssignRegionPlanes(regions,
+                                                       fits,
+                                                       samples.View(),
+                                                       views.RasterIntrinsics(),
+                                                       views.Scale(),
+                                                       planes,
+                                                       device);
   timer->Finish("region planes");
-  return rendered;
+  return pixel_planes;
+}
+
+PlaneRaster OnMap(const DeviceImage<Plane>& planes, const DeviceViews& views) {
+  return {planes.View(), views.MapIntrinsics(), views.Width(), views.Height()};
 }
 
 }  // namespace
@@ -245,20 +238,20 @@ RefineResult RefineImage(const ViewData& reference,
                                             options,
                                             device,
                                             &timer);
-  DepthNormalImages region_map;
+  DeviceImage<Plane> region_planes;
   if (options.segment) {
-    region_map = RenderRegions(views,
-                               score.View(),
-                               refinement.trusted.View(),
-                               image_id,
-                               options,
-                               device,
-                               &timer);
+    region_planes = FindRegionPlanes(views,
+                                     score.View(),
+                                     refinement.trusted.View(),
+                                     image_id,
+                                     options,
+                                     device,
+                                     &timer);
   }
   ComposedMap composed = ComposeMap({views.Hypotheses(),
                                      refinement.trusted.View(),
-                                     refinement.superpixel_map.Views(),
-                                     region_map.Views()},
+                                     OnMap(refinement.superpixel_planes, views),
+                                     OnMap(region_planes, views)},
                                     views.Scale(),
                                     {},
                                     device);

@@ -4,6 +4,7 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/refinement/correlation.h"
+#include "colmap_tsar/refinement/trust.h"
 
 #include <cmath>
 #include <utility>
@@ -11,51 +12,24 @@
 namespace tsar {
 namespace {
 
-// The plane's value where there is one, else the trusted pixel's own.
-struct OverlayKernel {
+// The superpixel's plane where there is one, else the trusted pixel's own.
+struct EstimateKernel {
   DepthNormalViews own;
-  DepthNormalViews rendered;  // May be empty.
+  PlaneRaster planes;
+  Intrinsics intrinsics;
   ImageView<const uint8_t> trusted;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
+  ImageView<InverseDepthPlane> estimate;
 
   TSAR_HD void operator()(int x, int y) const {
-    if (!rendered.depth.Empty() && rendered.depth(x, y) > 0.f) {
-      depth(x, y) = rendered.depth(x, y);
-      normal(x, y) = rendered.normal(x, y);
+    const Plane plane = planes.At(x, y);
+    if (plane.Valid()) {
+      estimate(x, y) = ToInverseDepth(plane);
     } else if (trusted(x, y) != 0) {
-      depth(x, y) = own.depth(x, y);
-      normal(x, y) = own.normal(x, y);
+      estimate(x, y) = ToInverseDepth(
+          intrinsics.Ray(x, y), own.depth(x, y), own.normal(x, y));
     } else {
-      depth(x, y) = 0.f;
-      normal(x, y) = {};
+      estimate(x, y) = {};
     }
-  }
-};
-
-struct TrustKernel {
-  ImageView<const float> own_depth;
-  ImageView<const float> estimated_depth;
-  ImageView<const float> score;
-  DisparityScale scale;
-  float tolerance;  // mu / N_c
-  bool readmit_filtered;
-  ImageView<uint8_t> trusted;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const float own = own_depth(x, y);
-    const float estimated = estimated_depth(x, y);
-    const float n_aggr = score(x, y);
-    // Multiplied out. A pixel with no score at all would pass any gate, so it
-    // must have been trusted before.
-    trusted(x, y) =
-        own > 0.f && estimated > 0.f && (n_aggr > 0.f || trusted(x, y) != 0) &&
-                fabsf(scale.ToDisparity(estimated) - scale.ToDisparity(own)) *
-                        n_aggr <
-                    tolerance &&
-                (readmit_filtered || trusted(x, y) != 0)
-            ? 1
-            : 0;
   }
 };
 
@@ -82,17 +56,11 @@ struct FillHolesKernel {
   }
 };
 
-struct CopyMaskKernel {
-  ImageView<const uint8_t> source;
-  ImageView<uint8_t> target;
-  TSAR_HD void operator()(int x, int y) const { target(x, y) = source(x, y); }
-};
-
 }  // namespace
 
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                                       ImageView<const float> score,
-                                      ImageView<const uint8_t> reliable,
+                                      DeviceImage<uint8_t> reliable,
                                       ImageView<const Rgb> color,
                                       const Superpixels& superpixels,
                                       const ReducedRaster& raster,
@@ -106,57 +74,60 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
   const Intrinsics raster_intrinsics =
       camera.Resized(raster.width, raster.height).GetIntrinsics();
   CorrelationResult result;
-  result.trusted = DeviceImage<uint8_t>(device, width, height);
-  ParallelFor(
-      device, width, height, CopyMaskKernel{reliable, result.trusted.View()});
+  result.trusted = std::move(reliable);
+  PixelGroups groups;
+  if (options.use_superpixel_planes) {
+    groups = GroupPixels(superpixels.labels.View(), superpixels.count, device);
+  }
+  DeviceImage<InverseDepthPlane> estimate(device, width, height);
   for (int round = 1; round <= options.num_iterations; ++round) {
-    DepthNormalImages rendered;
+    DeviceImage<Plane> planes;
     if (options.use_superpixel_planes) {
       const DeviceImage<RayDepth> samples = SampleMeasurements(
           own.depth, score, result.trusted.View(), intrinsics, raster, device);
       SuperpixelPlaneOptions plane_options = options.planes;
       plane_options.ransac.iteration = round;
-      result.planes = FitSuperpixelPlanes(superpixels,
+      result.planes = FitSuperpixelPlanes(groups,
                                           samples.View(),
                                           raster_intrinsics,
                                           scale,
                                           plane_options,
                                           device);
-      const DeviceImage<Plane> planes =
-          PlanesOfLabels(superpixels.labels.View(), result.planes, device);
-      rendered = RenderPlanes(planes.View(), intrinsics, width, height, device);
-    }
-    DepthNormalImages overlaid(device, width, height);
-    ParallelFor(device,
-                width,
-                height,
-                OverlayKernel{own,
-                              rendered.Views(),
-                              result.trusted.View(),
-                              overlaid.depth.View(),
-                              overlaid.normal.View()});
-    if (options.use_weighted_median) {
-      WeightedMedianOptions filter;
-      filter.radius = ScaledRadius(
-          options.window_radius *
-              std::exp2(static_cast<float>(options.num_iterations - round + 1)),
-          width,
-          height);
-      filter.spatial_sigma = options.spatial_sigma;
-      filter.color_sigma = options.color_sigma;
-      overlaid = WeightedMedianFilter(
-          overlaid.Views(), color, {}, intrinsics, filter, device);
+      planes = PlanesOfLabels(superpixels.labels.View(), result.planes, device);
     }
     ParallelFor(device,
                 width,
                 height,
-                TrustKernel{own.depth,
-                            overlaid.depth.View(),
-                            score,
-                            scale,
-                            options.disparity_tolerance / round,
-                            options.readmit_filtered,
-                            result.trusted.View()});
+                EstimateKernel{own,
+                               {planes.View(), intrinsics, width, height},
+                               intrinsics,
+                               result.trusted.View(),
+                               estimate.View()});
+    const TrustGate gate{own.depth,
+                         score,
+                         scale,
+                         options.disparity_tolerance / round,
+                         options.readmit_filtered};
+    if (!options.use_weighted_median) {
+      GateByPlanes(
+          estimate.View(), intrinsics, gate, result.trusted.View(), device);
+      continue;
+    }
+    WeightedMedianOptions filter;
+    filter.radius = ScaledRadius(
+        options.window_radius *
+            std::exp2(static_cast<float>(options.num_iterations - round + 1)),
+        width,
+        height);
+    filter.spatial_sigma = options.spatial_sigma;
+    filter.color_sigma = options.color_sigma;
+    GateByWeightedMedian(estimate.View(),
+                         color,
+                         intrinsics,
+                         filter,
+                         gate,
+                         result.trusted.View(),
+                         device);
   }
   return result;
 }

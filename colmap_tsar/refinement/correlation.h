@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/refinement/samples.h"
+#include "colmap_tsar/refinement/slic.h"
 #include "colmap_tsar/refinement/superpixel_planes.h"
 #include "colmap_tsar/refinement/weighted_median.h"
 
@@ -41,7 +42,7 @@ struct CorrelationResult {
 // trusted; all of the map's size. Superpixels live on raster.
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                                       ImageView<const float> score,
-                                      ImageView<const uint8_t> reliable,
+                                      DeviceImage<uint8_t> reliable,
                                       ImageView<const Rgb> color,
                                       const Superpixels& superpixels,
                                       const ReducedRaster& raster,

@@ -4,8 +4,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/refinement/samples.h"
 
-#include <cfloat>
-
 namespace tsar {
 namespace {
 
@@ -74,23 +72,6 @@ struct PlanesOfLabelsKernel {
   }
 };
 
-struct RenderKernel {
-  ImageView<const Plane> planes;
-  Intrinsics intrinsics;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const Plane& plane =
-        planes(ReducedRaster::FromMap(x, depth.width, planes.width),
-               ReducedRaster::FromMap(y, depth.height, planes.height));
-    const float z = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
-    const bool valid = z > 0.f && z <= FLT_MAX;
-    depth(x, y) = valid ? z : 0.f;
-    normal(x, y) = valid ? plane.normal : Vec3f{};
-  }
-};
-
 }  // namespace
 
 DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
@@ -128,21 +109,6 @@ DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
               labels.height,
               PlanesOfLabelsKernel{labels, planes.Data(), result.View()});
   return result;
-}
-
-DepthNormalImages RenderPlanes(ImageView<const Plane> planes,
-                               const Intrinsics& intrinsics,
-                               int width,
-                               int height,
-                               Device& device) {
-  DepthNormalImages rendered(device, width, height);
-  ParallelFor(
-      device,
-      width,
-      height,
-      RenderKernel{
-          planes, intrinsics, rendered.depth.View(), rendered.normal.View()});
-  return rendered;
 }
 
 }  // namespace tsar

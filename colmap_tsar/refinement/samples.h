@@ -4,10 +4,12 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/refinement/weighted_median.h"
 
+#include <cfloat>
 #include <cstdint>
 
 namespace tsar {
@@ -47,12 +49,26 @@ DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device);
 
-// The depth and normal that each pixel of a width x height map has on the plane
-// of its pixel of the reduced raster; 0 where that plane is invalid.
-DepthNormalImages RenderPlanes(ImageView<const Plane> planes,
-                               const Intrinsics& intrinsics,
-                               int width,
-                               int height,
-                               Device& device);
+// The planes of a reduced raster as the pixels of the map see them.
+struct PlaneRaster {
+  ImageView<const Plane> planes;  // May be empty.
+  Intrinsics intrinsics;          // Of the map.
+  int map_width = 0;
+  int map_height = 0;
+
+  // The plane of the map's pixel (x, y); invalid where there is none, or none
+  // that this pixel's ray meets.
+  TSAR_HD Plane At(int x, int y) const {
+    if (planes.Empty()) {
+      return {};
+    }
+    const Plane& plane =
+        planes(ReducedRaster::FromMap(x, map_width, planes.width),
+               ReducedRaster::FromMap(y, map_height, planes.height));
+    const float depth =
+        plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
+    return depth > 0.f && depth <= FLT_MAX ? plane : Plane{};
+  }
+};
 
 }  // namespace tsar

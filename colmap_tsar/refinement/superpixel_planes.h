@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/planes/group_planes.h"
-#include "colmap_tsar/refinement/slic.h"
 
 namespace tsar {
 
@@ -19,9 +19,9 @@ struct SuperpixelPlaneOptions {
 // The plane of each superpixel from its reliable samples; invalid where a
 // superpixel has too little support or its plane leaves [0.8 D_min, 1.2 D_max]
 // at the superpixel's centre (Eq. 6; the bounds as printed enclose nothing).
-// samples: reliable measurements on the superpixels' raster, z = 0 elsewhere;
-// intrinsics: of that raster.
-Buffer<Plane> FitSuperpixelPlanes(const Superpixels& superpixels,
+// superpixels: the pixels of each; samples: reliable measurements on their
+// raster, z = 0 elsewhere; intrinsics: of that raster.
+Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                   ImageView<const RayDepth> samples,
                                   const Intrinsics& intrinsics,
                                   const DisparityScale& scale,

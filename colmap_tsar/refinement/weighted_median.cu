@@ -4,44 +4,24 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/refinement/weighted_median.h"
+#include "colmap_tsar/refinement/window_taps.h"
 
-#include <algorithm>
 #include <cfloat>
 #include <cmath>
-#include <vector>
 
 namespace tsar {
 namespace {
 
-constexpr int kTapRadius = 5;
-constexpr int kMaxTaps = (2 * kTapRadius + 1) * (2 * kTapRadius + 1);
-// Taps that weigh less than this change no median.
-constexpr float kMinWeight = 1e-3f;
 // Taps whose depth is within this fraction of the median share its surface.
 constexpr float kSameSurface = 0.01f;
-
-// exp(-|difference| / beta^2) by the squared colour difference, up to where it
-// falls under kMinWeight.
-std::vector<float> MakeColorTable(float sigma) {
-  const float limit = -std::log(kMinWeight) * sigma * sigma;
-  const int size =
-      static_cast<int>(std::min(limit * limit, 3.f * 255.f * 255.f)) + 1;
-  std::vector<float> table(size);
-  for (int i = 0; i < size; ++i) {
-    table[i] = std::exp(-std::sqrt(static_cast<float>(i)) / (sigma * sigma));
-  }
-  return table;
-}
 
 struct WeightedMedianKernel {
   DepthNormalViews input;
   ImageView<const Rgb> color;
   ImageView<const uint8_t> where;
   Intrinsics intrinsics;
-  WeightedMedianOptions options;
-  int stride;
-  const float* color_weights;
-  int num_color_weights;
+  float min_support;
+  WindowTaps taps;
   ImageView<float> depth;
   ImageView<Vec3f> normal;
 
@@ -51,29 +31,28 @@ struct WeightedMedianKernel {
     if (where.data != nullptr && where(x, y) == 0) {
       return;
     }
-    float depths[kMaxTaps];
-    float weights[kMaxTaps];
-    uint8_t taps[kMaxTaps];
+    // Most holes are found to be too wide by this alone.
+    if (!IsSupported(x, y)) {
+      return;
+    }
+    float depths[kNumTaps];
+    float weights[kNumTaps];
+    uint8_t indices[kNumTaps];
     int count = 0;
-    int num_inside = 0;
-    int num_supported = 0;
     float total = 0.f;
     const Vec3f ray = intrinsics.Ray(x, y);
     const Rgb center = color(x, y);
-    for (int tap = 0; tap < kMaxTaps; ++tap) {
-      const int column = x + Offset(tap % (2 * kTapRadius + 1));
-      const int row = y + Offset(tap / (2 * kTapRadius + 1));
-      if (!depth.Contains(column, row)) {
-        continue;
-      }
-      ++num_inside;
-      const float tap_depth = input.depth(column, row);
+    for (int tap = 0; tap < kNumTaps; ++tap) {
+      const int column = x + Column(tap) * taps.stride;
+      const int row = y + Row(tap) * taps.stride;
+      const float tap_depth =
+          depth.Contains(column, row) ? input.depth(column, row) : 0.f;
       if (!(tap_depth > 0.f)) {
         continue;
       }
-      ++num_supported;
-      const float weight = Weight(tap, center, color(column, row));
-      if (weight < kMinWeight) {
+      const float weight =
+          taps.Weight(Column(tap), Row(tap), center, color(column, row));
+      if (weight == 0.f) {
         continue;
       }
       const Plane plane = Plane::FromPoint(
@@ -84,49 +63,48 @@ struct WeightedMedianKernel {
       }
       depths[count] = depth_here;
       weights[count] = weight;
-      taps[count] = static_cast<uint8_t>(tap);
+      indices[count] = static_cast<uint8_t>(tap);
       total += weight;
       ++count;
     }
-    if (count == 0 || num_supported < options.min_support * num_inside) {
+    if (count == 0) {
       return;
     }
-    const float median = WeightedMedian(depths, weights, taps, count, total);
+    const float median = WeightedMedian(depths, weights, indices, count, total);
     Vec3f sum;
     for (int i = 0; i < count; ++i) {
       if (fabsf(depths[i] - median) <= kSameSurface * median) {
-        const int column = x + Offset(taps[i] % (2 * kTapRadius + 1));
-        const int row = y + Offset(taps[i] / (2 * kTapRadius + 1));
-        sum = sum + input.normal(column, row) * weights[i];
+        sum = sum + input.normal(x + Column(indices[i]) * taps.stride,
+                                 y + Row(indices[i]) * taps.stride) *
+                        weights[i];
       }
     }
     depth(x, y) = median;
     normal(x, y) = Normalized(sum);
   }
 
-  TSAR_HD int Offset(int i) const { return (i - kTapRadius) * stride; }
-
-  TSAR_HD float Weight(int tap, const Rgb& a, const Rgb& b) const {
-    const int dr = a.r - b.r;
-    const int dg = a.g - b.g;
-    const int db = a.b - b.b;
-    const int squared = dr * dr + dg * dg + db * db;
-    if (squared >= num_color_weights) {
-      return 0.f;
+  // Whether enough of the taps inside the image hold a depth.
+  TSAR_HD bool IsSupported(int x, int y) const {
+    int num_inside = 0;
+    int num_supported = 0;
+    for (int tap = 0; tap < kNumTaps; ++tap) {
+      const int column = x + Column(tap) * taps.stride;
+      const int row = y + Row(tap) * taps.stride;
+      if (depth.Contains(column, row)) {
+        ++num_inside;
+        num_supported += input.depth(column, row) > 0.f ? 1 : 0;
+      }
     }
-    const float dx =
-        static_cast<float>(tap % (2 * kTapRadius + 1) - kTapRadius);
-    const float dy =
-        static_cast<float>(tap / (2 * kTapRadius + 1) - kTapRadius);
-    return color_weights[squared] *
-           expf(-sqrtf(dx * dx + dy * dy) /
-                (options.spatial_sigma * options.spatial_sigma));
+    return num_supported >= min_support * num_inside;
   }
+
+  TSAR_HD static int Column(int tap) { return tap % kTapSide - kTapRadius; }
+  TSAR_HD static int Row(int tap) { return tap / kTapSide - kTapRadius; }
 
   // Quickselect: partitions around the middle one of three and goes on in the
   // part that holds half of the weight.
   TSAR_HD static float WeightedMedian(
-      float* depths, float* weights, uint8_t* taps, int count, float total) {
+      float* depths, float* weights, uint8_t* indices, int count, float total) {
     int low = 0;
     int high = count - 1;
     float below = 0.f;  // Weight of what lies before low.
@@ -147,7 +125,7 @@ struct WeightedMedianKernel {
         if (i <= j) {
           Swap(depths, i, j);
           Swap(weights, i, j);
-          Swap(taps, i, j);
+          Swap(indices, i, j);
           ++i;
           --j;
         }
@@ -190,10 +168,7 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                        const WeightedMedianOptions& options,
                                        Device& device) {
   DepthNormalImages output(device, input.depth.width, input.depth.height);
-  const Buffer<float> color_weights(device,
-                                    MakeColorTable(options.color_sigma));
-  const int stride =
-      std::max(1, static_cast<int>(std::lround(options.radius / kTapRadius)));
+  const WindowTapTable table(options, device);
   ParallelFor(device,
               input.depth.width,
               input.depth.height,
@@ -201,10 +176,8 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                    color,
                                    where,
                                    intrinsics,
-                                   options,
-                                   stride,
-                                   color_weights.Data(),
-                                   static_cast<int>(color_weights.Size()),
+                                   options.min_support,
+                                   table.Taps(),
                                    output.depth.View(),
                                    output.normal.View()});
   return output;

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 
 #include <cmath>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -27,44 +28,75 @@ struct RimKernel {
   }
 };
 
+// What gave a region its first plane, and what its further ones must match.
+enum class Carrier { kNone, kCore, kRim };
+
+struct RegionState {
+  Carrier carrier = Carrier::kNone;
+  int num_inliers = 0;  // Of the first plane.
+};
+
+// The samples of each group of pixels of a raster.
+struct GroupedPixels {
+  const int* begin;
+  const int* pixels;
+
+  TSAR_HD int Count(int64_t group) const {
+    return begin[group + 1] - begin[group];
+  }
+  TSAR_HD int Pixel(int64_t group, int i) const {
+    return pixels[begin[group] + i];
+  }
+};
+
+struct WeightedSum {
+  double value = 0;
+  double weight = 0;
+  TSAR_HD WeightedSum& operator+=(const WeightedSum& other) {
+    value += other.value;
+    weight += other.weight;
+    return *this;
+  }
+};
+
 struct ChooseKernel {
   const GroupPlane* core_fits;
   const GroupPlane* rim_fits;
-  const int* core_begin;
-  const int* core_pixels;
-  const int* rim_begin;
-  const int* rim_pixels;
+  GroupedPixels core_pixels;
+  GroupedPixels rim_pixels;
   const RayDepth* remaining;
   DisparityScale scale;
   RegionPlaneOptions options;
   int slot;
-  // Per region: inliers of the first plane, negative where the rim gave it.
-  int* first_inliers;
+  const RegionState* states;
+  RegionState* next_states;
   SupportedPlane* planes;
 
-  TSAR_HD void operator()(int64_t k) const {
+  template <typename Team>
+  TSAR_HD void operator()(const Team& team, int64_t k) const {
     const GroupPlane& core = core_fits[k];
     const GroupPlane& rim = rim_fits[k];
+    const bool is_first = slot == 0;
+    const RegionState state = is_first ? RegionState{} : states[k];
+    const float min_inliers = options.min_further_share * state.num_inliers;
+    // Where nothing carried the plane before, later rounds do not try.
+    RegionState next;
     SupportedPlane result;
-    if (slot == 0) {
-      first_inliers[k] = 0;
-    }
-    const int first = first_inliers[k];
-    if (first >= 0 && IsCarriedByCore(core) &&
-        core.num_inliers >= options.min_further_share * first) {
-      result = {AlignedWithRim(core, rim, k), core.support};
-      first_inliers[k] = slot == 0 ? core.num_inliers : first;
-    } else if (first <= 0 && (slot == 0 || first < 0) && IsCarriedByRim(rim) &&
-               rim.num_inliers >= -options.min_further_share * first &&
-               (slot > 0 ||
-                MeanRimGap(rim.plane, k) < options.max_boundary_error)) {
+    if ((is_first || state.carrier == Carrier::kCore) &&
+        IsCarriedByCore(core) && core.num_inliers >= min_inliers) {
+      result = {AlignedWithRim(team, core, rim, k), core.support};
+      next = is_first ? RegionState{Carrier::kCore, core.num_inliers} : state;
+    } else if ((is_first || state.carrier == Carrier::kRim) &&
+               IsCarriedByRim(rim) && rim.num_inliers >= min_inliers &&
+               (!is_first || MeanRimGap(team, rim.plane, k) <
+                                 options.max_boundary_error)) {
       result = {rim.plane, rim.support};
-      first_inliers[k] = slot == 0 ? -rim.num_inliers : first;
-    } else {
-      // Nothing more carries a plane here; later rounds shall not try.
-      first_inliers[k] = INT32_MAX;
+      next = is_first ? RegionState{Carrier::kRim, rim.num_inliers} : state;
     }
-    planes[k * kMaxPlanesPerRegion + slot] = result;
+    if (team.IsLeader()) {
+      next_states[k] = next;
+      planes[k * kMaxPlanesPerRegion + slot] = result;
+    }
   }
 
   // Inliers lie within one tolerance, the samples beside them within the next
@@ -83,64 +115,67 @@ struct ChooseKernel {
   // What hangs on a wall is parallel to it, and textured: its many good samples
   // tell the direction of the wall better than the few of the core, which tell
   // how far behind it lies. Kept where the core's samples agree.
-  TSAR_HD Plane AlignedWithRim(const GroupPlane& core,
+  template <typename Team>
+  TSAR_HD Plane AlignedWithRim(const Team& team,
+                               const GroupPlane& core,
                                const GroupPlane& rim,
                                int64_t k) const {
     if (!IsCarriedByRim(rim) || rim.num_inliers < core.num_inliers ||
         Dot(core.plane.normal, rim.plane.normal) < kCosMaxAlignment) {
       return core.plane;
     }
+    const int num_pixels = core_pixels.Count(k);
     const Vec3f middle = {core.support.mean_x, core.support.mean_y, 1.f};
     Plane plane =
         Plane::FromPoint(middle, core.plane.Depth(middle), rim.plane.normal);
     for (int round = 0; round < kNumAlignmentRounds; ++round) {
-      double sum = 0;
-      double sum_weights = 0;
-      for (int i = core_begin[k]; i < core_begin[k + 1]; ++i) {
-        const RayDepth& sample = remaining[core_pixels[i]];
-        if (!(sample.z > 0.f)) {
-          continue;
-        }
-        const float ratio = RelativeDistance(plane, sample) /
-                            options.ransac.tolerance.At(sample.z, scale);
-        if (ratio < 1.f) {
-          const double weight = 1.0 / (1.0 + 4.0 * ratio * ratio);
-          sum += weight * -Dot(plane.normal, ToPoint(sample));
-          sum_weights += weight;
-        }
-      }
-      if (!(sum_weights > 0.0)) {
+      const WeightedSum offset = team.template Accumulate<WeightedSum>(
+          num_pixels, [&](int i, WeightedSum* sum) {
+            const RayDepth& sample = remaining[core_pixels.Pixel(k, i)];
+            const float ratio = DistanceInTolerances(plane, sample);
+            if (ratio < 1.f) {
+              const double weight = 1.0 / (1.0 + 4.0 * ratio * ratio);
+              *sum += {weight * -Dot(plane.normal, ToPoint(sample)), weight};
+            }
+          });
+      if (!(offset.weight > 0.0)) {
         return core.plane;
       }
-      plane.offset = static_cast<float>(sum / sum_weights);
+      plane.offset = static_cast<float>(offset.value / offset.weight);
     }
-    int num_inliers = 0;
-    for (int i = core_begin[k]; i < core_begin[k + 1]; ++i) {
-      const RayDepth& sample = remaining[core_pixels[i]];
-      num_inliers +=
-          sample.z > 0.f && RelativeDistance(plane, sample) <
-                                options.ransac.tolerance.At(sample.z, scale)
-              ? 1
-              : 0;
-    }
+    const int num_inliers = team.template Accumulate<int>(
+        num_pixels, [&](int i, int* sum) {
+          const RayDepth& sample = remaining[core_pixels.Pixel(k, i)];
+          *sum += DistanceInTolerances(plane, sample) < 1.f ? 1 : 0;
+        });
     return num_inliers >= kMinAlignedShare * core.num_inliers ? plane
                                                               : core.plane;
   }
 
+  // Infinite where there is no sample.
+  TSAR_HD float DistanceInTolerances(const Plane& plane,
+                                     const RayDepth& sample) const {
+    return sample.z > 0.f ? RelativeDistance(plane, sample) /
+                                options.ransac.tolerance.At(sample.z, scale)
+                          : INFINITY;
+  }
+
   // The mean depth gap of Eq. 15.
-  TSAR_HD float MeanRimGap(const Plane& plane, int64_t k) const {
-    float sum = 0.f;
-    int count = 0;
-    for (int i = rim_begin[k]; i < rim_begin[k + 1]; ++i) {
-      const RayDepth& sample = remaining[rim_pixels[i]];
-      if (sample.z > 0.f) {
-        const float depth = plane.Depth({sample.x, sample.y, 1.f});
-        sum += fminf(fabsf(depth - sample.z) / sample.z,
-                     2.f * options.max_boundary_error);
-        ++count;
-      }
-    }
-    return count > 0 ? sum / count : 0.f;
+  template <typename Team>
+  TSAR_HD float MeanRimGap(const Team& team,
+                           const Plane& plane,
+                           int64_t k) const {
+    const WeightedSum gap = team.template Accumulate<WeightedSum>(
+        rim_pixels.Count(k), [&](int i, WeightedSum* sum) {
+          const RayDepth& sample = remaining[rim_pixels.Pixel(k, i)];
+          if (sample.z > 0.f) {
+            const float depth = plane.Depth({sample.x, sample.y, 1.f});
+            *sum += {fminf(fabsf(depth - sample.z) / sample.z,
+                           2.f * options.max_boundary_error),
+                     1.0};
+          }
+        });
+    return gap.weight > 0.0 ? static_cast<float>(gap.value / gap.weight) : 0.f;
   }
 };
 
@@ -318,25 +353,32 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
   const ImageView<const int> labels = regions.labels.View();
   const int width = labels.width;
   const int height = labels.height;
-  const DeviceImage<int> grown = GrowLabels(labels, options.rim_width, device);
+  RegionPlanes result{
+      GrowLabels(labels, options.rim_width, device),
+      Buffer<SupportedPlane>(
+          device, static_cast<size_t>(regions.count) * kMaxPlanesPerRegion)};
+  Fill(device, result.planes.Data(), result.planes.Size(), SupportedPlane{});
+  if (regions.count == 0) {
+    return result;
+  }
   DeviceImage<int> core = ShrinkLabels(labels, options.core_margin, device);
   if (!options.use_core) {
     Fill(device, core.View().data, core.View().NumPixels(), -1);
   }
   DeviceImage<int> rim(device, width, height);
-  ParallelFor(
-      device, width, height, RimKernel{grown.View(), core.View(), rim.View()});
+  ParallelFor(device,
+              width,
+              height,
+              RimKernel{result.grown.View(), core.View(), rim.View()});
   const PixelGroups core_groups =
       GroupPixels(core.View(), regions.count, device);
   const PixelGroups rim_groups = GroupPixels(rim.View(), regions.count, device);
 
-  RegionPlanes result{Buffer<SupportedPlane>(
-      device, static_cast<size_t>(regions.count) * kMaxPlanesPerRegion)};
-  Buffer<int> first_inliers(device, regions.count);
+  Buffer<RegionState> states(device, regions.count);
+  Buffer<RegionState> next_states(device, regions.count);
   DeviceImage<RayDepth> remaining(device, width, height);
   ParallelFor(
       device, width, height, CopySamplesKernel{samples, remaining.View()});
-  Fill(device, result.planes.Data(), result.planes.Size(), SupportedPlane{});
   for (int slot = 0; slot < options.max_planes; ++slot) {
     GroupPlaneOptions ransac = options.ransac;
     // Superpixels draw from the streams below kFirstStream.
@@ -346,24 +388,25 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
     ++ransac.iteration;
     const Buffer<GroupPlane> rim_fits =
         FitGroupPlanes(rim_groups, remaining.View(), scale, ransac, device);
-    ParallelFor(device,
-                regions.count,
-                ChooseKernel{core_fits.Data(),
-                             rim_fits.Data(),
-                             core_groups.begin.Data(),
-                             core_groups.pixels.Data(),
-                             rim_groups.begin.Data(),
-                             rim_groups.pixels.Data(),
-                             remaining.View().data,
-                             scale,
-                             options,
-                             slot,
-                             first_inliers.Data(),
-                             result.planes.Data()});
+    ParallelForTeams<256>(
+        device,
+        regions.count,
+        ChooseKernel{core_fits.Data(),
+                     rim_fits.Data(),
+                     {core_groups.begin.Data(), core_groups.pixels.Data()},
+                     {rim_groups.begin.Data(), rim_groups.pixels.Data()},
+                     remaining.View().data,
+                     scale,
+                     options,
+                     slot,
+                     states.Data(),
+                     next_states.Data(),
+                     result.planes.Data()});
+    std::swap(states, next_states);
     ParallelFor(device,
                 width,
                 height,
-                RemoveInliersKernel{grown.View(),
+                RemoveInliersKernel{result.grown.View(),
                                     result.planes.Data(),
                                     slot,
                                     ransac.tolerance,
@@ -381,7 +424,6 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                       const RegionPlaneOptions& options,
                                       Device& device) {
   const ImageView<const int> labels = regions.labels.View();
-  const DeviceImage<int> grown = GrowLabels(labels, options.rim_width, device);
   const int columns = (labels.width + kBlockSize - 1) / kBlockSize;
   const int rows = (labels.height + kBlockSize - 1) / kBlockSize;
   DeviceImage<BlockVotes> blocks(device, columns, rows);
@@ -389,7 +431,7 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
               columns,
               rows,
               CountVotesKernel{labels,
-                               grown.View(),
+                               planes.grown.View(),
                                samples,
                                planes.planes.Data(),
                                options.ransac.tolerance,

@@ -49,9 +49,10 @@ struct SupportedPlane {
   SupportArea support;
 };
 
-// The planes of the regions: number `slot` of region k is
-// planes[k * kMaxPlanesPerRegion + slot].
 struct RegionPlanes {
+  // The labels of the regions, grown by their rims.
+  DeviceImage<int> grown;
+  // Number `slot` of region k is planes[k * kMaxPlanesPerRegion + slot].
   Buffer<SupportedPlane> planes;
 };
 

@@ -22,17 +22,28 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
       "ComposeMap, RateConfidence",
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
-        const int width = inputs.views.Width();
-        const int height = inputs.views.Height();
-        const Image<Vec3f> normals(width, height, inputs.drawn.wall.normal);
-        const DeviceImage<Vec3f> normal(device, normals);
-        Image<float> depths = RandomImage(width, height, 5.f, 8);
-        const DeviceImage<float> superpixel(device, depths);
-        const DeviceImage<float> region(device, inputs.drawn.truth);
+        // Two walls, the nearer one in every third column of the raster.
+        const ReducedRaster& raster = inputs.views.Raster();
+        const Plane& wall = inputs.drawn.wall;
+        const Image<Plane> superpixels(raster.width, raster.height, wall);
+        Image<Plane> regions(raster.width, raster.height);
+        for (int y = 0; y < raster.height; ++y) {
+          for (int x = 0; x < raster.width; x += 3) {
+            regions(x, y) = {wall.normal, 0.8f * wall.offset};
+          }
+        }
+        const DeviceImage<Plane> superpixel_planes(device, superpixels);
+        const DeviceImage<Plane> region_planes(device, regions);
+        const auto on_map = [&](const DeviceImage<Plane>& planes) {
+          return PlaneRaster{planes.View(),
+                             inputs.views.MapIntrinsics(),
+                             inputs.views.Width(),
+                             inputs.views.Height()};
+        };
         ComposedMap composed = ComposeMap({inputs.views.Hypotheses(),
                                            inputs.reliable.View(),
-                                           {superpixel.View(), normal.View()},
-                                           {region.View(), normal.View()}},
+                                           on_map(superpixel_planes),
+                                           on_map(region_planes)},
                                           inputs.views.Scale(),
                                           {},
                                           device);

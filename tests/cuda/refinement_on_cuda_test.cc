@@ -85,7 +85,10 @@ TEST_F(CudaTest, FitSuperpixelPlanes) {
               [](StageInputs& inputs, Device& device, StageResult* result) {
                 result->Add("planes",
                             kCloseDepths,
-                            FitSuperpixelPlanes(inputs.squares,
+                            FitSuperpixelPlanes(
+                                GroupPixels(inputs.squares.labels.View(),
+                                            inputs.squares.count,
+                                            device),
                                                 inputs.samples.View(),
                                                 inputs.views.RasterIntrinsics(),
                                                 inputs.views.Scale(),
@@ -123,8 +126,8 @@ TEST_F(CudaTest, SampleMeasurementsAndReduceNearest) {
       });
 }
 
-TEST_F(CudaTest, RenderPlanes) {
-  ExpectAlike("PlanesOfLabels, RenderPlanes",
+TEST_F(CudaTest, PlanesOfLabels) {
+  ExpectAlike("PlanesOfLabels",
               AllScenesAndWide(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
                 std::vector<Plane> planes;
@@ -134,17 +137,13 @@ TEST_F(CudaTest, RenderPlanes) {
                                        ? Plane{}
                                        : DrawnPlane({tilt, 0.f, -1.f}, 4.f));
                 }
-                const DepthNormalImages map =
-                    RenderPlanes(PlanesOfLabels(inputs.squares.labels.View(),
-                                                Buffer<Plane>(device, planes),
-                                                device)
-                                     .View(),
-                                 inputs.views.MapIntrinsics(),
-                                 inputs.views.Width(),
-                                 inputs.views.Height(),
-                                 device);
-                result->Add("depth", kCloseDepths, map.depth);
-                result->Add("normal", kCloseScores, map.normal);
+                const Buffer<Plane> buffer(device, planes);
+                const DeviceImage<Plane> of_pixels = PlanesOfLabels(
+                    inputs.squares.labels.View(), buffer, device);
+                const Image<Plane> host = of_pixels.ToHost();
+                result->Add("planes",
+                            kSameLabels,
+                            std::vector<Plane>(host.begin(), host.end()));
               });
 }
 
@@ -159,7 +158,7 @@ TEST_F(CudaTest, RefineByCorrelation) {
           const CorrelationResult refined =
               RefineByCorrelation(inputs.views.Hypotheses(),
                                   inputs.score.View(),
-                                  inputs.reliable.View(),
+                                  std::move(inputs.reliable),
                                   inputs.views.Color(),
                                   inputs.squares,
                                   inputs.views.Raster(),

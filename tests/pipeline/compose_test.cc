@@ -32,18 +32,15 @@ class ComposeTest : public testing::Test {
                    bool trusted,
                    float superpixel,
                    float region) const {
-    const Image<float> depths[] = {Image<float>(1, 1, own),
-                                   Image<float>(1, 1, superpixel),
-                                   Image<float>(1, 1, region)};
-    const Image<Vec3f> normals[] = {
-        Image<Vec3f>(1, 1, own > 0.f ? kOwnNormal : Vec3f{}),
-        Image<Vec3f>(1, 1, superpixel > 0.f ? kSuperpixelNormal : Vec3f{}),
-        Image<Vec3f>(1, 1, region > 0.f ? kRegionNormal : Vec3f{})};
+    const Image<float> depth(1, 1, own);
+    const Image<Vec3f> normal(1, 1, own > 0.f ? kOwnNormal : Vec3f{});
+    const Image<Plane> superpixel_plane = PlaneAt(superpixel, kSuperpixelNormal);
+    const Image<Plane> region_plane = PlaneAt(region, kRegionNormal);
     const Image<uint8_t> mask(1, 1, trusted ? 1 : 0);
-    const ComposedMap map = ComposeMap({{depths[0].View(), normals[0].View()},
+    const ComposedMap map = ComposeMap({{depth.View(), normal.View()},
                                         mask.View(),
-                                        {depths[1].View(), normals[1].View()},
-                                        {depths[2].View(), normals[2].View()}},
+                                        Raster(superpixel_plane),
+                                        Raster(region_plane)},
                                        {},
                                        options_,
                                        *device_);
@@ -51,11 +48,21 @@ class ComposeTest : public testing::Test {
             map.map.normal.ToHost()(0, 0),
             static_cast<Provenance>(map.provenance.ToHost()(0, 0))};
   }
+  static Image<Plane> PlaneAt(float depth, const Vec3f& normal) {
+    return Image<Plane>(
+        1,
+        1,
+        depth > 0.f ? Plane::FromPoint({0.f, 0.f, 1.f}, depth, normal)
+                    : Plane());
+  }
+  static PlaneRaster Raster(const Image<Plane>& planes) {
+    return {planes.View(), Intrinsics{1.f, 1.f, 0.f, 0.f}, 1, 1};
+  }
   static void Expect(const Composed& composed,
                      float depth,
                      const Vec3f& normal,
                      Provenance provenance) {
-    EXPECT_EQ(composed.depth, depth);
+    EXPECT_FLOAT_EQ(composed.depth, depth);
     EXPECT_EQ(composed.normal, normal);
     EXPECT_EQ(composed.provenance, provenance);
   }

@@ -43,12 +43,12 @@ class CorrelationTest : public testing::Test {
     const Image<Rgb> color(kWidth, kHeight, {100, 110, 120});
     const Image<Vec3f> normal(kWidth, kHeight, plane_.normal);
     const Image<float> score(kWidth, kHeight, 1.f);
-    const Image<uint8_t> reliable(kWidth, kHeight, 1);
+    DeviceImage<uint8_t> reliable(*device_, Image<uint8_t>(kWidth, kHeight, 1));
     const Superpixels superpixels =
         ComputeSuperpixels(color, score.View(), {}, *device_);
     return RefineByCorrelation({depth_.View(), normal.View()},
                                score.View(),
-                               reliable.View(),
+                               std::move(reliable),
                                color.View(),
                                superpixels,
                                {kWidth, kHeight},

@@ -85,7 +85,7 @@ TEST(SampleMeasurements, TakesTheBestReliablePixelWithItsOwnRay) {
   }
 }
 
-TEST(RenderPlanes, GivesEachMapPixelItsDepthOnThePlane) {
+TEST(PlaneRaster, GivesEachMapPixelItsPlane) {
   const auto device = Device::CreateCpu(2);
   const Camera camera = DrawnCamera(40, 30, 35.0);
   const Plane left = DrawnPlane({0.5f, 0.2f, -1.f}, 3.f);
@@ -100,36 +100,34 @@ TEST(RenderPlanes, GivesEachMapPixelItsDepthOnThePlane) {
   const Buffer<Plane> planes(*device, std::vector<Plane>{left, Plane(), right});
   const DeviceImage<Plane> pixel_planes =
       PlanesOfLabels(std::as_const(labels).View(), planes, *device);
-  const DepthNormalImages rendered = RenderPlanes(
-      pixel_planes.View(), camera.GetIntrinsics(), 40, 30, *device);
-  const Image<float> depth = rendered.depth.ToHost();
-  const Image<Vec3f> normal = rendered.normal.ToHost();
-  const Image<float> expected = DrawDepth(left, camera);
+  const Image<Plane> raster = pixel_planes.ToHost();
+  const PlaneRaster map{raster.View(), camera.GetIntrinsics(), 40, 30};
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 24; ++x) {
-      ASSERT_EQ(depth(x, y), expected(x, y));
-      ASSERT_EQ(normal(x, y), left.normal);
+      ASSERT_EQ(map.At(x, y).normal, left.normal);
+      ASSERT_EQ(map.At(x, y).offset, left.offset);
     }
     for (int x = 24; x < 32; ++x) {
-      ASSERT_EQ(depth(x, y), 0.f);
-      ASSERT_EQ(normal(x, y), Vec3f());
+      ASSERT_FALSE(map.At(x, y).Valid());
     }
     for (int x = 32; x < 40; ++x) {
-      ASSERT_FLOAT_EQ(depth(x, y), 5.f);
+      ASSERT_EQ(map.At(x, y).normal, right.normal);
+      ASSERT_EQ(map.At(x, y).offset, right.offset);
     }
   }
 }
 
-TEST(RenderPlanes, LeavesOutPixelsThatSeeThePlaneFromBehind) {
-  const auto device = Device::CreateCpu(1);
+TEST(PlaneRaster, LeavesOutPixelsThatSeeThePlaneFromBehind) {
   const Camera camera = DrawnCamera(20, 20, 10.0);
   const Image<Plane> floor(20, 20, {{0.f, -1.f, 0.f}, 1.f});
-  const Image<float> depth =
-      RenderPlanes(floor.View(), camera.GetIntrinsics(), 20, 20, *device)
-          .depth.ToHost();
-  EXPECT_EQ(depth(5, 3), 0.f);
-  EXPECT_EQ(depth(5, 10), 0.f);
-  EXPECT_FLOAT_EQ(depth(5, 15), 2.f);
+  const PlaneRaster map{floor.View(), camera.GetIntrinsics(), 20, 20};
+  EXPECT_FALSE(map.At(5, 3).Valid());
+  EXPECT_FALSE(map.At(5, 10).Valid());
+  EXPECT_TRUE(map.At(5, 15).Valid());
+}
+
+TEST(PlaneRaster, MayBeEmpty) {
+  EXPECT_FALSE(PlaneRaster().At(5, 3).Valid());
 }
 
 }  // namespace

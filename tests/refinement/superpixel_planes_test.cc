@@ -27,11 +27,9 @@ class SuperpixelPlanesTest : public testing::Test {
   }
 
   Plane Fit(const Image<float>& depth) const {
-    Superpixels superpixels;
-    superpixels.labels = DeviceImage<int>(*device_, Image<int>(40, 40, 0));
-    superpixels.count = 1;
+    const DeviceImage<int> labels(*device_, Image<int>(40, 40, 0));
     const DeviceImage<RayDepth> samples(*device_, ToSamples(depth, camera_));
-    return FitSuperpixelPlanes(superpixels,
+    return FitSuperpixelPlanes(GroupPixels(labels.View(), 1, *device_),
                                samples.View(),
                                camera_.GetIntrinsics(),
                                scale_,
