@@ -17,12 +17,12 @@ StageCase MedianCase(const StageInputs& in, int round) {
   const double radius =
       in.options.window_radius *
       std::exp2(in.options.num_iterations - round + 1);
-  // Items: taps, if every pixel looks at all of its own.
+  // Items: taps. The map is full, as none is in R1, so that each counts.
   return {"WeightedMedian/round" + std::to_string(round),
           kTaps * in.NumPixels(),
           kMedianBytes * in.NumPixels(),
           [&in, radius] {
-            WeightedMedianFilter(in.superpixel_map.Views(),
+            WeightedMedianFilter(in.views.Hypotheses(),
                                  in.views.Color(),
                                  {},
                                  in.views.MapIntrinsics(),
