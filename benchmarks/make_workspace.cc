@@ -5,7 +5,6 @@
 //
 //   tsar_make_workspace --workspace_path /dev/shm/room --num_images 12
 
-#include "benchmarks/scene/room_workspace.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
@@ -15,6 +14,7 @@
 #include <iostream>
 #include <string>
 
+#include "benchmarks/scene/room_workspace.h"
 #include <opencv2/core.hpp>
 
 namespace tsar {
@@ -35,7 +35,8 @@ int Main(int argc, char** argv) {
                       "The folder to make; it must not exist or be empty.");
   options.Add("width", &scene.width, "Of images and maps.", {16, 100000});
   options.Add("height", &scene.height, "Of images and maps.", {16, 100000});
-  options.Add("num_images", &scene.num_images, "Views of the room.", {3, 99999});
+  options.Add(
+      "num_images", &scene.num_images, "Views of the room.", {3, 99999});
   options.Add("num_sources",
               &scene.num_sources,
               "Source images of each image: the nearest cameras.",

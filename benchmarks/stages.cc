@@ -12,8 +12,6 @@
 // say what that is): a low number says that the stage does more than it must.
 // Options that begin with --benchmark_ are Google Benchmark's.
 
-#include "benchmarks/scene/room_workspace.h"
-#include "benchmarks/stages/cases.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/cli/option_set.h"
 
@@ -24,6 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/scene/room_workspace.h"
+#include "benchmarks/stages/cases.h"
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 #include <unistd.h>
@@ -73,7 +73,8 @@ bool ParseOptions(const std::vector<char*>& arguments, StagesCommand* command) {
                     &command->device,
                     {"auto", "cuda", "cpu"},
                     "Where to compute; auto: on a GPU where there is one.");
-  options.Add("gpu_index", &command->gpu_index, "Number of the GPU.", {0, 1000});
+  options.Add(
+      "gpu_index", &command->gpu_index, "Number of the GPU.", {0, 1000});
   options.Add("num_threads",
               &command->num_threads,
               "Number of CPU threads; -1: one for each core.",
@@ -87,7 +88,8 @@ bool ParseOptions(const std::vector<char*>& arguments, StagesCommand* command) {
               &command->height,
               "Of the drawn maps; 0: two thirds of the width.",
               {0, 100000});
-  options.Add("num_sources", &command->num_sources, "Source images.", {1, 1000});
+  options.Add(
+      "num_sources", &command->num_sources, "Source images.", {1, 1000});
   return options.Parse(static_cast<int>(arguments.size()), arguments.data());
 }
 
@@ -173,11 +175,10 @@ int Main(int argc, char** argv) {
                                  SegmentationCases,
                                  CompositionCases}) {
     for (const StageCase& stage : make_cases(inputs)) {
-      benchmark::RegisterBenchmark(
-          stage.name.c_str(),
-          [stage, &device](benchmark::State& state) {
-            Measure(stage, *device, state);
-          })
+      benchmark::RegisterBenchmark(stage.name.c_str(),
+                                   [stage, &device](benchmark::State& state) {
+                                     Measure(stage, *device, state);
+                                   })
           ->UseManualTime()
           ->Unit(benchmark::kMillisecond);
     }

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs a program and watches its time and its memory, on the host and on GPUs."""
+"""Runs a program and watches its time and its memory on the host and on GPUs."""
 
 import os
 import subprocess

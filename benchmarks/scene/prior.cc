@@ -3,12 +3,12 @@
 
 #include "benchmarks/scene/prior.h"
 
-#include "benchmarks/scene/texture.h"
 #include "colmap_tsar/base/random.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "benchmarks/scene/texture.h"
 #include <opencv2/imgproc.hpp>
 
 namespace tsar {
@@ -41,10 +41,8 @@ constexpr double kRejectedBlob = 0.7;
 
 // Standard deviation of the grey levels in a window around each pixel.
 Image<float> LocalContrast(const Image<Rgb>& color) {
-  const cv::Mat rgb(color.Height(),
-                    color.Width(),
-                    CV_8UC3,
-                    const_cast<Rgb*>(color.Data()));
+  const cv::Mat rgb(
+      color.Height(), color.Width(), CV_8UC3, const_cast<Rgb*>(color.Data()));
   cv::Mat gray;
   cv::cvtColor(rgb, gray, cv::COLOR_RGB2GRAY);
   gray.convertTo(gray, CV_32F);
@@ -92,8 +90,8 @@ class PriorPainter {
     Philox random(noise_key_, static_cast<uint32_t>(y), 2);
     for (int x = 0; x < view_.depth.Width(); ++x) {
       const bool has_texture = contrast_(x, y) >= kMinContrast;
-      const PriorPixel pixel = has_texture ? Matched(x, y, &random)
-                                           : Guessed(x, y, &random);
+      const PriorPixel pixel =
+          has_texture ? Matched(x, y, &random) : Guessed(x, y, &random);
       const Vec3f normal = FaceCamera(x, y, pixel.normal);
       const auto depth = static_cast<float>(pixel.depth);
       maps->photometric.depth(x, y) = depth;
@@ -124,10 +122,10 @@ class PriorPainter {
     const Vec3f bend{static_cast<float>(Wave(x, y, kWrongCells, 1)),
                      static_cast<float>(Wave(x, y, kWrongCells, 2)),
                      0.f};
-    return {view_.depth(x, y) *
-                std::exp(kWrongError * Wave(x, y, kWrongCells, 0)),
-            Jitter(view_.normal(x, y) + bend, random),
-            Wave(x, y, kBlobCells, 4) > kKeptBlob};
+    return {
+        view_.depth(x, y) * std::exp(kWrongError * Wave(x, y, kWrongCells, 0)),
+        Jitter(view_.normal(x, y) + bend, random),
+        Wave(x, y, kBlobCells, 4) > kKeptBlob};
   }
 
   // In [-1, 1]; each channel is another function.
@@ -146,11 +144,9 @@ class PriorPainter {
 
   // Turns a normal that looks away from the camera back along the ray.
   Vec3f FaceCamera(int x, int y, const Vec3f& normal) const {
-    const Vec3f ray =
-        view_.camera.GetIntrinsics().Ray(static_cast<float>(x),
-                                         static_cast<float>(y));
-    return Dot(normal, ray) < -0.1f * Norm(ray) ? normal
-                                                : -Normalized(ray);
+    const Vec3f ray = view_.camera.GetIntrinsics().Ray(static_cast<float>(x),
+                                                       static_cast<float>(y));
+    return Dot(normal, ray) < -0.1f * Norm(ray) ? normal : -Normalized(ray);
   }
 
   const RenderedView& view_;

@@ -3,10 +3,11 @@
 
 #pragma once
 
-#include "benchmarks/scene/render.h"
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <cstdint>
+
+#include "benchmarks/scene/render.h"
 
 namespace tsar {
 

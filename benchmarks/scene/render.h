@@ -3,12 +3,13 @@
 
 #pragma once
 
-#include "benchmarks/scene/room.h"
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/thread_pool.h"
 
 #include <cstdint>
+
+#include "benchmarks/scene/room.h"
 
 namespace tsar {
 

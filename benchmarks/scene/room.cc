@@ -75,15 +75,19 @@ void Room::AddPicturesAndCarpet() {
   surfaces_.insert(
       surfaces_.end(),
       {
-          {Rectangle({-2.3, 0.2, kBack - kThickness}, {1.0, 0, 0}, {0, -1.1, 0}),
+          {Rectangle(
+               {-2.3, 0.2, kBack - kThickness}, {1.0, 0, 0}, {0, -1.1, 0}),
            portrait},
-          {Rectangle({-0.6, -0.1, kBack - kThickness}, {1.5, 0, 0}, {0, -0.9, 0}),
+          {Rectangle(
+               {-0.6, -0.1, kBack - kThickness}, {1.5, 0, 0}, {0, -0.9, 0}),
            landscape},
           {Rectangle({kLeft + kThickness, 0.1, 0.2}, {0, 0, 1.2}, {0, -0.9, 0}),
            map},
-          {Rectangle({kRight - kThickness, -0.9, 0.9}, {0, 0, 1.0}, {0, 1.0, 0}),
+          {Rectangle(
+               {kRight - kThickness, -0.9, 0.9}, {0, 0, 1.0}, {0, 1.0, 0}),
            portrait},
-          {Rectangle({-1.7, kFloor - kThickness, 0.2}, {2.6, 0, 0}, {0, 0, 2.1}),
+          {Rectangle(
+               {-1.7, kFloor - kThickness, 0.2}, {2.6, 0, 0}, {0, 0, 2.1}),
            carpet},
       });
 }
@@ -115,7 +119,8 @@ void Room::AddBox(const Vector3d& center,
   const Vector3d low = center - 0.5 * (x + y + z);
   const Vector3d high = center + 0.5 * (x + y + z);
   // All face outwards.
-  for (const auto& [u, v] : {std::pair(x, y), std::pair(y, z), std::pair(z, x)}) {
+  for (const auto& [u, v] :
+       {std::pair(x, y), std::pair(y, z), std::pair(z, x)}) {
     surfaces_.push_back({Rectangle(high, -u, -v), material});
     surfaces_.push_back({Rectangle(low, v, u), material});
   }
@@ -132,7 +137,9 @@ RoomHit Room::Cast(const Ray& ray) const {
   return hit;
 }
 
-Vector3d Room::Shade(const Ray& ray, const RoomHit& hit, double footprint) const {
+Vector3d Room::Shade(const Ray& ray,
+                     const RoomHit& hit,
+                     double footprint) const {
   const Material& material =
       surfaces_[static_cast<size_t>(hit.surface)].material;
   Vector3d color = material.base;
@@ -148,7 +155,8 @@ Vector3d Room::Shade(const Ray& ray, const RoomHit& hit, double footprint) const
       kLamp - (ray.origin + hit.point.distance * ray.direction);
   const double slope =
       std::max(0.0, hit.point.normal.dot(to_lamp.normalized()));
-  const double light = 0.72 + 0.4 * slope / (1.0 + 0.05 * to_lamp.squaredNorm());
+  const double light =
+      0.72 + 0.4 * slope / (1.0 + 0.05 * to_lamp.squaredNorm());
   return (light * color).cwiseMin(255.0);
 }
 
@@ -170,10 +178,9 @@ std::vector<Camera> RoomCameras(int num_cameras, int width, int height) {
     const double up = i / per_row - 0.5 * (num_rows - 1);
     const double angle = along * spacing / kArcRadius;
     // A little up and down along the way, as hands do.
-    const Vector3d center(
-        kTarget.x() + kArcRadius * std::sin(angle),
-        0.08 * std::sin(1.9 * i) - spacing * up,
-        kTarget.z() - kArcRadius * std::cos(angle));
+    const Vector3d center(kTarget.x() + kArcRadius * std::sin(angle),
+                          0.08 * std::sin(1.9 * i) - spacing * up,
+                          kTarget.z() - kArcRadius * std::cos(angle));
     const Vector3d forward = (kTarget - center).normalized();
     const Vector3d right = Vector3d::UnitY().cross(forward).normalized();
     Camera camera;

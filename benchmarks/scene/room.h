@@ -3,13 +3,14 @@
 
 #pragma once
 
-#include "benchmarks/scene/surfaces.h"
-#include "benchmarks/scene/texture.h"
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 
 #include <cstdint>
 #include <vector>
+
+#include "benchmarks/scene/surfaces.h"
+#include "benchmarks/scene/texture.h"
 
 namespace tsar {
 

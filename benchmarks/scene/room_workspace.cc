@@ -3,9 +3,6 @@
 
 #include "benchmarks/scene/room_workspace.h"
 
-#include "benchmarks/scene/prior.h"
-#include "benchmarks/scene/render.h"
-#include "benchmarks/scene/sparse_points.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -17,6 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/scene/prior.h"
+#include "benchmarks/scene/render.h"
+#include "benchmarks/scene/sparse_points.h"
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -79,10 +79,8 @@ void WriteConfigs(const std::filesystem::path& stereo,
 }
 
 void WriteJpeg(const std::filesystem::path& path, const Image<Rgb>& color) {
-  const cv::Mat rgb(color.Height(),
-                    color.Width(),
-                    CV_8UC3,
-                    const_cast<Rgb*>(color.Data()));
+  const cv::Mat rgb(
+      color.Height(), color.Width(), CV_8UC3, const_cast<Rgb*>(color.Data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
   if (!cv::imwrite(

@@ -56,8 +56,8 @@ void WriteCameras(const std::filesystem::path& path,
   for (size_t i = 0; i < cameras.size(); ++i) {
     const Camera& camera = cameras[i];
     out << i + 1 << " PINHOLE " << camera.width << " " << camera.height << " "
-        << camera.fx << " " << camera.fy << " " << camera.cx << " "
-        << camera.cy << "\n";
+        << camera.fx << " " << camera.fy << " " << camera.cx << " " << camera.cy
+        << "\n";
   }
   file.Commit();
 }
@@ -72,8 +72,7 @@ std::vector<SparsePoint> SampleSparsePoints(const Room& room,
   std::vector<SparsePoint> points;
   Philox random(seed, 0, 3);
   const int num_tries = kMaxTriesPerPoint * num_points;
-  for (int i = 0;
-       i < num_tries && static_cast<int>(points.size()) < num_points;
+  for (int i = 0; i < num_tries && static_cast<int>(points.size()) < num_points;
        ++i) {
     const Camera& camera = cameras[static_cast<size_t>(i) % cameras.size()];
     const double x = random.NextFloat() * (camera.width - 1);

@@ -3,12 +3,12 @@
 
 #pragma once
 
-#include "benchmarks/scene/room.h"
-
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "benchmarks/scene/room.h"
 
 namespace tsar {
 

@@ -44,8 +44,7 @@ std::optional<SurfacePoint> Rectangle::Meet(const Ray& ray) const {
   if (!(distance > kMinDistance)) {
     return std::nullopt;
   }
-  const Eigen::Vector3d offset =
-      ray.origin + distance * ray.direction - corner;
+  const Eigen::Vector3d offset = ray.origin + distance * ray.direction - corner;
   const double u = offset.dot(along_u);
   const double v = offset.dot(along_v);
   if (!(u >= 0.0 && u <= length_u && v >= 0.0 && v <= length_v)) {
@@ -63,8 +62,7 @@ std::optional<SurfacePoint> Sphere::Meet(const Ray& ray) const {
   if (!distance) {
     return std::nullopt;
   }
-  const Eigen::Vector3d normal =
-      (offset + *distance * ray.direction) / radius;
+  const Eigen::Vector3d normal = (offset + *distance * ray.direction) / radius;
   return SurfacePoint{*distance,
                       normal,
                       radius * std::atan2(normal.x(), -normal.z()),

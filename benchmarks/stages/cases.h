@@ -3,11 +3,11 @@
 
 #pragma once
 
-#include "benchmarks/stages/stage_inputs.h"
-
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "benchmarks/stages/stage_inputs.h"
 
 namespace tsar {
 

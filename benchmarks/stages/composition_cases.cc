@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmarks/stages/cases.h"
-
 #include <memory>
+
+#include "benchmarks/stages/cases.h"
 
 namespace tsar {
 namespace {

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmarks/stages/label_components.h"
-
 #include "colmap_tsar/device/connected_components.h"
 
 #include <cmath>
+
+#include "benchmarks/stages/label_components.h"
 
 namespace tsar {
 namespace {
@@ -24,10 +24,8 @@ struct ContinuousDepth {
 DeviceImage<int> LabelContinuousDepth(ImageView<const float> depth,
                                       Device& device) {
   DeviceImage<int> labels(device, depth.width, depth.height);
-  LabelComponents(device,
-                  ContinuousDepth{depth.data},
-                  Connectivity::kEight,
-                  labels.View());
+  LabelComponents(
+      device, ContinuousDepth{depth.data}, Connectivity::kEight, labels.View());
   return labels;
 }
 

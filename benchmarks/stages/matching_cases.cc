@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmarks/stages/cases.h"
-
 #include "colmap_tsar/filtering/confidence.h"
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
+
+#include "benchmarks/stages/cases.h"
 
 namespace tsar {
 
@@ -23,7 +23,10 @@ std::vector<StageCase> TransferCases(const StageInputs& in) {
              in.view_set.reference, in.view_set.SourcePointers(), in.device);
        }},
       // Depth 4, normal 12, confidence 4, provenance 1.
-      {"Download", pixels, 21.0 * pixels, [&in] {
+      {"Download",
+       pixels,
+       21.0 * pixels,
+       [&in] {
          in.superpixel_map.depth.ToHost();
          in.superpixel_map.normal.ToHost();
          in.confidence.ToHost();
@@ -69,7 +72,10 @@ std::vector<StageCase> MatchingCases(const StageInputs& in) {
              in.views.Hypotheses().depth, in.views.Scale(), {}, in.device);
        }},
       // Bytes: depth, two terms and the agreement, the score and the mask.
-      {"Aggregation", pixels, (13.0 + 5.0) * pixels, [&in] {
+      {"Aggregation",
+       pixels,
+       (13.0 + 5.0) * pixels,
+       [&in] {
          const DeviceImage<float> score =
              AggregateScores(in.views.Hypotheses().depth,
                              in.confidence.View(),

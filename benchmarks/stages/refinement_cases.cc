@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmarks/stages/cases.h"
-
 #include <cmath>
+
+#include "benchmarks/stages/cases.h"
 
 namespace tsar {
 namespace {
@@ -14,9 +14,8 @@ constexpr double kTaps = 121.0;
 constexpr double kMedianBytes = 16.0 + 3.0 + 16.0;
 
 StageCase MedianCase(const StageInputs& in, int round) {
-  const double radius =
-      in.options.window_radius *
-      std::exp2(in.options.num_iterations - round + 1);
+  const double radius = in.options.window_radius *
+                        std::exp2(in.options.num_iterations - round + 1);
   // Items: taps. The map is full, as none is in R1, so that each counts.
   return {"WeightedMedian/round" + std::to_string(round),
           kTaps * in.NumPixels(),
@@ -65,14 +64,14 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
        pixels,
        16.0 * raster + 16.0 * pixels,
        [&in] {
-         RenderPlanes(PlanesOfLabels(in.superpixels.labels.View(),
-                                     in.correlation.planes,
-                                     in.device)
-                          .View(),
-                      in.views.MapIntrinsics(),
-                      in.views.Width(),
-                      in.views.Height(),
-                      in.device);
+         RenderPlanes(
+             PlanesOfLabels(
+                 in.superpixels.labels.View(), in.correlation.planes, in.device)
+                 .View(),
+             in.views.MapIntrinsics(),
+             in.views.Width(),
+             in.views.Height(),
+             in.device);
        }},
       MedianCase(in, 1),
       MedianCase(in, 4),

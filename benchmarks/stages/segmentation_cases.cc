@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmarks/stages/cases.h"
-#include "benchmarks/stages/label_components.h"
-
 #include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/roberts.h"
+
+#include "benchmarks/stages/cases.h"
+#include "benchmarks/stages/label_components.h"
 
 namespace tsar {
 
@@ -39,7 +39,9 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
       {"FindRegions",
        raster,
        (1.0 + 8.0) * raster,
-       [&in] { FindRegions(in.borders.View(), in.MinRegionSize(), in.device); }},
+       [&in] {
+         FindRegions(in.borders.View(), in.MinRegionSize(), in.device);
+       }},
       // Items: R. Bytes: labels and samples read twice, a plane written.
       {"RegionPlanes",
        raster,
@@ -67,9 +69,10 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
              in.superpixels.labels.View(), in.superpixels.count, in.device);
        }},
       // Of the whole map. Bytes: depth, labels written, read and written.
-      {"LabelComponents", pixels, (4.0 + 12.0) * pixels, [&in] {
-         LabelContinuousDepth(in.views.Hypotheses().depth, in.device);
-       }},
+      {"LabelComponents",
+       pixels,
+       (4.0 + 12.0) * pixels,
+       [&in] { LabelContinuousDepth(in.views.Hypotheses().depth, in.device); }},
   };
 }
 

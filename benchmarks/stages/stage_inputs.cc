@@ -61,8 +61,8 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
       view_set(set),
       views(set.reference, set.SourcePointers(), device),
       costs(ComputeMatchingCosts(views.Reference(), views.Sources(), device)),
-      agreement(CountAgreeingSources(
-          views.Reference(), views.Sources(), {}, device)),
+      agreement(
+          CountAgreeingSources(views.Reference(), views.Sources(), {}, device)),
       confidence(ComputeConfidence(costs, {}, device)),
       discontinuity(ComputeDiscontinuity(
           views.Hypotheses().depth, views.Scale(), {}, device)),
@@ -94,11 +94,10 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
                                  views.MapIntrinsics(),
                                  views.Raster(),
                                  device)),
-      superpixel_map(Render(PlanesOfLabels(superpixels.labels.View(),
-                                           correlation.planes,
-                                           device),
-                            views,
-                            device)),
+      superpixel_map(Render(
+          PlanesOfLabels(superpixels.labels.View(), correlation.planes, device),
+          views,
+          device)),
       raster_color(device, views.RasterColor()),
       edges(DetectRobertsEdges(raster_color.View(),
                                static_cast<float>(options.edge_threshold),
@@ -132,8 +131,8 @@ double StageInputs::NumSources() const {
 
 WeightedMedianOptions StageInputs::MedianOptions(double radius) const {
   WeightedMedianOptions median;
-  median.radius = ScaledRadius(
-      static_cast<float>(radius), views.Width(), views.Height());
+  median.radius =
+      ScaledRadius(static_cast<float>(radius), views.Width(), views.Height());
   median.spatial_sigma = static_cast<float>(options.spatial_sigma);
   median.color_sigma = static_cast<float>(options.color_sigma);
   return median;

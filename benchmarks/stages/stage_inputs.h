@@ -60,7 +60,7 @@ class StageInputs {
   const DeviceImage<RayDepth> samples;  // Of what is trusted, on the raster.
   const DepthNormalImages superpixel_map;
   const DeviceImage<Rgb> raster_color;
-  const Image<uint8_t> edges;         // Before the segments are drawn.
+  const Image<uint8_t> edges;          // Before the segments are drawn.
   const DeviceImage<uint8_t> borders;  // Edges and segments.
   const Regions regions;
   const RegionPlanes region_planes;
