@@ -27,6 +27,8 @@ packages=(
   liblz4-dev
   libopencv-dev
   nlohmann-json3-dev
+  # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.
+  libbenchmark-dev
   # The sample scene and the comparison with COLMAP's own fusion.
   colmap
   python3

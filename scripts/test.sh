@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Installs what is missing, builds everything, and runs all tests twice:
-# optimised (with CUDA where nvcc is found, and warnings as errors) and under the
-# address and undefined sanitizers. The last line says how many passed; the exit
-# code is 0 only when all did.
+# optimised (with the benchmarks, with CUDA where nvcc is found, and warnings as
+# errors) and under the address and undefined sanitizers. The last line says how
+# many passed; the exit code is 0 only when all did.
 #
 # With CI=true the CUDA part is compiled for one architecture alone, which is
 # enough to see that it compiles.
@@ -55,7 +55,7 @@ build_and_test() {  # build_and_test PRESET [CMAKE_OPTION...]
   failed=$((failed + failures))
 }
 
-release_options=(-DTSAR_WARNINGS_AS_ERRORS=ON)
+release_options=(-DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON)
 if [[ ${CI:-} == true ]]; then
   release_options+=(-DCMAKE_CUDA_ARCHITECTURES=90)
 fi

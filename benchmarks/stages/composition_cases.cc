@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <memory>
+
+#include "benchmarks/stages/cases.h"
+
+namespace tsar {
+namespace {
+
+ComposedMap Compose(const StageInputs& in) {
+  return ComposeMap({in.views.Hypotheses(),
+                     in.correlation.trusted.View(),
+                     in.superpixel_map.Views(),
+                     in.region_map.Views()},
+                    in.views.Scale(),
+                    {},
+                    in.device);
+}
+
+}  // namespace
+
+std::vector<StageCase> CompositionCases(const StageInputs& in) {
+  const double pixels = in.NumPixels();
+  const double rounds = in.options.num_iterations;
+  const auto composed = std::make_shared<ComposedMap>();
+  return {
+      // Bytes: three maps of depth and normal and a mask; a map and its
+      // provenance.
+      {"ComposeMap",
+       pixels,
+       (3.0 * 16.0 + 1.0 + 17.0) * pixels,
+       [&in] { Compose(in); }},
+      // R2. Items: P per round, of which few are holes. Bytes: each round looks
+      // for holes in the depth; what it fills depends on the scene.
+      {"InterpolateHoles",
+       rounds * pixels,
+       rounds * 4.0 * pixels,
+       [&in, composed] {
+         WeightedMedianOptions filter =
+             in.MedianOptions(2.0 * in.options.window_radius);
+         filter.min_support = 1.f / 3.f;
+         InterpolateHoles(in.views.Color(),
+                          in.views.MapIntrinsics(),
+                          in.options.num_iterations,
+                          filter,
+                          &composed->map,
+                          in.device);
+       },
+       [&in, composed] { *composed = Compose(in); }},
+  };
+}
+
+}  // namespace tsar

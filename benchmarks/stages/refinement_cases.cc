@@ -1,0 +1,99 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cmath>
+
+#include "benchmarks/stages/cases.h"
+
+namespace tsar {
+namespace {
+
+constexpr double kTaps = 121.0;
+
+// Depth, normal and colour are read, depth and normal written.
+constexpr double kMedianBytes = 16.0 + 3.0 + 16.0;
+
+StageCase MedianCase(const StageInputs& in, int round) {
+  const double radius = in.options.window_radius *
+                        std::exp2(in.options.num_iterations - round + 1);
+  // Items: taps. The map is full, as none is in R1, so that each counts.
+  return {"WeightedMedian/round" + std::to_string(round),
+          kTaps * in.NumPixels(),
+          kMedianBytes * in.NumPixels(),
+          [&in, radius] {
+            WeightedMedianFilter(in.views.Hypotheses(),
+                                 in.views.Color(),
+                                 {},
+                                 in.views.MapIntrinsics(),
+                                 in.MedianOptions(radius),
+                                 in.device);
+          }};
+}
+
+}  // namespace
+
+std::vector<StageCase> RefinementCases(const StageInputs& in) {
+  const double pixels = in.NumPixels();
+  const double raster = in.NumRasterPixels();
+  const double slic_rounds = SlicOptions().num_iterations;
+  const double rounds = in.options.num_iterations;
+  return {
+      // Items: R per round. Bytes: in each round CIELAB, score and label, read
+      // for the assignment and again for the means.
+      {"Superpixels",
+       slic_rounds * raster,
+       slic_rounds * 2.0 * 20.0 * raster,
+       [&in] {
+         ComputeSuperpixels(
+             in.views.RasterColor(), in.raster_score.View(), {}, in.device);
+       }},
+      // Items: samples times hypotheses. Bytes: samples and labels, once.
+      {"SuperpixelPlanes",
+       GroupPlaneOptions().num_hypotheses * raster,
+       (12.0 + 4.0) * raster,
+       [&in] {
+         FitSuperpixelPlanes(in.superpixels,
+                             in.samples.View(),
+                             in.views.RasterIntrinsics(),
+                             in.views.Scale(),
+                             {},
+                             in.device);
+       }},
+      // Bytes: a plane per pixel of the raster, depth and normal of the map.
+      {"RenderPlanes",
+       pixels,
+       16.0 * raster + 16.0 * pixels,
+       [&in] {
+         RenderPlanes(
+             PlanesOfLabels(
+                 in.superpixels.labels.View(), in.correlation.planes, in.device)
+                 .View(),
+             in.views.MapIntrinsics(),
+             in.views.Width(),
+             in.views.Height(),
+             in.device);
+       }},
+      MedianCase(in, 1),
+      MedianCase(in, 4),
+      // R1. Items: taps of all rounds. Bytes per round: own depth and normal,
+      // colour, score, mask in and out; the filter reads the map with planes
+      // and writes the median's depth, if all else stays in registers.
+      {"RefineByCorrelation",
+       rounds * kTaps * pixels,
+       rounds * (16.0 + 3.0 + 4.0 + 2.0 + 2.0 * 16.0 + 4.0) * pixels,
+       [&in] {
+         RefineByCorrelation(in.views.Hypotheses(),
+                             in.score.View(),
+                             in.reliable.View(),
+                             in.views.Color(),
+                             in.superpixels,
+                             in.views.Raster(),
+                             in.views.ReferenceCamera(),
+                             in.views.Scale(),
+                             {},
+                             in.device);
+       }},
+  };
+}
+
+}  // namespace tsar

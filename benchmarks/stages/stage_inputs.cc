@@ -1,0 +1,159 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "benchmarks/stages/stage_inputs.h"
+
+#include "colmap_tsar/filtering/confidence.h"
+#include "colmap_tsar/filtering/discontinuity.h"
+#include "colmap_tsar/filtering/reliability.h"
+#include "colmap_tsar/matching/agreement.h"
+#include "colmap_tsar/segmentation/hough.h"
+#include "colmap_tsar/segmentation/roberts.h"
+#include "colmap_tsar/workspace/workspace.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+DepthNormalImages Render(const DeviceImage<Plane>& planes,
+                         const DeviceViews& views,
+                         Device& device) {
+  return RenderPlanes(planes.View(),
+                      views.MapIntrinsics(),
+                      views.Width(),
+                      views.Height(),
+                      device);
+}
+
+Image<uint8_t> AddSegments(Image<uint8_t> edges, int max_gap) {
+  HoughOptions hough;
+  hough.max_gap = max_gap;
+  DrawLineSegments(DetectLineSegments(edges.View(), hough), edges.View());
+  return edges;
+}
+
+}  // namespace
+
+std::vector<const ViewData*> ViewSet::SourcePointers() const {
+  std::vector<const ViewData*> pointers;
+  for (const ViewData& source : sources) {
+    pointers.push_back(&source);
+  }
+  return pointers;
+}
+
+ViewSet LoadFirstView(const std::filesystem::path& path, int max_sources) {
+  const Workspace workspace(path, MapType::kGeometric);
+  const StereoProblem& problem = workspace.Problems().at(0);
+  ViewSet set{LoadView(workspace, problem.reference), {}};
+  const size_t num_sources =
+      std::min(problem.sources.size(), static_cast<size_t>(max_sources));
+  for (size_t i = 0; i < num_sources; ++i) {
+    set.sources.push_back(LoadView(workspace, problem.sources[i]));
+  }
+  return set;
+}
+
+StageInputs::StageInputs(const ViewSet& set, Device& target)
+    : device(target),
+      view_set(set),
+      views(set.reference, set.SourcePointers(), device),
+      costs(ComputeMatchingCosts(views.Reference(), views.Sources(), device)),
+      agreement(
+          CountAgreeingSources(views.Reference(), views.Sources(), {}, device)),
+      confidence(ComputeConfidence(costs, {}, device)),
+      discontinuity(ComputeDiscontinuity(
+          views.Hypotheses().depth, views.Scale(), {}, device)),
+      score(AggregateScores(views.Hypotheses().depth,
+                            confidence.View(),
+                            discontinuity.View(),
+                            agreement.View(),
+                            {},
+                            device)),
+      reliable(SelectReliable(score.View(),
+                              static_cast<float>(options.min_aggregated_score),
+                              device)),
+      raster_score(ReduceNearest(score.View(), views.Raster(), device)),
+      superpixels(ComputeSuperpixels(
+          views.RasterColor(), raster_score.View(), {}, device)),
+      correlation(RefineByCorrelation(views.Hypotheses(),
+                                      score.View(),
+                                      reliable.View(),
+                                      views.Color(),
+                                      superpixels,
+                                      views.Raster(),
+                                      views.ReferenceCamera(),
+                                      views.Scale(),
+                                      {},
+                                      device)),
+      samples(SampleMeasurements(views.Hypotheses().depth,
+                                 score.View(),
+                                 correlation.trusted.View(),
+                                 views.MapIntrinsics(),
+                                 views.Raster(),
+                                 device)),
+      superpixel_map(Render(
+          PlanesOfLabels(superpixels.labels.View(), correlation.planes, device),
+          views,
+          device)),
+      raster_color(device, views.RasterColor()),
+      edges(DetectRobertsEdges(raster_color.View(),
+                               static_cast<float>(options.edge_threshold),
+                               device)
+                .ToHost()),
+      borders(device, AddSegments(edges, HoughMaxGap())),
+      regions(FindRegions(borders.View(), MinRegionSize(), device)),
+      region_planes(FitRegionPlanes(
+          regions, samples.View(), views.Scale(), PlaneOptions(), device)),
+      region_map(Render(AssignRegionPlanes(regions,
+                                           region_planes,
+                                           samples.View(),
+                                           views.RasterIntrinsics(),
+                                           views.Scale(),
+                                           PlaneOptions(),
+                                           device),
+                        views,
+                        device)) {}
+
+double StageInputs::NumPixels() const {
+  return static_cast<double>(views.Hypotheses().depth.NumPixels());
+}
+
+double StageInputs::NumRasterPixels() const {
+  return static_cast<double>(views.Raster().width) * views.Raster().height;
+}
+
+double StageInputs::NumSources() const {
+  return static_cast<double>(views.Sources().Size());
+}
+
+WeightedMedianOptions StageInputs::MedianOptions(double radius) const {
+  WeightedMedianOptions median;
+  median.radius =
+      ScaledRadius(static_cast<float>(radius), views.Width(), views.Height());
+  median.spatial_sigma = static_cast<float>(options.spatial_sigma);
+  median.color_sigma = static_cast<float>(options.color_sigma);
+  return median;
+}
+
+RegionPlaneOptions StageInputs::PlaneOptions() const {
+  RegionPlaneOptions planes;
+  planes.ransac.tolerance.pixels = 1.f;
+  planes.ransac.num_hypotheses = 200;
+  return planes;
+}
+
+int StageInputs::MinRegionSize() const {
+  const double scale = views.RasterScale();
+  return static_cast<int>(options.min_region_size * scale * scale);
+}
+
+int StageInputs::HoughMaxGap() const {
+  return std::max(1,
+                  static_cast<int>(std::lround(options.hough_max_gap *
+                                               views.RasterScale())));
+}
+
+}  // namespace tsar
