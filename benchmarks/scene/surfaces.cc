@@ -13,6 +13,10 @@ namespace {
 // Nearer hits are the surface that the ray started from.
 constexpr double kMinDistance = 1e-6;
 
+// Rectangles reach this far over their sides, so that no ray slips through
+// where two of them meet.
+constexpr double kOverlap = 1e-9;
+
 // The nearer solution of a t^2 + 2 b t + c = 0, where there is one in front.
 std::optional<double> NearRoot(double a, double b, double c) {
   const double discriminant = b * b - a * c;
@@ -47,7 +51,8 @@ std::optional<SurfacePoint> Rectangle::Meet(const Ray& ray) const {
   const Eigen::Vector3d offset = ray.origin + distance * ray.direction - corner;
   const double u = offset.dot(along_u);
   const double v = offset.dot(along_v);
-  if (!(u >= 0.0 && u <= length_u && v >= 0.0 && v <= length_v)) {
+  if (!(u >= -kOverlap && u <= length_u + kOverlap && v >= -kOverlap &&
+        v <= length_v + kOverlap)) {
     return std::nullopt;
   }
   return SurfacePoint{distance, normal, u, v};
