@@ -6,31 +6,16 @@
 #include "benchmarks/stages/cases.h"
 
 namespace tsar {
-namespace {
-
-ComposedMap Compose(const StageInputs& in) {
-  return ComposeMap({in.views.Hypotheses(),
-                     in.correlation.trusted.View(),
-                     in.superpixel_map.Views(),
-                     in.region_map.Views()},
-                    in.views.Scale(),
-                    {},
-                    in.device);
-}
-
-}  // namespace
-
 std::vector<StageCase> CompositionCases(const StageInputs& in) {
   const double pixels = in.NumPixels();
   const double rounds = in.options.num_iterations;
   const auto composed = std::make_shared<ComposedMap>();
   return {
-      // Bytes: three maps of depth and normal and a mask; a map and its
-      // provenance.
+      // Bytes: a map of depth and normal and a mask; a map and its provenance.
       {"ComposeMap",
        pixels,
-       (3.0 * 16.0 + 1.0 + 17.0) * pixels,
-       [&in] { Compose(in); }},
+       (16.0 + 1.0 + 17.0) * pixels,
+       [&in] { in.Compose(); }},
       // R2. Items: P per round, of which few are holes. Bytes: each round looks
       // for holes in the depth; what it fills depends on the scene.
       {"InterpolateHoles",
@@ -47,7 +32,7 @@ std::vector<StageCase> CompositionCases(const StageInputs& in) {
                           &composed->map,
                           in.device);
        },
-       [&in, composed] { *composed = Compose(in); }},
+       [&in, composed] { *composed = in.Compose(); }},
   };
 }
 

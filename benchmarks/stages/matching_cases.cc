@@ -27,10 +27,10 @@ std::vector<StageCase> TransferCases(const StageInputs& in) {
        pixels,
        21.0 * pixels,
        [&in] {
-         in.superpixel_map.depth.ToHost();
-         in.superpixel_map.normal.ToHost();
+         in.composed.map.depth.ToHost();
+         in.composed.map.normal.ToHost();
+         in.composed.provenance.ToHost();
          in.confidence.ToHost();
-         in.reliable.ToHost();
        }},
   };
 }

@@ -1,7 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/filtering/reliability.h"
+
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "benchmarks/stages/cases.h"
 
@@ -37,6 +41,7 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
   const double raster = in.NumRasterPixels();
   const double slic_rounds = SlicOptions().num_iterations;
   const double rounds = in.options.num_iterations;
+  const auto reliable = std::make_shared<DeviceImage<uint8_t>>();
   return {
       // Items: R per round. Bytes: in each round CIELAB, score and label, read
       // for the assignment and again for the means.
@@ -52,39 +57,25 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
        GroupPlaneOptions().num_hypotheses * raster,
        (12.0 + 4.0) * raster,
        [&in] {
-         FitSuperpixelPlanes(in.superpixels,
+         FitSuperpixelPlanes(in.superpixel_groups,
                              in.samples.View(),
                              in.views.RasterIntrinsics(),
                              in.views.Scale(),
                              {},
                              in.device);
        }},
-      // Bytes: a plane per pixel of the raster, depth and normal of the map.
-      {"RenderPlanes",
-       pixels,
-       16.0 * raster + 16.0 * pixels,
-       [&in] {
-         RenderPlanes(
-             PlanesOfLabels(
-                 in.superpixels.labels.View(), in.correlation.planes, in.device)
-                 .View(),
-             in.views.MapIntrinsics(),
-             in.views.Width(),
-             in.views.Height(),
-             in.device);
-       }},
       MedianCase(in, 1),
       MedianCase(in, 4),
       // R1. Items: taps of all rounds. Bytes per round: own depth and normal,
-      // colour, score, mask in and out; the filter reads the map with planes
-      // and writes the median's depth, if all else stays in registers.
+      // colour, score, mask in and out, and the estimated planes, written and
+      // read.
       {"RefineByCorrelation",
        rounds * kTaps * pixels,
-       rounds * (16.0 + 3.0 + 4.0 + 2.0 + 2.0 * 16.0 + 4.0) * pixels,
-       [&in] {
+       rounds * (16.0 + 3.0 + 4.0 + 2.0 + 2.0 * 12.0) * pixels,
+       [&in, reliable] {
          RefineByCorrelation(in.views.Hypotheses(),
                              in.score.View(),
-                             in.reliable.View(),
+                             std::move(*reliable),
                              in.views.Color(),
                              in.superpixels,
                              in.views.Raster(),
@@ -92,6 +83,9 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
                              in.views.Scale(),
                              {},
                              in.device);
+       },
+       [&in, reliable] {
+         *reliable = SelectReliable(in.score.View(), in.MinScore(), in.device);
        }},
   };
 }

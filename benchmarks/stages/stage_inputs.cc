@@ -17,16 +17,6 @@
 namespace tsar {
 namespace {
 
-DepthNormalImages Render(const DeviceImage<Plane>& planes,
-                         const DeviceViews& views,
-                         Device& device) {
-  return RenderPlanes(planes.View(),
-                      views.MapIntrinsics(),
-                      views.Width(),
-                      views.Height(),
-                      device);
-}
-
 Image<uint8_t> AddSegments(Image<uint8_t> edges, int max_gap) {
   HoughOptions hough;
   hough.max_gap = max_gap;
@@ -72,15 +62,12 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
                             agreement.View(),
                             {},
                             device)),
-      reliable(SelectReliable(score.View(),
-                              static_cast<float>(options.min_aggregated_score),
-                              device)),
       raster_score(ReduceNearest(score.View(), views.Raster(), device)),
       superpixels(ComputeSuperpixels(
           views.RasterColor(), raster_score.View(), {}, device)),
       correlation(RefineByCorrelation(views.Hypotheses(),
                                       score.View(),
-                                      reliable.View(),
+                                      SelectReliable(score.View(), MinScore(), device),
                                       views.Color(),
                                       superpixels,
                                       views.Raster(),
@@ -94,10 +81,10 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
                                  views.MapIntrinsics(),
                                  views.Raster(),
                                  device)),
-      superpixel_map(Render(
-          PlanesOfLabels(superpixels.labels.View(), correlation.planes, device),
-          views,
-          device)),
+      superpixel_groups(GroupPixels(
+          superpixels.labels.View(), superpixels.count, device)),
+      superpixel_planes(PlanesOfLabels(
+          superpixels.labels.View(), correlation.planes, device)),
       raster_color(device, views.RasterColor()),
       edges(DetectRobertsEdges(raster_color.View(),
                                static_cast<float>(options.edge_threshold),
@@ -107,15 +94,32 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
       regions(FindRegions(borders.View(), MinRegionSize(), device)),
       region_planes(FitRegionPlanes(
           regions, samples.View(), views.Scale(), PlaneOptions(), device)),
-      region_map(Render(AssignRegionPlanes(regions,
-                                           region_planes,
-                                           samples.View(),
-                                           views.RasterIntrinsics(),
-                                           views.Scale(),
-                                           PlaneOptions(),
-                                           device),
-                        views,
-                        device)) {}
+      pixel_planes(AssignRegionPlanes(regions,
+                                      region_planes,
+                                      samples.View(),
+                                      views.RasterIntrinsics(),
+                                      views.Scale(),
+                                      PlaneOptions(),
+                                      device)),
+      composed(Compose()) {}
+
+ComposedMap StageInputs::Compose() const {
+  return ComposeMap({views.Hypotheses(),
+                     correlation.trusted.View(),
+                     OnMap(superpixel_planes),
+                     OnMap(pixel_planes)},
+                    views.Scale(),
+                    {},
+                    device);
+}
+
+PlaneRaster StageInputs::OnMap(const DeviceImage<Plane>& planes) const {
+  return {planes.View(), views.MapIntrinsics(), views.Width(), views.Height()};
+}
+
+float StageInputs::MinScore() const {
+  return static_cast<float>(options.min_aggregated_score);
+}
 
 double StageInputs::NumPixels() const {
   return static_cast<double>(views.Hypotheses().depth.NumPixels());

@@ -42,6 +42,8 @@ class StageInputs {
   WeightedMedianOptions MedianOptions(double radius) const;
   RegionPlaneOptions PlaneOptions() const;
   int MinRegionSize() const;
+  float MinScore() const;
+  ComposedMap Compose() const;
   int HoughMaxGap() const;
 
   Device& device;
@@ -53,18 +55,22 @@ class StageInputs {
   const DeviceImage<float> confidence;
   const DeviceImage<float> discontinuity;
   const DeviceImage<float> score;
-  const DeviceImage<uint8_t> reliable;
   const DeviceImage<float> raster_score;
   const Superpixels superpixels;
   const CorrelationResult correlation;
   const DeviceImage<RayDepth> samples;  // Of what is trusted, on the raster.
-  const DepthNormalImages superpixel_map;
+  const PixelGroups superpixel_groups;
+  const DeviceImage<Plane> superpixel_planes;
   const DeviceImage<Rgb> raster_color;
   const Image<uint8_t> edges;          // Before the segments are drawn.
   const DeviceImage<uint8_t> borders;  // Edges and segments.
   const Regions regions;
   const RegionPlanes region_planes;
-  const DepthNormalImages region_map;
+  const DeviceImage<Plane> pixel_planes;  // Of the regions.
+  const ComposedMap composed;
+
+ private:
+  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const;
 };
 
 }  // namespace tsar
