@@ -45,7 +45,7 @@ class CorrelationTest : public testing::Test {
     const Image<float> score(kWidth, kHeight, 1.f);
     const Image<uint8_t> reliable(kWidth, kHeight, 1);
     const Superpixels superpixels =
-        ComputeSuperpixels(color, score.View(), {}, *device_);
+        ComputeSuperpixels(color.View(), score.View(), {}, *device_);
     return RefineByCorrelation({depth_.View(), normal.View()},
                                score.View(),
                                reliable.View(),

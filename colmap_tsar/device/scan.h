@@ -1,0 +1,16 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/device/buffer.h"
+
+namespace tsar {
+
+// The sums of the values before each one: element i of the result is
+// values[0] + ... + values[i - 1]. It has count + 1 elements, so that the last
+// one is the sum of all.
+// values: count elements in the device's memory.
+Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device);
+
+}  // namespace tsar
