@@ -17,13 +17,10 @@ TSAR_HD inline int AtomicMin(int* address, int value) {
   return atomicMin(address, value);
 #else
   int current = __atomic_load_n(address, __ATOMIC_RELAXED);
-  while (value < current &&
-         !__atomic_compare_exchange_n(address,
-                                      &current,
-                                      value,
-                                      true,
-                                      __ATOMIC_RELAXED,
-                                      __ATOMIC_RELAXED)) {
+  while (
+      value < current &&
+      !__atomic_compare_exchange_n(
+          address, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
   }
   return current;
 #endif
@@ -56,13 +53,10 @@ TSAR_HD inline uint64_t AtomicMax(uint64_t* address, uint64_t value) {
                    static_cast<unsigned long long>(value));
 #else
   uint64_t current = __atomic_load_n(address, __ATOMIC_RELAXED);
-  while (value > current &&
-         !__atomic_compare_exchange_n(address,
-                                      &current,
-                                      value,
-                                      true,
-                                      __ATOMIC_RELAXED,
-                                      __ATOMIC_RELAXED)) {
+  while (
+      value > current &&
+      !__atomic_compare_exchange_n(
+          address, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
   }
   return current;
 #endif

@@ -52,9 +52,8 @@ struct InitComponents {
   ImageView<int> labels;
   Relation relation;
   TSAR_HD void operator()(int64_t i) const {
-    labels.data[i] = relation.Contains(static_cast<int>(i))
-                         ? static_cast<int>(i)
-                         : -1;
+    labels.data[i] =
+        relation.Contains(static_cast<int>(i)) ? static_cast<int>(i) : -1;
   }
 };
 
@@ -129,7 +128,8 @@ void LabelComponents(Device& device,
                      Connectivity connectivity,
                      ImageView<int> labels) {
   const int64_t count = static_cast<int64_t>(labels.NumPixels());
-  ParallelFor(device, count, internal::InitComponents<Relation>{labels, relation});
+  ParallelFor(
+      device, count, internal::InitComponents<Relation>{labels, relation});
   ParallelFor(device,
               labels.width,
               labels.height,

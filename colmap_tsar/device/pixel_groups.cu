@@ -1,17 +1,16 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/pixel_groups.h"
-
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/pixel_groups.h"
 
 #include <vector>
 
 #ifdef __CUDACC__
-#include <cub/device/device_radix_sort.cuh>
-
 #include <algorithm>
 #include <bit>
+
+#include <cub/device/device_radix_sort.cuh>
 #endif
 
 namespace tsar {
@@ -110,12 +109,11 @@ PixelGroups GroupPixelsOnGpu(ImageView<const int> labels,
                                             num_bits,
                                             cuda.Stream()),
             "sorting pixels");
-  ParallelFor(device,
-              num_pixels + 1,
-              FindBeginsKernel{sorted_keys.Data(),
-                               num_pixels,
-                               num_labels,
-                               groups.begin.Data()});
+  ParallelFor(
+      device,
+      num_pixels + 1,
+      FindBeginsKernel{
+          sorted_keys.Data(), num_pixels, num_labels, groups.begin.Data()});
   return groups;
 }
 

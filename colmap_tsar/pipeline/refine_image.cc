@@ -147,10 +147,8 @@ Refinement RefineTrust(const DeviceViews& views,
 Regions SegmentTexturelessRegions(const DeviceViews& views,
                                   const RefineOptions& options,
                                   Device& device) {
-  const DeviceImage<uint8_t> edges =
-      DetectRobertsEdges(views.RasterColor(),
-                         static_cast<float>(options.edge_threshold),
-                         device);
+  const DeviceImage<uint8_t> edges = DetectRobertsEdges(
+      views.RasterColor(), static_cast<float>(options.edge_threshold), device);
   HoughOptions hough;
   hough.min_votes = options.hough_min_votes;
   hough.max_gap = ScaledLength(options.hough_max_gap, views);
@@ -167,8 +165,7 @@ DepthNormalImages RenderRegions(const DeviceViews& views,
                                 const RefineOptions& options,
                                 Device& device,
                                 StageTimer* timer) {
-  const Regions regions =
-      SegmentTexturelessRegions(views, options, device);
+  const Regions regions = SegmentTexturelessRegions(views, options, device);
   timer->Finish("segmentation");
   RegionPlaneOptions planes;
   planes.max_planes = options.max_region_planes;

@@ -1,12 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/refinement/fragments.h"
-
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/refinement/fragments.h"
 
 #include <cstdint>
 #include <utility>
@@ -114,18 +113,15 @@ int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device) {
   DeviceImage<int> roots(device, width, height);
   const size_t num_pixels = roots.View().NumPixels();
   const int64_t count = static_cast<int64_t>(num_pixels);
-  LabelComponents(device,
-                  SameLabel{labels.View().data},
-                  Connectivity::kFour,
-                  roots.View());
+  LabelComponents(
+      device, SameLabel{labels.View().data}, Connectivity::kFour, roots.View());
   Buffer<int> sizes(device, num_pixels);
   Fill(device, sizes.Data(), num_pixels, 0);
   CountComponentPixels(device, roots.View(), sizes.Data());
   Buffer<uint64_t> choices(device, num_pixels);
   Fill(device, choices.Data(), num_pixels, uint64_t{0});
 
-  const Segments segments{
-      roots.View(), sizes.Data(), choices.Data(), min_size};
+  const Segments segments{roots.View(), sizes.Data(), choices.Data(), min_size};
   // Every fragment joins another segment, so the smallest one's size doubles at
   // least in each round.
   for (int64_t smallest = 1; smallest < min_size; smallest *= 2) {
@@ -136,8 +132,7 @@ int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device) {
   }
 
   Buffer<int> is_root(device, num_pixels);
-  ParallelFor(
-      device, count, IsRootKernel{roots.View().data, is_root.Data()});
+  ParallelFor(device, count, IsRootKernel{roots.View().data, is_root.Data()});
   const Buffer<int> names = ExclusiveSum(is_root.Data(), num_pixels, device);
   ParallelFor(device, count, RenameKernel{names.Data(), roots.View().data});
   labels = std::move(roots);

@@ -1,12 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/refinement/slic.h"
-
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/refinement/cielab.h"
 #include "colmap_tsar/refinement/fragments.h"
+#include "colmap_tsar/refinement/slic.h"
 
 #include <algorithm>
 #include <cmath>
@@ -137,8 +136,8 @@ struct SumKernel {
 
   TSAR_HD void operator()(int piece, int y) const {
     const int begin = piece * kPieceWidth;
-    const int end = begin + kPieceWidth < labels.width ? begin + kPieceWidth
-                                                       : labels.width;
+    const int end =
+        begin + kPieceWidth < labels.width ? begin + kPieceWidth : labels.width;
     ClusterSum sum = {};
     int label = labels(begin, y);
     for (int x = begin; x < end; ++x) {
@@ -180,13 +179,12 @@ struct UpdateKernel {
     if (sum.count > 0) {
       const double scale = 1.0 / static_cast<double>(sum.count);
       const double fixed_scale = scale / kFixedPoint;
-      clusters[k] = {
-          static_cast<float>(sum.x * scale),
-          static_cast<float>(sum.y * scale),
-          {static_cast<float>(sum.l * fixed_scale),
-           static_cast<float>(sum.a * fixed_scale),
-           static_cast<float>(sum.b * fixed_scale)},
-          static_cast<float>(sum.score * fixed_scale)};
+      clusters[k] = {static_cast<float>(sum.x * scale),
+                     static_cast<float>(sum.y * scale),
+                     {static_cast<float>(sum.l * fixed_scale),
+                      static_cast<float>(sum.a * fixed_scale),
+                      static_cast<float>(sum.b * fixed_scale)},
+                     static_cast<float>(sum.score * fixed_scale)};
     }
     sums[k] = {};
   }
@@ -213,11 +211,10 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
   Buffer<ClusterSum> sums(device, num_clusters);
   Fill(device, sums.Data(), num_clusters, ClusterSum{});
   DeviceImage<int> labels(device, width, height);
-  ParallelFor(
-      device,
-      grid.columns,
-      grid.rows,
-      InitClusterKernel{grid, lab.View(), score, clusters.Data()});
+  ParallelFor(device,
+              grid.columns,
+              grid.rows,
+              InitClusterKernel{grid, lab.View(), score, clusters.Data()});
   for (int i = 0; i < options.num_iterations; ++i) {
     ParallelFor(device,
                 width,

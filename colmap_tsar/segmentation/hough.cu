@@ -1,12 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/segmentation/hough.h"
-
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/segmentation/hough.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,9 +28,8 @@ struct Direction {
 Buffer<Direction> MakeNormals(Device& device) {
   std::vector<Direction> normals;
   for (int angle = 0; angle < kNumAngles; ++angle) {
-    normals.push_back(
-        {static_cast<float>(std::cos(angle * kPi / kNumAngles)),
-         static_cast<float>(std::sin(angle * kPi / kNumAngles))});
+    normals.push_back({static_cast<float>(std::cos(angle * kPi / kNumAngles)),
+                       static_cast<float>(std::sin(angle * kPi / kNumAngles))});
   }
   return Buffer<Direction>(device, normals);
 }
@@ -88,8 +86,7 @@ struct VoteKernel {
 
   TSAR_HD void operator()(int thread, int angle) const {
     for (int i = thread; i < num_pixels; i += num_threads) {
-      int* votes =
-          accumulator.votes.data + accumulator.Index(angle, pixels[i]);
+      int* votes = accumulator.votes.data + accumulator.Index(angle, pixels[i]);
       if (num_threads == 1) {
         ++*votes;
       } else {
@@ -122,74 +119,35 @@ class LineWalk {
   float step_y_;
 };
 
-// The line with the most votes through each edge pixel. A short piece gives the
-// same votes to neighbouring angles; the middle one of them is its own.
-struct ChooseLineKernel {
-  const Pixel* pixels;
-  Accumulator accumulator;
-  int min_votes;
-  ImageView<int> lines;  // Indices of the accumulator; -1 without enough votes.
-
-  TSAR_HD void operator()(int64_t i) const {
-    int best = 0;
-    int most_votes = 0;
-    for (int angle = 0; angle < kNumAngles; ++angle) {
-      const int votes = Votes(i, angle);
-      if (votes > most_votes) {
-        most_votes = votes;
-        best = angle;
-      }
-    }
-    int first = best;
-    while (first > best - kNumAngles && Votes(i, first - 1) == most_votes) {
-      --first;
-    }
-    int last = best;
-    while (last < first + kNumAngles && Votes(i, last + 1) == most_votes) {
-      ++last;
-    }
-    lines(pixels[i].x, pixels[i].y) =
-        most_votes >= min_votes
-            ? accumulator.Index(Turned((first + last) / 2), pixels[i])
-            : -1;
-  }
-
-  // The angles of lines go round.
-  TSAR_HD static int Turned(int angle) {
-    return (angle + kNumAngles) % kNumAngles;
-  }
-  TSAR_HD int Votes(int64_t i, int angle) const {
-    return accumulator.votes
-        .data[accumulator.Index(Turned(angle), pixels[i])];
-  }
-};
-
 struct DrawKernel {
   const Pixel* pixels;
   ImageView<const uint8_t> edges;
   Accumulator accumulator;
-  ImageView<const int> lines;
   HoughOptions options;
   float min_length;
   ImageView<uint8_t> drawn;
 
   TSAR_HD void operator()(int64_t i) const {
     const Pixel pixel = pixels[i];
-    const int line = lines(pixel.x, pixel.y);
-    if (line < 0) {
+    int best_angle = 0;
+    int most_votes = 0;
+    for (int angle = 0; angle < kNumAngles; ++angle) {
+      const int votes = accumulator.votes.data[accumulator.Index(angle, pixel)];
+      if (votes > most_votes) {
+        most_votes = votes;
+        best_angle = angle;
+      }
+    }
+    if (most_votes < options.min_votes) {
       return;
     }
     // The line runs at a right angle to its normal.
-    const Direction normal =
-        accumulator.normals[line / accumulator.votes.width];
+    const Direction normal = accumulator.normals[best_angle];
     const LineWalk walk(pixel, {-normal.y, normal.x});
-    if (Continues(line, walk.At(-1)) || Continues(line, walk.At(-2))) {
-      return;
-    }
-    int forward = Follow(walk, 1, 0);
-    const int backward = Follow(walk, -1, forward);
-    // A longer segment may cross a wider gap, so the first side is tried again.
-    forward = Follow(walk, 1, backward);
+    int forward = Follow(walk, 1, 0, 0);
+    const int backward = Follow(walk, -1, 0, forward);
+    // A longer segment may cross a wider gap, so the first side goes on.
+    forward = Follow(walk, 1, forward, backward);
     const Pixel first = walk.At(-backward);
     const Pixel last = walk.At(forward);
     const float dx = static_cast<float>(last.x - first.x);
@@ -203,21 +161,14 @@ struct DrawKernel {
     }
   }
 
-  // Whether a pixel so close that any segment reaches it took the same line: of
-  // such pixels, only the first one draws.
-  TSAR_HD bool Continues(int line, const Pixel& previous) const {
-    return IsEdge(previous) && lines(previous.x, previous.y) == line;
-  }
-
-  TSAR_HD bool IsEdge(const Pixel& pixel) const {
-    return edges.Contains(pixel.x, pixel.y) && edges(pixel.x, pixel.y) != 0;
-  }
-
   // How many pixels, counted from the start, a walk may reach with pieces no
-  // further apart than allowed. behind: the segment's length on the other side.
-  TSAR_HD int Follow(const LineWalk& walk, int direction, int behind) const {
-    int reached = 0;
-    for (int step = 1;; ++step) {
+  // further apart than allowed. reached: how many it has reached already;
+  // behind: the segment's length on the other side.
+  TSAR_HD int Follow(const LineWalk& walk,
+                     int direction,
+                     int reached,
+                     int behind) const {
+    for (int step = reached + 1;; ++step) {
       const Pixel pixel = walk.At(direction * step);
       if (!edges.Contains(pixel.x, pixel.y)) {
         return reached;
@@ -258,25 +209,15 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
 
   const Buffer<Direction> normals = MakeNormals(device);
   DeviceImage<int> votes(
-      device,
-      Accumulator::NumDistances(edges.width, edges.height),
-      kNumAngles);
+      device, Accumulator::NumDistances(edges.width, edges.height), kNumAngles);
   Fill(device, votes.View().data, votes.View().NumPixels(), 0);
   const Accumulator accumulator{normals.Data(), votes.View()};
   // The CPU has threads enough in the angles.
   const int num_threads = device.IsCuda() ? kThreadsPerAngle : 1;
-  ParallelFor(
-      device,
-      num_threads,
-      kNumAngles,
-      VoteKernel{pixels.Data(), num_edges, num_threads, accumulator});
-  DeviceImage<int> lines(device, edges.width, edges.height);
   ParallelFor(device,
-              num_edges,
-              ChooseLineKernel{pixels.Data(),
-                               accumulator,
-                               options.min_votes,
-                               lines.View()});
+              num_threads,
+              kNumAngles,
+              VoteKernel{pixels.Data(), num_edges, num_threads, accumulator});
   DeviceImage<uint8_t> drawn(device, edges.width, edges.height);
   Copy(device, edges.data, edges.NumPixels(), drawn.View().data);
   ParallelFor(
@@ -285,7 +226,6 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
       DrawKernel{pixels.Data(),
                  edges,
                  accumulator,
-                 lines.View(),
                  options,
                  options.min_length_share * std::min(edges.width, edges.height),
                  drawn.View()});

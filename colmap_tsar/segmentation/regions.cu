@@ -1,12 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/segmentation/regions.h"
-
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/segmentation/regions.h"
 
 #include <utility>
 
@@ -28,7 +27,7 @@ struct IsLargeKernel {
   }
 };
 
-// names: how many large areas there are before each pixel; a root's own number// names: how many large areas there are before each pixel; a root's own number
+// names: how many large areas there are before each pixel; a root's own number
 // and the next one's differ where its area is large.
 struct RenameKernel {
   const int* names;
@@ -68,9 +67,9 @@ struct ShrinkKernel {
   TSAR_HD void operator()(int x, int y) const {
     const int label = labels(x, y);
     shrunk(x, y) = Same(label, x - 1, y) && Same(label, x + 1, y) &&
-                          Same(label, x, y - 1) && Same(label, x, y + 1)
-                      ? label
-                      : -1;
+                           Same(label, x, y - 1) && Same(label, x, y + 1)
+                       ? label
+                       : -1;
   }
 
   TSAR_HD bool Same(int label, int x, int y) const {
@@ -103,10 +102,8 @@ Regions FindRegions(ImageView<const uint8_t> edges,
                     Device& device) {
   Regions regions;
   regions.labels = DeviceImage<int>(device, edges.width, edges.height);
-  LabelComponents(device,
-                  OffEdges{edges.data},
-                  Connectivity::kFour,
-                  regions.labels.View());
+  LabelComponents(
+      device, OffEdges{edges.data}, Connectivity::kFour, regions.labels.View());
   Buffer<int> sizes(device, edges.NumPixels());
   Fill(device, sizes.Data(), sizes.Size(), 0);
   CountComponentPixels(device, regions.labels.View(), sizes.Data());
@@ -117,8 +114,7 @@ Regions FindRegions(ImageView<const uint8_t> edges,
       device, count, IsLargeKernel{sizes.Data(), min_size, is_large.Data()});
   const Buffer<int> names =
       ExclusiveSum(is_large.Data(), is_large.Size(), device);
-  ParallelFor(
-      device, count, RenameKernel{names.Data(), regions.labels.View()});
+  ParallelFor(device, count, RenameKernel{names.Data(), regions.labels.View()});
   device.CopyToHost(&regions.count, names.Data() + count, sizeof(int));
   return regions;
 }

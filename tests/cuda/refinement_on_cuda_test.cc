@@ -12,8 +12,7 @@
 namespace tsar {
 namespace {
 
-// Where a sum of whole numbers or plain arithmetic decides, every element is the
-// same on both devices.
+// For stages of whole numbers and plain arithmetic.
 constexpr Closeness kSameBytes{0.0, 0.0, 0.0};
 
 std::vector<int> Channels(const DeviceImage<Rgb>& color) {
@@ -25,12 +24,12 @@ std::vector<int> Channels(const DeviceImage<Rgb>& color) {
 }
 
 // Numbers in {0, ..., num_labels - 1}, less shift.
-DeviceImage<int> RandomLabels(
-    const DeviceViews& views, int num_labels, int shift, Device& device) {
-  const Image<float> random = RandomImage(views.Width(),
-                                          views.Height(),
-                                          static_cast<float>(num_labels),
-                                          5);
+DeviceImage<int> RandomLabels(const DeviceViews& views,
+                              int num_labels,
+                              int shift,
+                              Device& device) {
+  const Image<float> random = RandomImage(
+      views.Width(), views.Height(), static_cast<float>(num_labels), 5);
   Image<int> labels(random.Width(), random.Height());
   for (size_t i = 0; i < random.NumPixels(); ++i) {
     labels.Data()[i] = static_cast<int>(random.Data()[i]) - shift;
@@ -39,36 +38,36 @@ DeviceImage<int> RandomLabels(
 }
 
 TEST_F(CudaTest, ExclusiveSum) {
-  ExpectAlike("ExclusiveSum",
-              AllScenesAndWide(),
-              [](StageInputs& inputs, Device& device, StageResult* result) {
-                const DeviceImage<int> values =
-                    RandomLabels(inputs.views, 9, 2, device);
-                for (const size_t count :
-                     {size_t{0}, values.View().NumPixels()}) {
-                  result->Add("sums",
-                              kSameBytes,
-                              ExclusiveSum(values.View().data, count, device));
-                }
-              });
+  ExpectAlike(
+      "ExclusiveSum",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const DeviceImage<int> values =
+            RandomLabels(inputs.views, 9, 2, device);
+        for (const size_t count : {size_t{0}, values.View().NumPixels()}) {
+          result->Add("sums",
+                      kSameBytes,
+                      ExclusiveSum(values.View().data, count, device));
+        }
+      });
 }
 
 TEST_F(CudaTest, ReduceColor) {
-  ExpectAlike("ReduceColor",
-              AllScenesAndWide(),
-              [](StageInputs& inputs, Device& device, StageResult* result) {
-                const int width = inputs.views.Width();
-                const int height = inputs.views.Height();
-                const ReducedRaster same = {width, height};
-                const ReducedRaster smaller = {(width + 2) / 3,
-                                               (2 * height + 2) / 3};
-                for (const ReducedRaster& raster : {same, smaller}) {
-                  result->Add("color",
-                              kSameBytes,
-                              Channels(ReduceColor(
-                                  inputs.views.Color(), raster, device)));
-                }
-              });
+  ExpectAlike(
+      "ReduceColor",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const int width = inputs.views.Width();
+        const int height = inputs.views.Height();
+        const ReducedRaster same = {width, height};
+        const ReducedRaster smaller = {(width + 2) / 3, (2 * height + 2) / 3};
+        for (const ReducedRaster& raster : {same, smaller}) {
+          result->Add(
+              "color",
+              kSameBytes,
+              Channels(ReduceColor(inputs.views.Color(), raster, device)));
+        }
+      });
 }
 
 TEST_F(CudaTest, ConvertToLab) {

@@ -42,9 +42,8 @@ TEST_F(CudaTest, DrawLineSegments) {
       [](StageInputs& inputs, Device& device, StageResult* result) {
         const DeviceImage<uint8_t> edges =
             DetectRobertsEdges(inputs.views.Color(), 4.f, device);
-        result->Add("edges",
-                    kSameLabels,
-                    DrawLineSegments(edges.View(), {}, device));
+        result->Add(
+            "edges", kSameLabels, DrawLineSegments(edges.View(), {}, device));
         result->Add("noise",
                     kSameLabels,
                     DrawLineSegments(inputs.reliable.View(), {}, device));

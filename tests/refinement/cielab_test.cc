@@ -3,9 +3,8 @@
 
 #include "colmap_tsar/refinement/cielab.h"
 
-#include <opencv2/imgproc.hpp>
-
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 namespace tsar {
 namespace {

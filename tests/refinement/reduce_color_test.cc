@@ -8,9 +8,8 @@
 #include <cstdlib>
 #include <utility>
 
-#include <opencv2/imgproc.hpp>
-
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 namespace tsar {
 namespace {
@@ -74,8 +73,7 @@ TEST(ReduceColor, IsThatOfOpenCv) {
   for (const auto& [full, size] : sizes) {
     const Image<Rgb> color = DrawNoise(full.width, full.height);
     const Image<Rgb> reduced = Reduce(color, size.width, size.height);
-    const cv::Mat source(
-        full, CV_8UC3, const_cast<Rgb*>(color.Data()));
+    const cv::Mat source(full, CV_8UC3, const_cast<Rgb*>(color.Data()));
     cv::Mat expected;
     cv::resize(source, expected, size, 0, 0, cv::INTER_AREA);
     for (int y = 0; y < size.height; ++y) {

@@ -78,7 +78,7 @@ Image<uint8_t> DrawShortLine(int length) {
 TEST(LineSegments, ShorterThanTheirLeastLengthAreDropped) {
   // The shorter side of 300 pixels asks for a length of 10.
   EXPECT_EQ(CountDrawn(DrawShortLine(10)), 0);
-  EXPECT_EQ(CountDrawn(DrawShortLine(12)), 1);
+  EXPECT_EQ(CountDrawn(DrawShortLine(14)), 1);
 }
 
 TEST(LineSegments, NeedTheirVotes) {
@@ -124,10 +124,8 @@ TEST(LineSegments, FollowSlantedLines) {
 
 TEST(LineSegments, HaveNoGapsInAnyDirection) {
   // Lines of which every other pixel is missing.
-  for (const auto& [dx, dy] : {std::pair(2, 0),
-                               std::pair(0, 2),
-                               std::pair(2, 2),
-                               std::pair(-2, 2)}) {
+  for (const auto& [dx, dy] :
+       {std::pair(2, 0), std::pair(0, 2), std::pair(2, 2), std::pair(-2, 2)}) {
     Image<uint8_t> edges(101, 101, 0);
     for (int i = -20; i <= 20; ++i) {
       edges(50 + i * dx, 50 + i * dy) = 1;
