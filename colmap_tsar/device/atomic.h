@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/base/macros.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 // Stores min(*address, value) and returns what was there before. Safe between
@@ -15,13 +17,10 @@ TSAR_HD inline int AtomicMin(int* address, int value) {
   return atomicMin(address, value);
 #else
   int current = __atomic_load_n(address, __ATOMIC_RELAXED);
-  while (value < current &&
-         !__atomic_compare_exchange_n(address,
-                                      &current,
-                                      value,
-                                      true,
-                                      __ATOMIC_RELAXED,
-                                      __ATOMIC_RELAXED)) {
+  while (
+      value < current &&
+      !__atomic_compare_exchange_n(
+          address, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
   }
   return current;
 #endif
@@ -33,6 +32,33 @@ TSAR_HD inline int AtomicAdd(int* address, int value) {
   return atomicAdd(address, value);
 #else
   return __atomic_fetch_add(address, value, __ATOMIC_RELAXED);
+#endif
+}
+
+TSAR_HD inline int64_t AtomicAdd(int64_t* address, int64_t value) {
+#ifdef __CUDA_ARCH__
+  // Two's complement: the sum of the unsigned numbers has the same bits.
+  return static_cast<int64_t>(
+      atomicAdd(reinterpret_cast<unsigned long long*>(address),
+                static_cast<unsigned long long>(value)));
+#else
+  return __atomic_fetch_add(address, value, __ATOMIC_RELAXED);
+#endif
+}
+
+// Stores max(*address, value) and returns what was there before.
+TSAR_HD inline uint64_t AtomicMax(uint64_t* address, uint64_t value) {
+#ifdef __CUDA_ARCH__
+  return atomicMax(reinterpret_cast<unsigned long long*>(address),
+                   static_cast<unsigned long long>(value));
+#else
+  uint64_t current = __atomic_load_n(address, __ATOMIC_RELAXED);
+  while (
+      value > current &&
+      !__atomic_compare_exchange_n(
+          address, &current, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+  return current;
 #endif
 }
 

@@ -14,8 +14,8 @@ namespace tsar {
 
 enum class Connectivity { kFour, kEight };
 
-namespace internal {
-
+// The root of the tree that element i of a union-find belongs to; a root is its
+// own parent.
 TSAR_HD inline int FindRoot(const int* parents, int i) {
   int parent = AtomicLoad(parents + i);
   while (parent != i) {
@@ -45,14 +45,15 @@ TSAR_HD inline void UniteRoots(int* parents, int a, int b) {
   }
 }
 
+namespace internal {
+
 template <typename Relation>
 struct InitComponents {
   ImageView<int> labels;
   Relation relation;
   TSAR_HD void operator()(int64_t i) const {
-    labels.data[i] = relation.Contains(static_cast<int>(i))
-                         ? static_cast<int>(i)
-                         : -1;
+    labels.data[i] =
+        relation.Contains(static_cast<int>(i)) ? static_cast<int>(i) : -1;
   }
 };
 
@@ -85,14 +86,14 @@ struct UniteNeighbours {
   }
 };
 
-struct FlattenComponents {
-  ImageView<int> labels;
+struct FlattenKernel {
+  ImageView<int> parents;
   TSAR_HD void operator()(int64_t i) const {
-    if (AtomicLoad(labels.data + i) >= 0) {
+    if (AtomicLoad(parents.data + i) >= 0) {
       // Roots never change here, so threads that write and threads that read
       // agree on the outcome.
-      const int root = FindRoot(labels.data, static_cast<int>(i));
-      AtomicMin(labels.data + i, root);
+      const int root = FindRoot(parents.data, static_cast<int>(i));
+      AtomicMin(parents.data + i, root);
     }
   }
 };
@@ -109,6 +110,14 @@ struct CountComponents {
 
 }  // namespace internal
 
+// Gives every element of a union-find its root as parent. Negative elements
+// take no part.
+inline void FlattenTrees(Device& device, ImageView<int> parents) {
+  ParallelFor(device,
+              static_cast<int64_t>(parents.NumPixels()),
+              internal::FlattenKernel{parents});
+}
+
 // Labels every pixel with the smallest pixel index of its component, or with -1
 // where the pixel takes no part. Relation has two TSAR_HD members:
 //   bool Contains(int i) const            whether pixel i takes part,
@@ -119,13 +128,14 @@ void LabelComponents(Device& device,
                      Connectivity connectivity,
                      ImageView<int> labels) {
   const int64_t count = static_cast<int64_t>(labels.NumPixels());
-  ParallelFor(device, count, internal::InitComponents<Relation>{labels, relation});
+  ParallelFor(
+      device, count, internal::InitComponents<Relation>{labels, relation});
   ParallelFor(device,
               labels.width,
               labels.height,
               internal::UniteNeighbours<Relation>{
                   labels, relation, connectivity == Connectivity::kEight});
-  ParallelFor(device, count, internal::FlattenComponents{labels});
+  FlattenTrees(device, labels);
 }
 
 // sizes[label] = number of pixels with that label; sizes must hold zeros and

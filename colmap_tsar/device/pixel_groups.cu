@@ -1,60 +1,69 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
 
-#include "colmap_tsar/device/atomic.h"
-#include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/parallel_for.h"
-
-#include <algorithm>
 #include <vector>
 
 #ifdef __CUDACC__
-#include <thrust/execution_policy.h>
-#include <thrust/sequence.h>
-#include <thrust/sort.h>
+#include <algorithm>
+#include <bit>
+
+#include <cub/device/device_radix_sort.cuh>
 #endif
 
 namespace tsar {
 namespace {
 
+// A sort by counting: pixels of no group count as one more label.
 PixelGroups GroupPixelsOnCpu(ImageView<const int> labels,
                              int num_labels,
                              Device& device) {
-  std::vector<int> begin(num_labels + 1, 0);
   const size_t num_pixels = labels.NumPixels();
+  const auto group_of = [&](size_t i) {
+    return labels.data[i] < 0 ? num_labels : labels.data[i];
+  };
+  std::vector<int> next(num_labels + 2, 0);
   for (size_t i = 0; i < num_pixels; ++i) {
-    if (labels.data[i] >= 0) {
-      ++begin[labels.data[i] + 1];
-    }
+    ++next[group_of(i) + 1];
   }
-  for (int k = 0; k < num_labels; ++k) {
-    begin[k + 1] += begin[k];
+  for (int k = 0; k <= num_labels; ++k) {
+    next[k + 1] += next[k];
   }
-  std::vector<int> pixels(begin.back());
-  std::vector<int> next(begin.begin(), begin.end() - 1);
+  PixelGroups groups{Buffer<int>(device, num_labels + 1),
+                     Buffer<int>(device, num_pixels)};
+  groups.begin.Upload(next.data());
   for (size_t i = 0; i < num_pixels; ++i) {
-    if (labels.data[i] >= 0) {
-      pixels[next[labels.data[i]]++] = static_cast<int>(i);
-    }
+    groups.pixels.Data()[next[group_of(i)]++] = static_cast<int>(i);
   }
-  return {Buffer<int>(device, begin), Buffer<int>(device, pixels)};
+  return groups;
 }
 
 #ifdef __CUDACC__
 
-// Offsets are where the sorted labels change; labels without pixels get the
+struct InitSortKernel {
+  const int* labels;
+  int num_labels;
+  uint32_t* keys;
+  int* pixels;
+  TSAR_HD void operator()(int64_t i) const {
+    keys[i] = static_cast<uint32_t>(labels[i] < 0 ? num_labels : labels[i]);
+    pixels[i] = static_cast<int>(i);
+  }
+};
+
+// Offsets are where the sorted keys change; labels without pixels get the
 // offset of the next one that has some.
-struct FindGroupBegins {
-  const int* sorted_labels;
+struct FindBeginsKernel {
+  const uint32_t* sorted_keys;
   int64_t count;
   int num_labels;
   int* begin;
-  __device__ __host__ void operator()(int64_t i) const {
-    const int first = i == 0 ? 0 : sorted_labels[i - 1] + 1;
-    const int last = i == count ? num_labels : sorted_labels[i];
-    for (int k = first < 0 ? 0 : first; k <= last; ++k) {
+  TSAR_HD void operator()(int64_t i) const {
+    const int first = i == 0 ? 0 : static_cast<int>(sorted_keys[i - 1]) + 1;
+    const int last = i == count ? num_labels : static_cast<int>(sorted_keys[i]);
+    for (int k = first; k <= last; ++k) {
       begin[k] = static_cast<int>(i);
     }
   }
@@ -64,44 +73,47 @@ PixelGroups GroupPixelsOnGpu(ImageView<const int> labels,
                              int num_labels,
                              Device& device) {
   CudaDevice& cuda = static_cast<CudaDevice&>(device);
-  cuda.Activate();
-  const size_t num_pixels = labels.NumPixels();
-  Buffer<int> keys(device, num_pixels);
-  CheckCuda(cudaMemcpyAsync(keys.Data(),
-                            labels.data,
-                            num_pixels * sizeof(int),
-                            cudaMemcpyDeviceToDevice,
-                            cuda.Stream()),
-            "copying labels");
-  Buffer<int> indices(device, num_pixels);
-  const auto policy = thrust::cuda::par.on(cuda.Stream());
-  thrust::sequence(policy, indices.Data(), indices.Data() + num_pixels);
-  thrust::stable_sort_by_key(
-      policy, keys.Data(), keys.Data() + num_pixels, indices.Data());
-  // Pixels of no group sort to the front; they are cut off.
-  int num_ungrouped = 0;
-  {
-    std::vector<int> sorted = keys.ToHost();
-    num_ungrouped = static_cast<int>(
-        std::lower_bound(sorted.begin(), sorted.end(), 0) - sorted.begin());
-  }
-  const size_t num_grouped = num_pixels - num_ungrouped;
+  const int64_t num_pixels = static_cast<int64_t>(labels.NumPixels());
   PixelGroups groups{Buffer<int>(device, num_labels + 1),
-                     Buffer<int>(device, num_grouped)};
-  if (num_grouped > 0) {
-    CheckCuda(cudaMemcpyAsync(groups.pixels.Data(),
-                              indices.Data() + num_ungrouped,
-                              num_grouped * sizeof(int),
-                              cudaMemcpyDeviceToDevice,
-                              cuda.Stream()),
-              "copying pixels");
-  }
-  ParallelFor(device,
-              static_cast<int64_t>(num_grouped) + 1,
-              FindGroupBegins{keys.Data() + num_ungrouped,
-                              static_cast<int64_t>(num_grouped),
-                              num_labels,
-                              groups.begin.Data()});
+                     Buffer<int>(device, num_pixels)};
+  Buffer<uint32_t> keys(device, num_pixels);
+  Buffer<uint32_t> sorted_keys(device, num_pixels);
+  Buffer<int> pixels(device, num_pixels);
+  ParallelFor(
+      device,
+      num_pixels,
+      InitSortKernel{labels.data, num_labels, keys.Data(), pixels.Data()});
+  const int num_bits =
+      std::max(1, static_cast<int>(std::bit_width<uint32_t>(num_labels)));
+  size_t num_bytes = 0;
+  CheckCuda(cub::DeviceRadixSort::SortPairs(nullptr,
+                                            num_bytes,
+                                            keys.Data(),
+                                            sorted_keys.Data(),
+                                            pixels.Data(),
+                                            groups.pixels.Data(),
+                                            num_pixels,
+                                            0,
+                                            num_bits,
+                                            cuda.Stream()),
+            "preparing to sort pixels");
+  Buffer<char> scratch(device, num_bytes);
+  CheckCuda(cub::DeviceRadixSort::SortPairs(scratch.Data(),
+                                            num_bytes,
+                                            keys.Data(),
+                                            sorted_keys.Data(),
+                                            pixels.Data(),
+                                            groups.pixels.Data(),
+                                            num_pixels,
+                                            0,
+                                            num_bits,
+                                            cuda.Stream()),
+            "sorting pixels");
+  ParallelFor(
+      device,
+      num_pixels + 1,
+      FindBeginsKernel{
+          sorted_keys.Data(), num_pixels, num_labels, groups.begin.Data()});
   return groups;
 }
 

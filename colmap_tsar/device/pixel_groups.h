@@ -11,8 +11,9 @@ namespace tsar {
 // The pixels of a raster sorted by label: those of label k are
 // pixels[begin[k]] ... pixels[begin[k + 1] - 1], in raster order.
 struct PixelGroups {
-  Buffer<int> begin;   // num_labels + 1 offsets
-  Buffer<int> pixels;  // pixel indices
+  Buffer<int> begin;  // num_labels + 1 offsets
+  // The indices of all pixels of the raster; those of no group are the last.
+  Buffer<int> pixels;
 
   int NumGroups() const { return static_cast<int>(begin.Size()) - 1; }
 };

@@ -5,12 +5,12 @@
 
 #include "colmap_tsar/device/buffer.h"
 
-#include <cstddef>
-
 namespace tsar {
 
-// The sums of the values before each one: count + 1 elements, of which the
-// first is 0 and the last the sum of all.
+// The sums of the values before each one: element i of the result is
+// values[0] + ... + values[i - 1]. It has count + 1 elements, so that the last
+// one is the sum of all.
+// values: count elements in the device's memory.
 Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device);
 
 }  // namespace tsar

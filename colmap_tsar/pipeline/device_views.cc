@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/pipeline/device_views.h"
 
+#include "colmap_tsar/refinement/reduce_color.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include <opencv2/imgproc.hpp>
 
 namespace tsar {
 namespace {
@@ -21,20 +21,6 @@ ReducedRaster MakeRaster(int width, int height) {
           std::max(1, static_cast<int>(std::lround(height * scale)))};
 }
 
-Image<Rgb> ResizeColor(const Image<Rgb>& color, const ReducedRaster& raster) {
-  if (raster.width == color.Width() && raster.height == color.Height()) {
-    return color;
-  }
-  Image<Rgb> resized(raster.width, raster.height);
-  const cv::Mat source(color.Height(),
-                       color.Width(),
-                       CV_8UC3,
-                       const_cast<Rgb*>(color.Data()));
-  cv::Mat target(raster.height, raster.width, CV_8UC3, resized.Data());
-  cv::resize(source, target, target.size(), 0, 0, cv::INTER_AREA);
-  return resized;
-}
-
 }  // namespace
 
 DeviceViews::DeviceViews(const ViewData& reference,
@@ -42,11 +28,11 @@ DeviceViews::DeviceViews(const ViewData& reference,
                          Device& device)
     : camera_(reference.camera),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
-      raster_color_(ResizeColor(reference.color, raster_)),
       gray_(device, reference.gray),
       depth_(device, reference.depth),
       normal_(device, reference.normal),
-      color_(device, reference.color) {
+      color_(device, reference.color),
+      raster_color_(ReduceColor(color_.View(), raster_, device)) {
   std::vector<SourceView> views;
   std::vector<Camera> cameras;
   source_images_.reserve(2 * sources.size());

@@ -39,7 +39,7 @@ class DeviceViews {
 
   // The raster of superpixels and regions, and the image reduced to it.
   const ReducedRaster& Raster() const { return raster_; }
-  const Image<Rgb>& RasterColor() const { return raster_color_; }
+  ImageView<const Rgb> RasterColor() const { return raster_color_.View(); }
   // The raster's size relative to the paper's: lengths shrink by it, areas by
   // its square.
   double RasterScale() const;
@@ -48,11 +48,11 @@ class DeviceViews {
   Camera camera_;
   DisparityScale scale_;
   ReducedRaster raster_;
-  Image<Rgb> raster_color_;
   DeviceImage<float> gray_;
   DeviceImage<float> depth_;
   DeviceImage<Vec3f> normal_;
   DeviceImage<Rgb> color_;
+  DeviceImage<Rgb> raster_color_;
   std::vector<DeviceImage<float>> source_images_;
   Buffer<SourceView> sources_;
 };

@@ -140,21 +140,15 @@ Refinement RefineTrust(const DeviceViews& views,
 }
 
 Regions SegmentTexturelessRegions(const DeviceViews& views,
-                                  uint32_t image_id,
                                   const RefineOptions& options,
                                   Device& device) {
-  const DeviceImage<Rgb> color(device, views.RasterColor());
-  Image<uint8_t> edges =
-      DetectRobertsEdges(
-          color.View(), static_cast<float>(options.edge_threshold), device)
-          .ToHost();
+  const DeviceImage<uint8_t> edges = DetectRobertsEdges(
+      views.RasterColor(), static_cast<float>(options.edge_threshold), device);
   HoughOptions hough;
   hough.min_votes = options.hough_min_votes;
   hough.max_gap = ScaledLength(options.hough_max_gap, views);
-  hough.image_id = image_id;
-  DrawLineSegments(DetectLineSegments(edges.View(), hough), edges.View());
   const double area_scale = views.RasterScale() * views.RasterScale();
-  return FindRegions(DeviceImage<uint8_t>(device, edges).View(),
+  return FindRegions(DrawLineSegments(edges.View(), hough, device).View(),
                      static_cast<int>(options.min_region_size * area_scale),
                      device);
 }
@@ -166,8 +160,7 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                 const RefineOptions& options,
                                 Device& device,
                                 StageTimer* timer) {
-  const Regions regions =
-      SegmentTexturelessRegions(views, image_id, options, device);
+  const Regions regions = SegmentTexturelessRegions(views, options, device);
   timer->Finish("segmentation");
   RegionPlaneOptions planes;
   planes.max_planes = options.max_region_planes;

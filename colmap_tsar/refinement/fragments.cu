@@ -1,13 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/scan.h"
 #include "colmap_tsar/refinement/fragments.h"
 
-#include <algorithm>
-#include <map>
-#include <numeric>
-#include <vector>
+#include <cstdint>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -18,122 +19,126 @@ struct SameLabel {
   TSAR_HD bool Connected(int i, int j) const { return labels[i] == labels[j]; }
 };
 
-// The borders between fragments, and who has joined whom.
-class FragmentGraph {
- public:
-  explicit FragmentGraph(const Image<int>& components)
-      : parents_(components.NumPixels()), sizes_(components.NumPixels(), 0) {
-    std::iota(parents_.begin(), parents_.end(), 0);
-    for (const int root : components) {
-      ++sizes_[root];
+// A segment is named by its first pixel, its root.
+struct Segments {
+  ImageView<int> roots;  // Each pixel's segment.
+  int* sizes;            // In pixels; 0 for pixels that are no roots.
+  // The neighbour that a fragment will join, packed so that the one with the
+  // greatest number is wanted; 0 where none is known.
+  uint64_t* choices;
+  int min_size;
+
+  TSAR_HD bool IsFragment(int root) const {
+    return sizes[root] > 0 && sizes[root] < min_size;
+  }
+  // The larger, or among equals the one whose root comes first.
+  TSAR_HD uint64_t Pack(int root) const {
+    return static_cast<uint64_t>(sizes[root]) << 32 |
+           (UINT32_MAX - static_cast<uint32_t>(root));
+  }
+  TSAR_HD static int Unpack(uint64_t choice) {
+    return static_cast<int>(UINT32_MAX - static_cast<uint32_t>(choice));
+  }
+};
+
+struct ChooseKernel {
+  Segments segments;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const int root = segments.roots(x, y);
+    if (x + 1 < segments.roots.width) {
+      Offer(root, segments.roots(x + 1, y));
+    }
+    if (y + 1 < segments.roots.height) {
+      Offer(root, segments.roots(x, y + 1));
     }
   }
 
-  int Size(int root) const { return sizes_[root]; }
-
-  int Find(int i) {
-    while (parents_[i] != i) {
-      parents_[i] = parents_[parents_[i]];
-      i = parents_[i];
-    }
-    return i;
-  }
-
-  void AddBorder(int a, int b) {
-    ++borders_[a][b];
-    ++borders_[b][a];
-  }
-
-  // Joins a fragment with the neighbour of the longest border, the first one
-  // among equals.
-  void JoinLongestNeighbour(int fragment) {
-    int best = -1;
-    int best_length = 0;
-    std::map<int, int> merged;
-    for (const auto& [neighbour, length] : borders_[fragment]) {
-      const int root = Find(neighbour);
-      if (root != fragment) {
-        merged[root] += length;
-      }
-    }
-    for (const auto& [root, length] : merged) {
-      if (length > best_length) {
-        best = root;
-        best_length = length;
-      }
-    }
-    if (best < 0) {
+  TSAR_HD void Offer(int a, int b) const {
+    if (a == b) {
       return;
     }
-    parents_[fragment] = best;
-    sizes_[best] += sizes_[fragment];
-    for (const auto& [root, length] : merged) {
-      if (root != best) {
-        // The other direction is there already: Find() turns the neighbour's
-        // entry for the fragment into one for what it joined.
-        borders_[best][root] += length;
-      }
+    if (segments.IsFragment(a)) {
+      AtomicMax(segments.choices + a, segments.Pack(b));
     }
-    borders_.erase(fragment);
+    if (segments.IsFragment(b)) {
+      AtomicMax(segments.choices + b, segments.Pack(a));
+    }
   }
+};
 
- private:
-  std::vector<int> parents_;
-  std::vector<int> sizes_;
-  std::map<int, std::map<int, int>> borders_;
+struct JoinKernel {
+  Segments segments;
+  TSAR_HD void operator()(int64_t i) const {
+    if (segments.choices[i] != 0) {
+      UniteRoots(segments.roots.data,
+                 static_cast<int>(i),
+                 Segments::Unpack(segments.choices[i]));
+      segments.choices[i] = 0;
+    }
+  }
+};
+
+// Moves the pixels of roots that are none any more to their new ones.
+struct AddSizesKernel {
+  Segments segments;
+  TSAR_HD void operator()(int64_t i) const {
+    const int root = segments.roots.data[i];
+    if (root != i && segments.sizes[i] > 0) {
+      AtomicAdd(segments.sizes + root, segments.sizes[i]);
+      segments.sizes[i] = 0;
+    }
+  }
+};
+
+struct IsRootKernel {
+  const int* roots;
+  int* is_root;
+  TSAR_HD void operator()(int64_t i) const {
+    is_root[i] = roots[i] == i ? 1 : 0;
+  }
+};
+
+struct RenameKernel {
+  const int* names;
+  int* labels;
+  TSAR_HD void operator()(int64_t i) const { labels[i] = names[labels[i]]; }
 };
 
 }  // namespace
 
 int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device) {
-  DeviceImage<int> component_image(device, labels.Width(), labels.Height());
-  LabelComponents(device,
-                  SameLabel{labels.View().data},
-                  Connectivity::kFour,
-                  component_image.View());
-  const Image<int> components = component_image.ToHost();
+  const int width = labels.Width();
+  const int height = labels.Height();
+  DeviceImage<int> roots(device, width, height);
+  const size_t num_pixels = roots.View().NumPixels();
+  const int64_t count = static_cast<int64_t>(num_pixels);
+  LabelComponents(
+      device, SameLabel{labels.View().data}, Connectivity::kFour, roots.View());
+  Buffer<int> sizes(device, num_pixels);
+  Fill(device, sizes.Data(), num_pixels, 0);
+  CountComponentPixels(device, roots.View(), sizes.Data());
+  Buffer<uint64_t> choices(device, num_pixels);
+  Fill(device, choices.Data(), num_pixels, uint64_t{0});
 
-  FragmentGraph graph(components);
-  for (int y = 0; y < components.Height(); ++y) {
-    for (int x = 0; x < components.Width(); ++x) {
-      const int a = components(x, y);
-      if (x + 1 < components.Width() && components(x + 1, y) != a) {
-        graph.AddBorder(a, components(x + 1, y));
-      }
-      if (y + 1 < components.Height() && components(x, y + 1) != a) {
-        graph.AddBorder(a, components(x, y + 1));
-      }
-    }
-  }
-  std::vector<int> fragments;
-  for (size_t i = 0; i < components.NumPixels(); ++i) {
-    const int root = static_cast<int>(i);
-    if (components.Data()[i] == root && graph.Size(root) < min_size) {
-      fragments.push_back(root);
-    }
-  }
-  // The smallest first: what joins them may no longer be a fragment.
-  std::stable_sort(fragments.begin(), fragments.end(), [&](int a, int b) {
-    return graph.Size(a) < graph.Size(b);
-  });
-  for (const int fragment : fragments) {
-    if (graph.Find(fragment) == fragment && graph.Size(fragment) < min_size) {
-      graph.JoinLongestNeighbour(fragment);
-    }
+  const Segments segments{roots.View(), sizes.Data(), choices.Data(), min_size};
+  // Every fragment joins another segment, so the smallest one's size doubles at
+  // least in each round.
+  for (int64_t smallest = 1; smallest < min_size; smallest *= 2) {
+    ParallelFor(device, width, height, ChooseKernel{segments});
+    ParallelFor(device, count, JoinKernel{segments});
+    FlattenTrees(device, roots.View());
+    ParallelFor(device, count, AddSizesKernel{segments});
   }
 
-  std::vector<int> names(components.NumPixels(), -1);
-  int count = 0;
-  Image<int> merged(components.Width(), components.Height());
-  for (size_t i = 0; i < components.NumPixels(); ++i) {
-    const int root = graph.Find(components.Data()[i]);
-    if (names[root] < 0) {
-      names[root] = count++;
-    }
-    merged.Data()[i] = names[root];
-  }
-  labels = DeviceImage<int>(device, merged);
-  return count;
+  Buffer<int> is_root(device, num_pixels);
+  ParallelFor(device, count, IsRootKernel{roots.View().data, is_root.Data()});
+  const Buffer<int> names = ExclusiveSum(is_root.Data(), num_pixels, device);
+  ParallelFor(device, count, RenameKernel{names.Data(), roots.View().data});
+  labels = std::move(roots);
+  int num_segments = 0;
+  device.CopyToHost(&num_segments, names.Data() + count, sizeof(int));
+  return num_segments;
 }
 
 }  // namespace tsar

@@ -1,33 +1,17 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/refinement/slic.h"
-
-#include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/atomic.h"
+#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/refinement/cielab.h"
 #include "colmap_tsar/refinement/fragments.h"
-
-#include <opencv2/imgproc.hpp>
+#include "colmap_tsar/refinement/slic.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace tsar {
 namespace {
-
-// L in [0, 100], a and b around 0, as SLIC's colour distance expects.
-Image<Vec3f> ConvertToLab(const Image<Rgb>& color) {
-  cv::Mat rgb(color.Height(),
-              color.Width(),
-              CV_8UC3,
-              const_cast<Rgb*>(color.Data()));
-  cv::Mat scaled;
-  rgb.convertTo(scaled, CV_32FC3, 1.0 / 255.0);
-  Image<Vec3f> lab(color.Width(), color.Height());
-  cv::Mat target(color.Height(), color.Width(), CV_32FC3, lab.Data());
-  cv::cvtColor(scaled, target, cv::COLOR_RGB2Lab);
-  return lab;
-}
 
 struct Cluster {
   float x;
@@ -94,8 +78,8 @@ struct AssignKernel {
   ClusterGrid grid;
   ImageView<const Vec3f> lab;
   const Cluster* clusters;
-  float color_scale;
-  float spatial_scale;
+  float inverse_color_scale;
+  float inverse_spatial_scale;
   ImageView<int> labels;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -110,9 +94,9 @@ struct AssignKernel {
         }
         const int k = r * grid.columns + c;
         const Cluster& cluster = clusters[k];
-        const Vec3f color = (lab(x, y) - cluster.lab) * (1.f / color_scale);
-        const float dx = (x - cluster.x) / spatial_scale;
-        const float dy = (y - cluster.y) / spatial_scale;
+        const Vec3f color = (lab(x, y) - cluster.lab) * inverse_color_scale;
+        const float dx = (x - cluster.x) * inverse_spatial_scale;
+        const float dy = (y - cluster.y) * inverse_spatial_scale;
         const float distance =
             Dot(color, color) + dx * dx + dy * dy + cluster.mean_score;
         if (distance < best) {
@@ -125,60 +109,95 @@ struct AssignKernel {
   }
 };
 
-// The mean of a cluster's pixels, gathered in raster order from the cells in
-// which they can lie.
-struct UpdateKernel {
-  ClusterGrid grid;
+// Colours and scores are summed in units of 1 / kFixedPoint: sums of whole
+// numbers do not depend on their order.
+constexpr float kFixedPoint = 65536.f;
+
+// What the pixels of a cluster add up to.
+struct ClusterSum {
+  int64_t count;
+  int64_t x;
+  int64_t y;
+  int64_t l;
+  int64_t a;
+  int64_t b;
+  int64_t score;
+};
+
+// How many pixels of a row are summed up before they are added to their
+// clusters, so that threads seldom meet there.
+constexpr int kPieceWidth = 16;
+
+struct SumKernel {
   ImageView<const Vec3f> lab;
   ImageView<const float> score;
   ImageView<const int> labels;
+  ClusterSum* sums;
+
+  TSAR_HD void operator()(int piece, int y) const {
+    const int begin = piece * kPieceWidth;
+    const int end =
+        begin + kPieceWidth < labels.width ? begin + kPieceWidth : labels.width;
+    ClusterSum sum = {};
+    int label = labels(begin, y);
+    for (int x = begin; x < end; ++x) {
+      if (labels(x, y) != label) {
+        Add(sum, sums + label);
+        sum = {};
+        label = labels(x, y);
+      }
+      const Vec3f color = lab(x, y);
+      sum.count += 1;
+      sum.x += x;
+      sum.y += y;
+      sum.l += static_cast<int64_t>(color.x * kFixedPoint);
+      sum.a += static_cast<int64_t>(color.y * kFixedPoint);
+      sum.b += static_cast<int64_t>(color.z * kFixedPoint);
+      sum.score += static_cast<int64_t>(score(x, y) * kFixedPoint);
+    }
+    Add(sum, sums + label);
+  }
+
+  TSAR_HD static void Add(const ClusterSum& sum, ClusterSum* total) {
+    AtomicAdd(&total->count, sum.count);
+    AtomicAdd(&total->x, sum.x);
+    AtomicAdd(&total->y, sum.y);
+    AtomicAdd(&total->l, sum.l);
+    AtomicAdd(&total->a, sum.a);
+    AtomicAdd(&total->b, sum.b);
+    AtomicAdd(&total->score, sum.score);
+  }
+};
+
+// Moves clusters to the mean of their pixels and clears the sums.
+struct UpdateKernel {
+  ClusterSum* sums;
   Cluster* clusters;
 
-  TSAR_HD void operator()(int column, int row) const {
-    const int k = row * grid.columns + column;
-    const int x_begin = Begin((column - 1) * grid.cell_width);
-    const int y_begin = Begin((row - 1) * grid.cell_height);
-    const int x_end = End((column + 2) * grid.cell_width, lab.width);
-    const int y_end = End((row + 2) * grid.cell_height, lab.height);
-    Cluster sum = {};
-    int count = 0;
-    for (int y = y_begin; y < y_end; ++y) {
-      for (int x = x_begin; x < x_end; ++x) {
-        if (labels(x, y) == k) {
-          sum.x += x;
-          sum.y += y;
-          sum.lab = sum.lab + lab(x, y);
-          sum.mean_score += score(x, y);
-          ++count;
-        }
-      }
+  TSAR_HD void operator()(int64_t k) const {
+    const ClusterSum sum = sums[k];
+    if (sum.count > 0) {
+      const double scale = 1.0 / static_cast<double>(sum.count);
+      const double fixed_scale = scale / kFixedPoint;
+      clusters[k] = {static_cast<float>(sum.x * scale),
+                     static_cast<float>(sum.y * scale),
+                     {static_cast<float>(sum.l * fixed_scale),
+                      static_cast<float>(sum.a * fixed_scale),
+                      static_cast<float>(sum.b * fixed_scale)},
+                     static_cast<float>(sum.score * fixed_scale)};
     }
-    if (count > 0) {
-      const float inverse = 1.f / count;
-      clusters[k] = {sum.x * inverse,
-                     sum.y * inverse,
-                     sum.lab * inverse,
-                     sum.mean_score * inverse};
-    }
-  }
-
-  TSAR_HD static int Begin(float value) {
-    return value < 0.f ? 0 : static_cast<int>(value);
-  }
-  TSAR_HD static int End(float value, int size) {
-    const int end = static_cast<int>(value) + 1;
-    return end < size ? end : size;
+    sums[k] = {};
   }
 };
 
 }  // namespace
 
-Superpixels ComputeSuperpixels(const Image<Rgb>& color,
+Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,
                                const SlicOptions& options,
                                Device& device) {
-  const int width = color.Width();
-  const int height = color.Height();
+  const int width = color.width;
+  const int height = color.height;
   const float step = std::sqrt(static_cast<float>(options.superpixel_size));
   ClusterGrid grid;
   grid.columns = std::max(1, static_cast<int>(width / step + 0.5f));
@@ -186,15 +205,16 @@ Superpixels ComputeSuperpixels(const Image<Rgb>& color,
   grid.cell_width = static_cast<float>(width) / grid.columns;
   grid.cell_height = static_cast<float>(height) / grid.rows;
 
-  const DeviceImage<Vec3f> lab(device, ConvertToLab(color));
-  Buffer<Cluster> clusters(device,
-                           static_cast<size_t>(grid.columns) * grid.rows);
+  const DeviceImage<Vec3f> lab = ConvertToLab(color, device);
+  const size_t num_clusters = static_cast<size_t>(grid.columns) * grid.rows;
+  Buffer<Cluster> clusters(device, num_clusters);
+  Buffer<ClusterSum> sums(device, num_clusters);
+  Fill(device, sums.Data(), num_clusters, ClusterSum{});
   DeviceImage<int> labels(device, width, height);
-  ParallelFor(
-      device,
-      grid.columns,
-      grid.rows,
-      InitClusterKernel{grid, lab.View(), score, clusters.Data()});
+  ParallelFor(device,
+              grid.columns,
+              grid.rows,
+              InitClusterKernel{grid, lab.View(), score, clusters.Data()});
   for (int i = 0; i < options.num_iterations; ++i) {
     ParallelFor(device,
                 width,
@@ -202,15 +222,16 @@ Superpixels ComputeSuperpixels(const Image<Rgb>& color,
                 AssignKernel{grid,
                              lab.View(),
                              clusters.Data(),
-                             options.color_scale,
-                             options.spatial_scale,
+                             1.f / options.color_scale,
+                             1.f / options.spatial_scale,
                              labels.View()});
-    ParallelFor(
-        device,
-        grid.columns,
-        grid.rows,
-        UpdateKernel{
-            grid, lab.View(), score, labels.View(), clusters.Data()});
+    ParallelFor(device,
+                (width + kPieceWidth - 1) / kPieceWidth,
+                height,
+                SumKernel{lab.View(), score, labels.View(), sums.Data()});
+    ParallelFor(device,
+                static_cast<int64_t>(num_clusters),
+                UpdateKernel{sums.Data(), clusters.Data()});
   }
   Superpixels superpixels;
   superpixels.count =

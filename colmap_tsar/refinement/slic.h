@@ -28,7 +28,7 @@ struct Superpixels {
 // Every superpixel is 4-connected and holds at least a quarter of
 // superpixel_size, unless the whole image is smaller.
 // color: 0-255; score: n_aggr, same size.
-Superpixels ComputeSuperpixels(const Image<Rgb>& color,
+Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,
                                const SlicOptions& options,
                                Device& device);

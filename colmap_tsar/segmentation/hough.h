@@ -4,18 +4,11 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/buffer.h"
 
 #include <cstdint>
-#include <vector>
 
 namespace tsar {
-
-struct LineSegment {
-  int x0 = 0;
-  int y0 = 0;
-  int x1 = 0;
-  int y1 = 0;
-};
 
 struct HoughOptions {
   // epsilon: the least number of edge pixels that vote for a line.
@@ -26,21 +19,17 @@ struct HoughOptions {
   float max_gap_share = 0.1f;
   // Segments shorter than this share of the image's shorter side are dropped.
   float min_length_share = 1.f / 30.f;
-  // Keys the random order in which the edge pixels vote.
-  uint32_t image_id = 0;
 };
 
-// Straight segments through edge pixels by a progressive probabilistic Hough
-// transform: pixels vote in random order; as soon as a line has enough votes it
-// is followed from that pixel in both directions over gaps of at most
-// t_c = min(0.1 * length, max_gap), and what it covers votes no more.
-// edges: 1 on edges, 0 elsewhere.
-std::vector<LineSegment> DetectLineSegments(ImageView<const uint8_t> edges,
-                                            const HoughOptions& options);
-
-// Sets the pixels of each segment to 1; the line is 8-connected, which keeps
-// 4-connected regions apart.
-void DrawLineSegments(const std::vector<LineSegment>& segments,
-                      ImageView<uint8_t> edges);
+// The edges together with the straight segments through them, by a Hough
+// transform: every edge pixel votes for all lines through it and then takes the
+// one with most votes. If these are enough, it follows that line in both
+// directions over gaps of at most t_c = min(0.1 * length, max_gap), and draws
+// the segment that it finds. Segments are 8-connected, which keeps 4-connected
+// regions apart.
+// edges, and the result: other than 0 on edges.
+DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
+                                      const HoughOptions& options,
+                                      Device& device);
 
 }  // namespace tsar

@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/segmentation/region_planes.h"
@@ -202,12 +203,6 @@ struct RemoveInliersKernel {
   }
 };
 
-struct CopySamplesKernel {
-  ImageView<const RayDepth> source;
-  ImageView<RayDepth> target;
-  TSAR_HD void operator()(int x, int y) const { target(x, y) = source(x, y); }
-};
-
 // The samples of one region in a block of 4 x 4 pixels, by plane.
 struct BlockVotes {
   int region = -1;
@@ -377,8 +372,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
   Buffer<RegionState> states(device, regions.count);
   Buffer<RegionState> next_states(device, regions.count);
   DeviceImage<RayDepth> remaining(device, width, height);
-  ParallelFor(
-      device, width, height, CopySamplesKernel{samples, remaining.View()});
+  Copy(device, samples.data, samples.NumPixels(), remaining.View().data);
   for (int slot = 0; slot < options.max_planes; ++slot) {
     GroupPlaneOptions ransac = options.ransac;
     // Superpixels draw from the streams below kFirstStream.

@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/copy.h"
+#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/scan.h"
 #include "colmap_tsar/segmentation/regions.h"
 
-#include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/fill.h"
-
 #include <utility>
-#include <vector>
 
 namespace tsar {
 namespace {
@@ -18,13 +18,24 @@ struct OffEdges {
   TSAR_HD bool Connected(int /*i*/, int /*j*/) const { return true; }
 };
 
+struct IsLargeKernel {
+  const int* sizes;
+  int min_size;
+  int* is_large;
+  TSAR_HD void operator()(int64_t i) const {
+    is_large[i] = sizes[i] > min_size ? 1 : 0;
+  }
+};
+
+// names: how many large areas there are before each pixel; a root's own number
+// and the next one's differ where its area is large.
 struct RenameKernel {
   const int* names;
   ImageView<int> labels;
   TSAR_HD void operator()(int64_t i) const {
-    if (labels.data[i] >= 0) {
-      labels.data[i] = names[labels.data[i]];
-    }
+    const int root = labels.data[i];
+    labels.data[i] =
+        root >= 0 && names[root + 1] > names[root] ? names[root] : -1;
   }
 };
 
@@ -56,20 +67,14 @@ struct ShrinkKernel {
   TSAR_HD void operator()(int x, int y) const {
     const int label = labels(x, y);
     shrunk(x, y) = Same(label, x - 1, y) && Same(label, x + 1, y) &&
-                          Same(label, x, y - 1) && Same(label, x, y + 1)
-                      ? label
-                      : -1;
+                           Same(label, x, y - 1) && Same(label, x, y + 1)
+                       ? label
+                       : -1;
   }
 
   TSAR_HD bool Same(int label, int x, int y) const {
     return !labels.Contains(x, y) || labels(x, y) == label;
   }
-};
-
-struct CopyKernel {
-  ImageView<const int> source;
-  ImageView<int> target;
-  TSAR_HD void operator()(int64_t i) const { target.data[i] = source.data[i]; }
 };
 
 // Kernel{labels before, labels after}, num_steps times.
@@ -79,9 +84,7 @@ DeviceImage<int> Repeat(ImageView<const int> labels,
                         Device& device) {
   DeviceImage<int> result(device, labels.width, labels.height);
   DeviceImage<int> next(device, labels.width, labels.height);
-  ParallelFor(device,
-              static_cast<int64_t>(labels.NumPixels()),
-              CopyKernel{labels, result.View()});
+  Copy(device, labels.data, labels.NumPixels(), result.View().data);
   for (int i = 0; i < num_steps; ++i) {
     ParallelFor(device,
                 labels.width,
@@ -99,23 +102,20 @@ Regions FindRegions(ImageView<const uint8_t> edges,
                     Device& device) {
   Regions regions;
   regions.labels = DeviceImage<int>(device, edges.width, edges.height);
-  LabelComponents(device,
-                  OffEdges{edges.data},
-                  Connectivity::kFour,
-                  regions.labels.View());
+  LabelComponents(
+      device, OffEdges{edges.data}, Connectivity::kFour, regions.labels.View());
   Buffer<int> sizes(device, edges.NumPixels());
   Fill(device, sizes.Data(), sizes.Size(), 0);
   CountComponentPixels(device, regions.labels.View(), sizes.Data());
 
-  // Roots are numbered on the host; there are few of them.
-  std::vector<int> names = sizes.ToHost();
-  for (int& name : names) {
-    name = name > min_size ? regions.count++ : -1;
-  }
-  const Buffer<int> device_names(device, names);
-  ParallelFor(device,
-              static_cast<int64_t>(edges.NumPixels()),
-              RenameKernel{device_names.Data(), regions.labels.View()});
+  const int64_t count = static_cast<int64_t>(edges.NumPixels());
+  Buffer<int> is_large(device, edges.NumPixels());
+  ParallelFor(
+      device, count, IsLargeKernel{sizes.Data(), min_size, is_large.Data()});
+  const Buffer<int> names =
+      ExclusiveSum(is_large.Data(), is_large.Size(), device);
+  ParallelFor(device, count, RenameKernel{names.Data(), regions.labels.View()});
+  device.CopyToHost(&regions.count, names.Data() + count, sizeof(int));
   return regions;
 }
 

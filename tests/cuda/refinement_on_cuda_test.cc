@@ -1,13 +1,84 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/refinement/cielab.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/refinement/fragments.h"
+#include "colmap_tsar/refinement/reduce_color.h"
 
 #include "tests/cuda/cuda_test.h"
 
 namespace tsar {
 namespace {
+
+// For stages of whole numbers and plain arithmetic.
+constexpr Closeness kSameBytes{0.0, 0.0, 0.0};
+
+std::vector<int> Channels(const DeviceImage<Rgb>& color) {
+  std::vector<int> channels;
+  for (const Rgb& pixel : color.ToHost()) {
+    channels.insert(channels.end(), {pixel.r, pixel.g, pixel.b});
+  }
+  return channels;
+}
+
+// Numbers in {0, ..., num_labels - 1}, less shift.
+DeviceImage<int> RandomLabels(const DeviceViews& views,
+                              int num_labels,
+                              int shift,
+                              Device& device) {
+  const Image<float> random = RandomImage(
+      views.Width(), views.Height(), static_cast<float>(num_labels), 5);
+  Image<int> labels(random.Width(), random.Height());
+  for (size_t i = 0; i < random.NumPixels(); ++i) {
+    labels.Data()[i] = static_cast<int>(random.Data()[i]) - shift;
+  }
+  return DeviceImage<int>(device, labels);
+}
+
+TEST_F(CudaTest, ExclusiveSum) {
+  ExpectAlike(
+      "ExclusiveSum",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const DeviceImage<int> values =
+            RandomLabels(inputs.views, 9, 2, device);
+        for (const size_t count : {size_t{0}, values.View().NumPixels()}) {
+          result->Add("sums",
+                      kSameBytes,
+                      ExclusiveSum(values.View().data, count, device));
+        }
+      });
+}
+
+TEST_F(CudaTest, ReduceColor) {
+  ExpectAlike(
+      "ReduceColor",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const int width = inputs.views.Width();
+        const int height = inputs.views.Height();
+        const ReducedRaster same = {width, height};
+        const ReducedRaster smaller = {(width + 2) / 3, (2 * height + 2) / 3};
+        for (const ReducedRaster& raster : {same, smaller}) {
+          result->Add(
+              "color",
+              kSameBytes,
+              Channels(ReduceColor(inputs.views.Color(), raster, device)));
+        }
+      });
+}
+
+TEST_F(CudaTest, ConvertToLab) {
+  ExpectAlike("ConvertToLab",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                result->Add("lab",
+                            kSameBytes,
+                            ConvertToLab(inputs.views.Color(), device));
+              });
+}
 
 TEST_F(CudaTest, ComputeSuperpixels) {
   ExpectAlike(
@@ -18,8 +89,8 @@ TEST_F(CudaTest, ComputeSuperpixels) {
         options.superpixel_size = 60;
         const Superpixels superpixels = ComputeSuperpixels(
             inputs.views.RasterColor(), inputs.score.View(), options, device);
-        result->Add("labels", kSameLabels, superpixels.labels);
-        result->Add("count", kSameLabels, std::vector<int>{superpixels.count});
+        result->Add("labels", kSameBytes, superpixels.labels);
+        result->Add("count", kSameBytes, std::vector<int>{superpixels.count});
       });
 }
 
@@ -27,16 +98,11 @@ TEST_F(CudaTest, MergeFragments) {
   ExpectAlike("MergeFragments",
               AllScenesAndWide(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
-                Image<float> random = RandomImage(
-                    inputs.views.Width(), inputs.views.Height(), 3.f, 5);
-                Image<int> labels(random.Width(), random.Height());
-                for (size_t i = 0; i < random.NumPixels(); ++i) {
-                  labels.Data()[i] = static_cast<int>(random.Data()[i]);
-                }
-                DeviceImage<int> merged(device, labels);
+                DeviceImage<int> merged =
+                    RandomLabels(inputs.views, 3, 0, device);
                 const int count = MergeFragments(merged, 12, device);
-                result->Add("labels", kSameLabels, merged);
-                result->Add("count", kSameLabels, std::vector<int>{count});
+                result->Add("labels", kSameBytes, merged);
+                result->Add("count", kSameBytes, std::vector<int>{count});
               });
 }
 
@@ -44,10 +110,15 @@ TEST_F(CudaTest, GroupPixels) {
   ExpectAlike("GroupPixels",
               AllScenesAndWide(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
-                const PixelGroups groups = GroupPixels(
-                    inputs.squares.labels.View(), inputs.squares.count, device);
-                result->Add("begin", kSameLabels, groups.begin);
-                result->Add("pixels", kSameLabels, groups.pixels);
+                // Some pixels are of no group, and some groups are empty.
+                const DeviceImage<int> labels =
+                    RandomLabels(inputs.views, 40, 3, device);
+                for (const int num_labels : {37, 128, 5000}) {
+                  const PixelGroups groups =
+                      GroupPixels(labels.View(), num_labels, device);
+                  result->Add("begin", kSameBytes, groups.begin);
+                  result->Add("pixels", kSameBytes, groups.pixels);
+                }
               });
 }
 

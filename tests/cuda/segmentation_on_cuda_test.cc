@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/segmentation/roberts.h"
 
@@ -29,6 +30,24 @@ TEST_F(CudaTest, DetectRobertsEdges) {
                     kSameLabels,
                     DetectRobertsEdges(inputs.views.Color(), 4.f, device));
               });
+}
+
+TEST_F(CudaTest, DrawLineSegments) {
+  // Both the noise of a mask and the edges of the drawn wall.
+  std::vector<SceneSize> scenes = AllScenes();
+  scenes.push_back({SceneKind::kWall, 331, 203});
+  ExpectAlike(
+      "DrawLineSegments",
+      scenes,
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const DeviceImage<uint8_t> edges =
+            DetectRobertsEdges(inputs.views.Color(), 4.f, device);
+        result->Add(
+            "edges", kSameLabels, DrawLineSegments(edges.View(), {}, device));
+        result->Add("noise",
+                    kSameLabels,
+                    DrawLineSegments(inputs.reliable.View(), {}, device));
+      });
 }
 
 TEST_F(CudaTest, FindRegions) {

@@ -23,6 +23,11 @@ void ExpectGroups(const Image<int>& labels, int num_labels) {
     }
     begin.push_back(static_cast<int>(pixels.size()));
   }
+  for (size_t i = 0; i < labels.NumPixels(); ++i) {
+    if (labels.Data()[i] < 0) {
+      pixels.push_back(static_cast<int>(i));
+    }
+  }
   const auto device = Device::CreateCpu(2);
   const PixelGroups groups = GroupPixels(labels.View(), num_labels, *device);
   EXPECT_EQ(groups.NumGroups(), num_labels);
@@ -37,7 +42,7 @@ TEST(GroupPixels, ListsPixelsInRasterOrder) {
   ExpectGroups(labels, 2);
 }
 
-TEST(GroupPixels, LeavesOutNegativeLabelsAndKeepsEmptyOnes) {
+TEST(GroupPixels, ListsNegativeLabelsLastAndKeepsEmptyOnes) {
   Image<int> labels(19, 11);
   Philox random(1, 0, 0);
   for (int& label : labels) {

@@ -45,7 +45,7 @@ class CorrelationTest : public testing::Test {
     const Image<float> score(kWidth, kHeight, 1.f);
     DeviceImage<uint8_t> reliable(*device_, Image<uint8_t>(kWidth, kHeight, 1));
     const Superpixels superpixels =
-        ComputeSuperpixels(color, score.View(), {}, *device_);
+        ComputeSuperpixels(color.View(), score.View(), {}, *device_);
     return RefineByCorrelation({depth_.View(), normal.View()},
                                score.View(),
                                std::move(reliable),

@@ -52,14 +52,15 @@ TEST_F(MergeFragmentsTest, SplitsALabelThatIsNotConnected) {
   EXPECT_NE(merged(0, 0), merged(8, 0));
 }
 
-TEST_F(MergeFragmentsTest, JoinsTheNeighbourOfTheLongestBorder) {
+TEST_F(MergeFragmentsTest, JoinsTheLargestNeighbour) {
+  // The fragment lies within the smaller half and touches the larger one with
+  // one side only.
   Image<int> labels(10, 10, 0);
   for (int y = 0; y < 10; ++y) {
     for (int x = 6; x < 10; ++x) {
       labels(x, y) = 1;
     }
   }
-  // Two pixels wide, four high: eight pixels of border with 1, four with 0.
   for (int y = 3; y < 7; ++y) {
     labels(6, y) = 2;
     labels(7, y) = 2;
@@ -67,8 +68,39 @@ TEST_F(MergeFragmentsTest, JoinsTheNeighbourOfTheLongestBorder) {
   int count = 0;
   const Image<int> merged = Merge(labels, 9, &count);
   EXPECT_EQ(count, 2);
-  EXPECT_EQ(merged(6, 4), merged(9, 9));
-  EXPECT_NE(merged(6, 4), merged(0, 0));
+  EXPECT_EQ(merged(6, 4), merged(0, 0));
+  EXPECT_NE(merged(6, 4), merged(9, 9));
+}
+
+TEST_F(MergeFragmentsTest, JoinsTheFirstOfEqualNeighbours) {
+  // Columns of 4, 2 and 4 pixels' width.
+  Image<int> labels(10, 10, 7);
+  for (int y = 0; y < 10; ++y) {
+    for (int x = 4; x < 10; ++x) {
+      labels(x, y) = x < 6 ? 9 : 2;
+    }
+  }
+  int count = 0;
+  const Image<int> merged = Merge(labels, 30, &count);
+  EXPECT_EQ(count, 2);
+  for (int x = 0; x < 10; ++x) {
+    EXPECT_EQ(merged(x, 5), x < 6 ? 0 : 1) << x;
+  }
+}
+
+TEST_F(MergeFragmentsTest, FragmentsThatChooseEachOtherBecomeOne) {
+  // Rows of one pixel's height: all are fragments of the same size, so that
+  // each chooses the one above, and the first one the second.
+  Image<int> labels(5, 8);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 5; ++x) {
+      labels(x, y) = y;
+    }
+  }
+  int count = 0;
+  const Image<int> merged = Merge(labels, 6, &count);
+  EXPECT_EQ(count, 1);
+  EXPECT_EQ(std::count(merged.begin(), merged.end(), 0), 40);
 }
 
 TEST_F(MergeFragmentsTest, KeepsWhatIsLargeEnough) {
@@ -95,6 +127,23 @@ TEST_F(MergeFragmentsTest, LeavesNoFragmentInNoise) {
     const std::vector<int> sizes = CheckSegments(merged, count);
     EXPECT_GT(count, 1);
     EXPECT_GE(*std::min_element(sizes.begin(), sizes.end()), 20);
+  }
+}
+
+TEST_F(MergeFragmentsTest, DoesNotDependOnTheNumberOfThreads) {
+  Image<int> labels(101, 67);
+  Philox random(3, 0, 0);
+  for (int& label : labels) {
+    label = static_cast<int>(random.NextBelow(3));
+  }
+  int expected_count = 0;
+  const Image<int> expected = Merge(labels, 15, &expected_count);
+  for (const int num_threads : {1, 3, 8}) {
+    const auto device = Device::CreateCpu(num_threads);
+    DeviceImage<int> merged(*device, labels);
+    EXPECT_EQ(MergeFragments(merged, 15, *device), expected_count);
+    const Image<int> host = merged.ToHost();
+    EXPECT_TRUE(std::equal(host.begin(), host.end(), expected.begin()));
   }
 }
 

@@ -21,8 +21,10 @@ Superpixels Compute(const Image<Rgb>& color,
   const Image<float> score(color.Width(), color.Height(), 1.f);
   SlicOptions options;
   options.superpixel_size = superpixel_size;
-  return ComputeSuperpixels(
-      color, DeviceImage<float>(device, score).View(), options, device);
+  return ComputeSuperpixels(DeviceImage<Rgb>(device, color).View(),
+                            DeviceImage<float>(device, score).View(),
+                            options,
+                            device);
 }
 
 Image<Rgb> DrawNoise(int width, int height) {
@@ -125,8 +127,8 @@ TEST(Superpixels, BadlyMatchedOnesAttractPixels) {
       score(x, y) = 1.5f;
     }
   }
-  const Superpixels superpixels = ComputeSuperpixels(
-      color, DeviceImage<float>(*device, score).View(), {}, *device);
+  const Superpixels superpixels =
+      ComputeSuperpixels(color.View(), score.View(), {}, *device);
   const Image<int> labels = superpixels.labels.ToHost();
   CheckSegments(labels, superpixels.count);
   // With equal scores the border lies in the middle, between columns 49 and 50.

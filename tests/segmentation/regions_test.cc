@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/segmentation/regions.h"
 
-#include "colmap_tsar/segmentation/hough.h"
-
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
@@ -56,11 +54,30 @@ TEST_F(RegionsTest, AreTheFieldsOfAGridInRasterOrder) {
 TEST_F(RegionsTest, DoNotLeakThroughAThinSlantedLine) {
   for (const int end : {0, 13, 31, 50, 63}) {
     Image<uint8_t> edges(64, 64, 0);
-    DrawLineSegments({{63 - end, 0, end, 63}}, edges.View());
+    for (int y = 0; y < 64; ++y) {
+      // One pixel in each row, from column 63 - end to column end.
+      edges(63 - end + (2 * end - 63) * y / 63, y) = 1;
+    }
     int count = 0;
     const Image<int> labels = Find(edges, 10, &count);
     EXPECT_EQ(count, 2) << end;
     EXPECT_NE(labels(0, 32), labels(63, 32));
+  }
+}
+
+TEST_F(RegionsTest, SmallAreasHaveNoNumber) {
+  // Columns of 5, 1, 5 and 2 pixels' width between lines.
+  Image<uint8_t> edges(16, 3, 0);
+  for (int y = 0; y < 3; ++y) {
+    for (const int x : {5, 7, 13}) {
+      edges(x, y) = 1;
+    }
+  }
+  int count = 0;
+  const Image<int> labels = Find(edges, 6, &count);
+  EXPECT_EQ(count, 2);
+  for (int x = 0; x < 16; ++x) {
+    EXPECT_EQ(labels(x, 1), x < 5 ? 0 : x > 7 && x < 13 ? 1 : -1) << x;
   }
 }
 
