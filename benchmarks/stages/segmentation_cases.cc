@@ -19,22 +19,15 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
        raster,
        4.0 * raster,
        [&in] {
-         DetectRobertsEdges(in.raster_color.View(),
+         DetectRobertsEdges(in.views.RasterColor(),
                             static_cast<float>(in.options.edge_threshold),
                             in.device);
        }},
-      // Always on the host. Bytes: the edges, read and drawn.
+      // Bytes: the edges, read and drawn.
       {"Hough",
        raster,
        2.0 * raster,
-       [&in] {
-         Image<uint8_t> edges = in.edges;
-         HoughOptions hough;
-         hough.min_votes = in.options.hough_min_votes;
-         hough.max_gap = in.HoughMaxGap();
-         DrawLineSegments(DetectLineSegments(edges.View(), hough),
-                          edges.View());
-       }},
+       [&in] { DrawLineSegments(in.edges.View(), in.Hough(), in.device); }},
       // Bytes: edges, the labels written and read once each.
       {"FindRegions",
        raster,

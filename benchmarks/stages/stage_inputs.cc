@@ -15,17 +15,6 @@
 #include <cmath>
 
 namespace tsar {
-namespace {
-
-Image<uint8_t> AddSegments(Image<uint8_t> edges, int max_gap) {
-  HoughOptions hough;
-  hough.max_gap = max_gap;
-  DrawLineSegments(DetectLineSegments(edges.View(), hough), edges.View());
-  return edges;
-}
-
-}  // namespace
-
 std::vector<const ViewData*> ViewSet::SourcePointers() const {
   std::vector<const ViewData*> pointers;
   for (const ViewData& source : sources) {
@@ -85,12 +74,10 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
           superpixels.labels.View(), superpixels.count, device)),
       superpixel_planes(PlanesOfLabels(
           superpixels.labels.View(), correlation.planes, device)),
-      raster_color(device, views.RasterColor()),
-      edges(DetectRobertsEdges(raster_color.View(),
+      edges(DetectRobertsEdges(views.RasterColor(),
                                static_cast<float>(options.edge_threshold),
-                               device)
-                .ToHost()),
-      borders(device, AddSegments(edges, HoughMaxGap())),
+                               device)),
+      borders(DrawLineSegments(edges.View(), Hough(), device)),
       regions(FindRegions(borders.View(), MinRegionSize(), device)),
       region_planes(FitRegionPlanes(
           regions, samples.View(), views.Scale(), PlaneOptions(), device)),
@@ -154,10 +141,13 @@ int StageInputs::MinRegionSize() const {
   return static_cast<int>(options.min_region_size * scale * scale);
 }
 
-int StageInputs::HoughMaxGap() const {
-  return std::max(1,
-                  static_cast<int>(std::lround(options.hough_max_gap *
-                                               views.RasterScale())));
+HoughOptions StageInputs::Hough() const {
+  HoughOptions hough;
+  hough.min_votes = options.hough_min_votes;
+  hough.max_gap = std::max(1,
+                           static_cast<int>(std::lround(
+                               options.hough_max_gap * views.RasterScale())));
+  return hough;
 }
 
 }  // namespace tsar

@@ -9,6 +9,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/refinement/slic.h"
+#include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 
 #include <cstdint>
@@ -44,7 +45,7 @@ class StageInputs {
   int MinRegionSize() const;
   float MinScore() const;
   ComposedMap Compose() const;
-  int HoughMaxGap() const;
+  HoughOptions Hough() const;
 
   Device& device;
   const ViewSet& view_set;
@@ -61,8 +62,7 @@ class StageInputs {
   const DeviceImage<RayDepth> samples;  // Of what is trusted, on the raster.
   const PixelGroups superpixel_groups;
   const DeviceImage<Plane> superpixel_planes;
-  const DeviceImage<Rgb> raster_color;
-  const Image<uint8_t> edges;          // Before the segments are drawn.
+  const DeviceImage<uint8_t> edges;          // Before the segments are drawn.
   const DeviceImage<uint8_t> borders;  // Edges and segments.
   const Regions regions;
   const RegionPlanes region_planes;

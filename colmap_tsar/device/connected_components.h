@@ -47,41 +47,80 @@ TSAR_HD inline void UniteRoots(int* parents, int a, int b) {
 
 namespace internal {
 
+// Trees start as the pieces of rows, so that few links between pixels are left
+// to be made by atomic operations.
+constexpr int kRowPiece = 32;
+
+// Gives each pixel the first one of its run as parent: the pixels to its left
+// in the same piece of the row that are joined one by one.
 template <typename Relation>
-struct InitComponents {
+struct JoinRowPieces {
   ImageView<int> labels;
   Relation relation;
-  TSAR_HD void operator()(int64_t i) const {
-    labels.data[i] =
-        relation.Contains(static_cast<int>(i)) ? static_cast<int>(i) : -1;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const int i = static_cast<int>(labels.Index(x, y));
+    if (!relation.Contains(i)) {
+      labels.data[i] = -1;
+      return;
+    }
+    const int first_in_piece = i - x % kRowPiece;
+    int first = i;
+    while (first > first_in_piece && relation.Contains(first - 1) &&
+           relation.Connected(first - 1, first)) {
+      --first;
+    }
+    labels.data[i] = first;
   }
 };
 
+// Joins what lies in different rows or pieces. A link between two pixels is
+// left out where three others around the same corner make it.
 template <typename Relation>
 struct UniteNeighbours {
   ImageView<int> labels;
   Relation relation;
   bool eight;
 
-  TSAR_HD void Unite(int i, int x, int y) const {
-    if (!labels.Contains(x, y)) {
+  TSAR_HD bool Joined(int x0, int y0, int x1, int y1) const {
+    if (!labels.Contains(x0, y0) || !labels.Contains(x1, y1)) {
+      return false;
+    }
+    const int i = static_cast<int>(labels.Index(x0, y0));
+    const int j = static_cast<int>(labels.Index(x1, y1));
+    return relation.Contains(i) && relation.Contains(j) &&
+           relation.Connected(i < j ? i : j, i < j ? j : i);
+  }
+  TSAR_HD void Unite(int x0, int y0, int x1, int y1) const {
+    UniteRoots(labels.data,
+               static_cast<int>(labels.Index(x0, y0)),
+               static_cast<int>(labels.Index(x1, y1)));
+  }
+
+  TSAR_HD void operator()(int x, int y) const {
+    if (!relation.Contains(static_cast<int>(labels.Index(x, y)))) {
       return;
     }
-    const int j = static_cast<int>(labels.Index(x, y));
-    if (relation.Contains(j) && relation.Connected(i, j)) {
-      UniteRoots(labels.data, i, j);
+    const bool left = Joined(x - 1, y, x, y);
+    if (left && x % kRowPiece == 0) {
+      Unite(x - 1, y, x, y);
+    }
+    const bool below = Joined(x, y, x, y + 1);
+    if (below && !(left && Joined(x - 1, y, x - 1, y + 1) &&
+                   Joined(x - 1, y + 1, x, y + 1))) {
+      Unite(x, y, x, y + 1);
+    }
+    if (eight) {
+      UniteDiagonal(x, y, x + 1, below);
+      UniteDiagonal(x, y, x - 1, below);
     }
   }
-  TSAR_HD void operator()(int x, int y) const {
-    const int i = static_cast<int>(labels.Index(x, y));
-    if (!relation.Contains(i)) {
-      return;
-    }
-    Unite(i, x + 1, y);
-    Unite(i, x, y + 1);
-    if (eight) {
-      Unite(i, x + 1, y + 1);
-      Unite(i, x - 1, y + 1);
+
+  TSAR_HD void UniteDiagonal(int x, int y, int other_x, bool below) const {
+    if (Joined(x, y, other_x, y + 1) &&
+        !(below && Joined(x, y + 1, other_x, y + 1)) &&
+        !(Joined(x, y, other_x, y) && Joined(other_x, y, other_x, y + 1))) {
+      Unite(x, y, other_x, y + 1);
     }
   }
 };
@@ -127,9 +166,10 @@ void LabelComponents(Device& device,
                      const Relation& relation,
                      Connectivity connectivity,
                      ImageView<int> labels) {
-  const int64_t count = static_cast<int64_t>(labels.NumPixels());
-  ParallelFor(
-      device, count, internal::InitComponents<Relation>{labels, relation});
+  ParallelFor(device,
+              labels.width,
+              labels.height,
+              internal::JoinRowPieces<Relation>{labels, relation});
   ParallelFor(device,
               labels.width,
               labels.height,
