@@ -3,8 +3,11 @@
 
 #include "colmap_tsar/pipeline/device_views.h"
 
+#include "colmap_tsar/pipeline/gray.h"
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -40,25 +43,27 @@ Image<Rgb> ResizeColor(const Image<Rgb>& color, const ReducedRaster& raster) {
 DeviceViews::DeviceViews(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
                          Device& device)
+    : DeviceViews(reference, UploadViews(sources, device), device) {}
+
+DeviceViews::DeviceViews(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    Device& device)
     : camera_(reference.camera),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
       raster_color_(ResizeColor(reference.color, raster_)),
-      gray_(device, reference.gray),
+      color_(device, reference.color),
+      gray_(ComputeGray(color_.View(), device)),
       depth_(device, reference.depth),
       normal_(device, reference.normal),
-      color_(device, reference.color) {
+      uploaded_sources_(std::move(sources)) {
   std::vector<SourceView> views;
   std::vector<Camera> cameras;
-  source_images_.reserve(2 * sources.size());
-  for (const ViewData* source : sources) {
-    const DeviceImage<float>& gray =
-        source_images_.emplace_back(device, source->gray);
-    const DeviceImage<float>& depth =
-        source_images_.emplace_back(device, source->depth);
+  for (const auto& source : uploaded_sources_) {
     views.push_back({source->camera.GetIntrinsics(),
                      ComputeRelativePose(reference.camera, source->camera),
-                     gray.View(),
-                     depth.View()});
+                     source->gray.View(),
+                     source->depth.View()});
     cameras.push_back(source->camera);
   }
   sources_ = Buffer<SourceView>(device, views);
