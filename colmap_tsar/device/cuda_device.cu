@@ -85,11 +85,11 @@ void CudaDevice::Free(void* memory) noexcept {
   cudaFreeAsync(memory, stream_);
 }
 
-uint64_t CudaDevice::PoolBytes(cudaMemPoolAttr attribute) const {
+size_t CudaDevice::PoolBytes(cudaMemPoolAttr attribute) const noexcept {
   uint64_t num_bytes = 0;
-  CheckCuda(cudaMemPoolGetAttribute(pool_, attribute, &num_bytes),
-            "asking the memory pool");
-  return num_bytes;
+  const bool is_known =
+      cudaMemPoolGetAttribute(pool_, attribute, &num_bytes) == cudaSuccess;
+  return is_known ? num_bytes : 0;
 }
 
 size_t CudaDevice::FreeMemory() {
@@ -103,7 +103,6 @@ size_t CudaDevice::FreeMemory() {
 }
 
 size_t CudaDevice::PeakMemory() {
-  Activate();
   return PoolBytes(cudaMemPoolAttrUsedMemHigh);
 }
 

@@ -8,7 +8,7 @@
 
 #include <cuda_runtime.h>
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -36,7 +36,8 @@ class CudaDevice : public Device {
   void Synchronize() override;
 
  private:
-  uint64_t PoolBytes(cudaMemPoolAttr attribute) const;
+  // 0 where the GPU does not answer.
+  size_t PoolBytes(cudaMemPoolAttr attribute) const noexcept;
 
   int gpu_index_;
   std::string name_;

@@ -50,7 +50,7 @@ class Device {
   // is the largest number.
   virtual size_t FreeMemory() = 0;
   // The most bytes that all devices of this GPU together have held at a time;
-  // 0 for CPUs, where nobody counts.
+  // 0 for CPUs, where nobody counts, and for a GPU that does not answer.
   virtual size_t PeakMemory() = 0;
 
   // Copies between memory of the host and of this device, in turn with the

@@ -11,8 +11,6 @@
 namespace tsar {
 namespace {
 
-constexpr int kMaxGpuWorkers = 2;
-
 // Colour 3, depth 4, normal 12, two costs 8.
 constexpr int64_t kBytesPerViewPixel = 27;
 // Depth 4, normal 12, confidence 4, provenance 1; the rest is for encoding.

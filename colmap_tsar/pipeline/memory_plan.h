@@ -10,6 +10,9 @@
 
 namespace tsar {
 
+// One image is copied while another is computed.
+constexpr int kMaxGpuWorkers = 2;
+
 // What the images at work take of the memories, in bytes. Every number holds
 // for the largest map of the workspace and the image with most sources.
 
@@ -27,10 +30,9 @@ int64_t SourceBytes(const WorkspaceOverview& overview);
 // stages make of it at a time.
 int64_t WorkBytes(const WorkspaceOverview& overview);
 
-// How many workers a GPU gets where their number is not limited by anything
-// else: two, so that one image is copied while another is computed; one where
-// two do not fit. Throws kDevice, with what the user can do, where not even one
-// does. gpu: what the message calls it.
+// How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws
+// kDevice, with what the user can do, where not even one does. gpu: what the
+// message calls it.
 int NumGpuWorkers(const WorkspaceOverview& overview,
                   int64_t free_bytes,
                   const std::string& gpu);

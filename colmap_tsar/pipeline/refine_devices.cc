@@ -90,6 +90,10 @@ std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
       indices.push_back(index);
     }
   }
+  // The loops of a GPU's worker that run on the host share the cores with
+  // those of the others.
+  const int num_worker_threads = std::max(
+      1, num_threads / (kMaxGpuWorkers * static_cast<int>(indices.size())));
   std::vector<Gpu> opened(indices.size());
   for (size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= gpus.num_gpus) {
@@ -99,7 +103,7 @@ std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
   }
   opened = KeepUsable(
       std::move(opened), are_named, !is_auto, [&](Gpu* gpu) {
-        gpu->device = gpus.create(gpu->index, num_threads);
+        gpu->device = gpus.create(gpu->index, num_worker_threads);
         gpu->name = "GPU " + std::to_string(gpu->index) + " (" +
                     gpu->device->Name() + ")";
       });
@@ -134,7 +138,6 @@ std::string Describe(const std::vector<Gpu>& gpus) {
 void AddGpuWorkers(std::vector<Gpu> opened,
                    const WorkspaceOverview& overview,
                    int num_images,
-                   int num_threads,
                    const GpuSystem& gpus,
                    RefineDevices* result) {
   result->description = Describe(opened);
@@ -144,10 +147,12 @@ void AddGpuWorkers(std::vector<Gpu> opened,
     num_left -= num_workers;
     result->view_caches.push_back(std::make_unique<DeviceViewCache>(
         static_cast<size_t>(num_workers * SourceBytes(overview))));
+    const int num_worker_threads = gpu.device->Threads().NumThreads();
     for (int i = 0; i < num_workers; ++i) {
       result->workers.push_back(
           {gpu.name,
-           i == 0 ? std::move(gpu.device) : gpus.create(gpu.index, num_threads),
+           i == 0 ? std::move(gpu.device)
+                  : gpus.create(gpu.index, num_worker_threads),
            result->view_caches.back().get()});
     }
   }
@@ -188,20 +193,15 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
       static_cast<int64_t>(options.cache_size * kBytesPerGigabyte);
   RefineDevices result;
   int64_t work_bytes = 0;
-  std::vector<Gpu> opened = CheckMemory(
-      OpenGpus(options, num_threads, gpus), options, overview);
+  std::vector<Gpu> opened =
+      CheckMemory(OpenGpus(options, num_threads, gpus), options, overview);
   if (!opened.empty()) {
     const int num_files_threads = std::clamp(
         num_threads / 3,
         1,
         std::min(num_images,
                  kFilesThreadsPerGpu * static_cast<int>(opened.size())));
-    AddGpuWorkers(std::move(opened),
-                  overview,
-                  num_images,
-                  num_threads,
-                  gpus,
-                  &result);
+    AddGpuWorkers(std::move(opened), overview, num_images, gpus, &result);
     result.sizes = {num_files_threads,
                     num_files_threads,
                     result.workers.size(),

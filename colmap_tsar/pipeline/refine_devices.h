@@ -21,8 +21,7 @@ namespace tsar {
 struct RefineWorker {
   std::string name;  // "GPU 1 (NVIDIA H200)", or "the CPU".
   std::unique_ptr<Device> device;
-  // Shared by the workers of one memory. Made after the first of their devices
-  // and gone before the last: see RefineDevices.
+  // Shared by the workers of one memory.
   DeviceViewCache* views = nullptr;
 };
 
