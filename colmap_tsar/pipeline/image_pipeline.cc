@@ -93,8 +93,8 @@ void ImagePipeline::ComputeImages(size_t worker) {
       FinishedImage finished;
       finished.index = image->index;
       finished.report = std::move(image->report);
-      finished.result = tasks_.Compute(
-          image->index, worker, &image->views, &finished.report);
+      finished.result =
+          tasks_.Compute(image->index, worker, &image->views, &finished.report);
       image->views = {};
       finished_.Push(std::move(finished));
     });

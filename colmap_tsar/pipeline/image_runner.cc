@@ -94,8 +94,7 @@ ImageReport ImageRunner::Begin(size_t index) {
   } else if (problem.sources.empty()) {
     Keep(image, "no other image shares enough of its sparse points", &report);
   } else if (Sources(problem).empty()) {
-    Keep(
-        image, "none of its source images has " + type + " maps", &report);
+    Keep(image, "none of its source images has " + type + " maps", &report);
   }
   return report;
 }
@@ -142,8 +141,7 @@ RefineResult ImageRunner::ComputeOnDevice(size_t index,
   RefineResult result;
   try {
     for (const int source : Sources(problem)) {
-      sources.push_back(
-          worker.views->Get(source, views->Get(source), device));
+      sources.push_back(worker.views->Get(source, views->Get(source), device));
       if (source != problem.reference) {
         views->Release(source);
       }

@@ -40,8 +40,9 @@ std::string NoGpu(int index, int num_gpus) {
                         : ", numbers 0 to " + std::to_string(num_gpus - 1));
 }
 
-// The GPUs for which a function does not throw. What it throws is rethrown
-// where the user named the GPUs, or where none is left and one is needed.
+// The GPUs for which a function does not throw; warnings tell about the others.
+// What it throws is rethrown where the user named the GPUs, or where none is
+// left and one is needed.
 template <typename Function>
 std::vector<Gpu> KeepUsable(std::vector<Gpu> gpus,
                             bool are_named,
@@ -49,6 +50,7 @@ std::vector<Gpu> KeepUsable(std::vector<Gpu> gpus,
                             Function function) {
   std::vector<Gpu> usable;
   std::exception_ptr failure;
+  std::vector<std::string> warnings;
   for (Gpu& gpu : gpus) {
     try {
       function(&gpu);
@@ -58,11 +60,14 @@ std::vector<Gpu> KeepUsable(std::vector<Gpu> gpus,
         throw;
       }
       failure = failure ? failure : std::current_exception();
-      LOG(WARNING) << error.what();
+      warnings.push_back(error.what());
     }
   }
   if (usable.empty() && is_one_needed && failure) {
     std::rethrow_exception(failure);
+  }
+  for (const std::string& warning : warnings) {
+    LOG(WARNING) << warning;
   }
   return usable;
 }
@@ -101,12 +106,11 @@ std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
     }
     opened[i].index = indices[i];
   }
-  opened = KeepUsable(
-      std::move(opened), are_named, !is_auto, [&](Gpu* gpu) {
-        gpu->device = gpus.create(gpu->index, num_worker_threads);
-        gpu->name = "GPU " + std::to_string(gpu->index) + " (" +
-                    gpu->device->Name() + ")";
-      });
+  opened = KeepUsable(std::move(opened), are_named, !is_auto, [&](Gpu* gpu) {
+    gpu->device = gpus.create(gpu->index, num_worker_threads);
+    gpu->name =
+        "GPU " + std::to_string(gpu->index) + " (" + gpu->device->Name() + ")";
+  });
   if (opened.empty()) {
     LOG(WARNING) << "there is no GPU that can be used; going on with the CPU";
   }
@@ -122,8 +126,8 @@ std::vector<Gpu> CheckMemory(std::vector<Gpu> opened,
   return KeepUsable(std::move(opened), are_named, true, [&](Gpu* gpu) {
     const size_t free_bytes =
         std::min(gpu->device->FreeMemory(), static_cast<size_t>(INT64_MAX));
-    gpu->num_workers = NumGpuWorkers(
-        overview, static_cast<int64_t>(free_bytes), gpu->name);
+    gpu->num_workers =
+        NumGpuWorkers(overview, static_cast<int64_t>(free_bytes), gpu->name);
   });
 }
 

@@ -50,8 +50,8 @@ struct GpuSystem {
 //
 // With device "auto", a GPU that was not named and cannot be used is left out
 // with a warning, and the CPU takes the place of the last one; with "cuda", one
-// must be left. Throws kDevice (a GPU that was named does not exist or cannot be
-// used; none is left; its memory is too small for the images) and kBadOption
+// must be left. Throws kDevice (a GPU that was named does not exist or cannot
+// be used; none is left; its memory is too small for the images) and kBadOption
 // (gpu_index).
 RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
                                   const WorkspaceOverview& overview,

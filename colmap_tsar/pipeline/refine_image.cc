@@ -226,8 +226,8 @@ RefineResult RefineImage(
   StageTimer timer(device, &result.seconds);
   const DeviceViews views(reference, sources, device);
   timer.Finish("upload");
-  const auto num_sources_with_depth = std::count_if(
-      sources.begin(), sources.end(), [](const auto& source) {
+  const auto num_sources_with_depth =
+      std::count_if(sources.begin(), sources.end(), [](const auto& source) {
         return source->has_depth;
       });
   const DeviceImage<float> score =

@@ -104,10 +104,10 @@ void ViewCache::FreeUnused(std::unique_lock<std::mutex>* lock) {
     --it;
     const auto entry = entries_.find(*it);
     // A view that was reserved but never loaded is worth nothing.
-    const bool is_needed = entry->second.num_leases > 0 ||
-                           (entry->second.view != nullptr &&
-                            num_bytes_ - num_bytes_being_freed_ <=
-                                max_num_bytes_);
+    const bool is_needed =
+        entry->second.num_leases > 0 ||
+        (entry->second.view != nullptr &&
+         num_bytes_ - num_bytes_being_freed_ <= max_num_bytes_);
     if (is_needed) {
       continue;
     }

@@ -90,8 +90,8 @@ class MapReader {
         static_cast<size_t>(size_.width) * static_cast<size_t>(size_.height);
     const size_t first =
         static_cast<size_t>(channel) * num_pixels + first_pixel;
-    file_.seekg(static_cast<std::streamoff>(header_size_ +
-                                            first * sizeof(float)));
+    file_.seekg(
+        static_cast<std::streamoff>(header_size_ + first * sizeof(float)));
     file_.read(reinterpret_cast<char*>(values.data()),
                static_cast<std::streamsize>(values.size_bytes()));
     if (!file_) {

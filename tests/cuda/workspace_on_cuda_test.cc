@@ -59,7 +59,8 @@ TEST_F(WorkersOnCudaTest, CopiesOfAnySizeAreComplete) {
     std::fill(host.begin(), host.end(), uint8_t{0});
     EXPECT_TRUE(buffer.ToHost() == expected) << size;
   }
-  EXPECT_TRUE(Buffer<uint8_t>(*device, std::vector<uint8_t>()).ToHost().empty());
+  EXPECT_TRUE(
+      Buffer<uint8_t>(*device, std::vector<uint8_t>()).ToHost().empty());
 }
 
 TEST_F(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
@@ -97,10 +98,9 @@ TEST_F(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
     Buffer<uint8_t>(*device, size_t{1} << 50);
   });
   const Image<Rgb> color(37, 3, {10, 20, 30});
-  EXPECT_EQ(
-      ComputeGray(DeviceImage<Rgb>(*device, color).View(), *device).ToHost()(
-          36, 2),
-      0.299f * 10 + 0.587f * 20 + 0.114f * 30);
+  EXPECT_EQ(ComputeGray(DeviceImage<Rgb>(*device, color).View(), *device)
+                .ToHost()(36, 2),
+            0.299f * 10 + 0.587f * 20 + 0.114f * 30);
 }
 
 TEST_F(WorkersOnCudaTest, GrayIsTheSameAsOnTheCpu) {
@@ -121,10 +121,9 @@ TEST_F(WorkersOnCudaTest, GrayIsTheSameAsOnTheCpu) {
 
 bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
   const auto same = [](const auto& x, const auto& y) {
-    return x.HasSizeOf(y) && std::memcmp(x.Data(),
-                                         y.Data(),
-                                         x.NumPixels() * sizeof(*x.Data())) ==
-                                 0;
+    return x.HasSizeOf(y) &&
+           std::memcmp(x.Data(), y.Data(), x.NumPixels() * sizeof(*x.Data())) ==
+               0;
   };
   return same(a.depth, b.depth) && same(a.normal, b.normal) &&
          same(a.confidence, b.confidence) && same(a.provenance, b.provenance);
@@ -191,10 +190,8 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
   }
   Tree Maps(const std::string& output) {
     Tree maps;
-    for (const char* name : {"depth_maps",
-                             "normal_maps",
-                             "confidence_maps",
-                             "provenance_maps"}) {
+    for (const char* name :
+         {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
       for (auto& [file, content] :
            ReadTree(folder_.Path() / output / "stereo" / name)) {
         maps[std::string(name) + "/" + file] = std::move(content);

@@ -53,6 +53,11 @@ class DrawnTasks : public ImageTasks {
       sum += views->Get(image).depth(0, 0);
       views->Release(image);
     }
+    const int count = ++num_results_;
+    int before = max_results;
+    while (before < count &&
+           !max_results.compare_exchange_weak(before, count)) {
+    }
     RefineResult result;
     result.maps.depth = Image<float>(1, 1, sum);
     report->counts["computed"] = 1;
@@ -63,6 +68,7 @@ class DrawnTasks : public ImageTasks {
     CheckFailure(fails_to_write, index);
     report->counts["sum"] = static_cast<int64_t>(result.maps.depth(0, 0));
     report->outcome = Outcome::kRefined;
+    --num_results_;
     ++num_written;
   }
 
@@ -78,6 +84,7 @@ class DrawnTasks : public ImageTasks {
   std::set<size_t> fails_to_compute;
   std::set<size_t> fails_to_write;
   std::atomic<int> num_written = 0;
+  std::atomic<int> max_results = 0;
 
  private:
   void CheckFailure(const std::set<size_t>& failing, size_t index) const {
@@ -87,6 +94,7 @@ class DrawnTasks : public ImageTasks {
   }
 
   const int num_images_;
+  std::atomic<int> num_results_ = 0;
   std::array<std::atomic<bool>, 8> is_busy_ = {};
 };
 
@@ -173,6 +181,8 @@ TEST(ImagePipeline, FiveThousandImagesNeedTheMemoryOfFew) {
   run.Go();
   EXPECT_EQ(run.NumWith(Outcome::kRefined), 5000);
   EXPECT_LE(run.max_alive, 20);
+  // With the workers, in the queue, with the writers.
+  EXPECT_LE(run.tasks.max_results, 4 + 2 + 2);
   EXPECT_EQ(run.num_alive, 0);
 }
 

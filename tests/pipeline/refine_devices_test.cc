@@ -29,9 +29,9 @@ class RefineDevicesTest : public testing::Test {
   GpuSystem Gpus(int num_gpus) {
     return {num_gpus, [this](int index, int num_threads) {
               if (without_code_.count(index) > 0 || index < 0) {
-                throw Error(ErrorCode::kDevice,
-                            "GPU " + std::to_string(index) +
-                                " has no code; build it");
+                throw Error(
+                    ErrorCode::kDevice,
+                    "GPU " + std::to_string(index) + " has no code; build it");
               }
               const size_t memory =
                   memory_.count(index) > 0 ? memory_[index] : 8 * kGigabyte;
@@ -40,8 +40,7 @@ class RefineDevicesTest : public testing::Test {
             }};
   }
   RefineDevices Create(int num_gpus, int num_images = 100) {
-    return CreateRefineDevices(
-        options_, overview_, num_images, Gpus(num_gpus));
+    return CreateRefineDevices(options_, overview_, num_images, Gpus(num_gpus));
   }
   void ExpectRefusal(ErrorCode code,
                      const std::vector<std::string>& texts,
@@ -136,15 +135,14 @@ TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
           static_cast<int64_t>(devices.workers.size() +
                                devices.sizes.max_finished) +
           devices.sizes.num_writers;
-      const auto work =
-          options_.device == "cpu"
-              ? WorkBytes(overview_) *
-                    static_cast<int64_t>(devices.workers.size())
-              : 0;
+      const auto work = options_.device == "cpu"
+                            ? WorkBytes(overview_) *
+                                  static_cast<int64_t>(devices.workers.size())
+                            : 0;
       const auto fixed = work + num_results * ResultBytes(overview_);
-      EXPECT_LE(static_cast<int64_t>(devices.cache_num_bytes),
-                std::max<int64_t>(
-                    0, static_cast<int64_t>(cache_size * 1e9) - fixed));
+      EXPECT_LE(
+          static_cast<int64_t>(devices.cache_num_bytes),
+          std::max<int64_t>(0, static_cast<int64_t>(cache_size * 1e9) - fixed));
       EXPECT_EQ(devices.cache_num_bytes == 0, cache_size == 0.001);
     }
   }
@@ -159,7 +157,8 @@ TEST(WorkBytes, HoldsForAnImage) {
   WorkspaceOverview overview;
   overview.max_num_pixels = 640 * 480;
   overview.max_num_sources = 4;
-  for (const RefineOptions& refine : {RefineOptions(), RefineOptions::Paper()}) {
+  for (const RefineOptions& refine :
+       {RefineOptions(), RefineOptions::Paper()}) {
     CountingDevice device("", SIZE_MAX, 2);
     RefineImage(drawn.views[0], drawn.Sources(), 1, refine, device);
     EXPECT_LE(static_cast<int64_t>(device.PeakMemory()), WorkBytes(overview));

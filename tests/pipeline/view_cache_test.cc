@@ -100,8 +100,8 @@ TEST(ViewCache, ThreadsShareTheLoads) {
   for (int i = 0; i < 8; ++i) {
     threads.emplace_back([&] {
       for (int image = 0; image < 50; image += 5) {
-        ViewCache::Lease lease = cache.Reserve(
-            {image, image + 1, image + 2, image + 3, image + 4});
+        ViewCache::Lease lease =
+            cache.Reserve({image, image + 1, image + 2, image + 3, image + 4});
         EXPECT_TRUE(lease.Load(&Never));
         for (int k = 0; k < 5; ++k) {
           EXPECT_EQ(lease.Get(image + k).depth(0, 0), image + k);
@@ -126,8 +126,8 @@ TEST(ViewCache, ManyViewsNeedTheMemoryOfFew) {
     while (before < count && !max_alive.compare_exchange_weak(before, count)) {
     }
     const ViewCache::View view = MakeView(image);
-    return ViewCache::View(view.get(),
-                           [&num_alive, view](const ViewData*) { --num_alive; });
+    return ViewCache::View(
+        view.get(), [&num_alive, view](const ViewData*) { --num_alive; });
   });
   std::atomic<int> next = 0;
   std::vector<std::jthread> threads;

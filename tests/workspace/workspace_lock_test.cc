@@ -32,9 +32,7 @@ TEST(WorkspaceLockTest, ReadersShareItWithoutWriters) {
   const auto path = folder.Path() / "stereo/tsar/lock";
   {
     const WorkspaceLock first(folder.Path(), WorkspaceLock::Mode::kShared);
-    {
-      const WorkspaceLock second(folder.Path(), WorkspaceLock::Mode::kShared);
-    }
+    { const WorkspaceLock second(folder.Path(), WorkspaceLock::Mode::kShared); }
     EXPECT_TRUE(std::filesystem::exists(path));
     ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
       WorkspaceLock writer(folder.Path());
