@@ -15,6 +15,7 @@
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/workspace/map_io.h"
 
@@ -100,13 +101,15 @@ void Study(const std::string& root) {
   const Workspace workspace(root, MapType::kPhotometric);
   const std::unique_ptr<Device> device = Device::CreateCpu(0);
   std::vector<ViewData> views;
+  std::vector<DeviceImage<float>> grays;
   for (size_t i = 0; i < workspace.Model().images.size(); ++i) {
     views.push_back(LoadView(workspace, static_cast<int>(i)));
+    grays.push_back(ComputeGray(views.back().color.View(), *device));
   }
   Table table;
   for (const StereoProblem& problem : workspace.Problems()) {
     const ViewData& view = views[problem.reference];
-    const DeviceImage<float> gray(*device, view.gray);
+    const DeviceImage<float>& gray = grays[problem.reference];
     const DeviceImage<float> depth(*device, view.depth);
     const DeviceImage<Vec3f> normal(*device, view.normal);
     const ReferenceView reference{view.camera.GetIntrinsics(),
@@ -119,7 +122,7 @@ void Study(const std::string& root) {
       const ViewData& source = views[s];
       sources.push_back({source.camera.GetIntrinsics(),
                          ComputeRelativePose(view.camera, source.camera),
-                         source.gray.View(),
+                         grays[s].View(),
                          source.depth.View()});
       cameras.push_back(source.camera);
     }

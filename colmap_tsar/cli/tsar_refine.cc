@@ -85,8 +85,8 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      "Where to compute; auto: on a GPU where there is one.");
   options->Add(group + "gpu_index",
                &command->workspace.gpu_index,
-               "Number of the GPU, from 0 on; -1: the first.",
-               {-1, 1000});
+               "The GPUs to use, as numbers from 0 on with commas between "
+               "them, such as 0,1; -1: every one.");
   options->Add(group + "num_threads",
                &command->workspace.num_threads,
                "Number of CPU threads; -1: one for each core.",

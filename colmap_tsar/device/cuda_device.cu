@@ -31,6 +31,8 @@ CudaDevice::CudaDevice(int gpu_index, int num_threads)
   name_ = properties.name;
   cudaFuncAttributes attributes;
   if (cudaFuncGetAttributes(&attributes, ProbeKernel) != cudaSuccess) {
+    // Otherwise the next kernel of this thread would be blamed for it.
+    cudaGetLastError();
     throw Error(ErrorCode::kDevice,
                 name_ + ": this program holds no code for compute capability " +
                     std::to_string(properties.major) + "." +
@@ -44,18 +46,19 @@ CudaDevice::CudaDevice(int gpu_index, int num_threads)
             "creating a stream");
   // The pool keeps what is freed, so that the images after the first one
   // allocate nothing from the driver.
-  cudaMemPool_t pool = nullptr;
-  CheckCuda(cudaDeviceGetDefaultMemPool(&pool, gpu_index),
+  CheckCuda(cudaDeviceGetDefaultMemPool(&pool_, gpu_index),
             "opening the memory pool");
   uint64_t keep_all = UINT64_MAX;
   CheckCuda(cudaMemPoolSetAttribute(
-                pool, cudaMemPoolAttrReleaseThreshold, &keep_all),
+                pool_, cudaMemPoolAttrReleaseThreshold, &keep_all),
             "configuring the memory pool");
+  staging_.emplace();
 }
 
 CudaDevice::~CudaDevice() {
   cudaSetDevice(gpu_index_);
   cudaStreamSynchronize(stream_);
+  staging_.reset();
   cudaStreamDestroy(stream_);
 }
 
@@ -68,7 +71,12 @@ void* CudaDevice::Allocate(size_t num_bytes) {
   void* memory = nullptr;
   const std::string what =
       "an allocation of " + std::to_string(num_bytes >> 20) + " MiB";
-  CheckCuda(cudaMallocAsync(&memory, num_bytes, stream_), what.c_str());
+  const cudaError_t result = cudaMallocAsync(&memory, num_bytes, stream_);
+  if (result != cudaSuccess) {
+    // Otherwise the next kernel of this thread would be blamed for it.
+    cudaGetLastError();
+  }
+  CheckCuda(result, what.c_str());
   return memory;
 }
 
@@ -77,20 +85,35 @@ void CudaDevice::Free(void* memory) noexcept {
   cudaFreeAsync(memory, stream_);
 }
 
+size_t CudaDevice::PoolBytes(cudaMemPoolAttr attribute) const noexcept {
+  uint64_t num_bytes = 0;
+  const bool is_known =
+      cudaMemPoolGetAttribute(pool_, attribute, &num_bytes) == cudaSuccess;
+  return is_known ? num_bytes : 0;
+}
+
+size_t CudaDevice::FreeMemory() {
+  Activate();
+  size_t num_free = 0;
+  size_t num_total = 0;
+  CheckCuda(cudaMemGetInfo(&num_free, &num_total), "asking for free memory");
+  // What the pool keeps for later is free for us.
+  return num_free + PoolBytes(cudaMemPoolAttrReservedMemCurrent) -
+         PoolBytes(cudaMemPoolAttrUsedMemCurrent);
+}
+
+size_t CudaDevice::PeakMemory() {
+  return PoolBytes(cudaMemPoolAttrUsedMemHigh);
+}
+
 void CudaDevice::CopyToDevice(void* target, const void* source, size_t size) {
   Activate();
-  CheckCuda(
-      cudaMemcpyAsync(target, source, size, cudaMemcpyHostToDevice, stream_),
-      "an upload");
-  Synchronize();
+  staging_->Upload(target, source, size, stream_);
 }
 
 void CudaDevice::CopyToHost(void* target, const void* source, size_t size) {
   Activate();
-  CheckCuda(
-      cudaMemcpyAsync(target, source, size, cudaMemcpyDeviceToHost, stream_),
-      "a download");
-  Synchronize();
+  staging_->Download(target, source, size, stream_);
 }
 
 void CudaDevice::Synchronize() {

@@ -3,14 +3,20 @@
 
 #pragma once
 
+#include "colmap_tsar/device/cuda_staging.h"
 #include "colmap_tsar/device/device.h"
 
 #include <cuda_runtime.h>
 
+#include <cstddef>
+#include <optional>
+#include <string>
+
 namespace tsar {
 
-// One GPU and the stream on which all its work is queued. Only files of this
-// folder and parallel_for.h name this type.
+// One stream of a GPU, on which all work of this device is queued. Memory comes
+// from the GPU's pool, which its devices share. Only files of this folder name
+// this type.
 class CudaDevice : public Device {
  public:
   CudaDevice(int gpu_index, int num_threads);
@@ -23,14 +29,21 @@ class CudaDevice : public Device {
 
   void* Allocate(size_t num_bytes) override;
   void Free(void* memory) noexcept override;
+  size_t FreeMemory() override;
+  size_t PeakMemory() override;
   void CopyToDevice(void* target, const void* source, size_t size) override;
   void CopyToHost(void* target, const void* source, size_t size) override;
   void Synchronize() override;
 
  private:
+  // 0 where the GPU does not answer.
+  size_t PoolBytes(cudaMemPoolAttr attribute) const noexcept;
+
   int gpu_index_;
   std::string name_;
   cudaStream_t stream_ = nullptr;
+  cudaMemPool_t pool_ = nullptr;
+  std::optional<CudaStaging> staging_;
 };
 
 }  // namespace tsar

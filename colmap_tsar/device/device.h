@@ -16,7 +16,8 @@ enum class DeviceKind { kCpu, kCuda };
 // Where the loops of the stages run: the threads of the CPU, or one GPU with
 // one stream. Work on one device is done in the order in which it was asked
 // for. A device is used by one thread at a time; several devices may be used
-// side by side.
+// side by side, also several of one GPU, which share its memory: what one of
+// them has made and waited for (Synchronize), the others can read.
 class Device {
  public:
   virtual ~Device() = default;
@@ -40,10 +41,21 @@ class Device {
 
   // Memory that this device's loops can read and write, not initialised.
   virtual void* Allocate(size_t num_bytes) = 0;
+  // The memory is free once all work is done that was asked of this device
+  // before. May be called from any thread; where other devices of the GPU used
+  // the memory, they must have been waited for.
   virtual void Free(void* memory) noexcept = 0;
 
-  // Copies between memory of the host and of this device. Both return when the
-  // host memory may be changed or read.
+  // How many bytes can still be allocated; for CPUs no limit is known, and it
+  // is the largest number.
+  virtual size_t FreeMemory() = 0;
+  // The most bytes that all devices of this GPU together have held at a time;
+  // 0 for CPUs, where nobody counts, and for a GPU that does not answer.
+  virtual size_t PeakMemory() = 0;
+
+  // Copies between memory of the host and of this device, in turn with the
+  // device's other work. Both return when the host memory may be changed or
+  // read.
   virtual void CopyToDevice(void* target, const void* source, size_t size) = 0;
   virtual void CopyToHost(void* target, const void* source, size_t size) = 0;
 

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <new>
 
 namespace tsar {
@@ -25,6 +26,8 @@ class CpuDevice : public Device {
     return memory;
   }
   void Free(void* memory) noexcept override { std::free(memory); }
+  size_t FreeMemory() override { return std::numeric_limits<size_t>::max(); }
+  size_t PeakMemory() override { return 0; }
 
   void CopyToDevice(void* target, const void* source, size_t size) override {
     std::memcpy(target, source, size);

@@ -3,10 +3,12 @@
 
 #include "colmap_tsar/pipeline/device_views.h"
 
+#include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/refinement/reduce_color.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -26,25 +28,27 @@ ReducedRaster MakeRaster(int width, int height) {
 DeviceViews::DeviceViews(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
                          Device& device)
+    : DeviceViews(reference, UploadViews(sources, device), device) {}
+
+DeviceViews::DeviceViews(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    Device& device)
     : camera_(reference.camera),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
-      gray_(device, reference.gray),
+      color_(device, reference.color),
+      raster_color_(ReduceColor(color_.View(), raster_, device)),
+      gray_(ComputeGray(color_.View(), device)),
       depth_(device, reference.depth),
       normal_(device, reference.normal),
-      color_(device, reference.color),
-      raster_color_(ReduceColor(color_.View(), raster_, device)) {
+      uploaded_sources_(std::move(sources)) {
   std::vector<SourceView> views;
   std::vector<Camera> cameras;
-  source_images_.reserve(2 * sources.size());
-  for (const ViewData* source : sources) {
-    const DeviceImage<float>& gray =
-        source_images_.emplace_back(device, source->gray);
-    const DeviceImage<float>& depth =
-        source_images_.emplace_back(device, source->depth);
+  for (const auto& source : uploaded_sources_) {
     views.push_back({source->camera.GetIntrinsics(),
                      ComputeRelativePose(reference.camera, source->camera),
-                     gray.View(),
-                     depth.View()});
+                     source->gray.View(),
+                     source->depth.View()});
     cameras.push_back(source->camera);
   }
   sources_ = Buffer<SourceView>(device, views);

@@ -6,9 +6,11 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
+#include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/refinement/samples.h"
 
+#include <memory>
 #include <vector>
 
 namespace tsar {
@@ -17,6 +19,11 @@ namespace tsar {
 // stages.
 class DeviceViews {
  public:
+  // The sources may have been uploaded by another device of the same GPU.
+  DeviceViews(const ViewData& reference,
+              std::vector<std::shared_ptr<const UploadedView>> sources,
+              Device& device);
+  // Uploads the sources, too.
   DeviceViews(const ViewData& reference,
               const std::vector<const ViewData*>& sources,
               Device& device);
@@ -48,12 +55,12 @@ class DeviceViews {
   Camera camera_;
   DisparityScale scale_;
   ReducedRaster raster_;
+  DeviceImage<Rgb> color_;
+  DeviceImage<Rgb> raster_color_;
   DeviceImage<float> gray_;
   DeviceImage<float> depth_;
   DeviceImage<Vec3f> normal_;
-  DeviceImage<Rgb> color_;
-  DeviceImage<Rgb> raster_color_;
-  std::vector<DeviceImage<float>> source_images_;
+  std::vector<std::shared_ptr<const UploadedView>> uploaded_sources_;
   Buffer<SourceView> sources_;
 };
 

@@ -3,11 +3,14 @@
 
 #include "colmap_tsar/pipeline/image_runner.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 namespace tsar {
@@ -24,22 +27,30 @@ int64_t CountDepths(const Image<float>& depth) {
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });
 }
 
-std::map<std::string, int64_t> CountPixels(const ViewData& view,
-                                           const RefinedMaps& maps) {
-  const auto from = [&](Provenance provenance) -> int64_t {
-    return std::count(maps.provenance.begin(),
-                      maps.provenance.end(),
-                      static_cast<uint8_t>(provenance));
+// Adds what the maps tell to the image's counts.
+void CountPixels(const RefinedMaps& maps,
+                 std::map<std::string, int64_t>* counts) {
+  std::array<int64_t, 256> histogram = {};
+  for (const uint8_t provenance : maps.provenance) {
+    ++histogram[provenance];
+  }
+  const auto from = [&](Provenance provenance) {
+    return histogram[static_cast<size_t>(provenance)];
   };
-  return {{"pixels", static_cast<int64_t>(maps.depth.NumPixels())},
-          {"depth_before", view.num_depths_to_refine},
-          {"depth_after", CountDepths(maps.depth)},
-          {"measured", from(Provenance::kMeasured)},
-          {"superpixel_plane", from(Provenance::kSuperpixelPlane)},
-          {"interpolated", from(Provenance::kInterpolated)},
-          {"region_plane", from(Provenance::kRegionPlane)},
-          {"other_views", from(Provenance::kOtherViews)},
-          {"not_finite", view.num_not_finite}};
+  (*counts)["pixels"] = static_cast<int64_t>(maps.depth.NumPixels());
+  (*counts)["depth_after"] = CountDepths(maps.depth);
+  (*counts)["measured"] = from(Provenance::kMeasured);
+  (*counts)["superpixel_plane"] = from(Provenance::kSuperpixelPlane);
+  (*counts)["interpolated"] = from(Provenance::kInterpolated);
+  (*counts)["region_plane"] = from(Provenance::kRegionPlane);
+  (*counts)["other_views"] = from(Provenance::kOtherViews);
+}
+
+// The same error, with the image and the device that it concerns.
+Error WithPlace(const Error& error,
+                const std::string& image,
+                const std::string& device) {
+  return Error(error.Code(), image + " on " + device + ": " + error.what());
 }
 
 }  // namespace
@@ -55,112 +66,150 @@ uint32_t HashImageName(const std::string& name) {
 ImageRunner::ImageRunner(const Workspace& workspace,
                          std::vector<bool> has_maps,
                          const RefineOptions& options,
-                         size_t cache_num_bytes,
-                         const std::function<bool()>& should_stop)
+                         std::vector<RefineWorker>& workers)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_(options),
       options_hash_(HashRefineOptions(options)),
-      should_stop_(should_stop),
-      file_mutexes_(workspace.Model().images.size()),
-      cache_(cache_num_bytes, [this](int image) {
-        const std::lock_guard<std::mutex> lock(
-            file_mutexes_[static_cast<size_t>(image)]);
-        return LoadView(workspace_, image);
-      }) {}
+      workers_(workers),
+      file_mutexes_(workspace.Model().images.size()) {}
 
-ImageReport ImageRunner::Run(const StereoProblem& problem, Device& device) {
-  ImageReport report;
-  if (should_stop_()) {
-    return report;
-  }
-  const int image = problem.reference;
-  const std::string type = ToString(workspace_.Type());
-  if (!HasMaps(image)) {
-    return Keep(
-        image,
-        std::move(report),
-        "it has no " + type + " maps; run patch_match_stereo for this image");
-  }
-  if (IsDone(workspace_, image, options_hash_)) {
-    report.outcome = ImageReport::Outcome::kSkipped;
-    return report;
-  }
-  if (problem.sources.empty()) {
-    return Keep(image,
-                std::move(report),
-                "no other image shares enough of its sparse points");
-  }
-  if (std::none_of(problem.sources.begin(),
-                   problem.sources.end(),
-                   [&](int source) { return HasMaps(source); })) {
-    return Keep(image,
-                std::move(report),
-                "none of its source images has " + type + " maps");
-  }
-  return Refine(problem, std::move(report), device);
+ViewCache::View ImageRunner::Load(int image) {
+  const std::lock_guard<std::mutex> lock(
+      file_mutexes_[static_cast<size_t>(image)]);
+  return std::make_shared<const ViewData>(LoadView(workspace_, image));
 }
 
-ImageReport ImageRunner::Refine(const StereoProblem& problem,
-                                ImageReport report,
-                                Device& device) {
-  const Clock::time_point read_start = Clock::now();
+ImageReport ImageRunner::Begin(size_t index) {
+  const StereoProblem& problem = Problem(index);
   const int image = problem.reference;
-  const ViewCache::View reference = cache_.Get(image);
-  report.counts["not_finite"] = reference->num_not_finite;
-  if (CountDepths(reference->depth) == 0) {
-    return Keep(image, std::move(report), "its depth map holds no valid depth");
+  const std::string type = ToString(workspace_.Type());
+  ImageReport report;
+  if (!HasMaps(image)) {
+    Keep(image,
+         "it has no " + type + " maps; run patch_match_stereo for this image",
+         &report);
+  } else if (IsDone(workspace_, image, options_hash_)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  } else if (problem.sources.empty()) {
+    Keep(image, "no other image shares enough of its sparse points", &report);
+  } else if (Sources(problem).empty()) {
+    Keep(image, "none of its source images has " + type + " maps", &report);
   }
-  std::vector<ViewCache::View> held;
-  std::vector<const ViewData*> sources;
-  for (const int source : problem.sources) {
-    if (HasMaps(source)) {
-      sources.push_back(held.emplace_back(cache_.Get(source)).get());
-    } else {
-      ++report.num_sources_without_maps;
-    }
-  }
-  const double read_seconds = SecondsSince(read_start);
+  return report;
+}
 
-  RefineResult result = RefineImage(
-      *reference, sources, HashImageName(Name(image)), options_, device);
-  if (should_stop_()) {
-    return report;
+std::vector<int> ImageRunner::Views(size_t index) const {
+  std::vector<int> views = Sources(Problem(index));
+  views.push_back(Problem(index).reference);
+  return views;
+}
+
+RefineResult ImageRunner::Compute(size_t index,
+                                  size_t worker_index,
+                                  ViewCache::Lease* views,
+                                  ImageReport* report) {
+  const StereoProblem& problem = Problem(index);
+  RefineWorker& worker = workers_[worker_index];
+  const ViewData& reference = views->Get(problem.reference);
+  report->counts["not_finite"] = reference.num_not_finite;
+  RefineResult result;
+  if (!HasDepth(reference.depth)) {
+    result.reason_to_keep = "its depth map holds no valid depth";
+    return result;
   }
+  report->num_sources_without_maps =
+      static_cast<int>(problem.sources.size() - Sources(problem).size());
+  try {
+    result = ComputeOnDevice(index, worker, views);
+  } catch (const Error& error) {
+    throw WithPlace(error, Name(problem.reference), worker.name);
+  }
+  if (result.reason_to_keep.empty()) {
+    report->counts["depth_before"] = reference.num_depths_to_refine;
+  }
+  return result;
+}
+
+RefineResult ImageRunner::ComputeOnDevice(size_t index,
+                                          RefineWorker& worker,
+                                          ViewCache::Lease* views) {
+  const StereoProblem& problem = Problem(index);
+  Device& device = *worker.device;
+  const Clock::time_point start = Clock::now();
+  std::vector<DeviceViewCache::View> sources;
+  RefineResult result;
+  try {
+    for (const int source : Sources(problem)) {
+      sources.push_back(worker.views->Get(source, views->Get(source), device));
+      if (source != problem.reference) {
+        views->Release(source);
+      }
+    }
+    const double upload_seconds = SecondsSince(start);
+    result = RefineImage(views->Get(problem.reference),
+                         sources,
+                         HashImageName(Name(problem.reference)),
+                         options_,
+                         device);
+    result.seconds["upload"] += upload_seconds;
+  } catch (...) {
+    // Kernels may still be reading the sources.
+    try {
+      device.Synchronize();
+    } catch (const Error&) {
+      // The first failure says more.
+    }
+    throw;
+  }
+  return result;
+}
+
+void ImageRunner::Write(size_t index,
+                        RefineResult result,
+                        ImageReport* report) {
+  const int image = Problem(index).reference;
   if (!result.reason_to_keep.empty()) {
-    return Keep(image, std::move(report), result.reason_to_keep);
+    Keep(image, result.reason_to_keep, report);
+    return;
   }
-  report.counts = CountPixels(*reference, result.maps);
-  report.seconds = std::move(result.seconds);
-  report.seconds["read"] = read_seconds;
+  CountPixels(result.maps, &report->counts);
+  report->seconds.merge(result.seconds);
   ImageRecord record;
   record.options_hash = options_hash_;
-  record.counts = report.counts;
-  record.seconds = report.seconds;
-  const Clock::time_point write_start = Clock::now();
+  record.counts = report->counts;
+  record.seconds = report->seconds;
+  const Clock::time_point start = Clock::now();
   {
     const std::lock_guard<std::mutex> lock(
         file_mutexes_[static_cast<size_t>(image)]);
     WriteRefined(workspace_, image, result.maps, std::move(record));
   }
-  report.seconds["write"] = SecondsSince(write_start);
-  report.outcome = ImageReport::Outcome::kRefined;
-  return report;
+  report->seconds["write"] = SecondsSince(start);
+  report->outcome = ImageReport::Outcome::kRefined;
 }
 
-ImageReport ImageRunner::Keep(int image,
-                              ImageReport report,
-                              const std::string& reason) {
-  report.outcome = ImageReport::Outcome::kKept;
-  report.reason = reason;
+void ImageRunner::Keep(int image,
+                       const std::string& reason,
+                       ImageReport* report) {
+  report->outcome = ImageReport::Outcome::kKept;
+  report->reason = reason;
   ImageRecord record;
   record.options_hash = options_hash_;
   record.note = reason;
-  record.counts = report.counts;
+  record.counts = report->counts;
   const std::lock_guard<std::mutex> lock(
       file_mutexes_[static_cast<size_t>(image)]);
   KeepImage(workspace_, image, std::move(record));
-  return report;
+}
+
+std::vector<int> ImageRunner::Sources(const StereoProblem& problem) const {
+  std::vector<int> sources;
+  std::copy_if(problem.sources.begin(),
+               problem.sources.end(),
+               std::back_inserter(sources),
+               [&](int source) { return HasMaps(source); });
+  return sources;
 }
 
 bool ImageRunner::HasMaps(int image) const {

@@ -3,7 +3,8 @@
 
 #pragma once
 
-#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/image_pipeline.h"
+#include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/pipeline/run_summary.h"
 #include "colmap_tsar/pipeline/view_cache.h"
@@ -11,7 +12,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -22,28 +22,39 @@ namespace tsar {
 // neither on the other images nor on their order: 32-bit FNV-1a.
 uint32_t HashImageName(const std::string& name);
 
-// Takes images of a workspace from file to file. Run() can be called from
-// several threads at once, for different images and with different devices.
-class ImageRunner {
+// The work on the images of a workspace, in the order of its problems. An image
+// is left refined, or kept with a record of the reason; or as it was where it
+// had been done before or an Error is thrown.
+class ImageRunner : public ImageTasks {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
-  // should_stop is asked, from all threads, whether the user wants to end.
   ImageRunner(const Workspace& workspace,
               std::vector<bool> has_maps,
               const RefineOptions& options,
-              size_t cache_num_bytes,
-              const std::function<bool()>& should_stop);
+              std::vector<RefineWorker>& workers);
 
-  // Leaves the image refined, or kept with a record of the reason; or as it was
-  // where it had been done before, the user asked to stop, or an Error is
-  // thrown.
-  ImageReport Run(const StereoProblem& problem, Device& device);
+  // Reads a view while nobody renames its files.
+  ViewCache::View Load(int image);
+
+  size_t NumImages() const override { return workspace_.Problems().size(); }
+  ImageReport Begin(size_t index) override;
+  std::vector<int> Views(size_t index) const override;
+  RefineResult Compute(size_t index,
+                       size_t worker,
+                       ViewCache::Lease* views,
+                       ImageReport* report) override;
+  void Write(size_t index, RefineResult result, ImageReport* report) override;
 
  private:
-  ImageReport Keep(int image, ImageReport report, const std::string& reason);
-  ImageReport Refine(const StereoProblem& problem,
-                     ImageReport report,
-                     Device& device);
+  RefineResult ComputeOnDevice(size_t index,
+                               RefineWorker& worker,
+                               ViewCache::Lease* views);
+  void Keep(int image, const std::string& reason, ImageReport* report);
+  const StereoProblem& Problem(size_t index) const {
+    return workspace_.Problems()[index];
+  }
+  // The sources that have maps.
+  std::vector<int> Sources(const StereoProblem& problem) const;
   bool HasMaps(int image) const;
   const std::string& Name(int image) const;
 
@@ -51,12 +62,11 @@ class ImageRunner {
   const std::vector<bool> has_maps_;
   const RefineOptions& options_;
   const std::string options_hash_;
-  const std::function<bool()>& should_stop_;
+  std::vector<RefineWorker>& workers_;
   // While one thread gives an image's maps their new names, another that reads
   // the originals of that image could take the refined ones for maps that
   // COLMAP wrote anew.
   std::vector<std::mutex> file_mutexes_;
-  ViewCache cache_;
 };
 
 }  // namespace tsar

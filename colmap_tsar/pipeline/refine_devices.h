@@ -4,28 +4,58 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/device_view_cache.h"
+#include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
 #include "colmap_tsar/pipeline/workspace_check.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace tsar {
 
-// The devices of a run, each of which works on one image at a time, and how
-// many bytes of views may be kept beside them.
+// A device of a run, which works on one image at a time.
+struct RefineWorker {
+  std::string name;  // "GPU 1 (NVIDIA H200)", or "the CPU".
+  std::unique_ptr<Device> device;
+  // Shared by the workers of one memory.
+  DeviceViewCache* views = nullptr;
+};
+
+// What a run works with.
 struct RefineDevices {
-  std::string description;  // "2 CPU threads", or the GPU's name.
-  std::vector<std::unique_ptr<Device>> devices;
+  std::string description;  // "2 CPU threads", or the GPUs' names.
+  std::vector<RefineWorker> workers;
+  // After the workers, so that the views go before the devices that own their
+  // memory.
+  std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
+  PipelineSizes sizes;
+  // Main memory for views.
   size_t cache_num_bytes = 0;
 };
 
+// The GPUs of the machine, for tests to replace.
+struct GpuSystem {
+  int num_gpus = 0;
+  std::function<std::unique_ptr<Device>(int gpu_index, int num_threads)> create;
+
+  static GpuSystem Cuda();
+};
+
 // On CPUs images are spread over the threads before the loops of an image are:
-// images need not wait for each other. Throws kDevice.
+// images need not wait for each other.
+//
+// With device "auto", a GPU that was not named and cannot be used is left out
+// with a warning, and the CPU takes the place of the last one; with "cuda", one
+// must be left. Throws kDevice (a GPU that was named does not exist or cannot
+// be used; none is left; its memory is too small for the images) and kBadOption
+// (gpu_index).
 RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
                                   const WorkspaceOverview& overview,
-                                  int num_images);
+                                  int num_images,
+                                  const GpuSystem& gpus = GpuSystem::Cuda());
 
 }  // namespace tsar

@@ -24,11 +24,6 @@
 namespace tsar {
 namespace {
 
-bool HasDepth(const Image<float>& depth) {
-  return std::any_of(
-      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
-}
-
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
 
@@ -203,13 +198,23 @@ RefineResult RefineImage(const ViewData& reference,
                          uint32_t image_id,
                          const RefineOptions& options,
                          Device& device) {
+  return RefineImage(
+      reference, UploadViews(sources, device), image_id, options, device);
+}
+
+RefineResult RefineImage(
+    const ViewData& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
   const DeviceViews views(reference, sources, device);
   timer.Finish("upload");
   const auto num_sources_with_depth =
-      std::count_if(sources.begin(), sources.end(), [](const ViewData* source) {
-        return HasDepth(source->depth);
+      std::count_if(sources.begin(), sources.end(), [](const auto& source) {
+        return source->has_depth;
       });
   const DeviceImage<float> score =
       ScoreHypotheses(reference,

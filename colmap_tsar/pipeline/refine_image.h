@@ -5,11 +5,13 @@
 
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,16 @@ struct RefineResult {
 
 // Takes one image through all stages. Reads nothing and writes nothing; the
 // result is a function of the arguments, whatever the device's threads.
-// image_id keys the random numbers.
+// image_id keys the random numbers. When it returns, the device has done all
+// work. Sources may have been uploaded by another device of the same GPU.
+RefineResult RefineImage(
+    const ViewData& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device);
+
+// Uploads the sources, too.
 RefineResult RefineImage(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
                          uint32_t image_id,

@@ -4,7 +4,10 @@
 #include "colmap_tsar/pipeline/refine_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/gpu_indices.h"
+#include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
+#include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/workspace_check.h"
@@ -12,13 +15,12 @@
 #include "colmap_tsar/workspace/output_workspace.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
-#include <atomic>
 #include <chrono>
 #include <exception>
-#include <mutex>
+#include <map>
+#include <optional>
 #include <sstream>
-#include <thread>
-#include <utility>
+#include <string>
 #include <vector>
 
 #include <glog/logging.h>
@@ -39,94 +41,52 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   return workspace;
 }
 
-// What the workers of a run share: the next image, and what came of the others.
-class Run {
- public:
-  Run(const Workspace& workspace,
-      ImageRunner& runner,
-      Progress& progress,
-      const std::function<bool()>& should_stop)
-      : problems_(workspace.Problems()),
-        runner_(runner),
-        progress_(progress),
-        should_stop_(should_stop),
-        reports_(problems_.size()),
-        failures_(problems_.size()) {}
-
-  // Returns when all images are done, one has failed or the user asked to stop.
-  void Work(const std::vector<std::unique_ptr<Device>>& devices) {
-    progress_.Start(static_cast<int>(problems_.size()));
-    {
-      std::vector<std::jthread> threads;
-      for (size_t i = 1; i < devices.size(); ++i) {
-        threads.emplace_back([&, i] { WorkOnImages(*devices[i]); });
-      }
-      WorkOnImages(*devices[0]);
-    }
-    progress_.Finish();
-  }
-
-  void AddTo(const Workspace& workspace, RunSummary* summary) const {
-    for (size_t i = 0; i < problems_.size(); ++i) {
-      const auto image = static_cast<size_t>(problems_[i].reference);
-      summary->Add(workspace.Model().images[image].name, reports_[i]);
+// The first failure in the order of the images.
+void RethrowFailure(const ImagePipeline& pipeline) {
+  for (const std::exception_ptr& failure : pipeline.Failures()) {
+    if (failure) {
+      std::rethrow_exception(failure);
     }
   }
+}
 
-  // The first failure in the order of the images.
-  void RethrowFailure() const {
-    for (const std::exception_ptr& failure : failures_) {
-      if (failure) {
-        std::rethrow_exception(failure);
-      }
+void MarkFailures(const ImagePipeline& pipeline, Manifest* manifest) {
+  for (size_t i = 0; i < manifest->images.size(); ++i) {
+    if (!pipeline.Failures()[i]) {
+      continue;
+    }
+    manifest->images[i].status = ImageStatus::kFailed;
+    try {
+      std::rethrow_exception(pipeline.Failures()[i]);
+    } catch (const std::exception& error) {
+      manifest->images[i].note = error.what();
     }
   }
+}
 
-  void MarkFailures(Manifest* manifest) const {
-    for (size_t i = 0; i < problems_.size(); ++i) {
-      if (!failures_[i]) {
-        continue;
-      }
-      manifest->images[i].status = ImageStatus::kFailed;
-      try {
-        std::rethrow_exception(failures_[i]);
-      } catch (const std::exception& error) {
-        manifest->images[i].note = error.what();
-      }
+std::map<std::string, std::string> RuntimeText(
+    const WorkspaceRefineOptions& options, const RefineDevices& devices) {
+  std::ostringstream cache_size;
+  cache_size << options.cache_size;
+  return {{"device", options.device},
+          {"gpu_index", options.gpu_index},
+          {"num_threads", std::to_string(options.num_threads)},
+          {"cache_size", cache_size.str()},
+          {"used", devices.description},
+          {"images_at_a_time", std::to_string(devices.workers.size())}};
+}
+
+// The most that each GPU held; nothing for the CPU.
+std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {
+  std::vector<RunSummary::GpuMemory> peaks;
+  for (const RefineWorker& worker : devices.workers) {
+    const size_t num_bytes = worker.device->PeakMemory();
+    if (num_bytes > 0 && (peaks.empty() || peaks.back().gpu != worker.name)) {
+      peaks.push_back({worker.name, num_bytes});
     }
   }
-
- private:
-  void WorkOnImages(Device& device) {
-    while (!has_failed_ && !should_stop_()) {
-      const size_t index = next_++;
-      if (index >= problems_.size()) {
-        return;
-      }
-      try {
-        reports_[index] = runner_.Run(problems_[index], device);
-      } catch (...) {
-        failures_[index] = std::current_exception();
-        has_failed_ = true;
-        return;
-      }
-      if (reports_[index].outcome != ImageReport::Outcome::kNotDone) {
-        progress_.Advance(reports_[index].outcome ==
-                          ImageReport::Outcome::kRefined);
-      }
-    }
-  }
-
-  const std::vector<StereoProblem>& problems_;
-  ImageRunner& runner_;
-  Progress& progress_;
-  const std::function<bool()>& should_stop_;
-  std::atomic<size_t> next_ = 0;
-  std::atomic<bool> has_failed_ = false;
-  // One element for each problem, written by the worker that took it.
-  std::vector<ImageReport> reports_;
-  std::vector<std::exception_ptr> failures_;
-};
+  return peaks;
+}
 
 }  // namespace
 
@@ -139,8 +99,7 @@ void WorkspaceRefineOptions::Check() const {
   require(!workspace_path.empty(), "--workspace_path is missing; give it");
   require(device == "auto" || device == "cuda" || device == "cpu",
           "TsarRefine.device: not known; give auto, cuda or cpu");
-  require(gpu_index >= -1,
-          "TsarRefine.gpu_index: give the number of a GPU, or -1");
+  ParseGpuIndices(gpu_index);
   require(num_threads == -1 || num_threads > 0,
           "TsarRefine.num_threads: give at least 1, or -1 for all cores");
   require(cache_size > 0.0 && cache_size <= 1e6,
@@ -156,12 +115,17 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   const auto start = std::chrono::steady_clock::now();
   Workspace workspace = OpenWorkspace(workspace_options);
   std::optional<WorkspaceLock> lock;
+  std::optional<WorkspaceLock> input_lock;
   const bool in_place = workspace_options.output_path.empty();
   if (in_place) {
     lock.emplace(workspace.Root());
   }
+  if (!in_place || workspace.IsOutput()) {
+    // So that nobody changes the originals while they are read.
+    input_lock.emplace(workspace.SourceRoot(), WorkspaceLock::Mode::kShared);
+  }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
-  const RefineDevices devices =
+  RefineDevices devices =
       CreateRefineDevices(workspace_options,
                           overview,
                           static_cast<int>(workspace.Problems().size()));
@@ -171,40 +135,48 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
     lock.emplace(workspace.Root());
   }
 
-  std::map<std::string, std::string> options =
-      RefineOptionsText(refine_options);
-  options["device"] = devices.description;
-  const std::string options_hash = HashRefineOptions(refine_options);
-  WriteManifest(workspace, BuildManifest(workspace, options, options_hash));
+  const auto build_manifest = [&] {
+    Manifest manifest = BuildManifest(workspace,
+                                      RefineOptionsText(refine_options),
+                                      HashRefineOptions(refine_options));
+    manifest.runtime = RuntimeText(workspace_options, devices);
+    return manifest;
+  };
+  WriteManifest(workspace, build_manifest());
 
-  ImageRunner runner(workspace,
-                     overview.has_maps,
-                     refine_options,
-                     devices.cache_num_bytes,
-                     should_stop);
-  Run run(workspace, runner, progress, should_stop);
-  run.Work(devices.devices);
+  ImageRunner runner(
+      workspace, overview.has_maps, refine_options, devices.workers);
+  ViewCache cache(devices.cache_num_bytes,
+                  static_cast<size_t>(ViewBytes(overview)),
+                  [&](int image) { return runner.Load(image); });
+  ImagePipeline pipeline(runner, cache, devices.sizes, progress, should_stop);
+  pipeline.Run(devices.workers.size());
 
   RunSummary summary;
   summary.workspace_path = workspace.Root();
   summary.type = workspace.Type();
   summary.device = devices.description;
-  summary.num_workers = static_cast<int>(devices.devices.size());
+  summary.num_workers = static_cast<int>(devices.workers.size());
+  summary.peak_gpu_memory = PeakGpuMemory(devices);
   summary.num_images = static_cast<int>(workspace.Problems().size());
-  run.AddTo(workspace, &summary);
+  for (size_t i = 0; i < pipeline.Reports().size(); ++i) {
+    const int image = workspace.Problems()[i].reference;
+    summary.Add(workspace.Model().images[static_cast<size_t>(image)].name,
+                pipeline.Reports()[i]);
+  }
   summary.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
-  Manifest manifest = BuildManifest(workspace, options, options_hash);
-  run.MarkFailures(&manifest);
+  Manifest manifest = build_manifest();
+  MarkFailures(pipeline, &manifest);
   try {
     WriteManifest(workspace, manifest);
   } catch (const Error&) {
     // On a full disk the failure of the image says more.
-    run.RethrowFailure();
+    RethrowFailure(pipeline);
     throw;
   }
-  run.RethrowFailure();
+  RethrowFailure(pipeline);
   const int num_done = summary.num_refined + summary.num_skipped +
                        static_cast<int>(summary.kept.size());
   if (num_done < summary.num_images) {

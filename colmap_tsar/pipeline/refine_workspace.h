@@ -23,10 +23,10 @@ struct WorkspaceRefineOptions {
   // The maps to refine; nothing: the geometric ones, or the photometric ones
   // where there are no others.
   std::optional<MapType> input_type;
-  std::string device = "auto";  // auto, cuda or cpu.
-  int gpu_index = -1;           // In CUDA's order; -1: the first.
-  int num_threads = -1;         // -1: one for each core.
-  double cache_size = 32.0;     // Main memory for images at work, in gigabytes.
+  std::string device = "auto";   // auto, cuda or cpu.
+  std::string gpu_index = "-1";  // In CUDA's order, "0,1,3"; -1: every one.
+  int num_threads = -1;          // -1: one for each core.
+  double cache_size = 32.0;  // Main memory for images at work, in gigabytes.
 
   // Throws kBadOption, naming the option.
   void Check() const;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/workspace/map_paths.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -37,6 +38,10 @@ struct RunSummary {
     std::string name;
     std::string reason;
   };
+  struct GpuMemory {
+    std::string gpu;
+    size_t num_bytes = 0;  // The most that was in use at a time.
+  };
 
   std::filesystem::path workspace_path;  // The one that was written.
   MapType type = MapType::kGeometric;
@@ -50,6 +55,7 @@ struct RunSummary {
   std::map<std::string, int64_t> counts;  // Sums over the refined images.
   std::map<std::string, double> seconds;
   double wall_seconds = 0.0;
+  std::vector<GpuMemory> peak_gpu_memory;
 
   void Add(const std::string& image, const ImageReport& report);
 };

@@ -3,39 +3,65 @@
 
 #include "colmap_tsar/pipeline/view_cache.h"
 
-#include <exception>
+#include <algorithm>
 #include <utility>
 
 namespace tsar {
 
-ViewCache::ViewCache(size_t max_num_bytes, Loader loader)
-    : max_num_bytes_(max_num_bytes), loader_(std::move(loader)) {}
+ViewCache::Lease::Lease(ViewCache* cache, std::vector<int> images)
+    : cache_(cache), images_(std::move(images)) {}
 
-ViewCache::View ViewCache::Get(int image) {
-  std::promise<View> promise;
-  {
-    std::unique_lock<std::mutex> lock(mutex_);
-    const auto found = entries_.find(image);
-    if (found != entries_.end()) {
-      images_.splice(images_.begin(), images_, found->second.position);
-      const std::shared_future<View> view = found->second.view;
-      lock.unlock();
-      return view.get();
-    }
-    images_.push_front(image);
-    entries_[image] = {promise.get_future().share(), 0, images_.begin()};
+ViewCache::Lease::Lease(Lease&& other) noexcept
+    : cache_(other.cache_), images_(std::exchange(other.images_, {})) {}
+
+ViewCache::Lease& ViewCache::Lease::operator=(Lease&& other) noexcept {
+  std::swap(cache_, other.cache_);
+  std::swap(images_, other.images_);
+  return *this;
+}
+
+ViewCache::Lease::~Lease() {
+  if (!images_.empty()) {
+    cache_->Release(images_);
   }
-  View view;
-  try {
-    view = std::make_shared<const ViewData>(loader_(image));
-  } catch (...) {
-    promise.set_exception(std::current_exception());
-    Remove(image);
-    throw;
+}
+
+bool ViewCache::Lease::Load(const std::function<bool()>& should_stop) {
+  return images_.empty() || cache_->LoadAll(images_, should_stop);
+}
+
+const ViewData& ViewCache::Lease::Get(int image) const {
+  return cache_->Get(image);
+}
+
+void ViewCache::Lease::Release(int image) {
+  if (std::erase(images_, image) > 0) {
+    cache_->Release({image});
   }
-  promise.set_value(view);
-  Book(image, view->NumBytes());
-  return view;
+}
+
+ViewCache::ViewCache(size_t max_num_bytes, size_t num_view_bytes, Loader loader)
+    : max_num_bytes_(max_num_bytes),
+      num_view_bytes_(num_view_bytes),
+      loader_(std::move(loader)) {}
+
+ViewCache::Lease ViewCache::Reserve(std::vector<int> images) {
+  std::sort(images.begin(), images.end());
+  images.erase(std::unique(images.begin(), images.end()), images.end());
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait(lock, [&] {
+    return num_bytes_in_use_ == 0 ||
+           num_bytes_in_use_ + NumBytesNotInUse(images) <= max_num_bytes_;
+  });
+  for (const int image : images) {
+    Claim(image);
+  }
+  FreeUnused(&lock);
+  changed_.wait(lock, [&] {
+    return num_bytes_ <= max_num_bytes_ || num_bytes_being_freed_ == 0;
+  });
+  lock.unlock();
+  return Lease(this, std::move(images));
 }
 
 size_t ViewCache::NumBytes() const {
@@ -43,34 +69,122 @@ size_t ViewCache::NumBytes() const {
   return num_bytes_;
 }
 
-void ViewCache::Remove(int image) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = entries_.find(image);
-  images_.erase(found->second.position);
-  entries_.erase(found);
-}
-
-void ViewCache::Book(int image, size_t num_bytes) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  entries_.at(image).num_bytes = num_bytes;
-  num_bytes_ += num_bytes;
-  DropOldViews();
-}
-
-void ViewCache::DropOldViews() {
-  for (auto it = images_.end(); it != images_.begin();) {
-    if (num_bytes_ <= max_num_bytes_) {
-      return;
+size_t ViewCache::NumBytesNotInUse(const std::vector<int>& images) const {
+  size_t num_bytes = 0;
+  for (const int image : images) {
+    const auto found = entries_.find(image);
+    if (found == entries_.end()) {
+      num_bytes += num_view_bytes_;
+    } else if (found->second.num_leases == 0) {
+      num_bytes += found->second.num_bytes;
     }
+  }
+  return num_bytes;
+}
+
+void ViewCache::Claim(int image) {
+  const auto [found, is_new] = entries_.try_emplace(image);
+  Entry& entry = found->second;
+  if (is_new) {
+    entry.num_bytes = num_view_bytes_;
+    num_bytes_ += entry.num_bytes;
+    entry.position = images_.insert(images_.begin(), image);
+  } else {
+    images_.splice(images_.begin(), images_, entry.position);
+  }
+  if (entry.num_leases++ == 0) {
+    num_bytes_in_use_ += entry.num_bytes;
+  }
+}
+
+void ViewCache::FreeUnused(std::unique_lock<std::mutex>* lock) {
+  std::vector<View> dropped;
+  size_t num_bytes = 0;
+  for (auto it = images_.end(); it != images_.begin();) {
     --it;
     const auto entry = entries_.find(*it);
-    if (entry->second.num_bytes == 0) {
+    // A view that was reserved but never loaded is worth nothing.
+    const bool is_needed =
+        entry->second.num_leases > 0 ||
+        (entry->second.view != nullptr &&
+         num_bytes_ - num_bytes_being_freed_ <= max_num_bytes_);
+    if (is_needed) {
       continue;
     }
-    num_bytes_ -= entry->second.num_bytes;
+    num_bytes += entry->second.num_bytes;
+    num_bytes_being_freed_ += entry->second.num_bytes;
+    dropped.push_back(std::move(entry->second.view));
     entries_.erase(entry);
     it = images_.erase(it);
   }
+  // The system takes its time to take memory back; it counts until then.
+  lock->unlock();
+  dropped.clear();
+  lock->lock();
+  num_bytes_ -= num_bytes;
+  num_bytes_being_freed_ -= num_bytes;
+  changed_.notify_all();
+}
+
+bool ViewCache::LoadAll(const std::vector<int>& images,
+                        const std::function<bool()>& should_stop) {
+  while (!should_stop()) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    const auto is_missing = [&](int image) {
+      return entries_.at(image).view == nullptr;
+    };
+    const auto is_free = [&](int image) {
+      return is_missing(image) && !entries_.at(image).is_loading;
+    };
+    const auto next = std::find_if(images.begin(), images.end(), is_free);
+    if (next != images.end()) {
+      LoadOne(*next, &lock);
+    } else if (std::any_of(images.begin(), images.end(), is_missing)) {
+      changed_.wait(lock);
+    } else {
+      return true;
+    }
+  }
+  return false;
+}
+
+void ViewCache::LoadOne(int image, std::unique_lock<std::mutex>* lock) {
+  entries_.at(image).is_loading = true;
+  lock->unlock();
+  View view;
+  try {
+    view = loader_(image);
+  } catch (...) {
+    lock->lock();
+    entries_.at(image).is_loading = false;
+    changed_.notify_all();
+    throw;
+  }
+  const size_t num_bytes = view->NumBytes();
+  lock->lock();
+  Entry& entry = entries_.at(image);
+  entry.is_loading = false;
+  entry.view = std::move(view);
+  num_bytes_ += num_bytes - entry.num_bytes;
+  num_bytes_in_use_ += num_bytes - entry.num_bytes;
+  entry.num_bytes = num_bytes;
+  changed_.notify_all();
+}
+
+const ViewData& ViewCache::Get(int image) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return *entries_.at(image).view;
+}
+
+void ViewCache::Release(const std::vector<int>& images) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  for (const int image : images) {
+    Entry& entry = entries_.at(image);
+    if (--entry.num_leases == 0) {
+      num_bytes_in_use_ -= entry.num_bytes;
+    }
+  }
+  FreeUnused(&lock);
 }
 
 }  // namespace tsar

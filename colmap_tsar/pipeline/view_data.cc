@@ -18,15 +18,6 @@ MapType OtherType(MapType type) {
                                      : MapType::kGeometric;
 }
 
-Image<float> ToGray(const Image<Rgb>& color) {
-  Image<float> gray(color.Width(), color.Height());
-  for (size_t i = 0; i < color.NumPixels(); ++i) {
-    const Rgb& c = color.Data()[i];
-    gray.Data()[i] = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
-  }
-  return gray;
-}
-
 // The exported costs of one type of map. COLMAP gives windows without texture
 // and views that see nothing a cost of exactly 2: no evidence.
 PlanarMap ReadCosts(const std::filesystem::path& path, const ViewData& view) {
@@ -59,8 +50,7 @@ void SetCosts(const PlanarMap& costs, size_t pixel, ViewData* view) {
 }  // namespace
 
 size_t ViewData::NumBytes() const {
-  return color.NumPixels() * sizeof(Rgb) + gray.NumPixels() * sizeof(float) +
-         depth.NumPixels() * sizeof(float) +
+  return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
          normal.NumPixels() * sizeof(Vec3f) +
          (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
 }
@@ -127,7 +117,6 @@ ViewData LoadView(const Workspace& workspace, int image) {
   const int width = view.depth.Width();
   const int height = view.depth.Height();
   view.color = workspace.ReadImage(image, width, height);
-  view.gray = ToGray(view.color);
   view.camera = workspace.Model().images[image].camera.Resized(width, height);
   return view;
 }

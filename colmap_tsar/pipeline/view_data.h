@@ -16,7 +16,6 @@ namespace tsar {
 struct ViewData {
   Camera camera;
   Image<Rgb> color;
-  Image<float> gray;  // 0-255
   // The hypotheses: the map to refine, and where that is empty the other type.
   Image<float> depth;
   Image<Vec3f> normal;

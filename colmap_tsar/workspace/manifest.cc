@@ -70,6 +70,7 @@ void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
   const nlohmann::json json = {{"version", manifest.version},
                                {"type", manifest.type},
                                {"options", manifest.options},
+                               {"runtime", manifest.runtime},
                                {"num_images", totals},
                                {"counts", manifest.counts},
                                {"seconds", manifest.seconds},

@@ -17,6 +17,8 @@ struct Manifest {
   std::string version;
   std::string type;
   std::map<std::string, std::string> options;
+  // What the run was done with; no result depends on it.
+  std::map<std::string, std::string> runtime;
   // Sums over the images' records.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;

@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <fstream>
@@ -80,7 +82,16 @@ class MapReader {
     }
   }
 
-  void Read(std::span<float> values) {
+  void Read(std::span<float> values) { Read(0, 0, values); }
+
+  // Values of one channel, from the given pixel on.
+  void Read(int channel, size_t first_pixel, std::span<float> values) {
+    const size_t num_pixels =
+        static_cast<size_t>(size_.width) * static_cast<size_t>(size_.height);
+    const size_t first =
+        static_cast<size_t>(channel) * num_pixels + first_pixel;
+    file_.seekg(
+        static_cast<std::streamoff>(header_size_ + first * sizeof(float)));
     file_.read(reinterpret_cast<char*>(values.data()),
                static_cast<std::streamsize>(values.size_bytes()));
     if (!file_) {
@@ -100,15 +111,15 @@ class MapReader {
       throw CorruptMap(
           path_, "it does not begin with WIDTH&HEIGHT&CHANNELS& in digits");
     }
-    const auto header = static_cast<uintmax_t>(file_.tellg());
-    const uintmax_t num_values = (num_bytes - header) / sizeof(float);
+    header_size_ = static_cast<size_t>(file_.tellg());
+    const uintmax_t num_values = (num_bytes - header_size_) / sizeof(float);
     const auto num_pixels = static_cast<uintmax_t>(size_.width) *
                             static_cast<uintmax_t>(size_.height);
     // Divisions, since the product of three hostile numbers overflows.
     const bool fits =
         num_values / num_pixels == static_cast<uintmax_t>(size_.channels) &&
         num_values % num_pixels == 0 &&
-        (num_bytes - header) % sizeof(float) == 0;
+        (num_bytes - header_size_) % sizeof(float) == 0;
     if (!fits) {
       throw CorruptMap(path_,
                        "the header says " + std::to_string(size_.width) +
@@ -121,7 +132,23 @@ class MapReader {
   std::filesystem::path path_;
   std::ifstream file_;
   MapSize size_;
+  size_t header_size_ = 0;
 };
+
+// Calls function(begin, end) for consecutive pieces of [0, num_pixels) that
+// stay in the processor's cache.
+template <typename Function>
+void ForEachPiece(size_t num_pixels, Function function) {
+  constexpr size_t kPiece = size_t{1} << 14;
+  for (size_t begin = 0; begin < num_pixels; begin += kPiece) {
+    function(begin, std::min(num_pixels, begin + kPiece));
+  }
+}
+
+bool IsFinite(const Vec3f& n) {
+  // The difference of what is not finite to itself is not zero.
+  return n.x - n.x == 0.f && n.y - n.y == 0.f && n.z - n.z == 0.f;
+}
 
 void SetCount(int64_t* target, int64_t count) {
   if (target != nullptr) {
@@ -142,10 +169,16 @@ class MapWriter {
   }
 
   void Write(std::span<const float> values) {
-    for (const float value : values) {
-      Require(std::isfinite(value), "not finite");
-    }
-    Put(values.data(), values.size_bytes());
+    ForEachPiece(values.size(), [&](size_t begin, size_t end) {
+      const std::span<const float> piece = values.subspan(begin, end - begin);
+      bool is_finite = true;
+      for (const float value : piece) {
+        // The difference of what is not finite to itself is not zero.
+        is_finite &= value - value == 0.f;
+      }
+      Require(is_finite, "not finite");
+      Put(piece.data(), piece.size_bytes());
+    });
   }
 
   uint64_t Hash() const { return hash_.Value(); }
@@ -198,20 +231,22 @@ Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
   MapReader reader(path);
   reader.RequireChannels(3, "a normal map");
   Image<Vec3f> normal(reader.Size().width, reader.Size().height);
-  std::vector<float> plane(normal.NumPixels());
-  for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
-    reader.Read(plane);
-    for (size_t i = 0; i < plane.size(); ++i) {
-      normal.Data()[i].*element = plane[i];
-    }
-  }
+  std::array<std::vector<float>, 3> channels;
   int64_t count = 0;
-  for (Vec3f& n : normal) {
-    if (!(std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z))) {
-      n = {};
-      ++count;
+  ForEachPiece(normal.NumPixels(), [&](size_t begin, size_t end) {
+    for (size_t c = 0; c < channels.size(); ++c) {
+      channels[c].resize(end - begin);
+      reader.Read(static_cast<int>(c), begin, channels[c]);
     }
-  }
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3f n = {channels[0][i - begin],
+                       channels[1][i - begin],
+                       channels[2][i - begin]};
+      const bool is_finite = IsFinite(n);
+      normal.Data()[i] = is_finite ? n : Vec3f{};
+      count += is_finite ? 0 : 1;
+    }
+  });
   SetCount(num_not_finite, count);
   return normal;
 }
@@ -237,12 +272,15 @@ uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file) {
 
 uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
   MapWriter writer(normal.Width(), normal.Height(), 3, file);
-  std::vector<float> plane(normal.NumPixels());
+  std::vector<float> channel;
   for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
-    for (size_t i = 0; i < plane.size(); ++i) {
-      plane[i] = normal.Data()[i].*element;
-    }
-    writer.Write(plane);
+    ForEachPiece(normal.NumPixels(), [&](size_t begin, size_t end) {
+      channel.resize(end - begin);
+      for (size_t i = begin; i < end; ++i) {
+        channel[i - begin] = normal.Data()[i].*element;
+      }
+      writer.Write(channel);
+    });
   }
   return writer.Hash();
 }

@@ -167,13 +167,10 @@ Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
   if (pixels.cols != width || pixels.rows != height) {
     cv::resize(pixels, pixels, cv::Size(width, height), 0, 0, cv::INTER_AREA);
   }
+  static_assert(sizeof(Rgb) == 3);
   Image<Rgb> result(width, height);
-  for (int y = 0; y < height; ++y) {
-    const cv::Vec3b* row = pixels.ptr<cv::Vec3b>(y);
-    for (int x = 0; x < width; ++x) {
-      result(x, y) = {row[x][2], row[x][1], row[x][0]};
-    }
-  }
+  cv::Mat target(height, width, CV_8UC3, result.Data());
+  cv::cvtColor(pixels, target, cv::COLOR_BGR2RGB);
   return result;
 }
 

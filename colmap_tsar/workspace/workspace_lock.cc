@@ -32,8 +32,8 @@ bool HasName(int descriptor, const std::filesystem::path& path) {
 
 }  // namespace
 
-WorkspaceLock::WorkspaceLock(const std::filesystem::path& root)
-    : path_(GetTsarFolder(root) / kFileName) {
+WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
+    : path_(GetTsarFolder(root) / kFileName), mode_(mode) {
   std::error_code error;
   if (!std::filesystem::is_directory(root / "stereo", error)) {
     throw Error::File(ErrorCode::kNotFound,
@@ -45,8 +45,20 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root)
     if (descriptor_ >= 0) {
       close(descriptor_);
     }
-    CreateFolders(path_.parent_path());
+    try {
+      CreateFolders(path_.parent_path());
+    } catch (const Error&) {
+      if (mode == Mode::kExclusive) {
+        throw;
+      }
+    }
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && mode == Mode::kShared) {
+      LOG(WARNING) << path_.string() << ": the file cannot be written ("
+                   << std::strerror(errno)
+                   << "); do not change this workspace while it is read";
+      return;
+    }
     if (descriptor_ < 0) {
       throw Error::File(
           ErrorCode::kIo,
@@ -54,7 +66,8 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root)
           std::string("cannot be written (") + std::strerror(errno) + ")",
           "check the permissions there");
     }
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    const int operation = mode == Mode::kShared ? LOCK_SH : LOCK_EX;
+    if (flock(descriptor_, operation | LOCK_NB) != 0) {
       const int reason = errno;
       if (reason == EWOULDBLOCK) {
         close(descriptor_);
@@ -72,7 +85,14 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root)
 }
 
 WorkspaceLock::~WorkspaceLock() {
-  unlink(path_.c_str());
+  if (descriptor_ < 0) {
+    return;
+  }
+  // The last of those that share it removes the file. Whoever opens it
+  // meanwhile finds that it has lost its name.
+  if (mode_ == Mode::kExclusive || flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
+    unlink(path_.c_str());
+  }
   close(descriptor_);
   // Only goes where nothing else was written.
   rmdir(path_.parent_path().c_str());

@@ -7,23 +7,28 @@
 
 namespace tsar {
 
-// Held while a program changes a workspace, so that no second one does. The
-// system releases the lock also where the program is killed. Throws Error:
+// Held while a program changes a workspace, so that no second one does; or,
+// shared, while programs read one that must not change meanwhile. The system
+// releases the lock also where the program is killed. Throws Error:
 // kUnsupported, naming the file, where another program holds it; kNotFound
 // where there is no stereo folder; kIo. On file systems without locks it only
-// warns.
+// warns, and a shared lock also where the file cannot be written.
 class WorkspaceLock {
  public:
   // In stereo/tsar.
   static constexpr const char* kFileName = "lock";
 
-  explicit WorkspaceLock(const std::filesystem::path& root);
+  enum class Mode { kExclusive, kShared };
+
+  explicit WorkspaceLock(const std::filesystem::path& root,
+                         Mode mode = Mode::kExclusive);
   ~WorkspaceLock();
   WorkspaceLock(const WorkspaceLock&) = delete;
   WorkspaceLock& operator=(const WorkspaceLock&) = delete;
 
  private:
   std::filesystem::path path_;
+  Mode mode_;
   int descriptor_ = -1;
 };
 

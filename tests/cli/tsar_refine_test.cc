@@ -136,6 +136,8 @@ TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
   ExpectFailure({"--TsarRefine.min_aggregated_score", "2.5"},
                 {"min_aggregated_score", "too large"});
   ExpectFailure({"--TsarRefine.num_threads", "0"}, {"num_threads"});
+  ExpectFailure({"--TsarRefine.gpu_index", "0,-3"}, {"gpu_index", "-3"});
+  ExpectFailure({"--TsarRefine.gpu_index", "first"}, {"gpu_index", "first"});
   ExpectFailure({"--TsarRefine.preset", "best"}, {"preset", "paper"});
   ExpectFailure({"--workspace_format", "PMVS"}, {"COLMAP"});
   ExpectFailure({"--input_type", "normal"}, {"input_type", "photometric"});
@@ -150,6 +152,14 @@ TEST_F(TsarRefineTest, BrokenWorkspacesAreOneLine) {
   std::filesystem::remove_all(root_ / "stereo");
   ExpectFailure({}, {"stereo", "no such folder"});
   ExpectFailure({"--restore", "1"}, {"stereo", "no such folder"});
+}
+
+TEST_F(TsarRefineTest, TakesListsOfGpus) {
+  const Outcome outcome = Run({"--TsarRefine.gpu_index", "0,2"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(ReadText(
+                root_ / "stereo/tsar/manifest.json"))["runtime"]["gpu_index"],
+            "0,2");
 }
 
 TEST(TsarRefine, HelpTeaches) {

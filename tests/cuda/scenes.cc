@@ -70,7 +70,6 @@ DrawnViews DrawScene(const SceneSize& size) {
       view.depth = Image<float>(size.width, size.height, 5.f);
       view.normal = Image<Vec3f>(size.width, size.height, {0.f, 0.f, -1.f});
       view.color = Image<Rgb>(size.width, size.height, {90, 100, 110});
-      view.gray = Image<float>(size.width, size.height, 98.f);
     }
   }
   return drawn;

@@ -71,8 +71,7 @@ inline DrawnViews DrawViews(const DrawnViewsOptions& options) {
     view.camera = camera;
     view.camera.translation = -Eigen::Vector3d(center.x, center.y, center.z);
     view.color = Image<Rgb>(options.width, options.height);
-    view.gray = Image<float>(options.width, options.height);
-    view.depth = view.gray;
+    view.depth = Image<float>(options.width, options.height);
     view.normal = Image<Vec3f>(options.width, options.height);
     const Plane wall{drawn.wall.normal,
                      drawn.wall.offset + Dot(drawn.wall.normal, center)};
@@ -87,7 +86,6 @@ inline DrawnViews DrawViews(const DrawnViewsOptions& options) {
                                                 point.y * pixels_per_unit);
         const auto byte = static_cast<uint8_t>(std::lround(level));
         view.color(x, y) = {byte, byte, byte};
-        view.gray(x, y) = byte;
         const float choice = random.NextFloat();
         const float spread = 2.f * random.NextFloat() - 1.f;
         float depth = z * (1.f + options.noise * spread);

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <sstream>
 
 #include "tests/pipeline/drawn_workspace.h"
@@ -166,19 +167,13 @@ TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
   DrawWorkspace(whole);
   Refine(Options(whole));
 
-  // In the middle of the third image.
-  int num_done = 0;
+  // While the third image is read, computed or about to be written; there is
+  // one thread that writes.
   ExpectError(ErrorCode::kInterrupted, {"2 of 4", "same command"}, [&] {
     Refine(Options(root_), {}, [&] {
-      num_done = 0;
-      for (int view = 0; view < 3; ++view) {
-        num_done += std::filesystem::exists(Paths(view).record) ? 1 : 0;
-      }
-      static int num_calls = 0;
-      return num_done == 2 && ++num_calls > 2;
+      return std::filesystem::exists(Paths(1).record);
     });
   });
-  EXPECT_EQ(num_done, 2);
   EXPECT_EQ(Manifest()["num_images"]["done"], 2);
   EXPECT_EQ(Manifest()["num_images"]["pending"], 2);
 
@@ -345,6 +340,66 @@ TEST_F(RefineWorkspaceTest, TwoRunsAtATimeAreRefused) {
       ErrorCode::kUnsupported, {"lock", "another program"}, [&] { Refine(); });
 }
 
+TEST_F(RefineWorkspaceTest, NobodyChangesTheInputOfAnotherRun) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  {
+    const WorkspaceLock writer(root_);
+    ExpectError(ErrorCode::kUnsupported, {"lock", "another program"}, [&] {
+      Refine(options);
+    });
+    EXPECT_FALSE(std::filesystem::exists(options.output_path));
+  }
+  // While the first run reads, in the middle of its work.
+  int num_refusals = 0;
+  Refine(options, {}, [&] {
+    static std::mutex mutex;
+    const std::lock_guard<std::mutex> lock(mutex);
+    ExpectError(ErrorCode::kUnsupported, {root_.string(), "lock"}, [&] {
+      const WorkspaceLock writer(root_);
+    });
+    ++num_refusals;
+    return false;
+  });
+  EXPECT_GT(num_refusals, 0);
+  // An output workspace, worked on in place, reads the first one, too.
+  const WorkspaceLock writer(root_);
+  ExpectError(ErrorCode::kUnsupported, {root_.string(), "lock"}, [&] {
+    Refine(Options(options.output_path));
+  });
+}
+
+TEST_F(RefineWorkspaceTest, TheManifestTellsWhatTheRunWasDoneWith) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.cache_size = 2.5;
+  Refine(options);
+  const nlohmann::json runtime = Manifest()["runtime"];
+  EXPECT_EQ(runtime["device"], "cpu");
+  EXPECT_EQ(runtime["gpu_index"], "-1");
+  EXPECT_EQ(runtime["num_threads"], "1");
+  EXPECT_EQ(runtime["cache_size"], "2.5");
+  EXPECT_EQ(runtime["used"], "1 CPU thread");
+  EXPECT_FALSE(Manifest()["options"].contains("device"));
+  // No result depends on it, so nothing is done again.
+  options.num_threads = 2;
+  options.cache_size = 3.0;
+  EXPECT_EQ(Refine(options).num_skipped, 4);
+  EXPECT_EQ(Manifest()["runtime"]["num_threads"], "2");
+}
+
+TEST_F(RefineWorkspaceTest, AFailedWriteLeavesTheOthersDone) {
+  // A folder in the place of the third image's confidence map.
+  const std::filesystem::path confidence = Paths(2).confidence;
+  WriteText(confidence / "file", "in the way");
+  ExpectError(ErrorCode::kIo, {confidence.string()}, [&] { Refine(); });
+  EXPECT_EQ(Manifest()["images"][0]["status"], "done");
+  EXPECT_EQ(Manifest()["images"][1]["status"], "done");
+  EXPECT_EQ(Manifest()["images"][2]["status"], "failed");
+  std::filesystem::remove_all(confidence);
+  Refine();
+  EXPECT_EQ(Manifest()["num_images"]["done"], 4);
+}
+
 TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
   WriteText(root_ / "stereo/patch-match.cfg",
             "v0.png\nv1.png\nv1.png\nv0.png\nv3.png\nleft/v2.png\n");
@@ -440,6 +495,9 @@ TEST_F(RefineWorkspaceTest, RefusesOptionsThatMakeNoSense) {
   WorkspaceRefineOptions options = Options(root_);
   options.num_threads = 0;
   ExpectRefusal(ErrorCode::kBadOption, {"num_threads"}, options);
+  options = Options(root_);
+  options.gpu_index = "0,0";
+  ExpectRefusal(ErrorCode::kBadOption, {"gpu_index", "twice"}, options);
   options = Options(root_);
   options.device = "abacus";
   ExpectRefusal(ErrorCode::kBadOption, {"device"}, options);

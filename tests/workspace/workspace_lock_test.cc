@@ -26,6 +26,32 @@ TEST(WorkspaceLockTest, RefusesASecondHolderUntilTheFirstIsGone) {
   const WorkspaceLock again(folder.Path());
 }
 
+TEST(WorkspaceLockTest, ReadersShareItWithoutWriters) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  const auto path = folder.Path() / "stereo/tsar/lock";
+  {
+    const WorkspaceLock first(folder.Path(), WorkspaceLock::Mode::kShared);
+    { const WorkspaceLock second(folder.Path(), WorkspaceLock::Mode::kShared); }
+    EXPECT_TRUE(std::filesystem::exists(path));
+    ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
+      WorkspaceLock writer(folder.Path());
+    });
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  const WorkspaceLock writer(folder.Path());
+  ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
+    WorkspaceLock reader(folder.Path(), WorkspaceLock::Mode::kShared);
+  });
+}
+
+TEST(WorkspaceLockTest, ReadersNeedNoPermissionToWrite) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "stereo/tsar", "a file");
+  const WorkspaceLock reader(folder.Path(), WorkspaceLock::Mode::kShared);
+  EXPECT_EQ(ReadText(folder.Path() / "stereo/tsar"), "a file");
+}
+
 TEST(WorkspaceLockTest, TakesOverAFileThatAKilledProgramLeft) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "stereo/tsar/lock", "");

@@ -1,0 +1,47 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <array>
+#include <cstddef>
+
+namespace tsar {
+
+// Copies between ordinary host memory and a GPU through two small pinned
+// buffers: while the GPU copies one, the host fills or empties the other.
+// Pinning the images themselves would cost more than copying them. Belongs to
+// the GPU that is current at its making; used by one thread at a time.
+class CudaStaging {
+ public:
+  CudaStaging();
+  ~CudaStaging();
+  CudaStaging(const CudaStaging&) = delete;
+  CudaStaging& operator=(const CudaStaging&) = delete;
+
+  // Returns when the source may be changed; the last part may still be on its
+  // way, ahead of all work that is queued on the stream later.
+  void Upload(void* target,
+              const void* source,
+              size_t size,
+              cudaStream_t stream);
+  // Returns when the target is complete.
+  void Download(void* target,
+                const void* source,
+                size_t size,
+                cudaStream_t stream);
+
+ private:
+  struct Chunk {
+    void* memory = nullptr;
+    cudaEvent_t copied = nullptr;
+  };
+
+  void Release() noexcept;
+
+  std::array<Chunk, 2> chunks_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/device_view_cache.h"
+
+#include <exception>
+#include <utility>
+
+namespace tsar {
+
+DeviceViewCache::DeviceViewCache(size_t max_num_bytes)
+    : max_num_bytes_(max_num_bytes) {}
+
+DeviceViewCache::View DeviceViewCache::Get(int image,
+                                           const ViewData& view,
+                                           Device& device) {
+  std::promise<View> promise;
+  {
+    std::unique_lock<std::mutex> lock(mutex_);
+    const auto found = entries_.find(image);
+    if (found != entries_.end()) {
+      images_.splice(images_.begin(), images_, found->second.position);
+      if (found->second.view != nullptr) {
+        return found->second.view;
+      }
+      const std::shared_future<View> upload = found->second.upload;
+      lock.unlock();
+      return upload.get();
+    }
+    const size_t num_bytes = 2 * sizeof(float) * view.depth.NumPixels();
+    MakeRoom(num_bytes);
+    images_.push_front(image);
+    entries_[image] = {
+        nullptr, promise.get_future().share(), num_bytes, images_.begin()};
+    num_bytes_ += num_bytes;
+  }
+  View uploaded;
+  try {
+    uploaded = UploadView(view, device);
+    device.Synchronize();
+  } catch (...) {
+    Remove(image);
+    promise.set_exception(std::current_exception());
+    throw;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    Entry& entry = entries_.at(image);
+    entry.view = uploaded;
+    entry.upload = {};
+  }
+  promise.set_value(uploaded);
+  return uploaded;
+}
+
+size_t DeviceViewCache::NumBytes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return num_bytes_;
+}
+
+void DeviceViewCache::MakeRoom(size_t num_bytes) {
+  for (auto it = images_.end(); it != images_.begin();) {
+    if (num_bytes_ + num_bytes <= max_num_bytes_) {
+      return;
+    }
+    --it;
+    const auto entry = entries_.find(*it);
+    // Only this cache hands views out, so none that it alone holds can get
+    // another user now.
+    if (entry->second.view.use_count() != 1) {
+      continue;
+    }
+    num_bytes_ -= entry->second.num_bytes;
+    entries_.erase(entry);
+    it = images_.erase(it);
+  }
+}
+
+void DeviceViewCache::Remove(int image) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = entries_.find(image);
+  num_bytes_ -= found->second.num_bytes;
+  images_.erase(found->second.position);
+  entries_.erase(found);
+}
+
+}  // namespace tsar

@@ -1,0 +1,30 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/gray.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+
+namespace tsar {
+namespace {
+
+struct GrayKernel {
+  ImageView<const Rgb> color;
+  ImageView<float> gray;
+  TSAR_HD void operator()(int64_t i) const {
+    const Rgb c = color.data[i];
+    gray.data[i] = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+  }
+};
+
+}  // namespace
+
+DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
+  DeviceImage<float> gray(device, color.width, color.height);
+  ParallelFor(device,
+              static_cast<int64_t>(color.NumPixels()),
+              GrayKernel{color, gray.View()});
+  return gray;
+}
+
+}  // namespace tsar

@@ -1,0 +1,73 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/memory_plan.h"
+
+#include "colmap_tsar/base/error.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace tsar {
+namespace {
+
+// Colour 3, depth 4, normal 12, two costs 8.
+constexpr int64_t kBytesPerViewPixel = 27;
+// Depth 4, normal 12, confidence 4, provenance 1; the rest is for encoding.
+constexpr int64_t kBytesPerResultPixel = 24;
+// Gray 4, depth 4.
+constexpr int64_t kBytesPerSourcePixel = 8;
+// The reference with all intermediate maps, of which the stages hold about 95
+// at a time; a test compares. The rest is for what an allocator loses between
+// blocks of different sizes.
+constexpr int64_t kBytesPerReferencePixel = 144;
+// Beside the maps: tables of superpixels and regions, which do not grow with
+// the map, and the kernels that the driver loads when they are first used.
+constexpr int64_t kFixedBytes = int64_t{64} << 20;
+
+std::string Gigabytes(int64_t num_bytes) {
+  char text[64];
+  std::snprintf(
+      text, sizeof(text), "%.1f GB", static_cast<double>(num_bytes) / 1e9);
+  return text;
+}
+
+}  // namespace
+
+int64_t ViewBytes(const WorkspaceOverview& overview) {
+  return overview.max_num_pixels * kBytesPerViewPixel;
+}
+
+int64_t ResultBytes(const WorkspaceOverview& overview) {
+  return overview.max_num_pixels * kBytesPerResultPixel;
+}
+
+int64_t SourceBytes(const WorkspaceOverview& overview) {
+  return overview.max_num_pixels * kBytesPerSourcePixel *
+         overview.max_num_sources;
+}
+
+int64_t WorkBytes(const WorkspaceOverview& overview) {
+  return overview.max_num_pixels * kBytesPerReferencePixel +
+         SourceBytes(overview);
+}
+
+int NumGpuWorkers(const WorkspaceOverview& overview,
+                  int64_t free_bytes,
+                  const std::string& gpu) {
+  const int64_t needed = WorkBytes(overview) + kFixedBytes;
+  if (needed > free_bytes) {
+    throw Error(
+        ErrorCode::kDevice,
+        gpu + ": an image of this workspace needs " + Gigabytes(needed) +
+            " of GPU memory and " + Gigabytes(free_bytes) +
+            " are free; close other programs that use the GPU, choose another "
+            "one with --TsarRefine.gpu_index, run patch_match_stereo with a "
+            "smaller --PatchMatchStereo.max_image_size, or pass "
+            "--TsarRefine.device cpu");
+  }
+  return static_cast<int>(
+      std::min<int64_t>(kMaxGpuWorkers, free_bytes / needed));
+}
+
+}  // namespace tsar

@@ -1,0 +1,40 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/workspace_check.h"
+
+#include <cstdint>
+#include <string>
+
+namespace tsar {
+
+// One image is copied while another is computed.
+constexpr int kMaxGpuWorkers = 2;
+
+// What the images at work take of the memories, in bytes. Every number holds
+// for the largest map of the workspace and the image with most sources.
+
+// A view in main memory: colour, depth, normal and two exported costs.
+int64_t ViewBytes(const WorkspaceOverview& overview);
+
+// A refined image on its way to the disk, with its encoded files.
+int64_t ResultBytes(const WorkspaceOverview& overview);
+
+// The source views of one image in a device's memory, as DeviceViewCache holds
+// them.
+int64_t SourceBytes(const WorkspaceOverview& overview);
+
+// A device at work on one image: the sources, the reference, and all that the
+// stages make of it at a time.
+int64_t WorkBytes(const WorkspaceOverview& overview);
+
+// How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws
+// kDevice, with what the user can do, where not even one does. gpu: what the
+// message calls it.
+int NumGpuWorkers(const WorkspaceOverview& overview,
+                  int64_t free_bytes,
+                  const std::string& gpu);
+
+}  // namespace tsar

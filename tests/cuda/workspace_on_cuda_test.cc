@@ -1,0 +1,267 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What several devices of one machine do together.
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/pipeline/device_view_cache.h"
+#include "colmap_tsar/pipeline/gray.h"
+#include "colmap_tsar/pipeline/memory_plan.h"
+#include "colmap_tsar/pipeline/refine_devices.h"
+#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_workspace.h"
+
+#include <cstring>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "tests/pipeline/drawn_views.h"
+#include "tests/pipeline/drawn_workspace.h"
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+constexpr int64_t kChunk = int64_t{4} << 20;  // As in cuda_staging.cu.
+
+class WorkersOnCudaTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (Device::NumCudaDevices() == 0) {
+      GTEST_SKIP() << "no CUDA device: skipped";
+    }
+  }
+};
+
+std::vector<uint8_t> DrawnBytes(size_t size, uint32_t seed) {
+  std::vector<uint8_t> bytes(size);
+  Philox random(seed, 0, 0);
+  for (uint8_t& byte : bytes) {
+    byte = static_cast<uint8_t>(random.NextBelow(256));
+  }
+  return bytes;
+}
+
+TEST_F(WorkersOnCudaTest, CopiesOfAnySizeAreComplete) {
+  const auto device = Device::CreateCuda(0, 1);
+  for (const int64_t size : {int64_t{1},
+                             kChunk - 1,
+                             kChunk,
+                             kChunk + 1,
+                             2 * kChunk,
+                             3 * kChunk + 5}) {
+    std::vector<uint8_t> host = DrawnBytes(static_cast<size_t>(size), 1);
+    const std::vector<uint8_t> expected = host;
+    const Buffer<uint8_t> buffer(*device, host);
+    // The upload has returned, so the source may change.
+    std::fill(host.begin(), host.end(), uint8_t{0});
+    EXPECT_TRUE(buffer.ToHost() == expected) << size;
+  }
+  EXPECT_TRUE(
+      Buffer<uint8_t>(*device, std::vector<uint8_t>()).ToHost().empty());
+}
+
+TEST_F(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
+  std::vector<std::jthread> threads;
+  for (uint32_t seed = 0; seed < 2; ++seed) {
+    threads.emplace_back([seed] {
+      const auto device = Device::CreateCuda(0, 1);
+      const std::vector<uint8_t> expected =
+          DrawnBytes(static_cast<size_t>(kChunk) * 2 + seed, seed);
+      for (int i = 0; i < 20; ++i) {
+        const Buffer<uint8_t> buffer(*device, expected);
+        EXPECT_TRUE(buffer.ToHost() == expected);
+      }
+    });
+  }
+}
+
+TEST_F(WorkersOnCudaTest, CountsMemory) {
+  constexpr size_t kSize = size_t{256} << 20;
+  const auto device = Device::CreateCuda(0, 1);
+  const size_t before = device->FreeMemory();
+  ASSERT_GT(before, kSize);
+  {
+    const Buffer<uint8_t> buffer(*device, kSize);
+    device->Synchronize();
+    EXPECT_LT(device->FreeMemory(), before);
+    EXPECT_GE(device->PeakMemory(), kSize);
+  }
+  EXPECT_GE(device->PeakMemory(), kSize);
+}
+
+TEST_F(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
+  const auto device = Device::CreateCuda(0, 1);
+  ExpectError(ErrorCode::kOutOfMemory, {"GPU memory", "device cpu"}, [&] {
+    Buffer<uint8_t>(*device, size_t{1} << 50);
+  });
+  const Image<Rgb> color(37, 3, {10, 20, 30});
+  EXPECT_EQ(ComputeGray(DeviceImage<Rgb>(*device, color).View(), *device)
+                .ToHost()(36, 2),
+            0.299f * 10 + 0.587f * 20 + 0.114f * 30);
+}
+
+TEST_F(WorkersOnCudaTest, GrayIsTheSameAsOnTheCpu) {
+  const auto cuda = Device::CreateCuda(0, 1);
+  const auto cpu = Device::CreateCpu(2);
+  const std::vector<uint8_t> bytes = DrawnBytes(3 * 211 * 97, 5);
+  Image<Rgb> color(211, 97);
+  std::memcpy(color.Data(), bytes.data(), bytes.size());
+  const auto gray = [&](Device& device) {
+    return ComputeGray(DeviceImage<Rgb>(device, color).View(), device).ToHost();
+  };
+  const Image<float> on_cuda = gray(*cuda);
+  const Image<float> on_cpu = gray(*cpu);
+  for (size_t i = 0; i < on_cpu.NumPixels(); ++i) {
+    ASSERT_EQ(on_cuda.Data()[i], on_cpu.Data()[i]) << i;
+  }
+}
+
+bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return x.HasSizeOf(y) &&
+           std::memcmp(x.Data(), y.Data(), x.NumPixels() * sizeof(*x.Data())) ==
+               0;
+  };
+  return same(a.depth, b.depth) && same(a.normal, b.normal) &&
+         same(a.confidence, b.confidence) && same(a.provenance, b.provenance);
+}
+
+TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
+  const DrawnViews drawn = DrawViews({});
+  const int num_views = static_cast<int>(drawn.views.size());
+  const auto refine = [&](int reference, DeviceViewCache& cache, Device& gpu) {
+    std::vector<DeviceViewCache::View> sources;
+    for (int i = 0; i < num_views; ++i) {
+      if (i != reference) {
+        sources.push_back(
+            cache.Get(i, drawn.views[static_cast<size_t>(i)], gpu));
+      }
+    }
+    return RefineImage(drawn.views[static_cast<size_t>(reference)],
+                       sources,
+                       static_cast<uint32_t>(reference),
+                       {},
+                       gpu)
+        .maps;
+  };
+  std::vector<RefinedMaps> expected;
+  {
+    const auto gpu = Device::CreateCuda(0, 1);
+    DeviceViewCache cache(1 << 30);
+    for (int i = 0; i < num_views; ++i) {
+      expected.push_back(refine(i, cache, *gpu));
+    }
+  }
+  // With room for all views, and with room for none that is not in use.
+  for (const size_t num_bytes : {size_t{1} << 30, size_t{0}}) {
+    const std::unique_ptr<Device> gpus[] = {Device::CreateCuda(0, 1),
+                                            Device::CreateCuda(0, 1)};
+    DeviceViewCache cache(num_bytes);
+    std::vector<std::jthread> threads;
+    for (int worker = 0; worker < 2; ++worker) {
+      threads.emplace_back([&, worker] {
+        for (int i = 0; i < 4 * num_views; ++i) {
+          const int reference = (i + 2 * worker) % num_views;
+          EXPECT_TRUE(HaveSameBytes(refine(reference, cache, *gpus[worker]),
+                                    expected[static_cast<size_t>(reference)]));
+        }
+      });
+    }
+    threads.clear();
+  }
+}
+
+class WorkspaceOnCudaTest : public WorkersOnCudaTest {
+ protected:
+  using Tree = std::map<std::string, std::string>;
+
+  RunSummary Refine(const std::string& gpu_index, const std::string& output) {
+    WorkspaceRefineOptions options;
+    options.workspace_path = root_;
+    options.output_path = folder_.Path() / output;
+    options.device = "cuda";
+    options.gpu_index = gpu_index;
+    std::ostringstream text;
+    Progress progress(text, false);
+    return RefineWorkspace(options, {}, progress, [] { return false; });
+  }
+  Tree Maps(const std::string& output) {
+    Tree maps;
+    for (const char* name :
+         {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
+      for (auto& [file, content] :
+           ReadTree(folder_.Path() / output / "stereo" / name)) {
+        maps[std::string(name) + "/" + file] = std::move(content);
+      }
+    }
+    return maps;
+  }
+  void WriteConfig(const std::vector<std::string>& names) {
+    std::string config;
+    for (const std::string& name : names) {
+      config += name + "\n__all__\n";
+    }
+    WriteText(root_ / "stereo/patch-match.cfg", config);
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+};
+
+TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
+  DrawWorkspace(root_);
+  const RunSummary two = Refine("0", "two");
+  EXPECT_EQ(two.num_workers, 2);
+  EXPECT_EQ(two.num_refined, 4);
+  ASSERT_EQ(two.peak_gpu_memory.size(), 1u);
+  EXPECT_GT(two.peak_gpu_memory[0].num_bytes, 0u);
+  const Tree expected = Maps("two");
+  for (const std::string& name : DrawnWorkspace::Names()) {
+    WriteConfig({name});
+    std::filesystem::remove_all(folder_.Path() / "one");
+    EXPECT_EQ(Refine("0", "one").num_workers, 1);
+    for (const auto& [file, content] : Maps("one")) {
+      if (file.find(name + ".geometric") != std::string::npos) {
+        EXPECT_TRUE(content == expected.at(file)) << file;
+      }
+    }
+  }
+}
+
+TEST_F(WorkspaceOnCudaTest, AllGpusGiveTheSameBytes) {
+  DrawWorkspace(root_);
+  Refine("0", "first");
+  EXPECT_EQ(Refine("-1", "all").num_refined, 4);
+  EXPECT_TRUE(Maps("first") == Maps("all"));
+  if (Device::NumCudaDevices() < 2) {
+    GTEST_SKIP() << "one CUDA device only: the rest is skipped";
+  }
+  Refine("1", "second");
+  EXPECT_TRUE(Maps("first") == Maps("second"));
+  EXPECT_EQ(Refine("1,0", "both").num_workers, 4);
+  EXPECT_TRUE(Maps("first") == Maps("both"));
+}
+
+TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
+  DrawWorkspace(root_);
+  const std::string beyond = std::to_string(Device::NumCudaDevices());
+  ExpectError(ErrorCode::kDevice, {"gpu_index", "no GPU " + beyond}, [&] {
+    Refine(beyond, "out");
+  });
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path() / "out"));
+  WorkspaceOverview overview;
+  overview.max_num_pixels = int64_t{1} << 34;
+  overview.max_num_sources = 10;
+  WorkspaceRefineOptions options;
+  options.device = "cuda";
+  options.gpu_index = "0";
+  ExpectError(ErrorCode::kDevice,
+              {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
+              [&] { CreateRefineDevices(options, overview, 10); });
+}
+
+}  // namespace
+}  // namespace tsar
