@@ -145,9 +145,10 @@ void ForEachPiece(size_t num_pixels, Function function) {
   }
 }
 
+// Without branches: the difference of what is not finite to itself is not zero.
+bool IsFinite(float value) { return value - value == 0.f; }
 bool IsFinite(const Vec3f& n) {
-  // The difference of what is not finite to itself is not zero.
-  return n.x - n.x == 0.f && n.y - n.y == 0.f && n.z - n.z == 0.f;
+  return IsFinite(n.x) && IsFinite(n.y) && IsFinite(n.z);
 }
 
 void SetCount(int64_t* target, int64_t count) {
@@ -173,8 +174,7 @@ class MapWriter {
       const std::span<const float> piece = values.subspan(begin, end - begin);
       bool is_finite = true;
       for (const float value : piece) {
-        // The difference of what is not finite to itself is not zero.
-        is_finite &= value - value == 0.f;
+        is_finite &= IsFinite(value);
       }
       Require(is_finite, "not finite");
       Put(piece.data(), piece.size_bytes());
@@ -214,14 +214,18 @@ Image<float> ReadDepthMap(const std::filesystem::path& path,
   MapReader reader(path);
   reader.RequireChannels(1, "a depth map");
   Image<float> depth(reader.Size().width, reader.Size().height);
-  reader.Read({depth.Data(), depth.NumPixels()});
   int64_t count = 0;
-  for (float& value : depth) {
-    count += std::isfinite(value) ? 0 : 1;
-    if (!(std::isfinite(value) && value > 0.f)) {
-      value = 0.f;
+  ForEachPiece(depth.NumPixels(), [&](size_t begin, size_t end) {
+    const std::span<float> piece(depth.Data() + begin, end - begin);
+    reader.Read(0, begin, piece);
+    int num_bad = 0;
+    for (float& value : piece) {
+      const bool is_finite = IsFinite(value);
+      num_bad += is_finite ? 0 : 1;
+      value = is_finite && value > 0.f ? value : 0.f;
     }
-  }
+    count += num_bad;
+  });
   SetCount(num_not_finite, count);
   return depth;
 }
