@@ -99,7 +99,7 @@ def main():
     check(list(runs) == ["tsar_refine",
                          "patch_match_stereo, photometric pass"],
           "a row for tsar_refine and one for patch_match_stereo")
-    images, seconds, _, speed, ratio, gpu, memory = runs["tsar_refine"]
+    images, seconds, _, speed, ratio, _, gpu, memory = runs["tsar_refine"]
     check(int(images) == NUM_IMAGES, "all images count")
     check(float(seconds) > 0 and float(speed) > 0 and float(ratio) == 1,
           "time and speed are positive, the ratio of the first run is 1")

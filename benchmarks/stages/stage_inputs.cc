@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tsar {
 std::vector<const ViewData*> ViewSet::SourcePointers() const {
@@ -88,11 +89,18 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
                                       views.Scale(),
                                       PlaneOptions(),
                                       device)),
-      composed(Compose()) {}
+      composed(Compose(OwnMap())) {}
 
-ComposedMap StageInputs::Compose() const {
-  return ComposeMap({views.Hypotheses(),
-                     correlation.trusted.View(),
+DepthNormalImages StageInputs::OwnMap() const {
+  DepthNormalImages own;
+  own.depth = DeviceImage<float>(device, view_set.reference.depth);
+  own.normal = DeviceImage<Vec3f>(device, view_set.reference.normal);
+  return own;
+}
+
+ComposedMap StageInputs::Compose(DepthNormalImages own) const {
+  return ComposeMap(std::move(own),
+                    {correlation.trusted.View(),
                      OnMap(superpixel_planes),
                      OnMap(pixel_planes)},
                     views.Scale(),

@@ -44,7 +44,8 @@ class StageInputs {
   RegionPlaneOptions PlaneOptions() const;
   int MinRegionSize() const;
   float MinScore() const;
-  ComposedMap Compose() const;
+  DepthNormalImages OwnMap() const;
+  ComposedMap Compose(DepthNormalImages own) const;
   HoughOptions Hough() const;
 
   Device& device;

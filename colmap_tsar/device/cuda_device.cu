@@ -103,7 +103,7 @@ size_t CudaDevice::FreeMemory() {
 }
 
 size_t CudaDevice::PeakMemory() {
-  return PoolBytes(cudaMemPoolAttrUsedMemHigh);
+  return PoolBytes(cudaMemPoolAttrReservedMemHigh);
 }
 
 void CudaDevice::CopyToDevice(void* target, const void* source, size_t size) {

@@ -21,7 +21,9 @@ class Team {
 
  public:
   // The sum of what body(i, &sum) adds for all i in [0, count); given to all
-  // lanes. Sum is a type whose default value is zero, with operator +=.
+  // lanes. Lane k adds up i = k, k + kSize, ...; then the upper half of the
+  // lanes is added to the lower one until one is left. Sum is a type whose
+  // default value is zero, with operator +=.
   template <typename Sum, typename Body>
   TSAR_HD Sum Accumulate(int count, const Body& body) const {
 #ifdef __CUDA_ARCH__

@@ -6,6 +6,7 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include <cmath>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -20,6 +21,7 @@ struct ComposeKernel {
   ComposeInputs inputs;
   DisparityScale scale;
   PlaneTolerance on_plane;
+  // The own hypotheses, which the result replaces.
   ImageView<float> depth;
   ImageView<Vec3f> normal;
   ImageView<uint8_t> provenance;
@@ -31,7 +33,7 @@ struct ComposeKernel {
   TSAR_HD void operator()(int x, int y) const {
     const Value region = OnPlane(inputs.region_planes, x, y);
     const Value superpixel = OnPlane(inputs.superpixel_planes, x, y);
-    const Value own = {inputs.own.depth(x, y), inputs.own.normal(x, y)};
+    const Value own = {depth(x, y), normal(x, y)};
     const bool trusted = inputs.trusted(x, y) != 0 && own.depth > 0.f;
     Provenance source = Provenance::kNone;
     Value value;
@@ -107,13 +109,14 @@ struct ConfidenceKernel {
 
 }  // namespace
 
-ComposedMap ComposeMap(const ComposeInputs& inputs,
+ComposedMap ComposeMap(DepthNormalImages own,
+                       const ComposeInputs& inputs,
                        const DisparityScale& scale,
                        const ComposeOptions& options,
                        Device& device) {
-  const int width = inputs.own.depth.width;
-  const int height = inputs.own.depth.height;
-  ComposedMap composed{DepthNormalImages(device, width, height),
+  const int width = own.depth.Width();
+  const int height = own.depth.Height();
+  ComposedMap composed{std::move(own),
                        DeviceImage<uint8_t>(device, width, height)};
   ParallelFor(device,
               width,

@@ -19,8 +19,7 @@ struct ComposeOptions {
 };
 
 struct ComposeInputs {
-  DepthNormalViews own;                // The measured hypotheses.
-  ImageView<const uint8_t> trusted;    // Where they stand.
+  ImageView<const uint8_t> trusted;    // Where the measured hypotheses stand.
   PlaneRaster superpixel_planes;       // May be empty.
   PlaneRaster region_planes;           // May be empty.
 };
@@ -34,7 +33,9 @@ struct ComposedMap {
 // plane moves onto it, which removes its noise; one that does not keeps its
 // depth. Where nothing is trusted, the plane with the more local support wins:
 // the superpixel's, unless the region's says the same.
-ComposedMap ComposeMap(const ComposeInputs& inputs,
+// own: the measured hypotheses, whose memory the result takes over.
+ComposedMap ComposeMap(DepthNormalImages own,
+                       const ComposeInputs& inputs,
                        const DisparityScale& scale,
                        const ComposeOptions& options,
                        Device& device);

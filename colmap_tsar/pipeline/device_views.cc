@@ -39,9 +39,9 @@ DeviceViews::DeviceViews(
       color_(device, reference.color),
       raster_color_(ReduceColor(color_.View(), raster_, device)),
       gray_(ComputeGray(color_.View(), device)),
-      depth_(device, reference.depth),
-      normal_(device, reference.normal),
       uploaded_sources_(std::move(sources)) {
+  hypotheses_.depth = DeviceImage<float>(device, reference.depth);
+  hypotheses_.normal = DeviceImage<Vec3f>(device, reference.normal);
   std::vector<SourceView> views;
   std::vector<Camera> cameras;
   for (const auto& source : uploaded_sources_) {

@@ -11,6 +11,7 @@
 #include "colmap_tsar/refinement/samples.h"
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -28,20 +29,23 @@ class DeviceViews {
               const std::vector<const ViewData*>& sources,
               Device& device);
 
-  int Width() const { return depth_.Width(); }
-  int Height() const { return depth_.Height(); }
+  int Width() const { return color_.Width(); }
+  int Height() const { return color_.Height(); }
   const Camera& ReferenceCamera() const { return camera_; }
   Intrinsics MapIntrinsics() const { return camera_.GetIntrinsics(); }
   Intrinsics RasterIntrinsics() const;
   const DisparityScale& Scale() const { return scale_; }
 
   ReferenceView Reference() const {
-    return {MapIntrinsics(), gray_.View(), depth_.View(), normal_.View()};
+    return {MapIntrinsics(),
+            gray_.View(),
+            hypotheses_.depth.View(),
+            hypotheses_.normal.View()};
   }
   const Buffer<SourceView>& Sources() const { return sources_; }
-  DepthNormalViews Hypotheses() const {
-    return {depth_.View(), normal_.View()};
-  }
+  DepthNormalViews Hypotheses() const { return hypotheses_.Views(); }
+  // Gives the hypotheses away; they and Reference() are empty afterwards.
+  DepthNormalImages TakeHypotheses() { return std::move(hypotheses_); }
   ImageView<const Rgb> Color() const { return color_.View(); }
 
   // The raster of superpixels and regions, and the image reduced to it.
@@ -58,8 +62,7 @@ class DeviceViews {
   DeviceImage<Rgb> color_;
   DeviceImage<Rgb> raster_color_;
   DeviceImage<float> gray_;
-  DeviceImage<float> depth_;
-  DeviceImage<Vec3f> normal_;
+  DepthNormalImages hypotheses_;
   std::vector<std::shared_ptr<const UploadedView>> uploaded_sources_;
   Buffer<SourceView> sources_;
 };

@@ -210,7 +210,7 @@ RefineResult RefineImage(
     Device& device) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
-  const DeviceViews views(reference, sources, device);
+  DeviceViews views(reference, sources, device);
   timer.Finish("upload");
   const auto num_sources_with_depth =
       std::count_if(sources.begin(), sources.end(), [](const auto& source) {
@@ -246,8 +246,8 @@ RefineResult RefineImage(
                                      device,
                                      &timer);
   }
-  ComposedMap composed = ComposeMap({views.Hypotheses(),
-                                     refinement.trusted.View(),
+  ComposedMap composed = ComposeMap(views.TakeHypotheses(),
+                                    {refinement.trusted.View(),
                                      OnMap(refinement.superpixel_planes, views),
                                      OnMap(region_planes, views)},
                                     views.Scale(),

@@ -64,18 +64,6 @@ void MarkFailures(const ImagePipeline& pipeline, Manifest* manifest) {
   }
 }
 
-std::map<std::string, std::string> RuntimeText(
-    const WorkspaceRefineOptions& options, const RefineDevices& devices) {
-  std::ostringstream cache_size;
-  cache_size << options.cache_size;
-  return {{"device", options.device},
-          {"gpu_index", options.gpu_index},
-          {"num_threads", std::to_string(options.num_threads)},
-          {"cache_size", cache_size.str()},
-          {"used", devices.description},
-          {"images_at_a_time", std::to_string(devices.workers.size())}};
-}
-
 // The most that each GPU held; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {
   std::vector<RunSummary::GpuMemory> peaks;
@@ -86,6 +74,23 @@ std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {
     }
   }
   return peaks;
+}
+
+std::map<std::string, std::string> RuntimeText(
+    const WorkspaceRefineOptions& options, const RefineDevices& devices) {
+  std::ostringstream cache_size;
+  cache_size << options.cache_size;
+  std::map<std::string, std::string> text = {
+      {"device", options.device},
+      {"gpu_index", options.gpu_index},
+      {"num_threads", std::to_string(options.num_threads)},
+      {"cache_size", cache_size.str()},
+      {"used", devices.description},
+      {"images_at_a_time", std::to_string(devices.workers.size())}};
+  for (const RunSummary::GpuMemory& peak : PeakGpuMemory(devices)) {
+    text["peak_bytes of " + peak.gpu] = std::to_string(peak.num_bytes);
+  }
+  return text;
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
                              inputs.views.Width(),
                              inputs.views.Height()};
         };
-        ComposedMap composed = ComposeMap({inputs.views.Hypotheses(),
-                                           inputs.reliable.View(),
+        ComposedMap composed = ComposeMap(inputs.views.TakeHypotheses(),
+                                          {inputs.reliable.View(),
                                            on_map(superpixel_planes),
                                            on_map(region_planes)},
                                           inputs.views.Scale(),

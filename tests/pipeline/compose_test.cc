@@ -32,13 +32,11 @@ class ComposeTest : public testing::Test {
                    bool trusted,
                    float superpixel,
                    float region) const {
-    const Image<float> depth(1, 1, own);
-    const Image<Vec3f> normal(1, 1, own > 0.f ? kOwnNormal : Vec3f{});
     const Image<Plane> superpixel_plane = PlaneAt(superpixel, kSuperpixelNormal);
     const Image<Plane> region_plane = PlaneAt(region, kRegionNormal);
     const Image<uint8_t> mask(1, 1, trusted ? 1 : 0);
-    const ComposedMap map = ComposeMap({{depth.View(), normal.View()},
-                                        mask.View(),
+    const ComposedMap map = ComposeMap(OwnMap(own),
+                                       {mask.View(),
                                         Raster(superpixel_plane),
                                         Raster(region_plane)},
                                        {},
@@ -47,6 +45,13 @@ class ComposeTest : public testing::Test {
     return {map.map.depth.ToHost()(0, 0),
             map.map.normal.ToHost()(0, 0),
             static_cast<Provenance>(map.provenance.ToHost()(0, 0))};
+  }
+  DepthNormalImages OwnMap(float depth) const {
+    DepthNormalImages own;
+    own.depth = DeviceImage<float>(*device_, Image<float>(1, 1, depth));
+    own.normal = DeviceImage<Vec3f>(
+        *device_, Image<Vec3f>(1, 1, depth > 0.f ? kOwnNormal : Vec3f{}));
+    return own;
   }
   static Image<Plane> PlaneAt(float depth, const Vec3f& normal) {
     return Image<Plane>(
@@ -124,14 +129,9 @@ TEST_F(ComposeTest, TheSuperpixelWinsUnlessTheRegionSaysTheSame) {
 }
 
 TEST_F(ComposeTest, PlanesMayBeMissing) {
-  const Image<float> depth(1, 1, 4.f);
-  const Image<Vec3f> normal(1, 1, kOwnNormal);
   const Image<uint8_t> trusted(1, 1, 1);
-  const ComposedMap map =
-      ComposeMap({{depth.View(), normal.View()}, trusted.View(), {}, {}},
-                 {},
-                 options_,
-                 *device_);
+  const ComposedMap map = ComposeMap(
+      OwnMap(4.f), {trusted.View(), {}, {}}, {}, options_, *device_);
   EXPECT_EQ(map.map.depth.ToHost()(0, 0), 4.f);
 }
 
