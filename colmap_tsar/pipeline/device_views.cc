@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/device_views.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/refinement/reduce_color.h"
 
@@ -34,7 +35,8 @@ DeviceViews::DeviceViews(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     Device& device)
-    : camera_(reference.camera),
+    : device_(device),
+      camera_(reference.camera),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
       color_(device, reference.color),
       raster_color_(ReduceColor(color_.View(), raster_, device)),
@@ -53,6 +55,22 @@ DeviceViews::DeviceViews(
   }
   sources_ = Buffer<SourceView>(device, views);
   scale_ = ComputeDisparityScale(reference.camera, cameras);
+}
+
+DeviceViews::~DeviceViews() {
+  if (!uploaded_sources_.empty()) {
+    try {
+      device_.Synchronize();
+    } catch (const Error&) {
+      // Whoever asks the device for more will hear of it.
+    }
+  }
+}
+
+void DeviceViews::ReleaseSources() {
+  sources_ = {};
+  uploaded_sources_.clear();
+  gray_ = {};
 }
 
 Intrinsics DeviceViews::RasterIntrinsics() const {

@@ -29,6 +29,10 @@ class DeviceViews {
               const std::vector<const ViewData*>& sources,
               Device& device);
 
+  // Sources are shared with other devices of the GPU: as long as they are held,
+  // this waits for the work that may read them.
+  ~DeviceViews();
+
   int Width() const { return color_.Width(); }
   int Height() const { return color_.Height(); }
   const Camera& ReferenceCamera() const { return camera_; }
@@ -44,6 +48,9 @@ class DeviceViews {
   }
   const Buffer<SourceView>& Sources() const { return sources_; }
   DepthNormalViews Hypotheses() const { return hypotheses_.Views(); }
+  // Frees what only matching needs, once the device has done that: the sources
+  // and the gray image, which are empty afterwards.
+  void ReleaseSources();
   // Gives the hypotheses away; they and Reference() are empty afterwards.
   DepthNormalImages TakeHypotheses() { return std::move(hypotheses_); }
   ImageView<const Rgb> Color() const { return color_.View(); }
@@ -56,6 +63,7 @@ class DeviceViews {
   double RasterScale() const;
 
  private:
+  Device& device_;
   Camera camera_;
   DisparityScale scale_;
   ReducedRaster raster_;

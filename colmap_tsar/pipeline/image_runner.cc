@@ -148,7 +148,7 @@ RefineResult ImageRunner::ComputeOnDevice(size_t index,
     }
     const double upload_seconds = SecondsSince(start);
     result = RefineImage(views->Get(problem.reference),
-                         sources,
+                         std::move(sources),
                          HashImageName(Name(problem.reference)),
                          options_,
                          device);

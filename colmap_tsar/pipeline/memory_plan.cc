@@ -17,10 +17,14 @@ constexpr int64_t kBytesPerViewPixel = 27;
 constexpr int64_t kBytesPerResultPixel = 24;
 // Gray 4, depth 4.
 constexpr int64_t kBytesPerSourcePixel = 8;
-// The reference with all intermediate maps, of which the stages hold about 95
-// at a time; a test compares. The rest is for what an allocator loses between
-// blocks of different sizes.
-constexpr int64_t kBytesPerReferencePixel = 144;
+// The reference with all intermediate maps, of which the stages hold at most 51
+// at a time, and what they hold for each pixel of the reduced raster; a test
+// compares.
+constexpr int64_t kBytesPerReferencePixel = 52;
+constexpr int64_t kBytesPerRasterPixel = 60;
+constexpr int64_t kMaxRasterPixels = int64_t{777} * 777;
+// Images further on need a few other sources.
+constexpr int kViewsPerWorker = 2;
 // Beside the maps: tables of superpixels and regions, which do not grow with
 // the map, and the kernels that the driver loads when they are first used.
 constexpr int64_t kFixedBytes = int64_t{64} << 20;
@@ -47,8 +51,16 @@ int64_t SourceBytes(const WorkspaceOverview& overview) {
          overview.max_num_sources;
 }
 
+int64_t SharedViewBytes(const WorkspaceOverview& overview, int num_workers) {
+  return SourceBytes(overview) + num_workers * kViewsPerWorker *
+                                     kBytesPerSourcePixel *
+                                     overview.max_num_pixels;
+}
+
 int64_t WorkBytes(const WorkspaceOverview& overview) {
   return overview.max_num_pixels * kBytesPerReferencePixel +
+         std::min(overview.max_num_pixels, kMaxRasterPixels) *
+             kBytesPerRasterPixel +
          SourceBytes(overview);
 }
 

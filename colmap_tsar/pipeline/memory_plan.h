@@ -22,9 +22,12 @@ int64_t ViewBytes(const WorkspaceOverview& overview);
 // A refined image on its way to the disk, with its encoded files.
 int64_t ResultBytes(const WorkspaceOverview& overview);
 
-// The source views of one image in a device's memory, as DeviceViewCache holds
-// them.
+// The source views of one image in a device's memory.
 int64_t SourceBytes(const WorkspaceOverview& overview);
+
+// What a DeviceViewCache may hold for this many workers: the sources of an
+// image, which those after it share for the most part.
+int64_t SharedViewBytes(const WorkspaceOverview& overview, int num_workers);
 
 // A device at work on one image: the sources, the reference, and all that the
 // stages make of it at a time.

@@ -150,7 +150,7 @@ void AddGpuWorkers(std::vector<Gpu> opened,
     const int num_workers = std::clamp(num_left, 1, gpu.num_workers);
     num_left -= num_workers;
     result->view_caches.push_back(std::make_unique<DeviceViewCache>(
-        static_cast<size_t>(num_workers * SourceBytes(overview))));
+        static_cast<size_t>(SharedViewBytes(overview, num_workers))));
     const int num_worker_threads = gpu.device->Threads().NumThreads();
     for (int i = 0; i < num_workers; ++i) {
       result->workers.push_back(
@@ -169,7 +169,7 @@ void AddCpuWorkers(int num_workers,
   result->description = std::to_string(num_threads) + " CPU thread" +
                         (num_threads == 1 ? "" : "s");
   result->view_caches.push_back(std::make_unique<DeviceViewCache>(
-      static_cast<size_t>(num_workers * SourceBytes(overview))));
+      static_cast<size_t>(SharedViewBytes(overview, num_workers))));
   for (int i = 0; i < num_workers; ++i) {
     const int remainder = i < num_threads % num_workers ? 1 : 0;
     result->workers.push_back(

@@ -149,12 +149,12 @@ Regions SegmentTexturelessRegions(const DeviceViews& views,
 }
 
 DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
-                                ImageView<const float> score,
-                                ImageView<const uint8_t> trusted,
-                                uint32_t image_id,
-                                const RefineOptions& options,
-                                Device& device,
-                                StageTimer* timer) {
+                                    ImageView<const float> score,
+                                    ImageView<const uint8_t> trusted,
+                                    uint32_t image_id,
+                                    const RefineOptions& options,
+                                    Device& device,
+                                    StageTimer* timer) {
   const Regions regions = SegmentTexturelessRegions(views, options, device);
   timer->Finish("segmentation");
   RegionPlaneOptions planes;
@@ -204,18 +204,18 @@ RefineResult RefineImage(const ViewData& reference,
 
 RefineResult RefineImage(
     const ViewData& reference,
-    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
     Device& device) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
-  DeviceViews views(reference, sources, device);
-  timer.Finish("upload");
   const auto num_sources_with_depth =
       std::count_if(sources.begin(), sources.end(), [](const auto& source) {
         return source->has_depth;
       });
+  DeviceViews views(reference, std::move(sources), device);
+  timer.Finish("upload");
   const DeviceImage<float> score =
       ScoreHypotheses(reference,
                       views,
@@ -228,7 +228,8 @@ RefineResult RefineImage(
       options.filter ? static_cast<float>(options.min_aggregated_score)
                      : kAnyScore,
       device);
-  timer.Finish("filtering");
+  timer.Finish("filtering");  // Waits for the device: the sources can go.
+  views.ReleaseSources();
   const Refinement refinement = RefineTrust(views,
                                             score.View(),
                                             std::move(reliable),

@@ -38,9 +38,10 @@ struct RefineResult {
 // result is a function of the arguments, whatever the device's threads.
 // image_id keys the random numbers. When it returns, the device has done all
 // work. Sources may have been uploaded by another device of the same GPU.
+// They are let go as soon as nothing needs them any more.
 RefineResult RefineImage(
     const ViewData& reference,
-    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
     Device& device);
