@@ -119,31 +119,53 @@ class LineWalk {
   float step_y_;
 };
 
+// The line of each edge pixel, as an index into the votes: the one with most of
+// them, or -1 where these are too few.
+struct ElectKernel {
+  const Pixel* pixels;
+  Accumulator accumulator;
+  int min_votes;
+  ImageView<int> lines;
+
+  TSAR_HD void operator()(int64_t i) const {
+    const Pixel pixel = pixels[i];
+    int best = -1;
+    int most_votes = min_votes - 1;
+    for (int angle = 0; angle < kNumAngles; ++angle) {
+      const int line = accumulator.Index(angle, pixel);
+      if (accumulator.votes.data[line] > most_votes) {
+        most_votes = accumulator.votes.data[line];
+        best = line;
+      }
+    }
+    lines(pixel.x, pixel.y) = best;
+  }
+};
+
 struct DrawKernel {
   const Pixel* pixels;
   ImageView<const uint8_t> edges;
   Accumulator accumulator;
+  ImageView<const int> lines;
   HoughOptions options;
   float min_length;
   ImageView<uint8_t> drawn;
 
   TSAR_HD void operator()(int64_t i) const {
     const Pixel pixel = pixels[i];
-    int best_angle = 0;
-    int most_votes = 0;
-    for (int angle = 0; angle < kNumAngles; ++angle) {
-      const int votes = accumulator.votes.data[accumulator.Index(angle, pixel)];
-      if (votes > most_votes) {
-        most_votes = votes;
-        best_angle = angle;
-      }
-    }
-    if (most_votes < options.min_votes) {
+    const int line = lines(pixel.x, pixel.y);
+    if (line < 0) {
       return;
     }
     // The line runs at a right angle to its normal.
-    const Direction normal = accumulator.normals[best_angle];
+    const Direction normal =
+        accumulator.normals[line / accumulator.votes.width];
     const LineWalk walk(pixel, {-normal.y, normal.x});
+    const Pixel before = walk.At(-1);
+    if (edges.Contains(before.x, before.y) && edges(before.x, before.y) != 0 &&
+        lines(before.x, before.y) == line) {
+      return;  // That one draws the segment.
+    }
     int forward = Follow(walk, 1, 0, 0);
     const int backward = Follow(walk, -1, 0, forward);
     // A longer segment may cross a wider gap, so the first side goes on.
@@ -218,6 +240,11 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
               num_threads,
               kNumAngles,
               VoteKernel{pixels.Data(), num_edges, num_threads, accumulator});
+  DeviceImage<int> lines(device, edges.width, edges.height);
+  ParallelFor(
+      device,
+      num_edges,
+      ElectKernel{pixels.Data(), accumulator, options.min_votes, lines.View()});
   DeviceImage<uint8_t> drawn(device, edges.width, edges.height);
   Copy(device, edges.data, edges.NumPixels(), drawn.View().data);
   ParallelFor(
@@ -226,6 +253,7 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
       DrawKernel{pixels.Data(),
                  edges,
                  accumulator,
+                 lines.View(),
                  options,
                  options.min_length_share * std::min(edges.width, edges.height),
                  drawn.View()});

@@ -23,9 +23,9 @@ struct HoughOptions {
 
 // The edges together with the straight segments through them, by a Hough
 // transform: every edge pixel votes for all lines through it and then takes the
-// one with most votes. If these are enough, it follows that line in both
-// directions over gaps of at most t_c = min(0.1 * length, max_gap), and draws
-// the segment that it finds. Segments are 8-connected, which keeps 4-connected
+// one with most votes. If these are enough, the first of adjacent pixels on one
+// line follows it in both directions over gaps of at most
+// t_c = min(0.1 * length, max_gap), and draws the segment that it finds. Segments are 8-connected, which keeps 4-connected
 // regions apart.
 // edges, and the result: other than 0 on edges.
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
