@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/raster_memory.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -49,12 +50,24 @@ struct ImageView {
 // A row-major raster in host memory.
 template <typename T>
 class Image {
+  static_assert(std::is_trivially_copyable_v<T>);
+
  public:
   Image() = default;
   Image(int width, int height, const T& value = T())
       : width_(width),
         height_(height),
         data_(static_cast<size_t>(width) * static_cast<size_t>(height), value) {
+  }
+
+  // For those who set every pixel: leaves them undefined.
+  static Image Uninitialized(int width, int height) {
+    Image image;
+    image.width_ = width;
+    image.height_ = height;
+    image.data_.resize(static_cast<size_t>(width) *
+                       static_cast<size_t>(height));
+    return image;
   }
 
   int Width() const { return width_; }
@@ -83,7 +96,7 @@ class Image {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T> data_;
+  std::vector<T, RasterAllocator<T>> data_;
 };
 
 }  // namespace tsar

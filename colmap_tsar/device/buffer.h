@@ -97,7 +97,7 @@ class DeviceImage {
   ImageView<const T> View() const { return {buffer_.Data(), width_, height_}; }
 
   Image<T> ToHost() const {
-    Image<T> host(width_, height_);
+    Image<T> host = Image<T>::Uninitialized(width_, height_);
     buffer_.Download(host.Data());
     return host;
   }
