@@ -71,4 +71,13 @@ TSAR_HD inline int AtomicLoad(const int* address) {
 #endif
 }
 
+// Writes a value that other threads may be writing, too.
+TSAR_HD inline void AtomicStore(uint8_t* address, uint8_t value) {
+#ifdef __CUDA_ARCH__
+  *address = value;
+#else
+  __atomic_store_n(address, value, __ATOMIC_RELAXED);
+#endif
+}
+
 }  // namespace tsar

@@ -179,7 +179,7 @@ struct DrawKernel {
     }
     for (int step = -backward; step <= forward; ++step) {
       const Pixel covered = walk.At(step);
-      drawn(covered.x, covered.y) = 1;
+      AtomicStore(&drawn(covered.x, covered.y), 1);
     }
   }
 

@@ -6,6 +6,7 @@
 // Every stage on the GPU against the same stage on the CPU.
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,6 @@ class CudaTest : public testing::Test {
                    const std::vector<SceneSize>& scenes,
                    const Stage& stage);
 
- private:
   std::unique_ptr<Device> cpu_;
   std::unique_ptr<Device> cuda_;
 };

@@ -60,6 +60,7 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
 TEST_F(CudaTest, RefineImage) {
   std::vector<SceneSize> scenes = AllScenes();
   scenes.push_back({SceneKind::kWall, 331, 203});
+  scenes.push_back({SceneKind::kWall, 223, 811});
   for (const bool paper : {false, true}) {
     ExpectAlike(
         paper ? "RefineImage, paper" : "RefineImage",

@@ -1,11 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/scan.h"
 #include "colmap_tsar/refinement/cielab.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/refinement/fragments.h"
 #include "colmap_tsar/refinement/reduce_color.h"
+#include "colmap_tsar/refinement/trust.h"
+
+#include <algorithm>
 
 #include "tests/cuda/cuda_test.h"
 
@@ -35,21 +37,6 @@ DeviceImage<int> RandomLabels(const DeviceViews& views,
     labels.Data()[i] = static_cast<int>(random.Data()[i]) - shift;
   }
   return DeviceImage<int>(device, labels);
-}
-
-TEST_F(CudaTest, ExclusiveSum) {
-  ExpectAlike(
-      "ExclusiveSum",
-      AllScenesAndWide(),
-      [](StageInputs& inputs, Device& device, StageResult* result) {
-        const DeviceImage<int> values =
-            RandomLabels(inputs.views, 9, 2, device);
-        for (const size_t count : {size_t{0}, values.View().NumPixels()}) {
-          result->Add("sums",
-                      kSameBytes,
-                      ExclusiveSum(values.View().data, count, device));
-        }
-      });
 }
 
 TEST_F(CudaTest, ReduceColor) {
@@ -122,32 +109,71 @@ TEST_F(CudaTest, GroupPixels) {
               });
 }
 
+void AddGroupPlanes(const PixelGroups& groups,
+                    const StageInputs& inputs,
+                    Device& device,
+                    StageResult* result) {
+  std::vector<Plane> planes;
+  std::vector<int> counts;
+  std::vector<Vec3f> supports;
+  for (const GroupPlane& fit :
+       FitGroupPlanes(
+           groups, inputs.samples.View(), inputs.views.Scale(), {}, device)
+           .ToHost()) {
+    planes.push_back(fit.plane);
+    counts.insert(
+        counts.end(),
+        {fit.num_pixels, fit.num_samples, fit.num_inliers, fit.num_near});
+    supports.push_back(
+        {fit.support.mean_x, fit.support.mean_y, fit.support.inverse_xx});
+  }
+  result->Add("planes", kCloseDepths, planes);
+  result->Add("counts", kSameLabels, counts);
+  result->Add("supports", {1e-3, 1e-4, 1e-3}, supports);
+}
+
 TEST_F(CudaTest, FitGroupPlanes) {
+  ExpectAlike("FitGroupPlanes",
+              AllScenes(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                AddGroupPlanes(GroupPixels(inputs.squares.labels.View(),
+                                           inputs.squares.count,
+                                           device),
+                               inputs,
+                               device,
+                               result);
+              });
+}
+
+TEST_F(CudaTest, FitGroupPlanesToLargeGroups) {
+  // Some columns are of no group, and group 1 has no pixels.
+  std::vector<SceneSize> scenes = AllScenes();
+  scenes.push_back({SceneKind::kWall, 331, 203});
+  int most_samples = 0;
   ExpectAlike(
-      "FitGroupPlanes",
-      AllScenes(),
-      [](StageInputs& inputs, Device& device, StageResult* result) {
-        const PixelGroups groups = GroupPixels(
-            inputs.squares.labels.View(), inputs.squares.count, device);
-        const std::vector<GroupPlane> fits =
-            FitGroupPlanes(
-                groups, inputs.samples.View(), inputs.views.Scale(), {}, device)
-                .ToHost();
-        std::vector<Plane> planes;
-        std::vector<int> counts;
-        std::vector<Vec3f> supports;
-        for (const GroupPlane& fit : fits) {
-          planes.push_back(fit.plane);
-          counts.insert(
-              counts.end(),
-              {fit.num_pixels, fit.num_samples, fit.num_inliers, fit.num_near});
-          supports.push_back(
-              {fit.support.mean_x, fit.support.mean_y, fit.support.inverse_xx});
+      "FitGroupPlanes, large groups",
+      scenes,
+      [&](StageInputs& inputs, Device& device, StageResult* result) {
+        const ReducedRaster& raster = inputs.views.Raster();
+        Image<int> labels(raster.width, raster.height, 0);
+        for (int y = 0; y < raster.height; ++y) {
+          for (int x = 0; x < raster.width; ++x) {
+            labels(x, y) = x % 11 == 10 ? -1 : (5 * x < raster.width ? 2 : 0);
+          }
         }
-        result->Add("planes", kCloseDepths, planes);
-        result->Add("counts", kSameLabels, counts);
-        result->Add("supports", {1e-3, 1e-4, 1e-3}, supports);
+        const PixelGroups groups =
+            GroupPixels(DeviceImage<int>(device, labels).View(), 3, device);
+        AddGroupPlanes(groups, inputs, device, result);
+        const Image<RayDepth> samples = inputs.samples.ToHost();
+        most_samples = std::max(
+            most_samples,
+            static_cast<int>(std::count_if(
+                samples.begin(), samples.end(), [](const RayDepth& sample) {
+                  return sample.z > 0.f;
+                })));
       });
+  // Hypotheses are scored on a share of them.
+  EXPECT_GT(most_samples, 4 * GroupPlaneOptions().max_scored_samples);
 }
 
 TEST_F(CudaTest, FitSuperpixelPlanes) {
@@ -160,11 +186,11 @@ TEST_F(CudaTest, FitSuperpixelPlanes) {
                                 GroupPixels(inputs.squares.labels.View(),
                                             inputs.squares.count,
                                             device),
-                                                inputs.samples.View(),
-                                                inputs.views.RasterIntrinsics(),
-                                                inputs.views.Scale(),
-                                                {},
-                                                device));
+                                inputs.samples.View(),
+                                inputs.views.RasterIntrinsics(),
+                                inputs.views.Scale(),
+                                {},
+                                device));
               });
 }
 
@@ -198,47 +224,127 @@ TEST_F(CudaTest, SampleMeasurementsAndReduceNearest) {
 }
 
 TEST_F(CudaTest, PlanesOfLabels) {
-  ExpectAlike("PlanesOfLabels",
-              AllScenesAndWide(),
-              [](StageInputs& inputs, Device& device, StageResult* result) {
-                std::vector<Plane> planes;
-                for (int k = 0; k < inputs.squares.count; ++k) {
-                  const float tilt = 0.05f * static_cast<float>(k % 7);
-                  planes.push_back(k % 5 == 4
-                                       ? Plane{}
-                                       : DrawnPlane({tilt, 0.f, -1.f}, 4.f));
-                }
-                const Buffer<Plane> buffer(device, planes);
-                const DeviceImage<Plane> of_pixels = PlanesOfLabels(
-                    inputs.squares.labels.View(), buffer, device);
-                const Image<Plane> host = of_pixels.ToHost();
-                result->Add("planes",
-                            kSameLabels,
-                            std::vector<Plane>(host.begin(), host.end()));
-              });
+  ExpectAlike(
+      "PlanesOfLabels",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        std::vector<Plane> planes;
+        for (int k = 0; k < inputs.squares.count; ++k) {
+          const float tilt = 0.05f * static_cast<float>(k % 7);
+          planes.push_back(k % 5 == 4 ? Plane{}
+                                      : DrawnPlane({tilt, 0.f, -1.f}, 4.f));
+        }
+        const Buffer<Plane> buffer(device, planes);
+        const DeviceImage<Plane> of_pixels =
+            PlanesOfLabels(inputs.squares.labels.View(), buffer, device);
+        const Image<Plane> host = of_pixels.ToHost();
+        result->Add("planes",
+                    kSameLabels,
+                    std::vector<Plane>(host.begin(), host.end()));
+      });
 }
 
 TEST_F(CudaTest, RefineByCorrelation) {
+  struct Variant {
+    std::string name;
+    bool readmit_filtered;
+    bool use_superpixel_planes;
+    bool use_weighted_median;
+  };
+  for (const Variant& variant : {Variant{"as usual", false, true, true},
+                                 Variant{"readmitting", true, true, true},
+                                 Variant{"no planes", true, false, true},
+                                 Variant{"no median", false, true, false},
+                                 Variant{"neither", true, false, false}}) {
+    ExpectAlike("RefineByCorrelation, " + variant.name,
+                AllScenes(),
+                [&](StageInputs& inputs, Device& device, StageResult* result) {
+                  CorrelationOptions options;
+                  options.readmit_filtered = variant.readmit_filtered;
+                  options.use_superpixel_planes = variant.use_superpixel_planes;
+                  options.use_weighted_median = variant.use_weighted_median;
+                  const CorrelationResult refined =
+                      RefineByCorrelation(inputs.views.Hypotheses(),
+                                          inputs.score.View(),
+                                          std::move(inputs.reliable),
+                                          inputs.views.Color(),
+                                          inputs.squares,
+                                          inputs.views.Raster(),
+                                          inputs.views.ReferenceCamera(),
+                                          inputs.views.Scale(),
+                                          options,
+                                          device);
+                  result->Add("trusted", kSameLabels, refined.trusted);
+                  result->Add("planes", kCloseDepths, refined.planes);
+                });
+  }
+}
+
+// Depths that are up to a tenth off: some pass a gate about the drawn planes
+// and some do not.
+struct DrawnGate {
+  DrawnGate(const StageInputs& inputs, bool readmit_filtered, Device& device) {
+    const ViewData& view = inputs.drawn.views[0];
+    const Intrinsics intrinsics = inputs.views.MapIntrinsics();
+    const Image<float> noise =
+        RandomImage(inputs.views.Width(), inputs.views.Height(), 0.2f, 9);
+    Image<InverseDepthPlane> planes(noise.Width(), noise.Height());
+    Image<float> depths(noise.Width(), noise.Height());
+    for (int y = 0; y < noise.Height(); ++y) {
+      for (int x = 0; x < noise.Width(); ++x) {
+        planes(x, y) = ToInverseDepth(
+            intrinsics.Ray(x, y), view.depth(x, y), view.normal(x, y));
+        depths(x, y) = view.depth(x, y) * (0.9f + noise(x, y));
+      }
+    }
+    estimate = DeviceImage<InverseDepthPlane>(device, planes);
+    own_depth = DeviceImage<float>(device, depths);
+    gate = {own_depth.View(),
+            inputs.score.View(),
+            inputs.views.Scale(),
+            6.f,
+            readmit_filtered};
+  }
+
+  DeviceImage<InverseDepthPlane> estimate;
+  DeviceImage<float> own_depth;
+  TrustGate gate;
+};
+
+TEST_F(CudaTest, GateByPlanes) {
+  for (const bool readmit : {false, true}) {
+    ExpectAlike(readmit ? "GateByPlanes, readmitting" : "GateByPlanes",
+                AllScenesAndWide(),
+                [&](StageInputs& inputs, Device& device, StageResult* result) {
+                  const DrawnGate drawn(inputs, readmit, device);
+                  GateByPlanes(drawn.estimate.View(),
+                               inputs.views.MapIntrinsics(),
+                               drawn.gate,
+                               inputs.reliable.View(),
+                               device);
+                  result->Add("trusted", kSameLabels, inputs.reliable);
+                });
+  }
+}
+
+TEST_F(CudaTest, GateByWeightedMedian) {
   for (const bool readmit : {false, true}) {
     ExpectAlike(
-        readmit ? "RefineByCorrelation, readmit" : "RefineByCorrelation",
-        AllScenes(),
-        [readmit](StageInputs& inputs, Device& device, StageResult* result) {
-          CorrelationOptions options;
-          options.readmit_filtered = readmit;
-          const CorrelationResult refined =
-              RefineByCorrelation(inputs.views.Hypotheses(),
-                                  inputs.score.View(),
-                                  std::move(inputs.reliable),
-                                  inputs.views.Color(),
-                                  inputs.squares,
-                                  inputs.views.Raster(),
-                                  inputs.views.ReferenceCamera(),
-                                  inputs.views.Scale(),
-                                  options,
-                                  device);
-          result->Add("trusted", kSameLabels, refined.trusted);
-          result->Add("planes", kCloseDepths, refined.planes);
+        readmit ? "GateByWeightedMedian, readmitting" : "GateByWeightedMedian",
+        AllScenesAndWide(),
+        [&](StageInputs& inputs, Device& device, StageResult* result) {
+          const DrawnGate drawn(inputs, readmit, device);
+          WeightedMedianOptions options;
+          // Neighbouring taps, and taps that are far apart.
+          options.radius = readmit ? 5.f : 40.f;
+          GateByWeightedMedian(drawn.estimate.View(),
+                               inputs.views.Color(),
+                               inputs.views.MapIntrinsics(),
+                               options,
+                               drawn.gate,
+                               inputs.reliable.View(),
+                               device);
+          result->Add("trusted", kSameLabels, inputs.reliable);
         });
   }
 }

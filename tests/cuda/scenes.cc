@@ -48,12 +48,15 @@ std::vector<SceneSize> AllScenes() {
     scenes.push_back({kind, 1, 37});
     scenes.push_back({kind, 97, 61});
   }
+  // The raster is smaller than the map.
+  scenes.push_back({SceneKind::kWall, 1201, 37});
   return scenes;
 }
 
 std::vector<SceneSize> AllScenesAndWide() {
   std::vector<SceneSize> scenes = AllScenes();
   scenes.push_back({SceneKind::kWall, 65539, 3});
+  scenes.push_back({SceneKind::kWall, 811, 900});
   return scenes;
 }
 

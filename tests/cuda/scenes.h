@@ -31,7 +31,8 @@ struct SceneSize {
 std::ostream& operator<<(std::ostream& out, const SceneSize& size);
 
 std::vector<SceneSize> AllScenes();
-// For stages that cost little: also an image wider than 65,536 pixels.
+// For stages that cost little: also an image wider than 65,536 pixels, and one
+// of some size. The raster of both is smaller than the map.
 std::vector<SceneSize> AllScenesAndWide();
 
 DrawnViews DrawScene(const SceneSize& size);

@@ -3,26 +3,16 @@
 
 #include "colmap_tsar/device/connected_components.h"
 
-#include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/buffer.h"
 
-#include <cstdlib>
 #include <utility>
 #include <vector>
 
+#include "tests/device/drawn_components.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
 namespace {
-
-// Joins neighbours of similar value; negative values take no part.
-struct SimilarValue {
-  const int* values;
-  bool Contains(int i) const { return values[i] >= 0; }
-  bool Connected(int i, int j) const {
-    return std::abs(values[i] - values[j]) <= 1;
-  }
-};
 
 // The plain form: floods from each pixel in raster order.
 Image<int> Flood(const Image<int>& values, bool eight) {
@@ -57,15 +47,6 @@ Image<int> Flood(const Image<int>& values, bool eight) {
     }
   }
   return labels;
-}
-
-Image<int> DrawNoise(int width, int height, int num_values, uint32_t seed) {
-  Image<int> values(width, height);
-  Philox random(seed, 0, 0);
-  for (int& value : values) {
-    value = static_cast<int>(random.NextBelow(num_values)) - 1;
-  }
-  return values;
 }
 
 void ExpectSameAsFlood(const Image<int>& values) {
@@ -106,32 +87,16 @@ TEST(LabelComponents, AgreesWithAFloodFillOnNoise) {
   }
 }
 
-TEST(LabelComponents, FollowsASpiral) {
-  // One corridor that turns inwards: the worst case for joining trees.
-  Image<int> values(41, 41, -1);
-  int x = 0;
-  int y = 0;
-  int dx = 1;
-  int dy = 0;
-  values(x, y) = 0;
-  for (int turns = 0; turns < 2;) {
-    const int ahead_x = x + 2 * dx;
-    const int ahead_y = y + 2 * dy;
-    const bool blocked =
-        !values.Contains(x + dx, y + dy) ||
-        (values.Contains(ahead_x, ahead_y) && values(ahead_x, ahead_y) >= 0);
-    if (blocked) {
-      std::swap(dx, dy);
-      dx = -dx;
-      ++turns;
-    } else {
-      turns = 0;
-      x += dx;
-      y += dy;
-      values(x, y) = 0;
-    }
-  }
-  ExpectSameAsFlood(values);
+TEST(LabelComponents, FollowsASpiral) { ExpectSameAsFlood(DrawSpiral(41, 41)); }
+
+TEST(LabelComponents, FollowsASnake) {
+  ExpectSameAsFlood(DrawSnake(67, 43, true));
+  ExpectSameAsFlood(DrawSnake(67, 43, false));
+}
+
+TEST(LabelComponents, LabelsRastersThatAreAllEqualOrEmpty) {
+  ExpectSameAsFlood(Image<int>(97, 61, 3));
+  ExpectSameAsFlood(Image<int>(97, 61, -1));
 }
 
 TEST(LabelComponents, KeepsDiagonalNeighboursApartWithFour) {

@@ -1,0 +1,369 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// What all stages are made of: loops, teams, sums and components. Every bit
+// counts.
+
+#include "colmap_tsar/device/atomic.h"
+#include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/copy.h"
+#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/parallel_for_teams.h"
+#include "colmap_tsar/device/scan.h"
+
+#include <algorithm>
+#include <climits>
+#include <cstring>
+#include <utility>
+
+#include "tests/cuda/cuda_test.h"
+#include "tests/device/drawn_components.h"
+
+namespace tsar {
+namespace {
+
+// About the sizes of warps and blocks, and beyond 65,536 warps.
+constexpr int kCounts[] = {
+    0, 1, 31, 32, 33, 255, 256, 257, 10007, 65536 * 32 + 17};
+constexpr std::pair<int, int> kRasters[] = {{0, 5},
+                                            {5, 0},
+                                            {1, 1},
+                                            {1, 37},
+                                            {37, 1},
+                                            {31, 3},
+                                            {33, 5},
+                                            {1201, 37},
+                                            {65539, 3},
+                                            {3, 65539}};
+
+template <typename T>
+void ExpectSameBits(const std::vector<T>& expected,
+                    const std::vector<T>& actual,
+                    const std::string& what) {
+  ASSERT_EQ(actual.size(), expected.size()) << what;
+  for (size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_EQ(std::memcmp(&actual[i], &expected[i], sizeof(T)), 0)
+        << what << ", element " << i << ": " << expected[i] << " on the CPU, "
+        << actual[i] << " on the GPU";
+  }
+}
+
+class DeviceOnCudaTest : public CudaTest {
+ protected:
+  // compute(device) gives a vector of numbers. Twice, because a race need not
+  // show at once.
+  template <typename Compute>
+  void ExpectSame(const std::string& what, const Compute& compute) {
+    const auto expected = compute(*cpu_);
+    for (int run = 0; run < 2; ++run) {
+      ExpectSameBits(expected, compute(*cuda_), what);
+    }
+  }
+  template <typename Compute>
+  void ExpectSameForCounts(const Compute& compute) {
+    for (const int count : kCounts) {
+      ExpectSame(std::to_string(count) + " elements",
+                 [&](Device& device) { return compute(count, device); });
+    }
+  }
+};
+
+std::vector<float> DrawNumbers(int count) {
+  const Image<float> random = RandomImage(count, 1, 1.f, 7);
+  return {random.begin(), random.end()};
+}
+
+// Shows which elements were visited, and that each was so once.
+struct VisitKernel {
+  ImageView<int64_t> visits;
+  TSAR_HD void operator()(int64_t i) const { visits.data[i] += i + 1; }
+  TSAR_HD void operator()(int x, int y) const {
+    visits(x, y) += 1 + x + (static_cast<int64_t>(y) << 32);
+  }
+};
+
+TEST_F(DeviceOnCudaTest, ParallelForVisitsEachIndexOnce) {
+  ExpectSameForCounts([](int count, Device& device) {
+    Buffer<int64_t> visits(device, std::vector<int64_t>(count, 0));
+    ParallelFor(device, int64_t{count}, VisitKernel{{visits.Data(), count, 1}});
+    return visits.ToHost();
+  });
+}
+
+TEST_F(DeviceOnCudaTest, ParallelForVisitsEachPixelOnce) {
+  for (const auto& [width, height] : kRasters) {
+    const Image<int64_t> none(width, height, 0);
+    ExpectSame(
+        std::to_string(width) + " x " + std::to_string(height),
+        [&](Device& device) {
+          DeviceImage<int64_t> visits(device, none);
+          ParallelFor(
+              device, none.Width(), none.Height(), VisitKernel{visits.View()});
+          const Image<int64_t> host = visits.ToHost();
+          return std::vector<int64_t>(host.begin(), host.end());
+        });
+  }
+}
+
+TEST_F(DeviceOnCudaTest, FillAndCopyWriteTheirElementsOnly) {
+  ExpectSameForCounts([](int count, Device& device) {
+    const Buffer<float> source(device, DrawNumbers(count));
+    Buffer<float> target(device, std::vector<float>(2 * count + 3, -1.f));
+    Copy(device, source.Data(), source.Size(), target.Data() + 1);
+    Fill(device, target.Data() + count + 2, source.Size(), 0.7f);
+    return target.ToHost();
+  });
+}
+
+TEST_F(DeviceOnCudaTest, ExclusiveSum) {
+  ExpectSameForCounts([](int count, Device& device) {
+    std::vector<int> values;
+    for (const float number : DrawNumbers(count)) {
+      values.push_back(static_cast<int>(number * 1000.f) - 300);
+    }
+    const Buffer<int> buffer(device, values);
+    return ExclusiveSum(buffer.Data(), buffer.Size(), device).ToHost();
+  });
+}
+
+constexpr int kNumSlots = 7;
+
+// Many threads change few numbers.
+struct SharedNumbersKernel {
+  int* sums;
+  int* minima;
+  int64_t* long_sums;
+  uint64_t* maxima;
+
+  TSAR_HD void operator()(int64_t i) const {
+    const int64_t slot = i % kNumSlots;
+    const uint64_t mixed = static_cast<uint64_t>(i) * 0x9E3779B97F4A7C15u;
+    AtomicAdd(sums + slot, static_cast<int>(mixed >> 57) - 50);
+    AtomicMin(minima + slot, static_cast<int>(mixed >> 32));
+    AtomicAdd(long_sums + slot,
+              static_cast<int64_t>(mixed >> 20) - (int64_t{1} << 42));
+    AtomicMax(maxima + slot, mixed);
+  }
+};
+
+TEST_F(DeviceOnCudaTest, AtomicsOnSharedNumbersLoseNothing) {
+  ExpectSameForCounts([](int count, Device& device) {
+    Buffer<int> sums(device, std::vector<int>(kNumSlots, 0));
+    Buffer<int> minima(device, std::vector<int>(kNumSlots, INT_MAX));
+    Buffer<int64_t> long_sums(device, std::vector<int64_t>(kNumSlots, 0));
+    Buffer<uint64_t> maxima(device, std::vector<uint64_t>(kNumSlots, 0));
+    ParallelFor(
+        device,
+        int64_t{count},
+        SharedNumbersKernel{
+            sums.Data(), minima.Data(), long_sums.Data(), maxima.Data()});
+    std::vector<int64_t> all = long_sums.ToHost();
+    for (const int sum : sums.ToHost()) {
+      all.push_back(sum);
+    }
+    for (const int minimum : minima.ToHost()) {
+      all.push_back(minimum);
+    }
+    for (const uint64_t maximum : maxima.ToHost()) {
+      all.push_back(static_cast<int64_t>(maximum));
+    }
+    return all;
+  });
+}
+
+// Each thread gets a number of its own from what AtomicAdd returns.
+struct TicketKernel {
+  int* next;
+  int64_t* long_next;
+  int* taken;
+  uint8_t* long_taken;
+
+  TSAR_HD void operator()(int64_t /*i*/) const {
+    ++taken[AtomicAdd(next, 1)];
+    AtomicStore(long_taken + (AtomicAdd(long_next, int64_t{1} << 33) >> 33), 1);
+  }
+};
+
+TEST_F(DeviceOnCudaTest, AtomicAddReturnsWhatWasThereBefore) {
+  ExpectSameForCounts([](int count, Device& device) {
+    Buffer<int> next(device, std::vector<int>(1, 0));
+    Buffer<int64_t> long_next(device, std::vector<int64_t>(1, 0));
+    Buffer<int> taken(device, std::vector<int>(count, 0));
+    Buffer<uint8_t> long_taken(device, std::vector<uint8_t>(count, 0));
+    ParallelFor(
+        device,
+        int64_t{count},
+        TicketKernel{
+            next.Data(), long_next.Data(), taken.Data(), long_taken.Data()});
+    std::vector<int> all = taken.ToHost();
+    for (const uint8_t is_taken : long_taken.ToHost()) {
+      all.push_back(is_taken);
+    }
+    return all;
+  });
+}
+
+// Each thread has numbers of its own.
+struct OwnNumbersKernel {
+  int* numbers;
+  uint64_t* long_numbers;
+  int* stored_for;  // What AtomicMin and then AtomicLoad return.
+
+  TSAR_HD void operator()(int64_t i) const {
+    const int offer = static_cast<int>(i % 201) - 100;
+    stored_for[2 * i] = AtomicMin(numbers + i, offer);
+    stored_for[2 * i + 1] = AtomicLoad(numbers + i);
+    const uint64_t before = AtomicMax(long_numbers + i, UINT64_MAX - i % 3);
+    AtomicMax(long_numbers + i, before + 1);
+  }
+};
+
+TEST_F(DeviceOnCudaTest, AtomicMinAndMaxReturnWhatWasThereBefore) {
+  ExpectSameForCounts([](int count, Device& device) {
+    std::vector<int> values;
+    std::vector<uint64_t> long_values;
+    for (const float number : DrawNumbers(count)) {
+      values.push_back(static_cast<int>(number * 300.f) - 150);
+      long_values.push_back(UINT64_MAX - static_cast<uint64_t>(number * 5.f));
+    }
+    Buffer<int> numbers(device, values);
+    Buffer<uint64_t> long_numbers(device, long_values);
+    Buffer<int> returned(device, 2 * values.size());
+    ParallelFor(
+        device,
+        int64_t{count},
+        OwnNumbersKernel{numbers.Data(), long_numbers.Data(), returned.Data()});
+    std::vector<uint64_t> all = long_numbers.ToHost();
+    for (const Buffer<int>* buffer : {&numbers, &returned}) {
+      for (const int value : buffer->ToHost()) {
+        all.push_back(static_cast<uint64_t>(value));
+      }
+    }
+    return all;
+  });
+}
+
+struct Moments {
+  int count = 0;
+  double sum = 0.0;
+  float squares = 0.f;
+
+  TSAR_HD Moments& operator+=(const Moments& other) {
+    count += other.count;
+    sum += other.sum;
+    squares += other.squares;
+    return *this;
+  }
+};
+
+// Sums that rounding makes depend on the order of the terms, one of which needs
+// the result of another.
+struct TeamKernel {
+  static constexpr int kNumSums = 5;
+  const int* counts;
+  const float* values;
+  double* sums;
+
+  template <typename Team>
+  TSAR_HD void operator()(const Team& team, int64_t item) const {
+    const int count = counts[item];
+    const Moments first =
+        team.template Accumulate<Moments>(count, [this](int i, Moments* sum) {
+          *sum += {1, 1.0 / (1.0 + values[i]), values[i] * values[i]};
+        });
+    const double mean = first.count > 0 ? first.sum / first.count : 0.0;
+    const Moments second = team.template Accumulate<Moments>(
+        count, [this, mean](int i, Moments* sum) {
+          *sum += {2, values[i] - mean, 0.1f * values[i]};
+        });
+    const int64_t indices = team.template Accumulate<int64_t>(
+        count, [](int i, int64_t* sum) { *sum += i; });
+    if (team.IsLeader()) {
+      double* own = sums + kNumSums * item;
+      own[0] = first.sum;
+      own[1] = first.squares;
+      own[2] = second.sum;
+      own[3] = second.squares;
+      own[4] = static_cast<double>(first.count + second.count + indices);
+    }
+  }
+};
+
+template <int kSize>
+std::vector<double> SumByTeams(const std::vector<int>& counts, Device& device) {
+  const Buffer<int> device_counts(device, counts);
+  const Buffer<float> values(
+      device, DrawNumbers(*std::max_element(counts.begin(), counts.end())));
+  Buffer<double> sums(
+      device, std::vector<double>(TeamKernel::kNumSums * counts.size(), -1.0));
+  ParallelForTeams<kSize>(
+      device,
+      static_cast<int64_t>(counts.size()),
+      TeamKernel{device_counts.Data(), values.Data(), sums.Data()});
+  return sums.ToHost();
+}
+
+TEST_F(DeviceOnCudaTest, TeamsAddInTheSameOrder) {
+  const std::vector<int> counts(std::begin(kCounts), std::end(kCounts));
+  std::vector<int> many;
+  for (int item = 0; item < 65536 + 17; ++item) {
+    many.push_back(item % 41);
+  }
+  for (const std::vector<int>& each : {counts, many}) {
+    ExpectSame("teams of 32",
+               [&](Device& device) { return SumByTeams<32>(each, device); });
+    ExpectSame("teams of 256",
+               [&](Device& device) { return SumByTeams<256>(each, device); });
+  }
+}
+
+class ComponentsOnCudaTest : public DeviceOnCudaTest {
+ protected:
+  // The labels and the sizes of the components.
+  void ExpectSameComponents(const std::string& name, const Image<int>& host) {
+    for (const Connectivity connectivity :
+         {Connectivity::kFour, Connectivity::kEight}) {
+      ExpectSame(
+          name + ", " + std::to_string(host.Width()) + " x " +
+              std::to_string(host.Height()),
+          [&](Device& device) {
+            const DeviceImage<int> values(device, host);
+            DeviceImage<int> labels(device, host.Width(), host.Height());
+            LabelComponents(device,
+                            SimilarValue{values.View().data},
+                            connectivity,
+                            labels.View());
+            Buffer<int> sizes(device, std::vector<int>(host.NumPixels(), 0));
+            CountComponentPixels(device, labels.View(), sizes.Data());
+            std::vector<int> all = sizes.ToHost();
+            const Image<int> host_labels = labels.ToHost();
+            all.insert(all.end(), host_labels.begin(), host_labels.end());
+            return all;
+          });
+    }
+  }
+};
+
+TEST_F(ComponentsOnCudaTest, OfRastersOfAnySize) {
+  uint32_t seed = 0;
+  for (const auto& [width, height] : kRasters) {
+    for (const int num_values : {2, 3, 5, 8}) {
+      ExpectSameComponents("noise",
+                           DrawNoise(width, height, num_values, ++seed));
+    }
+    ExpectSameComponents("all equal", Image<int>(width, height, 3));
+    ExpectSameComponents("none", Image<int>(width, height, -1));
+  }
+}
+
+TEST_F(ComponentsOnCudaTest, ThatWindThroughTheRaster) {
+  for (const bool along_rows : {false, true}) {
+    ExpectSameComponents("snake", DrawSnake(257, 131, along_rows));
+    ExpectSameComponents("snake", DrawSnake(65539, 5, along_rows));
+    ExpectSameComponents("snake", DrawSnake(5, 65539, along_rows));
+  }
+  ExpectSameComponents("spiral", DrawSpiral(301, 207));
+}
+
+}  // namespace
+}  // namespace tsar
