@@ -59,22 +59,22 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
                       "no such folder, so this is not a dense workspace",
                       "check --workspace_path");
   }
+  // Some folders can never be made.
+  constexpr int kMaxMissing = 100;
+  int num_missing = 0;
   do {
     if (descriptor_ >= 0) {
       close(descriptor_);
     }
-    bool had_folder = true;
     try {
       CreateFolders(path_.parent_path());
     } catch (const Error&) {
       if (mode == Mode::kExclusive) {
         throw;
       }
-      had_folder = false;
     }
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno == ENOENT && had_folder &&
-        !std::filesystem::exists(path_.parent_path(), error)) {
+    if (descriptor_ < 0 && errno == ENOENT && ++num_missing < kMaxMissing) {
       continue;  // The holder before has just removed the folder.
     }
     if (descriptor_ < 0 && mode == Mode::kShared) {
