@@ -14,6 +14,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/device/thread_pool.h"
 
 #include <chrono>
 #include <exception>
@@ -93,9 +94,7 @@ bool ParseOptions(const std::vector<char*>& arguments, StagesCommand* command) {
   return options.Parse(static_cast<int>(arguments.size()), arguments.data());
 }
 
-ViewSet DrawViews(const StagesCommand& command,
-                  bool is_cuda,
-                  ThreadPool& threads) {
+ViewSet DrawViews(const StagesCommand& command, bool is_cuda) {
   const TemporaryFolder folder;
   RoomWorkspaceOptions scene;
   if (command.width > 0) {
@@ -110,6 +109,7 @@ ViewSet DrawViews(const StagesCommand& command,
   }
   scene.num_sources = command.num_sources;
   scene.num_images = command.num_sources + 1;
+  ThreadPool threads(command.num_threads);
   WriteRoomWorkspace(folder.Path(), scene, threads, [] {});
   return LoadFirstView(folder.Path(), command.num_sources);
 }
@@ -156,11 +156,11 @@ int Main(int argc, char** argv) {
       command.device == "cuda" ||
       (command.device == "auto" && Device::NumCudaDevices() > 0);
   const std::unique_ptr<Device> device =
-      is_cuda ? Device::CreateCuda(command.gpu_index, command.num_threads)
+      is_cuda ? Device::CreateCuda(command.gpu_index)
               : Device::CreateCpu(command.num_threads);
   const ViewSet views =
       command.workspace_path.empty()
-          ? DrawViews(command, is_cuda, device->Threads())
+          ? DrawViews(command, is_cuda)
           : LoadFirstView(command.workspace_path, command.num_sources);
   const StageInputs inputs(views, *device);
   benchmark::AddCustomContext("device", device->Name());

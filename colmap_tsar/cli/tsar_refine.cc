@@ -86,11 +86,14 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   options->Add(group + "gpu_index",
                &command->workspace.gpu_index,
                "The GPUs to use, as numbers from 0 on with commas between "
-               "them, such as 0,1; -1: every one.");
-  options->Add(group + "num_threads",
-               &command->workspace.num_threads,
-               "Number of CPU threads; -1: one for each core.",
-               {-1, 4096});
+               "them, such as 0,1; -1 takes every GPU of the machine.");
+  options->Add(
+      group + "num_threads",
+      &command->workspace.num_threads,
+      "Number of CPU threads; -1: one for each core. On the CPU, those "
+      "that compute; a few more read and write files. With GPUs, about "
+      "a third of them reads files and as many write.",
+      {-1, 4096});
   options->Add(group + "cache_size",
                &command->workspace.cache_size,
                "Main memory for the images at work, in gigabytes. Fewer images "

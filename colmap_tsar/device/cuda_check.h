@@ -11,12 +11,17 @@
 
 namespace tsar {
 
+// Forgets the thread's last error; otherwise its next kernel would be blamed
+// for it.
+inline void ForgetCudaError() { cudaGetLastError(); }
+
 // Turns the result of a CUDA call into an exception: kOutOfMemory for a failed
 // allocation, kDevice for everything else.
 inline void CheckCuda(cudaError_t result, const char* what) {
   if (result == cudaSuccess) {
     return;
   }
+  ForgetCudaError();
   const std::string reason = cudaGetErrorString(result);
   if (result == cudaErrorMemoryAllocation) {
     throw Error(ErrorCode::kOutOfMemory,

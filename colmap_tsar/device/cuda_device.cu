@@ -14,8 +14,8 @@ __global__ void ProbeKernel() {}
 
 }  // namespace
 
-CudaDevice::CudaDevice(int gpu_index, int num_threads)
-    : Device(DeviceKind::kCuda, num_threads), gpu_index_(gpu_index) {
+CudaDevice::CudaDevice(int gpu_index)
+    : Device(DeviceKind::kCuda, 1), gpu_index_(gpu_index) {
   int count = 0;
   CheckCuda(cudaGetDeviceCount(&count), "looking for GPUs");
   if (gpu_index < 0 || gpu_index >= count) {
@@ -31,8 +31,7 @@ CudaDevice::CudaDevice(int gpu_index, int num_threads)
   name_ = properties.name;
   cudaFuncAttributes attributes;
   if (cudaFuncGetAttributes(&attributes, ProbeKernel) != cudaSuccess) {
-    // Otherwise the next kernel of this thread would be blamed for it.
-    cudaGetLastError();
+    ForgetCudaError();
     throw Error(ErrorCode::kDevice,
                 name_ + ": this program holds no code for compute capability " +
                     std::to_string(properties.major) + "." +
@@ -42,8 +41,10 @@ CudaDevice::CudaDevice(int gpu_index, int num_threads)
                     std::to_string(properties.minor) +
                     ", or pass --TsarRefine.device cpu");
   }
-  CheckCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking),
+  cudaStream_t stream = nullptr;
+  CheckCuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking),
             "creating a stream");
+  stream_.reset(stream);
   // The pool keeps what is freed, so that the images after the first one
   // allocate nothing from the driver.
   CheckCuda(cudaDeviceGetDefaultMemPool(&pool_, gpu_index),
@@ -57,9 +58,7 @@ CudaDevice::CudaDevice(int gpu_index, int num_threads)
 
 CudaDevice::~CudaDevice() {
   cudaSetDevice(gpu_index_);
-  cudaStreamSynchronize(stream_);
-  staging_.reset();
-  cudaStreamDestroy(stream_);
+  cudaStreamSynchronize(Stream());
 }
 
 void CudaDevice::Activate() const {
@@ -71,18 +70,13 @@ void* CudaDevice::Allocate(size_t num_bytes) {
   void* memory = nullptr;
   const std::string what =
       "an allocation of " + std::to_string(num_bytes >> 20) + " MiB";
-  const cudaError_t result = cudaMallocAsync(&memory, num_bytes, stream_);
-  if (result != cudaSuccess) {
-    // Otherwise the next kernel of this thread would be blamed for it.
-    cudaGetLastError();
-  }
-  CheckCuda(result, what.c_str());
+  CheckCuda(cudaMallocAsync(&memory, num_bytes, Stream()), what.c_str());
   return memory;
 }
 
 void CudaDevice::Free(void* memory) noexcept {
   cudaSetDevice(gpu_index_);
-  cudaFreeAsync(memory, stream_);
+  cudaFreeAsync(memory, Stream());
 }
 
 size_t CudaDevice::PoolBytes(cudaMemPoolAttr attribute) const noexcept {
@@ -108,21 +102,21 @@ size_t CudaDevice::PeakMemory() {
 
 void CudaDevice::CopyToDevice(void* target, const void* source, size_t size) {
   Activate();
-  staging_->Upload(target, source, size, stream_);
+  staging_->Upload(target, source, size, Stream());
 }
 
 void CudaDevice::CopyToHost(void* target, const void* source, size_t size) {
   Activate();
-  staging_->Download(target, source, size, stream_);
+  staging_->Download(target, source, size, Stream());
 }
 
 void CudaDevice::Synchronize() {
   Activate();
-  CheckCuda(cudaStreamSynchronize(stream_), "a computation");
+  CheckCuda(cudaStreamSynchronize(Stream()), "a computation");
 }
 
-std::unique_ptr<Device> Device::CreateCuda(int gpu_index, int num_threads) {
-  return std::make_unique<CudaDevice>(gpu_index, num_threads);
+std::unique_ptr<Device> Device::CreateCuda(int gpu_index) {
+  return std::make_unique<CudaDevice>(gpu_index);
 }
 
 int Device::NumCudaDevices() {

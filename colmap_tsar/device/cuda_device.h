@@ -9,6 +9,7 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -19,11 +20,11 @@ namespace tsar {
 // this type.
 class CudaDevice : public Device {
  public:
-  CudaDevice(int gpu_index, int num_threads);
+  explicit CudaDevice(int gpu_index);
   ~CudaDevice() override;
 
   std::string Name() const override { return name_; }
-  cudaStream_t Stream() const { return stream_; }
+  cudaStream_t Stream() const { return stream_.get(); }
   // Makes this GPU the calling thread's current one.
   void Activate() const;
 
@@ -36,12 +37,18 @@ class CudaDevice : public Device {
   void Synchronize() override;
 
  private:
+  struct StreamDeleter {
+    void operator()(cudaStream_t stream) const noexcept {
+      cudaStreamDestroy(stream);
+    }
+  };
+
   // 0 where the GPU does not answer.
   size_t PoolBytes(cudaMemPoolAttr attribute) const noexcept;
 
   int gpu_index_;
   std::string name_;
-  cudaStream_t stream_ = nullptr;
+  std::unique_ptr<CUstream_st, StreamDeleter> stream_;
   cudaMemPool_t pool_ = nullptr;
   std::optional<CudaStaging> staging_;
 };

@@ -7,21 +7,33 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 
 namespace tsar {
 namespace {
 
-// Large enough that starting a copy costs nothing beside the copy, small enough
-// to stay in the processor's cache.
-constexpr size_t kChunkSize = size_t{4} << 20;
+void* AllocatePinned(size_t num_bytes) {
+  void* memory = nullptr;
+  const cudaError_t result = cudaMallocHost(&memory, num_bytes);
+  if (result == cudaErrorMemoryAllocation) {
+    ForgetCudaError();
+    throw Error(ErrorCode::kOutOfMemory,
+                "main memory: " + std::to_string(num_bytes >> 20) +
+                    " MiB could not be pinned for copies to the GPU (" +
+                    cudaGetErrorString(result) +
+                    "); close other programs, raise the limit of locked "
+                    "memory (ulimit -l), or pass --TsarRefine.device cpu");
+  }
+  CheckCuda(result, "pinning main memory");
+  return memory;
+}
 
 }  // namespace
 
 CudaStaging::CudaStaging() {
   try {
     for (Chunk& chunk : chunks_) {
-      CheckCuda(cudaMallocHost(&chunk.memory, kChunkSize),
-                "pinning host memory");
+      chunk.memory = AllocatePinned(kChunkSize);
       CheckCuda(
           cudaEventCreateWithFlags(&chunk.copied, cudaEventDisableTiming),
           "creating an event");

@@ -16,6 +16,11 @@ namespace tsar {
 // the GPU that is current at its making; used by one thread at a time.
 class CudaStaging {
  public:
+  // Of each buffer: large enough that starting a copy costs nothing beside the
+  // copy, small enough to stay in the processor's cache.
+  static constexpr size_t kChunkSize = size_t{4} << 20;
+
+  // Throws kOutOfMemory where the buffers cannot be pinned, and kDevice.
   CudaStaging();
   ~CudaStaging();
   CudaStaging(const CudaStaging&) = delete;

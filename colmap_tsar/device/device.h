@@ -27,8 +27,8 @@ class Device {
 
   // The GPU with this index in CUDA's order. Throws kDevice when the program
   // was built without CUDA, there is no such GPU, or the program holds no code
-  // for it.
-  static std::unique_ptr<Device> CreateCuda(int gpu_index, int num_threads);
+  // for it; kOutOfMemory when the GPU or main memory has not enough left.
+  static std::unique_ptr<Device> CreateCuda(int gpu_index);
 
   // How many GPUs the driver reports: 0 without CUDA or without a driver.
   static int NumCudaDevices();
@@ -36,7 +36,7 @@ class Device {
   bool IsCuda() const { return kind_ == DeviceKind::kCuda; }
   virtual std::string Name() const = 0;
 
-  // Threads for the loops that run on the host.
+  // Where a CPU's loops run; of a GPU only the calling thread.
   ThreadPool& Threads() { return threads_; }
 
   // Memory that this device's loops can read and write, not initialised.

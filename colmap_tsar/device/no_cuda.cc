@@ -8,8 +8,7 @@
 
 namespace tsar {
 
-std::unique_ptr<Device> Device::CreateCuda(int /*gpu_index*/,
-                                           int /*num_threads*/) {
+std::unique_ptr<Device> Device::CreateCuda(int /*gpu_index*/) {
   throw Error(ErrorCode::kDevice,
               "this program was built without CUDA; pass --TsarRefine.device "
               "cpu, or build it with -DTSAR_CUDA=ON");

@@ -122,7 +122,9 @@ void ImagePipeline::Try(size_t index, Function function) {
     function();
   } catch (...) {
     failures_[index] = std::current_exception();
-    has_failed_ = true;
+    if (!has_failed_.exchange(true)) {
+      first_failure_ = failures_[index];
+    }
   }
 }
 

@@ -69,6 +69,9 @@ class ImagePipeline {
   // For each image: what became of it, and its failure where it had one.
   const std::vector<ImageReport>& Reports() const { return reports_; }
   const std::vector<std::exception_ptr>& Failures() const { return failures_; }
+  // The failure that came first in time, of which others may be consequences;
+  // null where there was none.
+  std::exception_ptr FirstFailure() const { return first_failure_; }
 
  private:
   struct ReadyImage {
@@ -105,6 +108,8 @@ class ImagePipeline {
   // One element for each image, written by the thread that has the image.
   std::vector<ImageReport> reports_;
   std::vector<std::exception_ptr> failures_;
+  // Written by the thread that sets has_failed_.
+  std::exception_ptr first_failure_;
 };
 
 }  // namespace tsar

@@ -180,10 +180,12 @@ void ImageRunner::Write(size_t index,
   record.counts = report->counts;
   record.seconds = report->seconds;
   const Clock::time_point start = Clock::now();
+  WriteBack write_back(workspace_, image, std::move(record));
+  write_back.PrepareFiles(result.maps);
   {
     const std::lock_guard<std::mutex> lock(
         file_mutexes_[static_cast<size_t>(image)]);
-    WriteRefined(workspace_, image, result.maps, std::move(record));
+    write_back.Commit();
   }
   report->seconds["write"] = SecondsSince(start);
   report->outcome = ImageReport::Outcome::kRefined;

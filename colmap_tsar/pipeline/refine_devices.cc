@@ -6,10 +6,13 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
+#include "colmap_tsar/pipeline/view_data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
-#include <exception>
+#include <numeric>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -29,8 +32,8 @@ constexpr int kCpuWorkersPerFilesThread = 8;
 struct Gpu {
   std::string name;
   int index = 0;
-  int num_workers = 0;
-  std::unique_ptr<Device> device;
+  int max_num_workers = 0;  // As many as its memory allows.
+  std::vector<std::unique_ptr<Device>> devices;  // One for each worker.
 };
 
 std::string NoGpu(int index, int num_gpus) {
@@ -40,95 +43,154 @@ std::string NoGpu(int index, int num_gpus) {
                         : ", numbers 0 to " + std::to_string(num_gpus - 1));
 }
 
-// The GPUs for which a function does not throw; warnings tell about the others.
-// What it throws is rethrown where the user named the GPUs, or where none is
-// left and one is needed.
-template <typename Function>
-std::vector<Gpu> KeepUsable(std::vector<Gpu> gpus,
-                            bool are_named,
-                            bool is_one_needed,
-                            Function function) {
-  std::vector<Gpu> usable;
-  std::exception_ptr failure;
-  std::vector<std::string> warnings;
-  for (Gpu& gpu : gpus) {
-    try {
-      function(&gpu);
-      usable.push_back(std::move(gpu));
-    } catch (const Error& error) {
-      if (are_named) {
-        throw;
-      }
-      failure = failure ? failure : std::current_exception();
-      warnings.push_back(error.what());
+// The GPUs to try, in their order.
+std::vector<int> WantedGpus(const std::vector<int>& named, int num_gpus) {
+  std::vector<int> indices = named;
+  if (named.empty()) {
+    indices.resize(static_cast<size_t>(num_gpus));
+    std::iota(indices.begin(), indices.end(), 0);
+  }
+  for (const int index : indices) {
+    if (index >= num_gpus) {
+      throw Error(ErrorCode::kDevice, NoGpu(index, num_gpus));
     }
   }
-  if (usable.empty() && is_one_needed && failure) {
-    std::rethrow_exception(failure);
-  }
-  for (const std::string& warning : warnings) {
-    LOG(WARNING) << warning;
-  }
-  return usable;
+  return indices;
 }
+
+// Calls a function and returns its Error, or nothing.
+template <typename Function>
+std::optional<Error> Attempt(Function function) {
+  try {
+    function();
+  } catch (const Error& error) {
+    return error;
+  }
+  return std::nullopt;
+}
+
+// Opens GPUs, each with one device, until there is one for each image.
+class GpuOpener {
+ public:
+  GpuOpener(const WorkspaceOverview& overview,
+            const GpuSystem& gpus,
+            bool are_named)
+      : overview_(overview), gpus_(gpus), are_named_(are_named) {}
+
+  void Open(int index) {
+    Gpu gpu;
+    gpu.index = index;
+    const auto open = [&] {
+      gpu.devices.push_back(gpus_.create(index));
+      gpu.name =
+          "GPU " + std::to_string(index) + " (" + gpu.devices[0]->Name() + ")";
+    };
+    const auto plan = [&] {
+      const size_t free_bytes = std::min(gpu.devices[0]->FreeMemory(),
+                                         static_cast<size_t>(INT64_MAX));
+      gpu.max_num_workers =
+          NumGpuWorkers(overview_, static_cast<int64_t>(free_bytes), gpu.name);
+    };
+    if (Keep(Attempt(open), &not_opened_) && Keep(Attempt(plan), &too_small_)) {
+      opened_.push_back(std::move(gpu));
+    }
+  }
+
+  size_t NumOpened() const { return opened_.size(); }
+
+  // None where the CPU is to be used instead. Throws where one is needed. That
+  // no GPU has enough memory is an error also with device "auto": the CPU would
+  // take a hundred times as long.
+  std::vector<Gpu> Take(bool is_auto) {
+    if (opened_.empty() && too_small_) {
+      throw Error(*too_small_);
+    }
+    if (opened_.empty() && not_opened_ && !is_auto) {
+      throw Error(*not_opened_);
+    }
+    for (const std::string& warning : warnings_) {
+      LOG(WARNING) << warning;
+    }
+    return std::move(opened_);
+  }
+
+ private:
+  // Whether there was no failure; the first of its kind is remembered. One of a
+  // GPU that the user named is thrown.
+  bool Keep(const std::optional<Error>& failure, std::optional<Error>* first) {
+    if (!failure) {
+      return true;
+    }
+    if (are_named_) {
+      throw Error(*failure);
+    }
+    if (!*first) {
+      first->emplace(*failure);
+    }
+    warnings_.push_back(failure->what());
+    return false;
+  }
+
+  const WorkspaceOverview& overview_;
+  const GpuSystem& gpus_;
+  const bool are_named_;
+  std::vector<Gpu> opened_;
+  std::optional<Error> not_opened_;
+  std::optional<Error> too_small_;
+  std::vector<std::string> warnings_;
+};
 
 // The GPUs to use, each with one device; none where the CPU is to be used.
 std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
-                          int num_threads,
+                          const WorkspaceOverview& overview,
+                          int num_images,
                           const GpuSystem& gpus) {
-  std::vector<int> indices = ParseGpuIndices(options.gpu_index);
-  const bool are_named = !indices.empty();
+  const std::vector<int> named = ParseGpuIndices(options.gpu_index);
   const bool is_auto = options.device == "auto";
   if (options.device == "cpu") {
     return {};
   }
-  if (gpus.num_gpus == 0) {
-    if (!is_auto) {
-      // Says why there is none.
-      gpus.create(are_named ? indices[0] : 0, num_threads);
-    }
-    LOG(WARNING) << "there is no GPU that can be used; going on with the CPU";
-    return {};
+  if (gpus.num_gpus == 0 && !is_auto) {
+    // Says why there is none.
+    gpus.create(named.empty() ? 0 : named[0]);
   }
-  if (!are_named) {
-    for (int index = 0; index < gpus.num_gpus; ++index) {
-      indices.push_back(index);
+  std::vector<Gpu> opened;
+  if (gpus.num_gpus > 0) {
+    GpuOpener opener(overview, gpus, !named.empty());
+    for (const int index : WantedGpus(named, gpus.num_gpus)) {
+      if (static_cast<int>(opener.NumOpened()) < num_images) {
+        opener.Open(index);
+      }
     }
+    opened = opener.Take(is_auto);
   }
-  // The loops of a GPU's worker that run on the host share the cores with
-  // those of the others.
-  const int num_worker_threads = std::max(
-      1, num_threads / (kMaxGpuWorkers * static_cast<int>(indices.size())));
-  std::vector<Gpu> opened(indices.size());
-  for (size_t i = 0; i < indices.size(); ++i) {
-    if (indices[i] >= gpus.num_gpus) {
-      throw Error(ErrorCode::kDevice, NoGpu(indices[i], gpus.num_gpus));
-    }
-    opened[i].index = indices[i];
-  }
-  opened = KeepUsable(std::move(opened), are_named, !is_auto, [&](Gpu* gpu) {
-    gpu->device = gpus.create(gpu->index, num_worker_threads);
-    gpu->name =
-        "GPU " + std::to_string(gpu->index) + " (" + gpu->device->Name() + ")";
-  });
   if (opened.empty()) {
     LOG(WARNING) << "there is no GPU that can be used; going on with the CPU";
   }
   return opened;
 }
 
-// Finds out how many workers each GPU's memory allows. That it allows none is
-// an error also with device "auto": the CPU would take a hundred times as long.
-std::vector<Gpu> CheckMemory(std::vector<Gpu> opened,
-                             const WorkspaceRefineOptions& options,
-                             const WorkspaceOverview& overview) {
-  const bool are_named = !ParseGpuIndices(options.gpu_index).empty();
-  return KeepUsable(std::move(opened), are_named, true, [&](Gpu* gpu) {
-    const size_t free_bytes =
-        std::min(gpu->device->FreeMemory(), static_cast<size_t>(INT64_MAX));
-    gpu->num_workers =
-        NumGpuWorkers(overview, static_cast<int64_t>(free_bytes), gpu->name);
-  });
+// Gives GPUs further devices, one after the other, as long as images are left.
+void AddDevices(int num_images,
+                const GpuSystem& gpus,
+                std::vector<Gpu>* opened) {
+  int num_left = num_images - static_cast<int>(opened->size());
+  for (int round = 1; round < kMaxGpuWorkers; ++round) {
+    for (Gpu& gpu : *opened) {
+      if (num_left <= 0 || gpu.max_num_workers <= round) {
+        continue;
+      }
+      const auto failure =
+          Attempt([&] { gpu.devices.push_back(gpus.create(gpu.index)); });
+      if (failure) {
+        LOG(WARNING) << failure->what() << "; " << gpu.name << " works on "
+                     << gpu.devices.size() << " image at a time";
+        gpu.max_num_workers = round;
+      } else {
+        --num_left;
+      }
+    }
+  }
 }
 
 std::string Describe(const std::vector<Gpu>& gpus) {
@@ -141,23 +203,15 @@ std::string Describe(const std::vector<Gpu>& gpus) {
 
 void AddGpuWorkers(std::vector<Gpu> opened,
                    const WorkspaceOverview& overview,
-                   int num_images,
-                   const GpuSystem& gpus,
                    RefineDevices* result) {
   result->description = Describe(opened);
-  int num_left = num_images;
   for (Gpu& gpu : opened) {
-    const int num_workers = std::clamp(num_left, 1, gpu.num_workers);
-    num_left -= num_workers;
+    const int num_workers = static_cast<int>(gpu.devices.size());
     result->view_caches.push_back(std::make_unique<DeviceViewCache>(
         static_cast<size_t>(SharedViewBytes(overview, num_workers))));
-    const int num_worker_threads = gpu.device->Threads().NumThreads();
-    for (int i = 0; i < num_workers; ++i) {
+    for (std::unique_ptr<Device>& device : gpu.devices) {
       result->workers.push_back(
-          {gpu.name,
-           i == 0 ? std::move(gpu.device)
-                  : gpus.create(gpu.index, num_worker_threads),
-           result->view_caches.back().get()});
+          {gpu.name, std::move(device), result->view_caches.back().get()});
     }
   }
 }
@@ -179,6 +233,88 @@ void AddCpuWorkers(int num_workers,
   }
 }
 
+// Main memory for all the views of one image.
+int64_t BytesForViews(const WorkspaceOverview& overview) {
+  return (overview.max_num_sources + 1) * ViewBytes(overview);
+}
+
+PipelineSizes GpuSizes(int num_files_threads, size_t num_workers) {
+  return {num_files_threads,
+          num_files_threads,
+          num_workers,
+          static_cast<size_t>(num_files_threads)};
+}
+
+PipelineSizes CpuSizes(int num_files_threads, size_t /*num_workers*/) {
+  return {num_files_threads, num_files_threads, 1, 1};
+}
+
+// Main memory that is not for views: what the workers need, results, each of
+// which is with a worker, waits, or is being written, and what is only there
+// while a view is read.
+int64_t BytesBesideViews(const WorkspaceOverview& overview,
+                         int64_t work_bytes,
+                         size_t num_workers,
+                         const PipelineSizes& sizes) {
+  const auto num_results =
+      static_cast<int64_t>(num_workers + sizes.max_finished) +
+      sizes.num_writers;
+  return work_bytes + num_results * ResultBytes(overview) +
+         sizes.num_loaders *
+             LoadBytes(overview.max_num_pixels, overview.max_num_image_pixels);
+}
+
+// As many as have memory beside one thread that reads and one that writes.
+int NumCpuWorkers(const WorkspaceOverview& overview,
+                  int64_t budget,
+                  int max_num_workers) {
+  const int64_t for_files = BytesBesideViews(overview, 0, 0, CpuSizes(1, 0));
+  const int64_t for_one =
+      WorkBytes(overview) + ResultBytes(overview) + BytesForViews(overview);
+  return static_cast<int>(
+      std::clamp<int64_t>((budget - for_files) / std::max<int64_t>(1, for_one),
+                          1,
+                          max_num_workers));
+}
+
+// Sets the number of threads for files, fewer where the views of one image
+// would not fit beside what they hold, and what is left for views.
+void DivideMemory(const WorkspaceOverview& overview,
+                  int64_t budget,
+                  int64_t work_bytes,
+                  int max_num_files_threads,
+                  PipelineSizes (*make_sizes)(int, size_t),
+                  RefineDevices* result) {
+  const size_t num_workers = result->workers.size();
+  int64_t rest = 0;
+  for (int num_threads = max_num_files_threads; num_threads > 0;
+       --num_threads) {
+    result->sizes = make_sizes(num_threads, num_workers);
+    rest = budget -
+           BytesBesideViews(overview, work_bytes, num_workers, result->sizes);
+    if (rest >= BytesForViews(overview)) {
+      break;
+    }
+  }
+  result->cache_num_bytes = static_cast<size_t>(std::max<int64_t>(rest, 0));
+  const int64_t missing = BytesForViews(overview) - rest;
+  if (missing > 0) {
+    const double needed =
+        static_cast<double>(budget + missing) / kBytesPerGigabyte;
+    LOG(WARNING) << "an image of this workspace with its "
+                 << overview.max_num_sources
+                 << " source images, beside the results of the images at work, "
+                    "needs "
+                 << std::ceil(needed * 10) / 10
+                 << " GB of main memory at a time, more than "
+                    "--TsarRefine.cache_size "
+                 << static_cast<double>(budget) / kBytesPerGigabyte
+                 << "; the run takes that much. If it is not there, run "
+                    "patch_match_stereo with fewer source images or a smaller "
+                    "--PatchMatchStereo.max_image_size";
+  }
+}
+
 }  // namespace
 
 GpuSystem GpuSystem::Cuda() {
@@ -196,42 +332,30 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
   const auto budget =
       static_cast<int64_t>(options.cache_size * kBytesPerGigabyte);
   RefineDevices result;
-  int64_t work_bytes = 0;
-  std::vector<Gpu> opened =
-      CheckMemory(OpenGpus(options, num_threads, gpus), options, overview);
-  if (!opened.empty()) {
-    const int num_files_threads = std::clamp(
-        num_threads / 3,
-        1,
-        std::min(num_images,
-                 kFilesThreadsPerGpu * static_cast<int>(opened.size())));
-    AddGpuWorkers(std::move(opened), overview, num_images, gpus, &result);
-    result.sizes = {num_files_threads,
-                    num_files_threads,
-                    result.workers.size(),
-                    static_cast<size_t>(num_files_threads)};
-  } else {
-    const int64_t bytes_for_one =
-        WorkBytes(overview) +
-        (overview.max_num_sources + 1) * ViewBytes(overview);
-    const int num_workers = static_cast<int>(
-        std::clamp<int64_t>(budget / std::max<int64_t>(1, bytes_for_one),
-                            1,
-                            std::min(num_threads, num_images)));
+  std::vector<Gpu> opened = OpenGpus(options, overview, num_images, gpus);
+  if (opened.empty()) {
+    const int num_workers =
+        NumCpuWorkers(overview, budget, std::min(num_threads, num_images));
     AddCpuWorkers(num_workers, overview, num_threads, &result);
-    const int num_files_threads =
-        (num_workers + kCpuWorkersPerFilesThread - 1) /
-        kCpuWorkersPerFilesThread;
-    result.sizes = {num_files_threads, num_files_threads, 1, 1};
-    work_bytes = num_workers * WorkBytes(overview);
+    DivideMemory(overview,
+                 budget,
+                 num_workers * WorkBytes(overview),
+                 (num_workers + kCpuWorkersPerFilesThread - 1) /
+                     kCpuWorkersPerFilesThread,
+                 CpuSizes,
+                 &result);
+    return result;
   }
-  // A result is with a worker, waits, or is being written.
-  const auto num_results =
-      static_cast<int64_t>(result.workers.size() + result.sizes.max_finished) +
-      result.sizes.num_writers;
-  const int64_t rest =
-      budget - work_bytes - num_results * ResultBytes(overview);
-  result.cache_num_bytes = static_cast<size_t>(std::max<int64_t>(rest, 0));
+  const int max_num_files_threads = std::min(
+      num_images, kFilesThreadsPerGpu * static_cast<int>(opened.size()));
+  AddDevices(num_images, gpus, &opened);
+  AddGpuWorkers(std::move(opened), overview, &result);
+  DivideMemory(overview,
+               budget,
+               0,
+               std::clamp(num_threads / 3, 1, max_num_files_threads),
+               GpuSizes,
+               &result);
   return result;
 }
 

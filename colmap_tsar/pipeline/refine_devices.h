@@ -40,19 +40,24 @@ struct RefineDevices {
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {
   int num_gpus = 0;
-  std::function<std::unique_ptr<Device>(int gpu_index, int num_threads)> create;
+  std::function<std::unique_ptr<Device>(int gpu_index)> create;
 
   static GpuSystem Cuda();
 };
 
-// On CPUs images are spread over the threads before the loops of an image are:
-// images need not wait for each other.
+// Images are spread over the GPUs before one GPU gets a second image at a time,
+// and on CPUs over the threads before the loops of an image are: images need
+// not wait for each other. There are no more workers than num_images, which is
+// at least 1.
 //
 // With device "auto", a GPU that was not named and cannot be used is left out
 // with a warning, and the CPU takes the place of the last one; with "cuda", one
-// must be left. Throws kDevice (a GPU that was named does not exist or cannot
-// be used; none is left; its memory is too small for the images) and kBadOption
-// (gpu_index).
+// must be left. Where a GPU's second worker cannot be made, a warning says so.
+// Another says where one image alone needs more than cache_size. Throws kDevice
+// (a GPU that was named does not exist or cannot be used; none is left; its
+// memory is too small for the images), kOutOfMemory (no memory is left on a GPU
+// that was named or on the last one, or main memory for its copies) and
+// kBadOption (gpu_index).
 RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
                                   const WorkspaceOverview& overview,
                                   int num_images,

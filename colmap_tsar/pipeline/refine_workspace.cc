@@ -41,12 +41,9 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   return workspace;
 }
 
-// The first failure in the order of the images.
 void RethrowFailure(const ImagePipeline& pipeline) {
-  for (const std::exception_ptr& failure : pipeline.Failures()) {
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
+  if (pipeline.FirstFailure()) {
+    std::rethrow_exception(pipeline.FirstFailure());
   }
 }
 

@@ -7,8 +7,10 @@
 #include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/workspace/map_io.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -47,24 +49,25 @@ void SetCosts(const PlanarMap& costs, size_t pixel, ViewData* view) {
       costs.values[pixel + view->depth.NumPixels()];
 }
 
-}  // namespace
-
-size_t ViewData::NumBytes() const {
-  return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
-         normal.NumPixels() * sizeof(Vec3f) +
-         (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
+void DropCosts(size_t pixel, ViewData* view) {
+  view->min_cost.Data()[pixel] = kUndefinedCost;
+  view->second_cost.Data()[pixel] = kUndefinedCost;
 }
 
-ViewData LoadView(const Workspace& workspace, int image) {
+bool IsValid(const ViewData& view, size_t pixel) {
+  return view.depth.Data()[pixel] > 0.f &&
+         !(view.normal.Data()[pixel] == Vec3f{});
+}
+
+// The map to refine, and its costs where they were exported.
+ViewData ReadMaps(const Workspace& workspace, int image) {
   const MapType type = workspace.Type();
   DepthNormal maps = workspace.ReadOriginalMaps(image, type);
   ViewData view;
   view.depth = std::move(maps.depth);
   view.normal = std::move(maps.normal);
   view.num_not_finite = maps.num_not_finite;
-  const bool has_costs =
-      std::filesystem::exists(workspace.CostPath(image, type));
-  if (has_costs) {
+  if (std::filesystem::exists(workspace.CostPath(image, type))) {
     const PlanarMap costs = ReadCosts(workspace.CostPath(image, type), view);
     view.min_cost =
         Image<float>(view.depth.Width(), view.depth.Height(), kUndefinedCost);
@@ -73,47 +76,79 @@ ViewData LoadView(const Workspace& workspace, int image) {
       SetCosts(costs, i, &view);
     }
   }
+  return view;
+}
 
-  const MapType other_type = OtherType(type);
-  DepthNormal other;
-  PlanarMap other_costs;
-  if (workspace.HasMaps(image, other_type)) {
-    other = workspace.ReadOriginalMaps(image, other_type);
-    if (!other.depth.HasSizeOf(view.depth)) {
-      throw Error::File(
-          ErrorCode::kMismatch,
-          workspace.DepthPath(image, other_type).string(),
-          "is not of the size of the " + ToString(type) + " map",
-          "run patch_match_stereo again for this image, or delete the file");
+// Takes the hypotheses of the other type where the map to refine has none.
+void FillFromOtherType(const Workspace& workspace, int image, ViewData* view) {
+  const MapType type = OtherType(workspace.Type());
+  if (!workspace.HasMaps(image, type)) {
+    return;
+  }
+  const DepthNormal other = workspace.ReadOriginalMaps(image, type);
+  if (!other.depth.HasSizeOf(view->depth)) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        workspace.DepthPath(image, type).string(),
+        "is not of the size of the " + ToString(workspace.Type()) + " map",
+        "run patch_match_stereo again for this image, or delete the file");
+  }
+  view->num_not_finite += other.num_not_finite;
+  const bool has_costs = !view->min_cost.Empty();
+  PlanarMap costs;
+  if (has_costs && std::filesystem::exists(workspace.CostPath(image, type))) {
+    costs = ReadCosts(workspace.CostPath(image, type), *view);
+  }
+  for (size_t i = 0; i < view->depth.NumPixels(); ++i) {
+    if (IsValid(*view, i)) {
+      continue;
     }
-    view.num_not_finite += other.num_not_finite;
-    if (has_costs &&
-        std::filesystem::exists(workspace.CostPath(image, other_type))) {
-      other_costs = ReadCosts(workspace.CostPath(image, other_type), view);
+    view->depth.Data()[i] = other.depth.Data()[i];
+    view->normal.Data()[i] = other.normal.Data()[i];
+    if (!costs.values.empty()) {
+      SetCosts(costs, i, view);
+    } else if (has_costs) {
+      // The costs at hand are those of the hypothesis that COLMAP rejected.
+      DropCosts(i, view);
     }
   }
+}
+
+int64_t CountValid(const ViewData& view) {
+  int64_t count = 0;
   for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
-    const bool valid =
-        view.depth.Data()[i] > 0.f && !(view.normal.Data()[i] == Vec3f{});
-    view.num_depths_to_refine += valid ? 1 : 0;
-    if (!valid && !other.depth.Empty()) {
-      view.depth.Data()[i] = other.depth.Data()[i];
-      view.normal.Data()[i] = other.normal.Data()[i];
-      if (!other_costs.values.empty()) {
-        SetCosts(other_costs, i, &view);
-      } else if (has_costs) {
-        // The costs at hand are those of the hypothesis that COLMAP rejected.
-        view.min_cost.Data()[i] = kUndefinedCost;
-        view.second_cost.Data()[i] = kUndefinedCost;
-      }
-    }
+    count += IsValid(view, i) ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+size_t ViewData::NumBytes() const {
+  return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
+         normal.NumPixels() * sizeof(Vec3f) +
+         (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
+}
+
+int64_t LoadBytes(int64_t num_map_pixels, int64_t num_image_pixels) {
+  // The other type's depth, normal and two costs.
+  const int64_t for_maps = 24 * num_map_pixels;
+  // Colour as it was decoded, and as it was scaled.
+  const int64_t for_color = 3 * (num_image_pixels + num_map_pixels);
+  return std::max(for_maps, for_color);
+}
+
+ViewData LoadView(const Workspace& workspace, int image) {
+  ViewData view = ReadMaps(workspace, image);
+  view.num_depths_to_refine = CountValid(view);
+  FillFromOtherType(workspace, image, &view);
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
     // COLMAP writes unit vectors; other lengths are rounding, or hostile.
     view.normal.Data()[i] = Normalized(view.normal.Data()[i]);
     if (view.normal.Data()[i] == Vec3f{}) {
       view.depth.Data()[i] = 0.f;
     }
   }
-
   const int width = view.depth.Width();
   const int height = view.depth.Height();
   view.color = workspace.ReadImage(image, width, height);

@@ -138,6 +138,11 @@ bool CheckImage(const Workspace& workspace,
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
                static_cast<int64_t>(size->width) * size->height);
+  const Camera& camera =
+      workspace.Model().images[static_cast<size_t>(image)].camera;
+  overview->max_num_image_pixels =
+      std::max(overview->max_num_image_pixels,
+               static_cast<int64_t>(camera.width) * camera.height);
   return true;
 }
 

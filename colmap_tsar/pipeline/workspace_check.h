@@ -14,8 +14,9 @@ namespace tsar {
 struct WorkspaceOverview {
   // For each image of the sparse model, whether it has maps of the type.
   std::vector<bool> has_maps;
-  int64_t max_num_pixels = 0;  // Of the largest map.
-  int max_num_sources = 0;     // Of the image that uses most views with maps.
+  int64_t max_num_pixels = 0;        // Of the largest map.
+  int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
+  int max_num_sources = 0;  // Of the image that uses most views with maps.
 };
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.

@@ -8,9 +8,11 @@
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <glog/logging.h>
@@ -30,6 +32,22 @@ bool HasName(int descriptor, const std::filesystem::path& path) {
          opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
+// Returns 0 or the system's error number.
+int Lock(int descriptor, WorkspaceLock::Mode mode) {
+  if (mode == WorkspaceLock::Mode::kExclusive) {
+    return flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+  }
+  // A reader that leaves holds the lock alone for a moment.
+  constexpr int kMaxAttempts = 20;
+  for (int i = 1; flock(descriptor, LOCK_SH | LOCK_NB) != 0; ++i) {
+    if (errno != EWOULDBLOCK || i == kMaxAttempts) {
+      return errno;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return 0;
+}
+
 }  // namespace
 
 WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
@@ -41,6 +59,9 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
                       "no such folder, so this is not a dense workspace",
                       "check --workspace_path");
   }
+  // Some folders can never be made.
+  constexpr int kMaxMissing = 100;
+  int num_missing = 0;
   do {
     if (descriptor_ >= 0) {
       close(descriptor_);
@@ -53,6 +74,9 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
       }
     }
     descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno == ENOENT && ++num_missing < kMaxMissing) {
+      continue;  // The holder before has just removed the folder.
+    }
     if (descriptor_ < 0 && mode == Mode::kShared) {
       LOG(WARNING) << path_.string() << ": the file cannot be written ("
                    << std::strerror(errno)
@@ -66,9 +90,7 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
           std::string("cannot be written (") + std::strerror(errno) + ")",
           "check the permissions there");
     }
-    const int operation = mode == Mode::kShared ? LOCK_SH : LOCK_EX;
-    if (flock(descriptor_, operation | LOCK_NB) != 0) {
-      const int reason = errno;
+    if (const int reason = Lock(descriptor_, mode); reason != 0) {
       if (reason == EWOULDBLOCK) {
         close(descriptor_);
         throw Error::File(ErrorCode::kUnsupported,

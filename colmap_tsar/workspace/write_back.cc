@@ -124,6 +124,13 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   }
 }
 
+void WriteBack::Commit() {
+  KeepOriginals();
+  RecordWriting();
+  RenameFiles();
+  RecordDone();
+}
+
 void WriteBack::KeepOriginals() {
   const OriginalMaps originals =
       FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
@@ -160,10 +167,7 @@ void WriteRefined(const Workspace& workspace,
                   ImageRecord record) {
   WriteBack write_back(workspace, image, std::move(record));
   write_back.PrepareFiles(maps);
-  write_back.KeepOriginals();
-  write_back.RecordWriting();
-  write_back.RenameFiles();
-  write_back.RecordDone();
+  write_back.Commit();
 }
 
 void KeepImage(const Workspace& workspace, int image, ImageRecord record) {

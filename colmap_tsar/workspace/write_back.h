@@ -45,14 +45,20 @@ bool IsDone(const Workspace& workspace,
             int image,
             const std::string& options_hash);
 
-// The steps of WriteRefined, in the order in which they must be called. An
-// interruption between any two leaves a workspace in which the originals are
-// found and every map is complete.
+// WriteRefined in steps, to be called in this order. An interruption between
+// any two leaves a workspace in which the originals are found and every map is
+// complete.
 class WriteBack {
  public:
   WriteBack(const Workspace& workspace, int image, ImageRecord record);
 
-  void PrepareFiles(const RefinedMaps& maps);  // Temporaries, flushed.
+  // Encodes the maps and flushes them to temporary files. Takes most of the
+  // time and changes nothing that a reader of the image sees.
+  void PrepareFiles(const RefinedMaps& maps);
+  // All that follows; while it runs, nobody may look for the originals.
+  void Commit();
+
+  // The steps of Commit(), for tests of what an interruption leaves.
   void KeepOriginals();
   void RecordWriting();
   void RenameFiles();

@@ -10,7 +10,7 @@ void CudaTest::SetUp() {
     GTEST_SKIP() << "no CUDA device: skipped";
   }
   cpu_ = Device::CreateCpu(2);
-  cuda_ = Device::CreateCuda(0, 2);
+  cuda_ = Device::CreateCuda(0);
 }
 
 void CudaTest::ExpectAlike(const std::string& stage_name,

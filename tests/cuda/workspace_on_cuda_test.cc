@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/cuda_staging.h"
 #include "colmap_tsar/pipeline/device_view_cache.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
@@ -24,7 +25,7 @@
 namespace tsar {
 namespace {
 
-constexpr int64_t kChunk = int64_t{4} << 20;  // As in cuda_staging.cu.
+constexpr auto kChunk = static_cast<int64_t>(CudaStaging::kChunkSize);
 
 class WorkersOnCudaTest : public testing::Test {
  protected:
@@ -45,7 +46,7 @@ std::vector<uint8_t> DrawnBytes(size_t size, uint32_t seed) {
 }
 
 TEST_F(WorkersOnCudaTest, CopiesOfAnySizeAreComplete) {
-  const auto device = Device::CreateCuda(0, 1);
+  const auto device = Device::CreateCuda(0);
   for (const int64_t size : {int64_t{1},
                              kChunk - 1,
                              kChunk,
@@ -67,7 +68,7 @@ TEST_F(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
   std::vector<std::jthread> threads;
   for (uint32_t seed = 0; seed < 2; ++seed) {
     threads.emplace_back([seed] {
-      const auto device = Device::CreateCuda(0, 1);
+      const auto device = Device::CreateCuda(0);
       const std::vector<uint8_t> expected =
           DrawnBytes(static_cast<size_t>(kChunk) * 2 + seed, seed);
       for (int i = 0; i < 20; ++i) {
@@ -80,7 +81,7 @@ TEST_F(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
 
 TEST_F(WorkersOnCudaTest, CountsMemory) {
   constexpr size_t kSize = size_t{256} << 20;
-  const auto device = Device::CreateCuda(0, 1);
+  const auto device = Device::CreateCuda(0);
   const size_t before = device->FreeMemory();
   ASSERT_GT(before, kSize);
   {
@@ -93,7 +94,7 @@ TEST_F(WorkersOnCudaTest, CountsMemory) {
 }
 
 TEST_F(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
-  const auto device = Device::CreateCuda(0, 1);
+  const auto device = Device::CreateCuda(0);
   ExpectError(ErrorCode::kOutOfMemory, {"GPU memory", "device cpu"}, [&] {
     Buffer<uint8_t>(*device, size_t{1} << 50);
   });
@@ -104,7 +105,7 @@ TEST_F(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
 }
 
 TEST_F(WorkersOnCudaTest, GrayIsTheSameAsOnTheCpu) {
-  const auto cuda = Device::CreateCuda(0, 1);
+  const auto cuda = Device::CreateCuda(0);
   const auto cpu = Device::CreateCpu(2);
   const std::vector<uint8_t> bytes = DrawnBytes(3 * 211 * 97, 5);
   Image<Rgb> color(211, 97);
@@ -149,7 +150,7 @@ TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   };
   std::vector<RefinedMaps> expected;
   {
-    const auto gpu = Device::CreateCuda(0, 1);
+    const auto gpu = Device::CreateCuda(0);
     DeviceViewCache cache(1 << 30);
     for (int i = 0; i < num_views; ++i) {
       expected.push_back(refine(i, cache, *gpu));
@@ -157,8 +158,8 @@ TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   }
   // With room for all views, and with room for none that is not in use.
   for (const size_t num_bytes : {size_t{1} << 30, size_t{0}}) {
-    const std::unique_ptr<Device> gpus[] = {Device::CreateCuda(0, 1),
-                                            Device::CreateCuda(0, 1)};
+    const std::unique_ptr<Device> gpus[] = {Device::CreateCuda(0),
+                                            Device::CreateCuda(0)};
     DeviceViewCache cache(num_bytes);
     std::vector<std::jthread> threads;
     for (int worker = 0; worker < 2; ++worker) {

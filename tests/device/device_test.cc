@@ -21,7 +21,7 @@ TEST(Device, CpuHasTheThreadsItWasAskedFor) {
 
 TEST(Device, ThereIsNoGpuBeyondTheLast) {
   try {
-    Device::CreateCuda(Device::NumCudaDevices(), 1);
+    Device::CreateCuda(Device::NumCudaDevices());
     FAIL() << "no exception";
   } catch (const Error& error) {
     EXPECT_EQ(error.Code(), ErrorCode::kDevice);

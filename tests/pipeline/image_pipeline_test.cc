@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <functional>
+#include <latch>
 #include <set>
 #include <sstream>
 
@@ -45,6 +47,7 @@ class DrawnTasks : public ImageTasks {
                        size_t worker,
                        ViewCache::Lease* views,
                        ImageReport* report) override {
+    before_compute(index);
     CheckFailure(fails_to_compute, index);
     // Each worker has one image at a time.
     EXPECT_FALSE(is_busy_[worker].exchange(true));
@@ -65,6 +68,7 @@ class DrawnTasks : public ImageTasks {
     return result;
   }
   void Write(size_t index, RefineResult result, ImageReport* report) override {
+    before_write(index);
     CheckFailure(fails_to_write, index);
     report->counts["sum"] = static_cast<int64_t>(result.maps.depth(0, 0));
     report->outcome = Outcome::kRefined;
@@ -83,6 +87,8 @@ class DrawnTasks : public ImageTasks {
   std::set<size_t> done_before;
   std::set<size_t> fails_to_compute;
   std::set<size_t> fails_to_write;
+  std::function<void(size_t)> before_compute = [](size_t) {};
+  std::function<void(size_t)> before_write = [](size_t) {};
   std::atomic<int> num_written = 0;
   std::atomic<int> max_results = 0;
 
@@ -122,6 +128,7 @@ struct PipelineRun {
     pipeline.Run(num_workers);
     reports = pipeline.Reports();
     failures = pipeline.Failures();
+    first_failure = pipeline.FirstFailure();
   }
 
   int NumFailures() const {
@@ -147,6 +154,7 @@ struct PipelineRun {
   std::atomic<int> max_alive = 0;
   std::vector<ImageReport> reports;
   std::vector<std::exception_ptr> failures;
+  std::exception_ptr first_failure;
 };
 
 TEST(ImagePipeline, TheNumbersOfThreadsAndOfViewsChangeNothing) {
@@ -180,6 +188,7 @@ TEST(ImagePipeline, FiveThousandImagesNeedTheMemoryOfFew) {
   run.num_workers = 4;
   run.Go();
   EXPECT_EQ(run.NumWith(Outcome::kRefined), 5000);
+  EXPECT_FALSE(run.first_failure);
   EXPECT_LE(run.max_alive, 20);
   // With the workers, in the queue, with the writers.
   EXPECT_LE(run.tasks.max_results, 4 + 2 + 2);
@@ -206,22 +215,62 @@ TEST(ImagePipeline, AnImageThatCannotBeReadLeavesThoseBeforeItDone) {
 }
 
 TEST(ImagePipeline, FailuresOfWorkersAndWritersEndTheRun) {
-  for (const bool writes : {false, true}) {
-    PipelineRun run(500);
-    run.sizes = {2, 2, 2, 2};
-    run.num_workers = 2;
-    (writes ? run.tasks.fails_to_write : run.tasks.fails_to_compute) = {7};
-    run.Go();
-    ASSERT_TRUE(run.failures[7]);
-    ExpectError(ErrorCode::kIo, {"7: fails"}, [&] {
-      std::rethrow_exception(run.failures[7]);
-    });
-    EXPECT_EQ(run.NumFailures(), 1);
-    EXPECT_EQ(run.NumWith(Outcome::kRefined), run.tasks.num_written);
-    for (size_t i = 0; i < 7; ++i) {
-      EXPECT_EQ(run.reports[i].outcome, Outcome::kRefined) << i;
+  for (const int num_threads : {1, 2}) {
+    for (const bool writes : {false, true}) {
+      PipelineRun run(500);
+      run.sizes = {num_threads, num_threads, 2, 2};
+      run.num_workers = static_cast<size_t>(num_threads);
+      (writes ? run.tasks.fails_to_write : run.tasks.fails_to_compute) = {7};
+      run.Go();
+      ASSERT_TRUE(run.failures[7]);
+      EXPECT_EQ(run.first_failure, run.failures[7]);
+      ExpectError(ErrorCode::kIo, {"7: fails"}, [&] {
+        std::rethrow_exception(run.failures[7]);
+      });
+      EXPECT_EQ(run.NumFailures(), 1);
+      EXPECT_EQ(run.NumWith(Outcome::kRefined), run.tasks.num_written);
+      for (size_t i = 0; i < 7; ++i) {
+        EXPECT_EQ(run.reports[i].outcome, Outcome::kRefined) << i;
+      }
+      // Those that were at work: with the loader and ready, and where a writer
+      // fails also with the worker and finished. Of several threads one may
+      // sleep on its failure for as long as it likes.
+      if (num_threads == 1) {
+        EXPECT_LE(run.tasks.num_written, 7 + (writes ? 1 + 2 + 1 + 2 : 1 + 2));
+      }
     }
   }
+}
+
+TEST(ImagePipeline, TellsTheFailureThatCameFirst) {
+  PipelineRun run(40);
+  run.sizes = {1, 1, 2, 2};
+  run.num_workers = 2;
+  run.max_views = 1000;
+  run.tasks.fails_to_write = {7};
+  run.tasks.fails_to_compute = {5};
+  // Image 5 fails after the only writer has gone on from its failure with 7.
+  std::latch begun(1);
+  std::latch failed(1);
+  run.tasks.before_compute = [&](size_t index) {
+    if (index == 5) {
+      failed.wait();
+    } else if (index == 8) {
+      begun.count_down();
+    }
+  };
+  run.tasks.before_write = [&](size_t index) {
+    if (index == 7) {
+      begun.wait();
+    } else if (index == 8) {
+      failed.count_down();
+    }
+  };
+  run.Go();
+  EXPECT_EQ(run.NumFailures(), 2);
+  ASSERT_TRUE(run.failures[5]);
+  ASSERT_TRUE(run.failures[7]);
+  EXPECT_EQ(run.first_failure, run.failures[7]);
 }
 
 TEST(ImagePipeline, StopsInTheMiddle) {

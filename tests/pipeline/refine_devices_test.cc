@@ -6,12 +6,18 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/pipeline/counting_device.h"
 #include "tests/pipeline/drawn_views.h"
 #include "tests/workspace/test_workspace.h"
+#include <gmock/gmock.h>
 
 namespace tsar {
 namespace {
@@ -27,19 +33,25 @@ class RefineDevicesTest : public testing::Test {
   }
 
   GpuSystem Gpus(int num_gpus) {
-    return {num_gpus, [this](int index, int num_threads) {
-              if (without_code_.count(index) > 0 || index < 0) {
-                throw Error(
-                    ErrorCode::kDevice,
-                    "GPU " + std::to_string(index) + " has no code; build it");
-              }
-              const size_t memory =
-                  memory_.count(index) > 0 ? memory_[index] : 8 * kGigabyte;
-              return std::unique_ptr<Device>(
-                  new CountingDevice("Card", memory, num_threads));
-            }};
+    return {
+        num_gpus, [this](int index) {
+          if (without_code_.count(index) > 0 || index < 0) {
+            throw Error(
+                ErrorCode::kDevice,
+                "GPU " + std::to_string(index) + " has no code; build it");
+          }
+          ++num_created_[index];
+          if (num_created_[index] > max_num_devices_) {
+            throw Error(ErrorCode::kOutOfMemory,
+                        "main memory could not be pinned; close others");
+          }
+          const size_t memory =
+              memory_.count(index) > 0 ? memory_[index] : 8 * kGigabyte;
+          return std::unique_ptr<Device>(new CountingDevice("Card", memory));
+        }};
   }
   RefineDevices Create(int num_gpus, int num_images = 100) {
+    num_created_.clear();
     return CreateRefineDevices(options_, overview_, num_images, Gpus(num_gpus));
   }
   void ExpectRefusal(ErrorCode code,
@@ -52,7 +64,18 @@ class RefineDevicesTest : public testing::Test {
   WorkspaceRefineOptions options_;
   std::map<int, size_t> memory_;
   std::set<int> without_code_;
+  std::map<int, int> num_created_;
+  int max_num_devices_ = kMaxGpuWorkers;  // Of each GPU.
 };
+
+// The names of all workers.
+std::vector<std::string> Names(const RefineDevices& devices) {
+  std::vector<std::string> names;
+  for (const RefineWorker& worker : devices.workers) {
+    names.push_back(worker.name);
+  }
+  return names;
+}
 
 TEST_F(RefineDevicesTest, TakesEveryGpuWithTwoWorkers) {
   const RefineDevices devices = Create(2);
@@ -120,9 +143,113 @@ TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
 }
 
 TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
-  EXPECT_EQ(Create(1, 1).workers.size(), 1u);
+  for (int num_gpus = 1; num_gpus <= 4; ++num_gpus) {
+    for (int num_images = 1; num_images <= 10; ++num_images) {
+      const RefineDevices devices = Create(num_gpus, num_images);
+      EXPECT_EQ(static_cast<int>(devices.workers.size()),
+                std::min(num_images, kMaxGpuWorkers * num_gpus));
+      // Of the GPUs that get no image none is opened.
+      EXPECT_EQ(static_cast<int>(num_created_.size()),
+                std::min(num_images, num_gpus));
+      EXPECT_EQ(devices.view_caches.size(), num_created_.size());
+    }
+  }
   options_.device = "cpu";
   EXPECT_EQ(Create(1, 3).workers.size(), 3u);
+}
+
+TEST_F(RefineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
+  EXPECT_EQ(Names(Create(2, 2)),
+            std::vector<std::string>({"GPU 0 (Card)", "GPU 1 (Card)"}));
+  EXPECT_EQ(Names(Create(2, 3)),
+            std::vector<std::string>(
+                {"GPU 0 (Card)", "GPU 0 (Card)", "GPU 1 (Card)"}));
+  // The next takes the place of one that cannot be used.
+  without_code_ = {0};
+  memory_[1] = 1;
+  EXPECT_EQ(Names(Create(4, 1)), std::vector<std::string>({"GPU 2 (Card)"}));
+  memory_[2] = static_cast<size_t>(WorkBytes(overview_)) * 3 / 2;
+  EXPECT_EQ(Names(Create(4, 3)),
+            std::vector<std::string>(
+                {"GPU 2 (Card)", "GPU 3 (Card)", "GPU 3 (Card)"}));
+}
+
+TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
+  max_num_devices_ = 1;
+  for (const char* gpu_index : {"-1", "0,1"}) {
+    options_.gpu_index = gpu_index;
+    testing::internal::CaptureStderr();
+    const RefineDevices devices = Create(2);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                testing::HasSubstr("GPU 1 (Card) works on 1 image at a time"));
+    EXPECT_EQ(Names(devices),
+              std::vector<std::string>({"GPU 0 (Card)", "GPU 1 (Card)"}));
+    EXPECT_EQ(devices.sizes.max_ready, 2u);
+  }
+  // Without the first there is none.
+  max_num_devices_ = 0;
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"could not be pinned"}, 2);
+}
+
+TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
+  for (const char* device : {"cpu", "cuda"}) {
+    SCOPED_TRACE(device);
+    options_.device = device;
+    options_.cache_size = 0.25;
+    testing::internal::CaptureStderr();
+    const RefineDevices devices = Create(1);
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(text, testing::HasSubstr("with its 10 source images"));
+    EXPECT_THAT(text, testing::HasSubstr("--TsarRefine.cache_size 0.25;"));
+    // One loader, which holds 24 bytes per pixel beside the view; a result with
+    // each worker, one that waits, one that is being written; 11 views.
+    const double needed =
+        static_cast<double>(
+            24 * overview_.max_num_pixels +
+            static_cast<int64_t>(devices.workers.size() + 2) *
+                ResultBytes(overview_) +
+            11 * ViewBytes(overview_) +
+            (options_.device == "cpu" ? WorkBytes(overview_) : 0)) /
+        1e9;
+    std::ostringstream number;
+    number << "needs " << std::ceil(needed * 10) / 10 << " GB of main memory";
+    EXPECT_THAT(text, testing::HasSubstr(number.str()));
+
+    options_.cache_size = needed + 1e-3;
+    testing::internal::CaptureStderr();
+    EXPECT_GE(static_cast<int64_t>(Create(1).cache_num_bytes),
+              11 * ViewBytes(overview_));
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  }
+}
+
+// Memory for two images is not used for three workers.
+TEST_F(RefineDevicesTest, TakesFewerCpuWorkersBeforeItNeedsMore) {
+  options_.device = "cpu";
+  for (const int num_sources : {1, 10}) {
+    overview_.max_num_sources = num_sources;
+    for (double cache_size = 0.35 + 0.03 * num_sources; cache_size < 3.0;
+         cache_size += 0.02) {
+      options_.cache_size = cache_size;
+      const RefineDevices devices = Create(0);
+      EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes),
+                (num_sources + 1) * ViewBytes(overview_))
+          << cache_size;
+    }
+    EXPECT_GT(Create(0).workers.size(), 3u);
+  }
+}
+
+TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
+  // The decoded images are much larger than the maps.
+  overview_.max_num_image_pixels = 100000000;
+  options_.cache_size = 32;
+  EXPECT_EQ(Create(1).sizes.num_loaders, 4);
+  options_.cache_size = 1.2;
+  const RefineDevices devices = Create(1);
+  EXPECT_EQ(devices.sizes.num_loaders, 2);
+  EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes),
+            11 * ViewBytes(overview_));
 }
 
 TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
@@ -139,7 +266,10 @@ TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
                             ? WorkBytes(overview_) *
                                   static_cast<int64_t>(devices.workers.size())
                             : 0;
-      const auto fixed = work + num_results * ResultBytes(overview_);
+      const auto fixed =
+          work + num_results * ResultBytes(overview_) +
+          devices.sizes.num_loaders * LoadBytes(overview_.max_num_pixels,
+                                                overview_.max_num_image_pixels);
       EXPECT_LE(
           static_cast<int64_t>(devices.cache_num_bytes),
           std::max<int64_t>(0, static_cast<int64_t>(cache_size * 1e9) - fixed));

@@ -3,6 +3,9 @@
 
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <thread>
+#include <vector>
+
 #include "tests/workspace/test_workspace.h"
 
 namespace tsar {
@@ -43,6 +46,24 @@ TEST(WorkspaceLockTest, ReadersShareItWithoutWriters) {
   ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
     WorkspaceLock reader(folder.Path(), WorkspaceLock::Mode::kShared);
   });
+}
+
+TEST(WorkspaceLockTest, ReadersComeAndGoSideBySide) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  {
+    std::vector<std::jthread> readers;
+    for (int i = 0; i < 4; ++i) {
+      readers.emplace_back([&] {
+        for (int j = 0; j < 300; ++j) {
+          EXPECT_NO_THROW(
+              WorkspaceLock(folder.Path(), WorkspaceLock::Mode::kShared));
+        }
+      });
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  const WorkspaceLock writer(folder.Path());
 }
 
 TEST(WorkspaceLockTest, ReadersNeedNoPermissionToWrite) {

@@ -163,6 +163,40 @@ TEST_F(WriteBackTest, AnInterruptionAnywhereLosesNothing) {
   }
 }
 
+// So readers need not wait for it.
+TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
+  for (const float earlier : {0.f, 42.f}) {
+    if (earlier > 0.f) {
+      WriteRefined(workspace(), 0, MakeRefinedMaps(earlier), Record());
+    }
+    const auto before = Snapshot(root_);
+    {
+      WriteBack write_back(workspace(), 0, Record());
+      write_back.PrepareFiles(MakeRefinedMaps(43.f));
+      const auto prepared = Snapshot(root_);
+      EXPECT_GT(prepared.size(), before.size());
+      for (const auto& [path, content] : before) {
+        EXPECT_EQ(prepared.at(path), content) << path;
+      }
+      EXPECT_EQ(OriginalDepth(0), 2.f);
+    }
+    for (const auto& [path, content] : Snapshot(root_)) {
+      if (content != "folder") {
+        EXPECT_EQ(before.at(path), content) << path;
+      }
+    }
+  }
+}
+
+TEST_F(WriteBackTest, CommitTakesAllStepsAfterPreparing) {
+  WriteBack write_back(workspace(), 0, Record());
+  write_back.PrepareFiles(MakeRefinedMaps(43.f));
+  write_back.Commit();
+  EXPECT_EQ(CurrentDepth(0), 43.f);
+  EXPECT_EQ(OriginalDepth(0), 2.f);
+  EXPECT_TRUE(IsDone(workspace(), 0, "options"));
+}
+
 TEST_F(WriteBackTest, RestoresAfterAnInterruptionAnywhere) {
   const auto clean = Snapshot(root_);
   for (int num_steps = 2; num_steps <= 5; ++num_steps) {
