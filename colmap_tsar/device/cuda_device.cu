@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/cuda_check.h"
 
 #include <cstdint>
+#include <thread>
 
 namespace tsar {
 namespace {
@@ -122,6 +123,18 @@ std::unique_ptr<Device> Device::CreateCuda(int gpu_index) {
 int Device::NumCudaDevices() {
   int count = 0;
   return cudaGetDeviceCount(&count) == cudaSuccess ? count : 0;
+}
+
+void Device::PrepareCudaDevices(const std::vector<int>& gpu_indices) {
+  std::vector<std::jthread> threads;
+  for (const int gpu_index : gpu_indices) {
+    threads.emplace_back([gpu_index] {
+      if (cudaSetDevice(gpu_index) != cudaSuccess ||
+          cudaFree(nullptr) != cudaSuccess) {
+        ForgetCudaError();
+      }
+    });
+  }
 }
 
 }  // namespace tsar

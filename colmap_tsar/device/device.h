@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tsar {
 
@@ -32,6 +33,11 @@ class Device {
 
   // How many GPUs the driver reports: 0 without CUDA or without a driver.
   static int NumCudaDevices();
+
+  // Has the driver prepare these GPUs for this program, side by side: for each
+  // it takes a good part of a second, which the first CreateCuda would wait for.
+  // Says nothing of GPUs that fail; CreateCuda will.
+  static void PrepareCudaDevices(const std::vector<int>& gpu_indices);
 
   bool IsCuda() const { return kind_ == DeviceKind::kCuda; }
   virtual std::string Name() const = 0;

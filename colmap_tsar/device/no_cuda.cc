@@ -16,4 +16,6 @@ std::unique_ptr<Device> Device::CreateCuda(int /*gpu_index*/) {
 
 int Device::NumCudaDevices() { return 0; }
 
+void Device::PrepareCudaDevices(const std::vector<int>& /*gpu_indices*/) {}
+
 }  // namespace tsar

@@ -23,8 +23,8 @@ constexpr int64_t kBytesPerSourcePixel = 8;
 constexpr int64_t kBytesPerReferencePixel = 52;
 constexpr int64_t kBytesPerRasterPixel = 60;
 constexpr int64_t kMaxRasterPixels = int64_t{777} * 777;
-// Images further on need a few other sources.
-constexpr int kViewsPerWorker = 2;
+// Of an image that is worked on beside another, few sources are not the other's.
+constexpr int kViewsPerWorker = 1;
 // Beside the maps: tables of superpixels and regions, which do not grow with
 // the map, and the kernels that the driver loads when they are first used.
 constexpr int64_t kFixedBytes = int64_t{64} << 20;

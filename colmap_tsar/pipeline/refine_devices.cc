@@ -157,7 +157,11 @@ std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
   std::vector<Gpu> opened;
   if (gpus.num_gpus > 0) {
     GpuOpener opener(overview, gpus, !named.empty());
-    for (const int index : WantedGpus(named, gpus.num_gpus)) {
+    const std::vector<int> wanted = WantedGpus(named, gpus.num_gpus);
+    if (static_cast<int>(wanted.size()) <= num_images) {
+      gpus.prepare(wanted);
+    }
+    for (const int index : wanted) {
       if (static_cast<int>(opener.NumOpened()) < num_images) {
         opener.Open(index);
       }
@@ -318,7 +322,9 @@ void DivideMemory(const WorkspaceOverview& overview,
 }  // namespace
 
 GpuSystem GpuSystem::Cuda() {
-  return {Device::NumCudaDevices(), &Device::CreateCuda};
+  return {Device::NumCudaDevices(),
+          &Device::CreateCuda,
+          &Device::PrepareCudaDevices};
 }
 
 RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,

@@ -41,6 +41,9 @@ struct RefineDevices {
 struct GpuSystem {
   int num_gpus = 0;
   std::function<std::unique_ptr<Device>(int gpu_index)> create;
+  // Called once before these are created.
+  std::function<void(const std::vector<int>& gpu_indices)> prepare =
+      [](const std::vector<int>&) {};
 
   static GpuSystem Cuda();
 };
