@@ -15,6 +15,7 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
                                            const ViewData& view,
                                            Device& device) {
   std::promise<View> promise;
+  std::shared_ptr<UploadedView> spare;
   {
     std::unique_lock<std::mutex> lock(mutex_);
     const auto found = entries_.find(image);
@@ -28,7 +29,7 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
       return upload.get();
     }
     const size_t num_bytes = 2 * sizeof(float) * view.depth.NumPixels();
-    MakeRoom(num_bytes);
+    spare = MakeRoom(num_bytes);
     images_.push_front(image);
     entries_[image] = {
         nullptr, promise.get_future().share(), num_bytes, images_.begin()};
@@ -36,7 +37,7 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
   }
   View uploaded;
   try {
-    uploaded = UploadView(view, device);
+    uploaded = UploadView(view, device, std::move(spare));
     device.Synchronize();
   } catch (...) {
     Remove(image);
@@ -58,10 +59,11 @@ size_t DeviceViewCache::NumBytes() const {
   return num_bytes_;
 }
 
-void DeviceViewCache::MakeRoom(size_t num_bytes) {
+std::shared_ptr<UploadedView> DeviceViewCache::MakeRoom(size_t num_bytes) {
+  std::shared_ptr<UploadedView> dropped;
   for (auto it = images_.end(); it != images_.begin();) {
     if (num_bytes_ + num_bytes <= max_num_bytes_) {
-      return;
+      break;
     }
     --it;
     const auto entry = entries_.find(*it);
@@ -70,10 +72,12 @@ void DeviceViewCache::MakeRoom(size_t num_bytes) {
     if (entry->second.view.use_count() != 1) {
       continue;
     }
+    dropped = std::const_pointer_cast<UploadedView>(entry->second.view);
     num_bytes_ -= entry->second.num_bytes;
     entries_.erase(entry);
     it = images_.erase(it);
   }
+  return dropped;
 }
 
 void DeviceViewCache::Remove(int image) {

@@ -47,8 +47,10 @@ class DeviceViewCache {
   };
 
   // With the mutex locked: drops views that nobody uses until num_bytes more
-  // fit, or none is left to drop.
-  void MakeRoom(size_t num_bytes);
+  // fit, or none is left to drop. Returns the last one dropped, if any, for the
+  // next view to take its memory: where long-lived blocks come and go between
+  // short-lived ones, they leave holes that nothing fits into.
+  std::shared_ptr<UploadedView> MakeRoom(size_t num_bytes);
   void Remove(int image);
 
   const size_t max_num_bytes_;

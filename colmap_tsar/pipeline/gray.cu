@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/gray.h"
-
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/pipeline/gray.h"
 
 namespace tsar {
 namespace {
@@ -19,11 +18,16 @@ struct GrayKernel {
 
 }  // namespace
 
+void ComputeGray(ImageView<const Rgb> color,
+                 ImageView<float> gray,
+                 Device& device) {
+  ParallelFor(
+      device, static_cast<int64_t>(color.NumPixels()), GrayKernel{color, gray});
+}
+
 DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
   DeviceImage<float> gray(device, color.width, color.height);
-  ParallelFor(device,
-              static_cast<int64_t>(color.NumPixels()),
-              GrayKernel{color, gray.View()});
+  ComputeGray(color, gray.View(), device);
   return gray;
 }
 

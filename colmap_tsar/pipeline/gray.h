@@ -7,7 +7,11 @@
 
 namespace tsar {
 
-// The brightness of a colour image, 0-255, as matching sees it.
+// The brightness of a colour image, 0-255, as matching sees it. gray has the
+// size of color.
+void ComputeGray(ImageView<const Rgb> color,
+                 ImageView<float> gray,
+                 Device& device);
 DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device);
 
 }  // namespace tsar

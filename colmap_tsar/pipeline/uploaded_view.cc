@@ -14,15 +14,25 @@ bool HasDepth(const Image<float>& depth) {
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });
 }
 
-std::shared_ptr<const UploadedView> UploadView(const ViewData& view,
-                                               Device& device) {
+std::shared_ptr<const UploadedView> UploadView(
+    const ViewData& view, Device& device, std::shared_ptr<UploadedView> spare) {
+  const int width = view.depth.Width();
+  const int height = view.depth.Height();
+  if (spare == nullptr || spare->depth.Width() != width ||
+      spare->depth.Height() != height) {
+    spare = std::make_shared<UploadedView>();
+    spare->gray = DeviceImage<float>(device, width, height);
+    spare->depth = DeviceImage<float>(device, width, height);
+  }
+  spare->camera = view.camera;
+  spare->has_depth = HasDepth(view.depth);
   const DeviceImage<Rgb> color(device, view.color);
-  auto uploaded = std::make_shared<UploadedView>();
-  uploaded->camera = view.camera;
-  uploaded->has_depth = HasDepth(view.depth);
-  uploaded->gray = ComputeGray(color.View(), device);
-  uploaded->depth = DeviceImage<float>(device, view.depth);
-  return uploaded;
+  ComputeGray(color.View(), spare->gray.View(), device);
+  // Not by Upload(): another device may have allocated the memory.
+  device.CopyToDevice(spare->depth.View().data,
+                      view.depth.Data(),
+                      view.depth.NumPixels() * sizeof(float));
+  return spare;
 }
 
 std::vector<std::shared_ptr<const UploadedView>> UploadViews(

@@ -23,9 +23,12 @@ struct UploadedView {
 // Whether any pixel has a depth.
 bool HasDepth(const Image<float>& depth);
 
-// The work may still be under way on the device.
-std::shared_ptr<const UploadedView> UploadView(const ViewData& view,
-                                               Device& device);
+// The work may still be under way on the device. spare: a view that nobody uses
+// any more; one of the same size gives its memory.
+std::shared_ptr<const UploadedView> UploadView(
+    const ViewData& view,
+    Device& device,
+    std::shared_ptr<UploadedView> spare = nullptr);
 std::vector<std::shared_ptr<const UploadedView>> UploadViews(
     const std::vector<const ViewData*>& views, Device& device);
 

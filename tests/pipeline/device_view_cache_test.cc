@@ -67,6 +67,22 @@ TEST(DeviceViewCache, UploadsOnceWhileThereIsRoom) {
   EXPECT_EQ(DepthOf(cache.Get(2, MakeView(8), device)), 8.f);
 }
 
+TEST(DeviceViewCache, GivesTheMemoryOfADroppedViewToTheNext) {
+  CountingDevice first("", 1000000);
+  CountingDevice second("", 1000000);
+  DeviceViewCache cache(kViewBytes);
+  cache.Get(1, MakeView(1), first);
+  // Only the colour, for the time of the upload.
+  EXPECT_EQ(DepthOf(cache.Get(2, MakeView(2), second)), 2.f);
+  EXPECT_EQ(second.NumAllocations(), 1);
+  // One of another size gets its own.
+  ViewData larger = MakeView(3);
+  larger.depth = Image<float>(20, 6, 3.f);
+  larger.color = Image<Rgb>(20, 6);
+  EXPECT_EQ(DepthOf(cache.Get(3, larger, second)), 3.f);
+  EXPECT_EQ(second.NumAllocations(), 4);
+}
+
 TEST(DeviceViewCache, DropsNothingThatIsInUse) {
   CountingDevice device("", 1000000);
   DeviceViewCache cache(kViewBytes);
