@@ -113,7 +113,7 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
   for (const RunSummary::GpuMemory& peak : summary.peak_gpu_memory) {
     out << "  " << peak.gpu << ": at most "
         << Fixed(static_cast<double>(peak.num_bytes) / 1e9, 2)
-        << " GB of its memory in use\n";
+        << " GB of its memory held\n";
   }
 }
 

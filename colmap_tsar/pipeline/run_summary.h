@@ -40,7 +40,7 @@ struct RunSummary {
   };
   struct GpuMemory {
     std::string gpu;
-    size_t num_bytes = 0;  // The most that was in use at a time.
+    size_t num_bytes = 0;  // The most that was held at a time.
   };
 
   std::filesystem::path workspace_path;  // The one that was written.

@@ -182,8 +182,10 @@ struct RefitKernel {
         list.count, [&](int i, DepthRange* sum) {
           *sum += {list[i].z, list[i].z};
         });
-    result.min_depth = range.min;
-    result.max_depth = range.max;
+    if (list.count > 0) {
+      result.min_depth = range.min;
+      result.max_depth = range.max;
+    }
     Plane plane = BestHypothesis(list, group);
     // The plane of three noisy points tilts; least squares on its inliers finds
     // those that it missed. Cauchy weights keep a second surface at the edge of

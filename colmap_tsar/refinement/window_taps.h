@@ -20,7 +20,7 @@ namespace tsar {
 constexpr int kTapRadius = 5;
 constexpr int kTapSide = 2 * kTapRadius + 1;
 constexpr int kNumTaps = kTapSide * kTapSide;
-// Taps that weigh less than this change no median.
+// Taps that weigh less than this do not count.
 constexpr float kMinTapWeight = 1e-3f;
 
 // 11 x 11 taps, `stride` pixels apart, as a kernel sees them.

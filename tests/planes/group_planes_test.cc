@@ -104,6 +104,8 @@ TEST_F(GroupPlanesTest, FindsNoneInGroupsThatSpanNone) {
   EXPECT_FALSE(fits[1].plane.Valid());
   EXPECT_EQ(fits[1].num_pixels, 5 * 39);
   EXPECT_EQ(fits[1].num_samples, 0);
+  EXPECT_EQ(fits[1].min_depth, 0.f);
+  EXPECT_EQ(fits[1].max_depth, 0.f);
   EXPECT_FALSE(fits[2].plane.Valid());
   EXPECT_EQ(fits[2].num_samples, 2);
   EXPECT_EQ(fits[2].num_inliers, 0);
