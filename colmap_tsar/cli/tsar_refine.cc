@@ -91,8 +91,8 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       group + "num_threads",
       &command->workspace.num_threads,
       "Number of CPU threads; -1: one for each core. On the CPU, those "
-      "that compute; a few more read and write files. With GPUs, about "
-      "a third of them reads files and as many write.",
+      "that compute; a few more read and write files. With GPUs, two "
+      "fifths of them read files and as many write, at most ten per GPU.",
       {-1, 4096});
   options->Add(group + "cache_size",
                &command->workspace.cache_size,

@@ -23,9 +23,9 @@ namespace {
 
 constexpr double kBytesPerGigabyte = 1e9;
 
-// Reading and writing an image each take a few times as long as a GPU computes
-// on it.
-constexpr int kFilesThreadsPerGpu = 4;
+// Reading and writing an image each take up to ten times as long as one GPU
+// needs for it with its two workers.
+constexpr int kFilesThreadsPerGpu = 10;
 // A CPU computes on an image for so long that one thread keeps many supplied.
 constexpr int kCpuWorkersPerFilesThread = 8;
 
@@ -359,7 +359,8 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
   DivideMemory(overview,
                budget,
                0,
-               std::clamp(num_threads / 3, 1, max_num_files_threads),
+               // As many write as read, and the workers copy.
+               std::clamp(num_threads * 2 / 5, 1, max_num_files_threads),
                GpuSizes,
                &result);
   return result;

@@ -244,7 +244,7 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   // The decoded images are much larger than the maps.
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
-  EXPECT_EQ(Create(1).sizes.num_loaders, 4);
+  EXPECT_EQ(Create(1).sizes.num_loaders, 6);
   options_.cache_size = 1.2;
   const RefineDevices devices = Create(1);
   EXPECT_EQ(devices.sizes.num_loaders, 2);
