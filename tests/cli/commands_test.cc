@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "tests/cli/captured_run.h"
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -19,24 +20,8 @@ namespace tsar {
 namespace {
 
 // Runs the program with these arguments and returns what it printed.
-struct Outcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
-
-Outcome RunWith(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "colmap_tsar");
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) {
-    argv.push_back(argument.data());
-  }
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int exit_code = RunProgram(static_cast<int>(argv.size()), argv.data());
-  return {exit_code,
-          testing::internal::GetCapturedStdout(),
-          testing::internal::GetCapturedStderr()};
+Outcome RunWith(const std::vector<std::string>& arguments) {
+  return RunCaptured("colmap_tsar", arguments, &RunProgram);
 }
 
 std::string ErrorOf(CommandFunction function) {

@@ -7,6 +7,7 @@
 
 #include <csignal>
 
+#include "tests/cli/captured_run.h"
 #include "tests/pipeline/drawn_workspace.h"
 #include "tests/workspace/test_workspace.h"
 #include <nlohmann/json.hpp>
@@ -14,25 +15,10 @@
 namespace tsar {
 namespace {
 
-struct Outcome {
-  int exit_code;
-  std::string out;
-  std::string err;
-};
-
-Outcome RunRefine(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "tsar_refine");
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) {
-    argv.push_back(argument.data());
-  }
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  const int exit_code =
-      RunCommand(&RunTsarRefine, static_cast<int>(argv.size()), argv.data());
-  return {exit_code,
-          testing::internal::GetCapturedStdout(),
-          testing::internal::GetCapturedStderr()};
+Outcome RunRefine(const std::vector<std::string>& arguments) {
+  return RunCaptured("tsar_refine", arguments, [](int argc, char** argv) {
+    return RunCommand(&RunTsarRefine, argc, argv);
+  });
 }
 
 class TsarRefineTest : public testing::Test {
