@@ -27,13 +27,13 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
       {"Hough",
        raster,
        2.0 * raster,
-       [&in] { DrawLineSegments(in.edges.View(), in.Hough(), in.device); }},
+       [&in] { DrawLineSegments(in.edges.View(), in.hough, in.device); }},
       // Bytes: edges, the labels written and read once each.
       {"FindRegions",
        raster,
        (1.0 + 8.0) * raster,
        [&in] {
-         FindRegions(in.borders.View(), in.MinRegionSize(), in.device);
+         FindRegions(in.borders.View(), in.min_region_size, in.device);
        }},
       // Items: R. Bytes: labels and samples read twice, a plane written.
       {"RegionPlanes",
@@ -43,14 +43,14 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
          const RegionPlanes planes = FitRegionPlanes(in.regions,
                                                      in.samples.View(),
                                                      in.views.Scale(),
-                                                     in.PlaneOptions(),
+                                                     in.plane_options,
                                                      in.device);
          AssignRegionPlanes(in.regions,
                             planes,
                             in.samples.View(),
                             in.views.RasterIntrinsics(),
                             in.views.Scale(),
-                            in.PlaneOptions(),
+                            in.plane_options,
                             in.device);
        }},
       // Bytes: labels, pixel indices.

@@ -7,15 +7,14 @@
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
-#include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/roberts.h"
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace tsar {
+
 std::vector<const ViewData*> ViewSet::SourcePointers() const {
   std::vector<const ViewData*> pointers;
   for (const ViewData& source : sources) {
@@ -40,6 +39,9 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
     : device(target),
       view_set(set),
       views(set.reference, set.SourcePointers(), device),
+      hough(MakeHoughOptions(options, views.RasterScale())),
+      min_region_size(MinRegionSize(options, views.RasterScale())),
+      plane_options(MakeRegionPlaneOptions(options, views.RasterScale(), 0)),
       costs(ComputeMatchingCosts(views.Reference(), views.Sources(), device)),
       agreement(
           CountAgreeingSources(views.Reference(), views.Sources(), {}, device)),
@@ -55,39 +57,40 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
       raster_score(ReduceNearest(score.View(), views.Raster(), device)),
       superpixels(ComputeSuperpixels(
           views.RasterColor(), raster_score.View(), {}, device)),
-      correlation(RefineByCorrelation(views.Hypotheses(),
-                                      score.View(),
-                                      SelectReliable(score.View(), MinScore(), device),
-                                      views.Color(),
-                                      superpixels,
-                                      views.Raster(),
-                                      views.ReferenceCamera(),
-                                      views.Scale(),
-                                      {},
-                                      device)),
+      correlation(
+          RefineByCorrelation(views.Hypotheses(),
+                              score.View(),
+                              SelectReliable(score.View(), MinScore(), device),
+                              views.Color(),
+                              superpixels,
+                              views.Raster(),
+                              views.ReferenceCamera(),
+                              views.Scale(),
+                              {},
+                              device)),
       samples(SampleMeasurements(views.Hypotheses().depth,
                                  score.View(),
                                  correlation.trusted.View(),
                                  views.MapIntrinsics(),
                                  views.Raster(),
                                  device)),
-      superpixel_groups(GroupPixels(
-          superpixels.labels.View(), superpixels.count, device)),
+      superpixel_groups(
+          GroupPixels(superpixels.labels.View(), superpixels.count, device)),
       superpixel_planes(PlanesOfLabels(
           superpixels.labels.View(), correlation.planes, device)),
       edges(DetectRobertsEdges(views.RasterColor(),
                                static_cast<float>(options.edge_threshold),
                                device)),
-      borders(DrawLineSegments(edges.View(), Hough(), device)),
-      regions(FindRegions(borders.View(), MinRegionSize(), device)),
+      borders(DrawLineSegments(edges.View(), hough, device)),
+      regions(FindRegions(borders.View(), min_region_size, device)),
       region_planes(FitRegionPlanes(
-          regions, samples.View(), views.Scale(), PlaneOptions(), device)),
+          regions, samples.View(), views.Scale(), plane_options, device)),
       pixel_planes(AssignRegionPlanes(regions,
                                       region_planes,
                                       samples.View(),
                                       views.RasterIntrinsics(),
                                       views.Scale(),
-                                      PlaneOptions(),
+                                      plane_options,
                                       device)),
       composed(Compose(OwnMap())) {}
 
@@ -135,27 +138,6 @@ WeightedMedianOptions StageInputs::MedianOptions(double radius) const {
   median.spatial_sigma = static_cast<float>(options.spatial_sigma);
   median.color_sigma = static_cast<float>(options.color_sigma);
   return median;
-}
-
-RegionPlaneOptions StageInputs::PlaneOptions() const {
-  RegionPlaneOptions planes;
-  planes.ransac.tolerance.pixels = 1.f;
-  planes.ransac.num_hypotheses = 200;
-  return planes;
-}
-
-int StageInputs::MinRegionSize() const {
-  const double scale = views.RasterScale();
-  return static_cast<int>(options.min_region_size * scale * scale);
-}
-
-HoughOptions StageInputs::Hough() const {
-  HoughOptions hough;
-  hough.min_votes = options.hough_min_votes;
-  hough.max_gap = std::max(1,
-                           static_cast<int>(std::lround(
-                               options.hough_max_gap * views.RasterScale())));
-  return hough;
 }
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/refinement/slic.h"
 #include "colmap_tsar/segmentation/hough.h"
@@ -41,17 +42,17 @@ class StageInputs {
 
   // The options that depend on the size of the maps.
   WeightedMedianOptions MedianOptions(double radius) const;
-  RegionPlaneOptions PlaneOptions() const;
-  int MinRegionSize() const;
   float MinScore() const;
   DepthNormalImages OwnMap() const;
   ComposedMap Compose(DepthNormalImages own) const;
-  HoughOptions Hough() const;
 
   Device& device;
   const ViewSet& view_set;
   const RefineOptions options;
   const DeviceViews views;
+  const HoughOptions hough;
+  const int min_region_size;
+  const RegionPlaneOptions plane_options;
   const MatchingCosts costs;
   const DeviceImage<uint8_t> agreement;
   const DeviceImage<float> confidence;

@@ -10,6 +10,7 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/refinement/slic.h"
@@ -26,11 +27,6 @@ namespace {
 
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
-
-int ScaledLength(double length, const DeviceViews& views) {
-  return std::max(1,
-                  static_cast<int>(std::lround(length * views.RasterScale())));
-}
 
 // num_sources_with_depth: no more than these can agree with a pixel.
 DeviceImage<float> ScoreHypotheses(const ViewData& reference,
@@ -70,22 +66,6 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
                          agreement.View(),
                          reliability,
                          device);
-}
-
-CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
-                                          uint32_t image_id) {
-  CorrelationOptions result;
-  result.num_iterations = options.num_iterations;
-  result.window_radius = static_cast<float>(options.window_radius);
-  result.disparity_tolerance = static_cast<float>(options.disparity_tolerance);
-  result.spatial_sigma = static_cast<float>(options.spatial_sigma);
-  result.color_sigma = static_cast<float>(options.color_sigma);
-  result.readmit_filtered = options.readmit_filtered;
-  result.use_superpixel_planes = options.superpixel_planes;
-  result.use_weighted_median = options.weighted_median;
-  result.planes.min_support = static_cast<float>(options.min_plane_support);
-  result.planes.ransac.image_id = image_id;
-  return result;
 }
 
 // What the refinement leaves for the composition.
@@ -139,13 +119,10 @@ Regions SegmentTexturelessRegions(const DeviceViews& views,
                                   Device& device) {
   const DeviceImage<uint8_t> edges = DetectRobertsEdges(
       views.RasterColor(), static_cast<float>(options.edge_threshold), device);
-  HoughOptions hough;
-  hough.min_votes = options.hough_min_votes;
-  hough.max_gap = ScaledLength(options.hough_max_gap, views);
-  const double area_scale = views.RasterScale() * views.RasterScale();
-  return FindRegions(DrawLineSegments(edges.View(), hough, device).View(),
-                     static_cast<int>(options.min_region_size * area_scale),
-                     device);
+  const DeviceImage<uint8_t> borders = DrawLineSegments(
+      edges.View(), MakeHoughOptions(options, views.RasterScale()), device);
+  return FindRegions(
+      borders.View(), MinRegionSize(options, views.RasterScale()), device);
 }
 
 DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
@@ -157,16 +134,8 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                     StageTimer* timer) {
   const Regions regions = SegmentTexturelessRegions(views, options, device);
   timer->Finish("segmentation");
-  RegionPlaneOptions planes;
-  planes.max_planes = options.max_region_planes;
-  planes.use_core = options.region_cores;
-  planes.rim_width = ScaledLength(planes.rim_width, views);
-  planes.core_margin = ScaledLength(planes.core_margin, views);
-  planes.min_rim_share = static_cast<float>(options.min_plane_support);
-  planes.max_boundary_error = static_cast<float>(options.max_boundary_error);
-  planes.ransac.tolerance.pixels = 1.f;
-  planes.ransac.num_hypotheses = 200;
-  planes.ransac.image_id = image_id;
+  const RegionPlaneOptions planes =
+      MakeRegionPlaneOptions(options, views.RasterScale(), image_id);
   const DeviceImage<RayDepth> samples =
       SampleMeasurements(views.Hypotheses().depth,
                          score,

@@ -1,0 +1,32 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/refinement/correlation.h"
+#include "colmap_tsar/segmentation/hough.h"
+#include "colmap_tsar/segmentation/region_planes.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// What single stages make of the options of a run. raster_scale: that of
+// DeviceViews; lengths shrink by it, areas by its square. image_id keys the
+// random numbers.
+
+CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
+                                          uint32_t image_id);
+
+HoughOptions MakeHoughOptions(const RefineOptions& options,
+                              double raster_scale);
+
+// The least number of pixels of a region on the raster.
+int MinRegionSize(const RefineOptions& options, double raster_scale);
+
+RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
+                                          double raster_scale,
+                                          uint32_t image_id);
+
+}  // namespace tsar
