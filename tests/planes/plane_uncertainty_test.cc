@@ -1,0 +1,166 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/planes/plane_uncertainty.h"
+
+#include "colmap_tsar/planes/refine_plane.h"
+
+#include <cmath>
+#include <limits>
+
+#include "tests/planes/drawn_observations.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+// Where the plane z = 2 is seen from above: depth and height are the same.
+DepthObservation Above(double x, double y, double sigma) {
+  DepthObservation observation;
+  observation.center = {x, y, 0.0};
+  observation.depth = 2.0;
+  observation.sigma = sigma;
+  return observation;
+}
+
+class PlaneUncertaintyTest : public testing::Test {
+ protected:
+  // The spread of the heights of repeated fits, at a point of the plane, over
+  // what was predicted.
+  double MeasuredOverPredicted(const Eigen::Vector3d& point,
+                               double loss_scale) const {
+    RefinePlaneOptions options;
+    options.loss_scale = loss_scale;
+    const int num_fits = 400;
+    Philox random(5, 0, 0);
+    double squares = 0.0;
+    for (int i = 0; i < num_fits; ++i) {
+      const WorldPlane fit =
+          RefinePlane(plane_, AddNoise(observations_, &random), options);
+      squares += std::pow(fit.Height(point), 2);
+    }
+    return std::sqrt(squares / num_fits) /
+           ComputeUncertainty(plane_, observations_).Sigma(point);
+  }
+
+  Eigen::Vector3d OnPlane(double x, double y) const {
+    const Eigen::Vector3d point(x, y, 4.0);
+    return point - plane_.Height(point) * plane_.normal;
+  }
+
+  const WorldPlane plane_ = PlaneThrough({0.4, -0.2, -1.0}, {0.0, 0.0, 4.0});
+  const WorldPlane flat_ = PlaneThrough({0.0, 0.0, 1.0}, {0.0, 0.0, 2.0});
+  const std::vector<DepthObservation> observations_ = ObservePlane(plane_, 8);
+};
+
+TEST_F(PlaneUncertaintyTest, OfFourCornersIsThatOfTheirRegression) {
+  const PlaneUncertainty uncertainty =
+      ComputeUncertainty(flat_,
+                         {Above(-1.0, -1.0, 0.1),
+                          Above(-1.0, 1.0, 0.1),
+                          Above(1.0, -1.0, 0.1),
+                          Above(1.0, 1.0, 0.1)});
+  EXPECT_NEAR(uncertainty.Sigma({0.0, 0.0, 2.0}), 0.05, 1e-12);
+  EXPECT_NEAR(uncertainty.Sigma({2.0, 0.0, 2.0}), 0.05 * std::sqrt(5.0), 1e-12);
+  EXPECT_NEAR(uncertainty.Sigma({2.0, -2.0, 2.0}), 0.15, 1e-12);
+}
+
+TEST_F(PlaneUncertaintyTest, IsTheSpreadOfRepeatedFits) {
+  const double least_squares = 1000.0;
+  EXPECT_NEAR(MeasuredOverPredicted(OnPlane(0.0, 0.0), least_squares), 1, 0.2);
+  EXPECT_NEAR(MeasuredOverPredicted(OnPlane(1.5, 1.0), least_squares), 1, 0.2);
+  EXPECT_NEAR(MeasuredOverPredicted(OnPlane(-9.0, 4.), least_squares), 1, 0.2);
+  EXPECT_NEAR(MeasuredOverPredicted(OnPlane(1.0, -8.), least_squares), 1, 0.2);
+}
+
+TEST_F(PlaneUncertaintyTest, IsExceededByFitsWithTheDefaultLossAsDocumented) {
+  const double loss_scale = RefinePlaneOptions().loss_scale;
+  EXPECT_NEAR(MeasuredOverPredicted(OnPlane(0., 0.), loss_scale), 1.37, 0.15);
+  EXPECT_NEAR(MeasuredOverPredicted(OnPlane(-9., 4.), loss_scale), 1.37, 0.15);
+}
+
+TEST_F(PlaneUncertaintyTest, GrowsWithTheDistanceFromTheSupport) {
+  const PlaneUncertainty uncertainty =
+      ComputeUncertainty(plane_, observations_);
+  double last = 0.0;
+  for (const double distance : {0.0, 1.0, 2.0, 4.0, 8.0, 100.0}) {
+    const double sigma = uncertainty.Sigma(
+        uncertainty.center + distance * plane_.normal.unitOrthogonal());
+    EXPECT_GT(sigma, last);
+    last = sigma;
+  }
+}
+
+TEST_F(PlaneUncertaintyTest, HalvesWithFourTimesTheObservations) {
+  std::vector<DepthObservation> repeated;
+  std::vector<DepthObservation> weighted = observations_;
+  for (DepthObservation& observation : weighted) {
+    repeated.insert(repeated.end(), 4, observation);
+    observation.weight = 4.0;
+  }
+  const Eigen::Vector3d point = OnPlane(3.0, -1.0);
+  const double sigma = ComputeUncertainty(plane_, observations_).Sigma(point);
+  EXPECT_NEAR(
+      ComputeUncertainty(plane_, repeated).Sigma(point), 0.5 * sigma, 1e-9);
+  EXPECT_NEAR(
+      ComputeUncertainty(plane_, weighted).Sigma(point), 0.5 * sigma, 1e-9);
+}
+
+TEST_F(PlaneUncertaintyTest, ScalesWithTheScene) {
+  std::vector<DepthObservation> scaled = observations_;
+  for (DepthObservation& observation : scaled) {
+    observation.center *= 1000.0;
+    observation.depth *= 1000.0;
+    observation.sigma *= 1000.0;
+  }
+  const Eigen::Vector3d point = OnPlane(3.0, -1.0);
+  const double sigma = ComputeUncertainty(plane_, observations_).Sigma(point);
+  EXPECT_NEAR(
+      ComputeUncertainty({plane_.normal, 1000.0 * plane_.offset}, scaled)
+          .Sigma(1000.0 * point),
+      1000.0 * sigma,
+      1e-6 * sigma);
+}
+
+TEST_F(PlaneUncertaintyTest, CountsOnlyTheErrorAlongTheNormal) {
+  // At 60 degrees to the normal, half the depth's error.
+  DepthObservation slanted;
+  slanted.center = {-2.0 * std::sqrt(3.0), 0.0, 0.0};
+  slanted.ray = {std::sqrt(0.75), 0.0, 0.5};
+  slanted.depth = 4.0;
+  slanted.sigma = 0.2;
+  EXPECT_NEAR(
+      ComputeUncertainty(flat_, {slanted}).Sigma({0.0, 0.0, 2.0}), 0.1, 1e-12);
+}
+
+TEST_F(PlaneUncertaintyTest, IsInfiniteWhereNothingIsDetermined) {
+  EXPECT_EQ(ComputeUncertainty(flat_, {}).Sigma({0.0, 0.0, 2.0}), kInfinity);
+  const PlaneUncertainty of_one = ComputeUncertainty(flat_, {Above(1, 2, 0.1)});
+  EXPECT_NEAR(of_one.Sigma({1.0, 2.0, 2.0}), 0.1, 1e-12);
+  EXPECT_EQ(of_one.Sigma({1.1, 2.0, 2.0}), kInfinity);
+  const PlaneUncertainty of_two =
+      ComputeUncertainty(flat_, {Above(1, 2, 0.1), Above(3, 4, 0.1)});
+  EXPECT_NEAR(of_two.Sigma({3.0, 4.0, 2.0}), 0.1, 1e-12);
+  EXPECT_NEAR(of_two.Sigma({2.0, 3.0, 2.0}), 0.1 / std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(of_two.Sigma({2.0, 3.1, 2.0}), kInfinity);
+}
+
+TEST_F(PlaneUncertaintyTest, IsInfiniteBesideALineSeenWithErrors) {
+  Philox random(6, 0, 0);
+  const Camera camera = CameraLookingAt({0.0, 0.0, 0.0}, {0.0, 0.0, 4.0});
+  std::vector<DepthObservation> line;
+  for (int i = 0; i < 20; ++i) {
+    line.push_back(ObservePlane(plane_, camera, {0.04 * i, 0.1, 1.0}));
+  }
+  const Eigen::Vector3d on_line = line[7].Point();
+  const PlaneUncertainty uncertainty =
+      ComputeUncertainty(plane_, AddNoise(line, &random));
+  EXPECT_LT(uncertainty.Sigma(on_line), line[7].sigma);
+  EXPECT_EQ(uncertainty.Sigma(on_line + plane_.normal.cross(line[7].ray)),
+            kInfinity);
+}
+
+}  // namespace
+}  // namespace tsar
