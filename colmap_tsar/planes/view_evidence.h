@@ -1,0 +1,73 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/plane_fit.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// A depth with its own ray, in the camera's frame, and how far it is to be
+// believed.
+struct Observation {
+  RayDepth sample;      // z > 0
+  float quality = 0.f;  // in (0, 1]
+};
+
+// Where two superpixels touch.
+struct SuperpixelBorder {
+  int first = 0;  // The smaller label.
+  int second = 0;
+  // Sum over the pairs of pixels across the border: high where the image has no
+  // edge there, so that a change of surface is unlikely.
+  float weight = 0.f;
+  // Pixels of `first` along the border, evenly spaced; indices of the raster.
+  // Unused ones repeat the last.
+  static constexpr int kNumPixels = 4;
+  int pixels[kNumPixels] = {};
+};
+
+// What one view measured, as it and its neighbours need it to find the planes
+// of the scene: small next to its maps. Everything lives on the raster of its
+// superpixels and in its camera's frame.
+struct ViewEvidence {
+  int width = 0;  // Of the raster.
+  int height = 0;
+  // DisparityScale::error_per_depth of the view.
+  float error_per_depth = 0.f;
+  // Spread of the measurements about the planes of superpixels, in relative
+  // depths of one pixel of disparity; 0 where no superpixel has a plane.
+  float noise = 0.f;
+
+  Image<uint16_t> superpixels;  // Labels in [0, NumSuperpixels()).
+  // Per superpixel, the sum of the qualities of all its pixels.
+  std::vector<float> mass;
+  // Those of superpixel k are first_observation[k] to first_observation[k + 1]:
+  // a sample of its pixels. NumSuperpixels() + 1 entries.
+  std::vector<int> first_observation;
+  std::vector<Observation> observations;
+  std::vector<SuperpixelBorder> borders;  // Sorted by (first, second).
+
+  // Planes that the view found by itself: of regions, then of superpixels.
+  std::vector<Plane> candidates;
+  // For each pixel the number of its region's plane among the candidates, plus
+  // one; 0 where it has none.
+  Image<uint16_t> region_planes;
+
+  // Depths that are as good as certain, 0 elsewhere: what the view saw through
+  // is empty up to there.
+  Image<float> strong_depth;
+
+  // Of the size of the depth map: 0 where its depth is not trusted, otherwise
+  // the score in (0, 1] times 255, rounded up.
+  Image<uint8_t> trust;
+
+  int NumSuperpixels() const { return static_cast<int>(mass.size()); }
+};
+
+}  // namespace tsar
