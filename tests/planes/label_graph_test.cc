@@ -300,6 +300,22 @@ TEST(LabelGraphTest, SweepsAsOftenAsTold) {
   EXPECT_EQ(twice, MinimizeByExpansion(graph, {.max_sweeps = 1}, once));
 }
 
+TEST(LabelGraphTest, StopsWhereNothingChanges) {
+  Philox random(10, 0, 0);
+  LabelGraph graph = DrawNodes(50, 4, &random);
+  AddEdges(
+      150, [&] { return DrawMetricTable(4, &random); }, &random, &graph);
+  int64_t num_asked = 0;
+  graph.pairwise = [&, costs = graph.pairwise](int edge, int a, int b) {
+    ++num_asked;
+    return costs(edge, a, b);
+  };
+  MinimizeByExpansion(graph, {.max_sweeps = 50});
+  const int64_t num_asked_in_50 = std::exchange(num_asked, 0);
+  MinimizeByExpansion(graph, {.max_sweeps = 100});
+  EXPECT_EQ(num_asked, num_asked_in_50);
+}
+
 TEST(LabelGraphTest, KeepsLabelsThatAreAsGood) {
   LabelGraph graph;
   graph.num_nodes = 4;
