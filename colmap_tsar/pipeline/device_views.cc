@@ -52,6 +52,7 @@ DeviceViews::DeviceViews(
                      source->gray.View(),
                      source->depth.View()});
     cameras.push_back(source->camera);
+    num_sources_with_depth_ += source->has_depth ? 1 : 0;
   }
   sources_ = Buffer<SourceView>(device, views);
   scale_ = ComputeDisparityScale(reference.camera, cameras);

@@ -48,6 +48,8 @@ class DeviceViews {
   }
   const Buffer<SourceView>& Sources() const { return sources_; }
   DepthNormalViews Hypotheses() const { return hypotheses_.Views(); }
+  // The sources that have a depth anywhere: no more can agree with a pixel.
+  int NumSourcesWithDepth() const { return num_sources_with_depth_; }
   // Frees what only matching needs, once the device has done that: the sources
   // and the gray image, which are empty afterwards.
   void ReleaseSources();
@@ -73,6 +75,7 @@ class DeviceViews {
   DepthNormalImages hypotheses_;
   std::vector<std::shared_ptr<const UploadedView>> uploaded_sources_;
   Buffer<SourceView> sources_;
+  int num_sources_with_depth_ = 0;
 };
 
 }  // namespace tsar

@@ -78,7 +78,7 @@ void ImagePipeline::LoadOne(size_t index) {
   if (!image.views.Load(should_stop_)) {
     return;
   }
-  image.report.seconds["read"] =
+  image.report.seconds["read"] +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
   ready_.Push(std::move(image));

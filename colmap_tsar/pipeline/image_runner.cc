@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 #include <algorithm>
@@ -46,6 +47,13 @@ void CountPixels(const RefinedMaps& maps,
   (*counts)["other_views"] = from(Provenance::kOtherViews);
 }
 
+void Add(const std::map<std::string, double>& seconds,
+         std::map<std::string, double>* sums) {
+  for (const auto& [stage, value] : seconds) {
+    (*sums)[stage] += value;
+  }
+}
+
 // The same error, with the image and the device that it concerns.
 Error WithPlace(const Error& error,
                 const std::string& image,
@@ -66,12 +74,15 @@ uint32_t HashImageName(const std::string& name) {
 ImageRunner::ImageRunner(const Workspace& workspace,
                          std::vector<bool> has_maps,
                          const RefineOptions& options,
-                         std::vector<RefineWorker>& workers)
+                         std::vector<RefineWorker>& workers,
+                         EvidenceStore* evidence)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_(options),
       options_hash_(HashRefineOptions(options)),
       workers_(workers),
+      evidence_(evidence),
+      seconds_(workspace.Problems().size()),
       file_mutexes_(workspace.Model().images.size()) {}
 
 ViewCache::View ImageRunner::Load(int image) {
@@ -85,6 +96,7 @@ ImageReport ImageRunner::Begin(size_t index) {
   const int image = problem.reference;
   const std::string type = ToString(workspace_.Type());
   ImageReport report;
+  report.seconds = seconds_[index];
   if (!HasMaps(image)) {
     Keep(image,
          "it has no " + type + " maps; run patch_match_stereo for this image",
@@ -100,9 +112,31 @@ ImageReport ImageRunner::Begin(size_t index) {
 }
 
 std::vector<int> ImageRunner::Views(size_t index) const {
+  return evidence_ ? std::vector<int>{Reference(index)}
+                   : SourcesAndReference(index);
+}
+
+std::vector<int> ImageRunner::SourcesAndReference(size_t index) const {
   std::vector<int> views = Sources(Problem(index));
   views.push_back(Problem(index).reference);
   return views;
+}
+
+bool ImageRunner::CanCompute(size_t index) const {
+  return HasMaps(Reference(index)) && !Sources(Problem(index)).empty();
+}
+
+std::vector<bool> ImageRunner::FindNeededViews() const {
+  std::vector<bool> is_needed(has_maps_.size(), false);
+  for (size_t index = 0; index < NumImages(); ++index) {
+    if (CanCompute(index) &&
+        !IsDone(workspace_, Reference(index), options_hash_)) {
+      for (const int view : SourcesAndReference(index)) {
+        is_needed[static_cast<size_t>(view)] = true;
+      }
+    }
+  }
+  return is_needed;
 }
 
 RefineResult ImageRunner::Compute(size_t index,
@@ -121,7 +155,17 @@ RefineResult ImageRunner::Compute(size_t index,
   report->num_sources_without_maps =
       static_cast<int>(problem.sources.size() - Sources(problem).size());
   try {
-    result = ComputeOnDevice(index, worker, views);
+    if (evidence_) {
+      result = ComposeFromEvidence(index, worker, reference);
+    } else {
+      result = WithSources(index, worker, views, [&](auto sources) {
+        return RefineImage(reference,
+                           std::move(sources),
+                           HashImageName(Name(problem.reference)),
+                           options_,
+                           *worker.device);
+      });
+    }
   } catch (const Error& error) {
     throw WithPlace(error, Name(problem.reference), worker.name);
   }
@@ -131,9 +175,38 @@ RefineResult ImageRunner::Compute(size_t index,
   return result;
 }
 
-RefineResult ImageRunner::ComputeOnDevice(size_t index,
-                                          RefineWorker& worker,
-                                          ViewCache::Lease* views) {
+RefineResult ImageRunner::Observe(size_t index,
+                                  size_t worker_index,
+                                  ViewCache::Lease* views) {
+  const int image = Reference(index);
+  RefineWorker& worker = workers_[worker_index];
+  const ViewData& reference = views->Get(image);
+  if (!HasDepth(reference.depth)) {
+    return {};
+  }
+  try {
+    return WithSources(index, worker, views, [&](auto sources) {
+      return ObserveImage(reference,
+                          std::move(sources),
+                          HashImageName(Name(image)),
+                          options_,
+                          *worker.device);
+    });
+  } catch (const Error& error) {
+    throw WithPlace(error, Name(image), worker.name);
+  }
+}
+
+void ImageRunner::AddSeconds(size_t index,
+                             const std::map<std::string, double>& seconds) {
+  Add(seconds, &seconds_[index]);
+}
+
+template <typename Function>
+RefineResult ImageRunner::WithSources(size_t index,
+                                      RefineWorker& worker,
+                                      ViewCache::Lease* views,
+                                      const Function& function) {
   const StereoProblem& problem = Problem(index);
   Device& device = *worker.device;
   const Clock::time_point start = Clock::now();
@@ -147,11 +220,7 @@ RefineResult ImageRunner::ComputeOnDevice(size_t index,
       }
     }
     const double upload_seconds = SecondsSince(start);
-    result = RefineImage(views->Get(problem.reference),
-                         std::move(sources),
-                         HashImageName(Name(problem.reference)),
-                         options_,
-                         device);
+    result = function(std::move(sources));
     result.seconds["upload"] += upload_seconds;
   } catch (...) {
     // Kernels may still be reading the sources.
@@ -165,6 +234,30 @@ RefineResult ImageRunner::ComputeOnDevice(size_t index,
   return result;
 }
 
+RefineResult ImageRunner::ComposeFromEvidence(size_t index,
+                                              RefineWorker& worker,
+                                              const ViewData& reference) {
+  const StereoProblem& problem = Problem(index);
+  const ViewEvidence own = evidence_->ReadAll(problem.reference);
+  std::vector<EvidenceStore::Evidence> others;
+  std::vector<ObservedView> views = {Observed(problem.reference, own)};
+  for (const int source : Sources(problem)) {
+    if (source != problem.reference && evidence_->Has(source)) {
+      others.push_back(evidence_->Get(source));
+      views.push_back(Observed(source, *others.back()));
+    }
+  }
+  return ComposeImage(reference, views, options_, *worker.device);
+}
+
+ObservedView ImageRunner::Observed(int image,
+                                   const ViewEvidence& evidence) const {
+  return {&evidence,
+          workspace_.Model()
+              .images[static_cast<size_t>(image)]
+              .camera.Resized(evidence.width, evidence.height)};
+}
+
 void ImageRunner::Write(size_t index,
                         RefineResult result,
                         ImageReport* report) {
@@ -174,7 +267,7 @@ void ImageRunner::Write(size_t index,
     return;
   }
   CountPixels(result.maps, &report->counts);
-  report->seconds.merge(result.seconds);
+  Add(result.seconds, &report->seconds);
   ImageRecord record;
   record.options_hash = options_hash_;
   record.counts = report->counts;

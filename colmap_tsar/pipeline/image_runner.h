@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_image.h"
@@ -12,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -28,10 +30,13 @@ uint32_t HashImageName(const std::string& name);
 class ImageRunner : public ImageTasks {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
+  // evidence: that of all images, made by an ObserveRunner before this runs;
+  // null where each image is refined by itself.
   ImageRunner(const Workspace& workspace,
               std::vector<bool> has_maps,
               const RefineOptions& options,
-              std::vector<RefineWorker>& workers);
+              std::vector<RefineWorker>& workers,
+              EvidenceStore* evidence = nullptr);
 
   // Reads a view while nobody renames its files.
   ViewCache::View Load(int image);
@@ -45,10 +50,33 @@ class ImageRunner : public ImageTasks {
                        ImageReport* report) override;
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
+  // For the pass that observes.
+  int Reference(size_t index) const { return Problem(index).reference; }
+  // The views that single-view stages need.
+  std::vector<int> SourcesAndReference(size_t index) const;
+  // Whether the image and one of its sources have maps.
+  bool CanCompute(size_t index) const;
+  // For each image whether it, or one whose source it is, has yet to be refined.
+  std::vector<bool> FindNeededViews() const;
+  // Without evidence where the image has no depth at all.
+  RefineResult Observe(size_t index,
+                       size_t worker,
+                       ViewCache::Lease* views);
+  // Books the time that observing took.
+  void AddSeconds(size_t index, const std::map<std::string, double>& seconds);
+
  private:
-  RefineResult ComputeOnDevice(size_t index,
-                               RefineWorker& worker,
-                               ViewCache::Lease* views);
+  // Calls function(sources) with the sources in the worker's memory.
+  template <typename Function>
+  RefineResult WithSources(size_t index,
+                           RefineWorker& worker,
+                           ViewCache::Lease* views,
+                           const Function& function);
+  RefineResult ComposeFromEvidence(size_t index,
+                                   RefineWorker& worker,
+                                   const ViewData& reference);
+  // Its camera for the raster of its evidence.
+  ObservedView Observed(int image, const ViewEvidence& evidence) const;
   void Keep(int image, const std::string& reason, ImageReport* report);
   const StereoProblem& Problem(size_t index) const {
     return workspace_.Problems()[index];
@@ -63,6 +91,9 @@ class ImageRunner : public ImageTasks {
   const RefineOptions& options_;
   const std::string options_hash_;
   std::vector<RefineWorker>& workers_;
+  EvidenceStore* const evidence_;
+  // By image of the run, what was booked by AddSeconds.
+  std::vector<std::map<std::string, double>> seconds_;
   // While one thread gives an image's maps their new names, another that reads
   // the originals of that image could take the refined ones for maps that
   // COLMAP wrote anew.

@@ -33,6 +33,11 @@ int64_t SharedViewBytes(const WorkspaceOverview& overview, int num_workers);
 // stages make of it at a time.
 int64_t WorkBytes(const WorkspaceOverview& overview);
 
+// The views whose evidence is kept in main memory, and what they take: a
+// neighbourhood for each worker, and one for those to come.
+size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_workers);
+int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_workers);
+
 // How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws
 // kDevice, with what the user can do, where not even one does. gpu: what the
 // message calls it.

@@ -263,7 +263,8 @@ int64_t BytesBesideViews(const WorkspaceOverview& overview,
   const auto num_results =
       static_cast<int64_t>(num_workers + sizes.max_finished) +
       sizes.num_writers;
-  return work_bytes + num_results * ResultBytes(overview) +
+  return work_bytes + EvidenceBytes(overview, num_workers) +
+         num_results * ResultBytes(overview) +
          sizes.num_loaders *
              LoadBytes(overview.max_num_pixels, overview.max_num_image_pixels);
 }

@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/planes/view_evidence.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 #include <cstdint>
@@ -32,9 +33,15 @@ struct RefineResult {
   std::map<std::string, double> seconds;  // Per stage.
   // Why the image should keep its maps; empty where it was refined.
   std::string reason_to_keep;
+  // What was observed, where that and not the maps was asked for.
+  std::unique_ptr<ViewEvidence> evidence;
 };
 
-// Takes one image through all stages. Reads nothing and writes nothing; the
+// The reason to keep an image's maps where nothing is left of them.
+inline constexpr const char* kNothingReliable =
+    "none of its depths is reliable";
+
+// Takes one image through the stages of a single view. Reads nothing and writes nothing; the
 // result is a function of the arguments, whatever the device's threads.
 // image_id keys the random numbers. When it returns, the device has done all
 // work. Sources may have been uploaded by another device of the same GPU.

@@ -80,7 +80,7 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->superpixel_size,
        "Area of a superpixel, in pixels of the image reduced to a long side "
        "of at most 777 (S_sp in the paper).",
-       16,
+       40,
        100000},
       {"min_plane_support",
        &options->min_plane_support,
@@ -153,6 +153,39 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "How far a region's plane, where only the rim carries it, may be from "
        "the reliable depths along the rim, as a fraction of the depth (gamma "
        "in the paper).",
+       0.0,
+       1.0},
+      {"scene_planes",
+       &options->scene_planes,
+       "Find planes in all views of a surface together and let them decide. If "
+       "0, or if refine is 0, each image is refined by itself, and the "
+       "switches below have no effect."},
+      {"see_through",
+       &options->see_through,
+       "Reject planes in front of what other views saw, and prefer those that "
+       "other views confirm."},
+      {"bounded_planes",
+       &options->bounded_planes,
+       "Leave holes where a plane was observed on one side only."},
+      {"off_plane_depths",
+       &options->off_plane_depths,
+       "Let depths that were measured off their plane stand."},
+      {"plane_tolerance",
+       &options->plane_tolerance,
+       "How far a depth may be off a plane, in standard deviations of the "
+       "depths about the planes of their superpixels.",
+       0.1,
+       1000.0},
+      {"min_scene_plane",
+       &options->min_scene_plane,
+       "Pixels that a plane of the scene must explain that no other does, in "
+       "images reduced to a long side of at most 777.",
+       1.0,
+       1e9},
+      {"cost_of_none",
+       &options->cost_of_none,
+       "What a pixel costs that is left empty, against 0.05 for one on a plane "
+       "that is not known there: the higher, the fewer holes.",
        0.0,
        1.0},
   };

@@ -35,6 +35,7 @@ RefineOptions RefineOptions::Paper() {
   options.readmit_filtered = true;
   options.region_cores = false;
   options.max_region_planes = 1;
+  options.scene_planes = false;
   return options;
 }
 

@@ -42,6 +42,15 @@ struct RefineOptions {
   int min_region_size = 8000;        // kappa * 10^4
   double max_boundary_error = 0.02;  // gamma, as a fraction of depth
 
+  // Planes of the scene, views that agree.
+  bool scene_planes = true;
+  bool see_through = true;
+  bool bounded_planes = true;
+  bool off_plane_depths = true;
+  double plane_tolerance = 7.0;
+  double min_scene_plane = 100.0;
+  double cost_of_none = 0.02;
+
   // The method as the paper describes it, in the readings that measure best.
   static RefineOptions Paper();
 

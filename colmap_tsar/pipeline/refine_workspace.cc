@@ -4,10 +4,12 @@
 #include "colmap_tsar/pipeline/refine_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
+#include "colmap_tsar/pipeline/observe_runner.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/workspace_check.h"
@@ -146,13 +148,33 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   };
   WriteManifest(workspace, build_manifest());
 
-  ImageRunner runner(
-      workspace, overview.has_maps, refine_options, devices.workers);
+  std::optional<EvidenceStore> evidence;
+  if (refine_options.scene_planes && refine_options.refine) {
+    evidence.emplace(workspace,
+                     HashRefineOptions(refine_options),
+                     NumEvidenceViews(overview, devices.workers.size()));
+  }
+  ImageRunner runner(workspace,
+                     overview.has_maps,
+                     refine_options,
+                     devices.workers,
+                     evidence ? &*evidence : nullptr);
   ViewCache cache(devices.cache_num_bytes,
                   static_cast<size_t>(ViewBytes(overview)),
                   [&](int image) { return runner.Load(image); });
-  ImagePipeline pipeline(runner, cache, devices.sizes, progress, should_stop);
-  pipeline.Run(devices.workers.size());
+  std::optional<ObserveRunner> observer;
+  std::optional<ImagePipeline> observing;
+  if (evidence) {
+    observer.emplace(runner, *evidence);
+    observing.emplace(*observer, cache, devices.sizes, progress, should_stop);
+    observing->Run(devices.workers.size());
+  }
+  ImagePipeline refining(runner, cache, devices.sizes, progress, should_stop);
+  const bool has_observed = !observing || !observing->FirstFailure();
+  if (has_observed) {
+    refining.Run(devices.workers.size());
+  }
+  const ImagePipeline& pipeline = has_observed ? refining : *observing;
 
   RunSummary summary;
   summary.workspace_path = workspace.Root();
@@ -161,10 +183,10 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   summary.num_workers = static_cast<int>(devices.workers.size());
   summary.peak_gpu_memory = PeakGpuMemory(devices);
   summary.num_images = static_cast<int>(workspace.Problems().size());
-  for (size_t i = 0; i < pipeline.Reports().size(); ++i) {
+  for (size_t i = 0; i < refining.Reports().size(); ++i) {
     const int image = workspace.Problems()[i].reference;
     summary.Add(workspace.Model().images[static_cast<size_t>(image)].name,
-                pipeline.Reports()[i]);
+                refining.Reports()[i]);
   }
   summary.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
@@ -186,6 +208,9 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                 "interrupted after " + std::to_string(num_done) + " of " +
                     std::to_string(summary.num_images) +
                     " images; run the same command again to go on");
+  }
+  if (evidence) {
+    evidence->Clear();
   }
   return summary;
 }

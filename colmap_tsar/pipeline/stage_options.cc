@@ -13,6 +13,24 @@ int ScaledLength(double length, double raster_scale) {
   return std::max(1, static_cast<int>(std::lround(length * raster_scale)));
 }
 
+// The tolerance about planes, in relative depths of one pixel of disparity,
+// stays within these: COLMAP's maps are no better than the first, and what is
+// worse than the second carries no plane.
+constexpr double kMinTolerance = 0.7;
+constexpr double kMaxTolerance = 2.0;
+
+// The median of the views' noise; 0 where none has any.
+double MedianNoise(const std::vector<ObservedView>& views) {
+  std::vector<double> noise;
+  for (const ObservedView& view : views) {
+    if (view.evidence->noise > 0.f) {
+      noise.push_back(view.evidence->noise);
+    }
+  }
+  std::sort(noise.begin(), noise.end());
+  return noise.empty() ? 0.0 : noise[noise.size() / 2];
+}
+
 }  // namespace
 
 CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
@@ -58,6 +76,29 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   planes.ransac.num_hypotheses = 200;
   planes.ransac.image_id = image_id;
   return planes;
+}
+
+SceneOptions MakeSceneOptions(const RefineOptions& options,
+                              const std::vector<ObservedView>& views) {
+  const double tolerance =
+      std::clamp(options.plane_tolerance * MedianNoise(views),
+                 kMinTolerance,
+                 kMaxTolerance);
+  SceneOptions scene;
+  scene.discovery.tolerance = tolerance;
+  scene.discovery.min_gain = options.min_scene_plane;
+  scene.support.tolerance = tolerance;
+  scene.labels.tolerance = static_cast<float>(tolerance);
+  scene.labels.cost_of_none = static_cast<float>(options.cost_of_none);
+  if (!options.see_through) {
+    scene.labels.cost_of_contradiction = 0.f;
+    scene.labels.gain_of_confirmation = 0.f;
+  }
+  if (!options.bounded_planes) {
+    scene.labels.doubt_of_extrapolation = 0.f;
+  }
+  scene.composition.keep_off_plane = options.off_plane_depths;
+  return scene;
 }
 
 }  // namespace tsar

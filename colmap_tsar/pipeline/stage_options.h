@@ -3,12 +3,17 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/planes/discover_planes.h"
+#include "colmap_tsar/planes/label_view.h"
+#include "colmap_tsar/planes/plane_support.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace tsar {
 
@@ -28,5 +33,17 @@ int MinRegionSize(const RefineOptions& options, double raster_scale);
 RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
                                           double raster_scale,
                                           uint32_t image_id);
+
+// For the planes of the scene.
+struct SceneOptions {
+  DiscoverPlanesOptions discovery;
+  PlaneSupportOptions support;
+  LabelOptions labels;
+  ComposeSceneOptions composition;
+};
+
+// views: those that see the scene; the tolerance follows from their noise.
+SceneOptions MakeSceneOptions(const RefineOptions& options,
+                              const std::vector<ObservedView>& views);
 
 }  // namespace tsar

@@ -1,0 +1,184 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/refine_image.h"
+
+#include <cmath>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// The depth of a plane of a raster; 0 where it has none.
+TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
+  const Plane plane = raster.At(x, y);
+  return plane.Valid() ? plane.Depth(raster.intrinsics.Ray(x, y)) : 0.f;
+}
+
+// Marks measurements that do not lie on a plane of the scene.
+struct OffPlaneKernel {
+  ImageView<const float> depth;
+  ImageView<const uint8_t> trust;
+  PlaneRaster scene_planes;
+  DisparityScale scale;
+  ComposeSceneOptions options;
+  ImageView<uint8_t> off_plane;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float own = depth(x, y);
+    bool is_off = trust(x, y) != 0 && own > 0.f;
+    const float plane = is_off ? DepthOnPlane(scene_planes, x, y) : 0.f;
+    if (plane > 0.f) {
+      is_off = options.keep_off_plane &&
+               fabsf(plane - own) > options.on_plane.At(own, scale) * own;
+    }
+    off_plane(x, y) = is_off ? 1 : 0;
+  }
+};
+
+struct OffPlane {
+  const uint8_t* off_plane;
+  TSAR_HD bool Contains(int i) const { return off_plane[i] != 0; }
+  TSAR_HD bool Connected(int, int) const { return true; }
+};
+
+struct ComposeSceneKernel {
+  ComposeSceneInputs inputs;
+  ImageView<const int> blobs;
+  const int* blob_sizes;
+  int min_blob;
+  // The own hypotheses, which the result replaces.
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const int blob = blobs(x, y);
+    if (blob >= 0 && blob_sizes[blob] >= min_blob) {
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
+      return;
+    }
+    const bool is_trusted = inputs.trust(x, y) != 0 && depth(x, y) > 0.f;
+    Provenance source = Provenance::kNone;
+    Plane plane = inputs.scene_planes.At(x, y);
+    Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
+    if (plane.Valid()) {
+      source = is_trusted && blob < 0 ? Provenance::kMeasured
+               : IsSeenHere(x, y)     ? Provenance::kRegionPlane
+                                      : Provenance::kOtherViews;
+    } else {
+      plane = inputs.region_planes.At(x, y);
+      ray = inputs.region_planes.intrinsics.Ray(x, y);
+      source = plane.Valid() ? Provenance::kRegionPlane : Provenance::kNone;
+    }
+    depth(x, y) = plane.Valid() ? plane.Depth(ray) : 0.f;
+    normal(x, y) = plane.Valid() ? plane.normal : Vec3f{};
+    provenance(x, y) = static_cast<uint8_t>(source);
+  }
+
+  TSAR_HD bool IsSeenHere(int x, int y) const {
+    const ImageView<const uint8_t>& evidence = inputs.label_evidence;
+    const auto kind = static_cast<LabelEvidence>(evidence(
+        ReducedRaster::FromMap(x, depth.width, evidence.width),
+        ReducedRaster::FromMap(y, depth.height, evidence.height)));
+    return kind == LabelEvidence::kMeasured;
+  }
+};
+
+struct SceneConfidenceKernel {
+  ComposeSceneInputs inputs;
+  ImageView<const uint8_t> provenance;
+  ImageView<float> confidence;
+
+  TSAR_HD void operator()(int x, int y) const {
+    float value = 0.f;
+    switch (static_cast<Provenance>(provenance(x, y))) {
+      case Provenance::kMeasured:
+        value = inputs.trust(x, y) / 255.f;
+        break;
+      case Provenance::kRegionPlane:
+        value = 0.5f;
+        break;
+      case Provenance::kOtherViews: {
+        const ImageView<const uint8_t>& evidence = inputs.label_evidence;
+        const auto kind = static_cast<LabelEvidence>(evidence(
+            ReducedRaster::FromMap(x, confidence.width, evidence.width),
+            ReducedRaster::FromMap(y, confidence.height, evidence.height)));
+        value = kind == LabelEvidence::kCarried ? 0.4f : 0.3f;
+        break;
+      }
+      case Provenance::kInterpolated:
+        value = 0.25f;
+        break;
+      default:
+        break;
+    }
+    confidence(x, y) = value;
+  }
+};
+
+}  // namespace
+
+ComposedMap ComposeScene(DepthNormalImages own,
+                         const ComposeSceneInputs& inputs,
+                         const DisparityScale& scale,
+                         const ComposeSceneOptions& options,
+                         Device& device) {
+  const int width = own.depth.Width();
+  const int height = own.depth.Height();
+  ComposedMap composed{std::move(own),
+                       DeviceImage<uint8_t>(device, width, height)};
+  DeviceImage<uint8_t> off_plane(device, width, height);
+  ParallelFor(device,
+              width,
+              height,
+              OffPlaneKernel{composed.map.depth.View(),
+                             inputs.trust,
+                             inputs.scene_planes,
+                             scale,
+                             options,
+                             off_plane.View()});
+  DeviceImage<int> blobs(device, width, height);
+  LabelComponents(device,
+                  OffPlane{off_plane.View().data},
+                  Connectivity::kFour,
+                  blobs.View());
+  const size_t num_pixels = blobs.View().NumPixels();
+  Buffer<int> blob_sizes(device, num_pixels);
+  Fill(device, blob_sizes.Data(), num_pixels, 0);
+  CountComponentPixels(device, blobs.View(), blob_sizes.Data());
+  const double pixels_per_raster_pixel =
+      static_cast<double>(num_pixels) /
+      static_cast<double>(inputs.label_evidence.NumPixels());
+  ParallelFor(
+      device,
+      width,
+      height,
+      ComposeSceneKernel{
+          inputs,
+          blobs.View(),
+          blob_sizes.Data(),
+          static_cast<int>(options.min_blob * pixels_per_raster_pixel),
+          composed.map.depth.View(),
+          composed.map.normal.View(),
+          composed.provenance.View()});
+  return composed;
+}
+
+DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
+                                       const ComposeSceneInputs& inputs,
+                                       Device& device) {
+  DeviceImage<float> confidence(
+      device, inputs.trust.width, inputs.trust.height);
+  ParallelFor(device,
+              confidence.Width(),
+              confidence.Height(),
+              SceneConfidenceKernel{
+                  inputs, composed.provenance.View(), confidence.View()});
+  return confidence;
+}
+
+}  // namespace tsar

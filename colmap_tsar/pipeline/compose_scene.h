@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/planes/group_planes.h"
+#include "colmap_tsar/planes/label_view.h"
+#include "colmap_tsar/refinement/samples.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+struct ComposeSceneOptions {
+  // Whether measurements off their plane may stand at all.
+  bool keep_off_plane = true;
+  // A measurement further from its plane keeps its own depth.
+  PlaneTolerance on_plane{0.f, 1.2f};
+  // But not where fewer pixels of the raster than this do so side by side:
+  // specks are noise.
+  int min_blob = 20;
+};
+
+struct ComposeSceneInputs {
+  ImageView<const uint8_t> trust;  // Of the map: see ViewEvidence::trust.
+  PlaneRaster scene_planes;        // Invalid where a superpixel has none.
+  // How each pixel of the raster came by its plane.
+  ImageView<const uint8_t> label_evidence;
+  // Used where the scene has no plane.
+  PlaneRaster region_planes;
+};
+
+// One map from the planes of the scene and the view's own measurements: planes
+// where there are any, measurements that lie off them in blobs, and where the
+// scene has no plane, trusted measurements and planes of regions.
+// own: the measured hypotheses, whose memory the result takes over.
+ComposedMap ComposeScene(DepthNormalImages own,
+                         const ComposeSceneInputs& inputs,
+                         const DisparityScale& scale,
+                         const ComposeSceneOptions& options,
+                         Device& device);
+
+// How much each depth is worth, as RateConfidence does, but telling planes
+// that the view measured from those that others did, and from guesses.
+DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
+                                       const ComposeSceneInputs& inputs,
+                                       Device& device);
+
+}  // namespace tsar

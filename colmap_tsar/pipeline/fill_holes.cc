@@ -1,0 +1,42 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/fill_holes.h"
+
+#include "colmap_tsar/refinement/correlation.h"
+
+namespace tsar {
+
+void FillHoles(const DeviceViews& views,
+               const RefineOptions& options,
+               ComposedMap* composed,
+               Device& device) {
+  if (!options.refine || !options.weighted_median) {
+    return;
+  }
+  WeightedMedianOptions filter;
+  filter.radius = ScaledRadius(
+      2.f * options.window_radius, views.Width(), views.Height());
+  filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
+  filter.color_sigma = static_cast<float>(options.color_sigma);
+  filter.min_support = 1.f / 3.f;
+  const DeviceImage<uint8_t> filled = InterpolateHoles(views.Color(),
+                                                       views.MapIntrinsics(),
+                                                       options.num_iterations,
+                                                       filter,
+                                                       &composed->map,
+                                                       device);
+  MarkInterpolated(filled.View(), composed, device);
+}
+
+RefinedMaps Download(const ComposedMap& composed,
+                     const DeviceImage<float>& confidence) {
+  RefinedMaps maps;
+  maps.depth = composed.map.depth.ToHost();
+  maps.normal = composed.map.normal.ToHost();
+  maps.provenance = composed.provenance.ToHost();
+  maps.confidence = confidence.ToHost();
+  return maps;
+}
+
+}  // namespace tsar

@@ -1,0 +1,23 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/workspace/write_back.h"
+
+namespace tsar {
+
+// R2: fills small holes by weighted medians, and marks them as interpolated.
+// Nothing where the options switch it off.
+void FillHoles(const DeviceViews& views,
+               const RefineOptions& options,
+               ComposedMap* composed,
+               Device& device);
+
+RefinedMaps Download(const ComposedMap& composed,
+                     const DeviceImage<float>& confidence);
+
+}  // namespace tsar

@@ -1,0 +1,39 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/refinement/slic.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// What one view tells about the surfaces that it sees.
+struct Surfaces {
+  DeviceImage<float> score;      // n_aggr of the hypotheses.
+  DeviceImage<uint8_t> trusted;  // Other than 0 where the hypothesis stands.
+  // Empty without RefineOptions::refine.
+  Superpixels superpixels;
+  Buffer<Plane> superpixel_planes;
+  // The regions' planes at the raster's pixels; empty without
+  // RefineOptions::segment.
+  DeviceImage<Plane> region_planes;
+};
+
+// Filtering, refinement and segmentation, the paper's three stages.
+// Lets the sources of the views go as soon as it can.
+Surfaces FindSurfaces(const ViewData& reference,
+                      uint32_t image_id,
+                      const RefineOptions& options,
+                      DeviceViews* views,
+                      Device& device,
+                      StageTimer* timer);
+
+}  // namespace tsar

@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/observe_runner.h"
+
+#include <utility>
+
+namespace tsar {
+
+ObserveRunner::ObserveRunner(ImageRunner& images, EvidenceStore& evidence)
+    : images_(images),
+      evidence_(evidence),
+      is_needed_(images.FindNeededViews()) {}
+
+ImageReport ObserveRunner::Begin(size_t index) {
+  const int image = images_.Reference(index);
+  ImageReport report;
+  // What keeps an image from being refined is found out, and reported, in the
+  // second pass.
+  if (!is_needed_[static_cast<size_t>(image)] || !images_.CanCompute(index) ||
+      evidence_.IsCurrent(image)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  }
+  return report;
+}
+
+RefineResult ObserveRunner::Compute(size_t index,
+                                    size_t worker,
+                                    ViewCache::Lease* views,
+                                    ImageReport* /*report*/) {
+  return images_.Observe(index, worker, views);
+}
+
+void ObserveRunner::Write(size_t index,
+                          RefineResult result,
+                          ImageReport* report) {
+  if (result.evidence) {
+    evidence_.Write(images_.Reference(index), *result.evidence);
+  }
+  images_.AddSeconds(index, report->seconds);
+  images_.AddSeconds(index, result.seconds);
+  report->outcome = ImageReport::Outcome::kRefined;
+}
+
+}  // namespace tsar

@@ -1,0 +1,175 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_scene.h"
+
+#include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/fill_holes.h"
+#include "colmap_tsar/pipeline/find_surfaces.h"
+#include "colmap_tsar/pipeline/gray.h"
+#include "colmap_tsar/pipeline/rate_trust.h"
+#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/planes/gather_evidence.h"
+#include "colmap_tsar/planes/label_view.h"
+#include "colmap_tsar/planes/plane_support.h"
+#include "colmap_tsar/planes/raster_texture.h"
+#include "colmap_tsar/planes/world_plane.h"
+
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+EvidenceInputs DownloadInputs(const DeviceViews& views,
+                              const Surfaces& surfaces,
+                              Device& device) {
+  const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
+  EvidenceInputs inputs;
+  inputs.superpixels = surfaces.superpixels.labels.ToHost();
+  inputs.num_superpixels = surfaces.superpixels.count;
+  inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
+  inputs.samples = SampleMeasurements(views.Hypotheses().depth,
+                                      surfaces.score.View(),
+                                      surfaces.trusted.View(),
+                                      views.MapIntrinsics(),
+                                      views.Raster(),
+                                      device)
+                       .ToHost();
+  if (!surfaces.region_planes.Empty()) {
+    inputs.region_planes = surfaces.region_planes.ToHost();
+  }
+  inputs.texture = ComputeTexture(gray.View(), device).ToHost();
+  inputs.contrast = ComputeContrast(gray.View(), device).ToHost();
+  inputs.intrinsics = views.RasterIntrinsics();
+  inputs.scale = views.Scale();
+  return inputs;
+}
+
+// The candidates of all views, those of the reference first.
+std::vector<WorldPlane> CollectCandidates(
+    const std::vector<ObservedView>& views) {
+  std::vector<WorldPlane> candidates;
+  for (const ObservedView& view : views) {
+    for (const Plane& plane : view.evidence->candidates) {
+      candidates.push_back(ToWorldPlane(plane, view.camera));
+    }
+  }
+  return candidates;
+}
+
+// The plane of each label in one of the rasters of ComposeScene.
+Image<Plane> ScenePlaneRaster(const ViewEvidence& evidence,
+                              const LabeledView& labeled) {
+  Image<Plane> planes(evidence.width, evidence.height);
+  for (size_t i = 0; i < planes.NumPixels(); ++i) {
+    const int label = labeled.labels[evidence.superpixels.Data()[i]];
+    if (label >= 0) {
+      planes.Data()[i] = labeled.planes[static_cast<size_t>(label)];
+    }
+  }
+  return planes;
+}
+
+Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
+                              const LabeledView& labeled) {
+  Image<uint8_t> kinds(evidence.width, evidence.height);
+  for (size_t i = 0; i < kinds.NumPixels(); ++i) {
+    kinds.Data()[i] = static_cast<uint8_t>(
+        labeled.evidence[evidence.superpixels.Data()[i]]);
+  }
+  return kinds;
+}
+
+Image<Plane> RegionPlaneRaster(const ViewEvidence& evidence) {
+  Image<Plane> planes(evidence.width, evidence.height);
+  for (size_t i = 0; i < planes.NumPixels(); ++i) {
+    const int number = evidence.region_planes.Data()[i];
+    if (number > 0) {
+      planes.Data()[i] =
+          evidence.candidates[static_cast<size_t>(number - 1)];
+    }
+  }
+  return planes;
+}
+
+}  // namespace
+
+RefineResult ObserveImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device) {
+  RefineResult result;
+  StageTimer timer(device, &result.seconds);
+  DeviceViews views(reference, std::move(sources), device);
+  timer.Finish("upload");
+  const Surfaces surfaces =
+      FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const EvidenceInputs inputs = DownloadInputs(views, surfaces, device);
+  Image<uint8_t> trust =
+      RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
+          .ToHost();
+  timer.Finish("download");
+  result.evidence =
+      std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
+  result.evidence->trust = std::move(trust);
+  timer.Finish("evidence");
+  return result;
+}
+
+RefineResult ComposeImage(const ViewData& reference,
+                          const std::vector<ObservedView>& views,
+                          const RefineOptions& options,
+                          Device& device) {
+  RefineResult result;
+  StageTimer timer(device, &result.seconds);
+  const ViewEvidence& evidence = *views[0].evidence;
+  const SceneOptions scene = MakeSceneOptions(options, views);
+  const DiscoveredPlanes discovered = DiscoverPlanes(
+      views, CollectCandidates(views), scene.discovery, device);
+  timer.Finish("scene planes");
+  const LabeledView labeled =
+      LabelView(views,
+                discovered,
+                FindPlaneSupport(views, discovered, scene.support),
+                scene.labels,
+                device);
+  timer.Finish("labels");
+  DeviceViews device_views(
+      reference, std::vector<std::shared_ptr<const UploadedView>>{}, device);
+  const DisparityScale scale{0.f, evidence.error_per_depth};
+  const DeviceImage<uint8_t> trust(device, evidence.trust);
+  const DeviceImage<Plane> scene_planes(device,
+                                        ScenePlaneRaster(evidence, labeled));
+  const DeviceImage<uint8_t> kinds(device, EvidenceRaster(evidence, labeled));
+  const DeviceImage<Plane> region_planes(device, RegionPlaneRaster(evidence));
+  timer.Finish("upload");
+  const auto on_map = [&](const DeviceImage<Plane>& planes) {
+    return PlaneRaster{planes.View(),
+                       device_views.MapIntrinsics(),
+                       device_views.Width(),
+                       device_views.Height()};
+  };
+  const ComposeSceneInputs inputs{trust.View(),
+                                  on_map(scene_planes),
+                                  kinds.View(),
+                                  on_map(region_planes)};
+  ComposedMap composed = ComposeScene(
+      device_views.TakeHypotheses(), inputs, scale, scene.composition, device);
+  FillHoles(device_views, options, &composed, device);
+  const DeviceImage<float> confidence =
+      RateSceneConfidence(composed, inputs, device);
+  timer.Finish("composition");
+  result.maps = Download(composed, confidence);
+  timer.Finish("download");
+  if (!HasDepth(result.maps.depth)) {
+    result.reason_to_keep = kNothingReliable;
+  }
+  return result;
+}
+
+}  // namespace tsar

@@ -1,0 +1,21 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/buffer.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// Standard deviation of the grey levels (0-255) in the 7x7 pixels around each
+// pixel, those of them that lie in the image.
+DeviceImage<float> ComputeTexture(ImageView<const float> gray, Device& device);
+
+// Largest minus smallest grey level in the 3x3 pixels around each pixel: how
+// strong an edge runs there.
+DeviceImage<float> ComputeContrast(ImageView<const float> gray, Device& device);
+
+}  // namespace tsar
