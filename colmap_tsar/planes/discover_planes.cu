@@ -1,0 +1,776 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/parallel_for_teams.h"
+#include "colmap_tsar/planes/depth_observation.h"
+#include "colmap_tsar/planes/discover_planes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace tsar {
+namespace {
+
+// Fits work on evenly spaced observations where there are more.
+constexpr size_t kMaxFittedObservations = 2000;
+constexpr int kFitIterations = 6;
+// The scale of Cauchy's loss as a share of the tolerance.
+constexpr double kCauchyShare = 0.5;
+// A support whose width is below this share of its length is a line, about
+// which a plane could turn.
+constexpr double kMinRelativeWidth = 0.01;
+// Of a candidate that was chosen.
+constexpr int kNumFirstFits = 2;
+constexpr int kMaxImprovingRounds = 3;
+// Planes at a larger angle are never merged.
+constexpr double kMinMergeCosine = 0.866;  // 30 degrees
+// Nor are two planes each of which is worth more than this many times the cost
+// of a plane where the other one stays: no joint plane makes up for that.
+constexpr double kHopelessGains = 3.0;
+// The flattest angle to a plane that counts, by its sine; see RaySlope.
+constexpr float kMinSlope = 0.05f;
+
+// Customers that one call of the kernel scores for one plane: their
+// observations stay in the fastest memory while all planes pass.
+constexpr int kTileSize = 16;
+// Candidates whose gains are computed at a time.
+constexpr int kGainBatch = 64;
+
+// Some observations of one superpixel, side by side so that vector units work
+// on all at once. Unused ones are zero and add nothing.
+struct ObservationBlock {
+  static constexpr int kSize = 8;
+  float ray_x[kSize] = {};  // A unit vector.
+  float ray_y[kSize] = {};
+  float ray_z[kSize] = {};
+  float inverse_distance[kSize] = {};  // One over the length along it.
+  float precision[kSize] = {};  // One over the tolerance, which is relative.
+  float weight[kSize] = {};
+};
+
+// scores[plane * num_customers + customer] for one plane and one tile.
+struct ScoreKernel {
+  const ObservationBlock* blocks;
+  const int* first_block;  // num_customers + 1 of them.
+  const int* views;        // Of each customer.
+  int num_customers;
+  int num_views;
+  const Vec3f* normals;
+  const float* heights;  // num_views of them per plane: of the cameras over it.
+  int num_planes;
+  float* scores;
+
+  TSAR_HD void operator()(int64_t item) const {
+    const int64_t plane = item % num_planes;
+    const int begin = static_cast<int>(item / num_planes) * kTileSize;
+    const int end =
+        begin + kTileSize < num_customers ? begin + kTileSize : num_customers;
+    const Vec3f normal = normals[plane];
+    for (int customer = begin; customer < end; ++customer) {
+      const float height = heights[plane * num_views + views[customer]];
+      scores[plane * num_customers + customer] = Score(
+          normal, height, first_block[customer], first_block[customer + 1]);
+    }
+  }
+
+  TSAR_HD float Score(const Vec3f& normal,
+                      float height,
+                      int begin,
+                      int end) const {
+    float sums[ObservationBlock::kSize] = {};
+    for (int b = begin; b < end; ++b) {
+      const ObservationBlock& block = blocks[b];
+      for (int i = 0; i < ObservationBlock::kSize; ++i) {
+        const float slope = normal.x * block.ray_x[i] +
+                            normal.y * block.ray_y[i] +
+                            normal.z * block.ray_z[i];
+        const float steepness = fabsf(slope);
+        const float ratio = (slope + height * block.inverse_distance[i]) *
+                            block.precision[i] /
+                            (steepness > kMinSlope ? steepness : kMinSlope);
+        const float share = 1.f - ratio * ratio;
+        sums[i] += block.weight[i] * (share > 0.f ? share : 0.f);
+      }
+    }
+    for (int half = ObservationBlock::kSize / 2; half > 0; half /= 2) {
+      for (int i = 0; i < half; ++i) {
+        sums[i] += sums[i + half];
+      }
+    }
+    return sums[0];
+  }
+};
+
+// By how much a candidate would raise the best scores.
+struct GainKernel {
+  const float* scores;
+  int num_customers;
+  const float* best;
+  const int* candidates;
+  float* gains;
+
+  template <typename Team>
+  TSAR_HD void operator()(const Team& team, int64_t item) const {
+    const float* own =
+        scores + static_cast<int64_t>(candidates[item]) * num_customers;
+    const float gain =
+        team.template Accumulate<float>(num_customers, [&](int i, float* sum) {
+          const float difference = own[i] - best[i];
+          *sum += difference > 0.f ? difference : 0.f;
+        });
+    if (team.IsLeader()) {
+      gains[item] = gain;
+    }
+  }
+};
+
+// The superpixels of all views, one after the other. Everything from here on is
+// in the frame of the first camera, planes too.
+struct Customers {
+  std::vector<int> views;
+  std::vector<DepthObservation> observations;
+  std::vector<int> first_observation;    // One more than there are customers.
+  std::vector<Eigen::Vector3d> centers;  // Of the cameras.
+
+  int Count() const { return static_cast<int>(views.size()); }
+};
+
+Customers CollectCustomers(const std::vector<ObservedView>& views,
+                           const DiscoverPlanesOptions& options) {
+  const Camera& reference = views[0].camera;
+  const Eigen::Vector3d origin = reference.Center();
+  Customers customers;
+  for (const ObservedView& view : views) {
+    const ViewEvidence& evidence = *view.evidence;
+    DisparityScale scale;
+    scale.error_per_depth = evidence.error_per_depth;
+    const Eigen::Vector3d center =
+        reference.rotation * (view.camera.Center() - origin);
+    const Eigen::Matrix3d rotation =
+        reference.rotation * view.camera.rotation.transpose();
+    for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
+      customers.views.push_back(static_cast<int>(customers.centers.size()));
+      customers.first_observation.push_back(
+          static_cast<int>(customers.observations.size()));
+      const auto begin =
+          evidence.observations.begin() + evidence.first_observation[k];
+      const auto end =
+          evidence.observations.begin() + evidence.first_observation[k + 1];
+      double qualities = 0.0;
+      for (auto it = begin; it != end; ++it) {
+        qualities += it->quality;
+      }
+      const double mass =
+          std::min(static_cast<double>(evidence.mass[k]), options.max_mass);
+      for (auto it = begin; it != end; ++it) {
+        const RayDepth& sample = it->sample;
+        DepthObservation observation;
+        observation.center = center;
+        observation.ray = rotation * Eigen::Vector3d(sample.x, sample.y, 1.0);
+        observation.depth = sample.z;
+        observation.sigma =
+            static_cast<double>(sample.z) * scale.RelativeDepthError(sample.z);
+        observation.weight = it->quality * mass / qualities;
+        customers.observations.push_back(observation);
+      }
+    }
+    customers.centers.push_back(center);
+  }
+  customers.first_observation.push_back(
+      static_cast<int>(customers.observations.size()));
+  return customers;
+}
+
+// Scores planes for all customers on a device.
+class Scorer {
+ public:
+  Scorer(const Customers& customers, double tolerance, Device& device)
+      : centers_(customers.centers),
+        num_customers_(customers.Count()),
+        device_(&device),
+        views_(device, customers.views) {
+    constexpr int kSize = ObservationBlock::kSize;
+    std::vector<ObservationBlock> blocks;
+    std::vector<int> first_block;
+    for (int k = 0; k < num_customers_; ++k) {
+      first_block.push_back(static_cast<int>(blocks.size()));
+      const int begin = customers.first_observation[k];
+      for (int i = begin; i < customers.first_observation[k + 1]; ++i) {
+        const int lane = (i - begin) % kSize;
+        if (lane == 0) {
+          blocks.emplace_back();
+        }
+        const DepthObservation& observation = customers.observations[i];
+        const double length = observation.ray.norm();
+        const Eigen::Vector3f ray = (observation.ray / length).cast<float>();
+        ObservationBlock& block = blocks.back();
+        block.ray_x[lane] = ray.x();
+        block.ray_y[lane] = ray.y();
+        block.ray_z[lane] = ray.z();
+        block.inverse_distance[lane] =
+            static_cast<float>(1.0 / (observation.depth * length));
+        block.precision[lane] = static_cast<float>(
+            observation.depth / (observation.sigma * tolerance));
+        block.weight[lane] = static_cast<float>(observation.weight);
+      }
+    }
+    first_block.push_back(static_cast<int>(blocks.size()));
+    blocks_ = Buffer<ObservationBlock>(device, blocks);
+    first_block_ = Buffer<int>(device, first_block);
+  }
+
+  int NumCustomers() const { return num_customers_; }
+
+  // A row of scores per plane.
+  Buffer<float> Score(const std::vector<WorldPlane>& planes) const {
+    std::vector<Vec3f> normals;
+    std::vector<float> heights;
+    for (const WorldPlane& plane : planes) {
+      const Eigen::Vector3f normal = plane.normal.cast<float>();
+      normals.push_back({normal.x(), normal.y(), normal.z()});
+      for (const Eigen::Vector3d& center : centers_) {
+        heights.push_back(static_cast<float>(plane.Height(center)));
+      }
+    }
+    const Buffer<Vec3f> device_normals(*device_, normals);
+    const Buffer<float> device_heights(*device_, heights);
+    Buffer<float> scores(*device_, planes.size() * num_customers_);
+    const int64_t num_tiles = (num_customers_ + kTileSize - 1) / kTileSize;
+    ParallelFor(*device_,
+                num_tiles * static_cast<int64_t>(planes.size()),
+                ScoreKernel{blocks_.Data(),
+                            first_block_.Data(),
+                            views_.Data(),
+                            num_customers_,
+                            static_cast<int>(centers_.size()),
+                            device_normals.Data(),
+                            device_heights.Data(),
+                            static_cast<int>(planes.size()),
+                            scores.Data()});
+    return scores;
+  }
+
+ private:
+  std::vector<Eigen::Vector3d> centers_;
+  int num_customers_;
+  Device* device_;
+  Buffer<int> views_;
+  Buffer<ObservationBlock> blocks_;
+  Buffer<int> first_block_;
+};
+
+// A plane with its score for each customer.
+struct ScoredPlane {
+  WorldPlane plane;
+  std::vector<float> scores;
+};
+
+std::vector<ScoredPlane> ScorePlanes(const Scorer& scorer,
+                                     const std::vector<WorldPlane>& planes) {
+  const std::vector<float> scores = scorer.Score(planes).ToHost();
+  std::vector<ScoredPlane> scored;
+  auto row = scores.begin();
+  for (const WorldPlane& plane : planes) {
+    scored.push_back({plane, {row, row + scorer.NumCustomers()}});
+    row += scorer.NumCustomers();
+  }
+  return scored;
+}
+
+// Finds the candidate that raises the best scores most.
+class CandidatePicker {
+ public:
+  struct Pick {
+    int candidate = -1;
+    float gain = 0.f;
+  };
+
+  CandidatePicker(const std::vector<WorldPlane>& candidates,
+                  const Scorer& scorer,
+                  Device& device)
+      : num_customers_(scorer.NumCustomers()),
+        device_(&device),
+        scores_(scorer.Score(candidates)),
+        best_(device, num_customers_),
+        gains_(candidates.size(), std::numeric_limits<float>::infinity()),
+        order_(candidates.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+  }
+
+  std::vector<float> Scores(int candidate) const {
+    std::vector<float> scores(num_customers_);
+    device_->CopyToHost(
+        scores.data(),
+        scores_.Data() + static_cast<size_t>(candidate) * num_customers_,
+        scores.size() * sizeof(float));
+    return scores;
+  }
+
+  // best must not be below that of the call before in any place. No gain is
+  // then above what it was, also as computed, since rounding keeps the order of
+  // numbers: once a gain exceeds the old ones of all candidates that are left,
+  // these need not be computed anew.
+  Pick Next(const std::vector<float>& best) {
+    best_.Upload(best.data());
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+      return gains_[a] != gains_[b] ? gains_[a] > gains_[b] : a < b;
+    });
+    Pick pick;
+    for (size_t begin = 0;
+         begin < order_.size() && gains_[order_[begin]] >= pick.gain;
+         begin += kGainBatch) {
+      const size_t end = std::min(begin + kGainBatch, order_.size());
+      UpdateGains({order_.begin() + begin, order_.begin() + end});
+      for (size_t i = begin; i < end; ++i) {
+        const int candidate = order_[i];
+        if (gains_[candidate] > pick.gain ||
+            (gains_[candidate] == pick.gain && candidate < pick.candidate)) {
+          pick = {candidate, gains_[candidate]};
+        }
+      }
+    }
+    return pick;
+  }
+
+ private:
+  void UpdateGains(const std::vector<int>& candidates) {
+    const Buffer<int> device_candidates(*device_, candidates);
+    Buffer<float> device_gains(*device_, candidates.size());
+    ParallelForTeams<128>(*device_,
+                          static_cast<int64_t>(candidates.size()),
+                          GainKernel{scores_.Data(),
+                                     num_customers_,
+                                     best_.Data(),
+                                     device_candidates.Data(),
+                                     device_gains.Data()});
+    const std::vector<float> gains = device_gains.ToHost();
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      gains_[candidates[i]] = gains[i];
+    }
+  }
+
+  int num_customers_;
+  Device* device_;
+  Buffer<float> scores_;
+  Buffer<float> best_;
+  std::vector<float> gains_;  // At the time when each was computed last.
+  std::vector<int> order_;
+};
+
+// An evenly spaced sample of the observations of some customers.
+std::vector<DepthObservation> SampleObservations(
+    const Customers& customers, const std::vector<int>& members) {
+  const std::vector<int>& first = customers.first_observation;
+  size_t count = 0;
+  for (const int k : members) {
+    count += first[k + 1] - first[k];
+  }
+  const size_t num_samples = std::min(count, kMaxFittedObservations);
+  std::vector<DepthObservation> samples;
+  samples.reserve(num_samples);
+  size_t num_before = 0;
+  for (const int k : members) {
+    const size_t own_count = first[k + 1] - first[k];
+    while (samples.size() < num_samples) {
+      const size_t next = samples.size() * count / num_samples;
+      if (next >= num_before + own_count) {
+        break;
+      }
+      samples.push_back(customers.observations[first[k] + next - num_before]);
+    }
+    num_before += own_count;
+  }
+  return samples;
+}
+
+// One step of Gauss and Newton towards the least loss of the normalized
+// residuals; RefinePlane minimises the same, with more care and ten times the
+// time. Nothing where the observations do not determine a plane.
+std::optional<WorldPlane> StepToFit(
+    const WorldPlane& plane,
+    const std::vector<DepthObservation>& observations,
+    double loss_scale) {
+  struct Term {
+    double weight;
+    double height;
+    Eigen::Vector3d foot;
+  };
+  std::vector<Term> terms;
+  terms.reserve(observations.size());
+  double weights = 0.0;
+  double mean_height = 0.0;
+  Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
+  for (const DepthObservation& observation : observations) {
+    const double sigma = observation.sigma * RaySlope(plane, observation);
+    const double height = plane.Height(observation.Point());
+    const double ratio = height / (sigma * loss_scale);
+    const Term term = {
+        observation.weight / (sigma * sigma * (1.0 + ratio * ratio)),
+        height,
+        // Residuals grow along the ray. That the slope changes with the normal
+        // is the same as that the plane turns under the ray's foot, not under
+        // the measured point.
+        FootPoint(plane, observation)};
+    weights += term.weight;
+    mean_height += term.weight * term.height;
+    mean_foot += term.weight * term.foot;
+    terms.push_back(term);
+  }
+  mean_height /= weights;
+  mean_foot /= weights;
+
+  const Eigen::Vector3d tangent = plane.normal.unitOrthogonal();
+  const Eigen::Vector3d other_tangent = plane.normal.cross(tangent);
+  double xx = 0.0, xy = 0.0, yy = 0.0, xh = 0.0, yh = 0.0;
+  for (const Term& term : terms) {
+    const Eigen::Vector3d position = term.foot - mean_foot;
+    const double x = tangent.dot(position);
+    const double y = other_tangent.dot(position);
+    const double height = term.height - mean_height;
+    xx += term.weight * x * x;
+    xy += term.weight * x * y;
+    yy += term.weight * y * y;
+    xh += term.weight * x * height;
+    yh += term.weight * y * height;
+  }
+  const double determinant = xx * yy - xy * xy;
+  const double min_ratio = kMinRelativeWidth * kMinRelativeWidth;
+  // Also where something is not a number.
+  if (!(determinant > min_ratio * (xx + yy) * (xx + yy))) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d turn =
+      (xy * yh - yy * xh) / determinant * tangent +
+      (xy * xh - xx * yh) / determinant * other_tangent;
+  const Eigen::Vector3d normal = plane.normal + turn;
+  const double offset = plane.offset - turn.dot(mean_foot) - mean_height;
+  const double length = normal.norm();
+  return WorldPlane{normal / length, offset / length};
+}
+
+WorldPlane FitPlane(const WorldPlane& initial,
+                    const std::vector<DepthObservation>& observations,
+                    double loss_scale) {
+  WorldPlane plane = initial;
+  for (int i = 0; i < kFitIterations; ++i) {
+    const std::optional<WorldPlane> next =
+        StepToFit(plane, observations, loss_scale);
+    if (!next) {
+      break;
+    }
+    plane = *next;
+  }
+  return plane;
+}
+
+// Which plane serves each customer, and with which scores.
+struct Assignment {
+  std::vector<int> planes;    // The first of the best; -1 for none.
+  std::vector<float> best;    // 0 where no plane serves.
+  std::vector<float> second;  // Without the plane that serves.
+};
+
+Assignment Assign(const std::vector<ScoredPlane>& planes, int num_customers) {
+  Assignment assignment{std::vector<int>(num_customers, -1),
+                        std::vector<float>(num_customers, 0.f),
+                        std::vector<float>(num_customers, 0.f)};
+  for (size_t p = 0; p < planes.size(); ++p) {
+    const std::vector<float>& scores = planes[p].scores;
+    for (int k = 0; k < num_customers; ++k) {
+      if (scores[k] > assignment.best[k]) {
+        assignment.second[k] = assignment.best[k];
+        assignment.best[k] = scores[k];
+        assignment.planes[k] = static_cast<int>(p);
+      } else if (scores[k] > assignment.second[k]) {
+        assignment.second[k] = scores[k];
+      }
+    }
+  }
+  return assignment;
+}
+
+double Total(const std::vector<ScoredPlane>& planes, int num_customers) {
+  const std::vector<float> best = Assign(planes, num_customers).best;
+  return std::accumulate(best.begin(), best.end(), 0.0);
+}
+
+double Gain(const std::vector<float>& scores, const std::vector<float>& best) {
+  double gain = 0.0;
+  for (size_t k = 0; k < scores.size(); ++k) {
+    gain += std::max(scores[k] - best[k], 0.f);
+  }
+  return gain;
+}
+
+class Discovery {
+ public:
+  Discovery(const Customers& customers,
+            const DiscoverPlanesOptions& options,
+            Device& device)
+      : customers_(customers),
+        options_(options),
+        device_(&device),
+        scorer_(customers, options.tolerance, device) {}
+
+  std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
+    ChooseCandidates(candidates);
+    do {
+      FitToServed();
+    } while (DropAndMerge());
+    return std::move(planes_);
+  }
+
+ private:
+  // What to do to the planes, and what it costs.
+  struct Change {
+    int dropped = -1;
+    double loss = 0.0;
+    // What takes the place of the dropped plane and of another one.
+    int replaced = -1;
+    ScoredPlane joint;
+  };
+
+  WorldPlane Fit(const WorldPlane& initial,
+                 const std::vector<int>& members) const {
+    return FitPlane(initial,
+                    SampleObservations(customers_, members),
+                    kCauchyShare * options_.tolerance);
+  }
+
+  void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
+    CandidatePicker picker(candidates, scorer_, *device_);
+    std::vector<float> best(customers_.Count(), 0.f);
+    while (static_cast<int>(planes_.size()) < options_.max_planes) {
+      const CandidatePicker::Pick pick = picker.Next(best);
+      if (pick.candidate < 0 || pick.gain < options_.min_gain) {
+        break;
+      }
+      planes_.push_back(ImproveByFits(
+          {candidates[pick.candidate], picker.Scores(pick.candidate)}, best));
+      for (int k = 0; k < customers_.Count(); ++k) {
+        best[k] = std::max(best[k], planes_.back().scores[k]);
+      }
+    }
+  }
+
+  // Fits a plane to the customers that it would win.
+  ScoredPlane ImproveByFits(ScoredPlane plane,
+                            const std::vector<float>& best) const {
+    double gain = Gain(plane.scores, best);
+    for (int i = 0; i < kNumFirstFits; ++i) {
+      std::vector<int> won;
+      for (int k = 0; k < customers_.Count(); ++k) {
+        if (plane.scores[k] > best[k]) {
+          won.push_back(k);
+        }
+      }
+      ScoredPlane fitted =
+          std::move(ScorePlanes(scorer_, {Fit(plane.plane, won)})[0]);
+      const double fitted_gain = Gain(fitted.scores, best);
+      if (!(fitted_gain > gain)) {
+        break;
+      }
+      plane = std::move(fitted);
+      gain = fitted_gain;
+    }
+    return plane;
+  }
+
+  // The customers of each plane.
+  std::vector<std::vector<int>> Members(const Assignment& assignment) const {
+    std::vector<std::vector<int>> members(planes_.size());
+    for (int k = 0; k < customers_.Count(); ++k) {
+      if (assignment.planes[k] >= 0) {
+        members[assignment.planes[k]].push_back(k);
+      }
+    }
+    return members;
+  }
+
+  // Fits the planes to the customers that they serve and keeps what raises the
+  // sum of the best scores.
+  void FitToServed() {
+    const int num_planes = static_cast<int>(planes_.size());
+    double total = Total(planes_, customers_.Count());
+    bool improved = true;
+    for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
+      improved = false;
+      const std::vector<std::vector<int>> members =
+          Members(Assign(planes_, customers_.Count()));
+      std::vector<WorldPlane> fits(num_planes);
+      device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
+        for (int64_t p = begin; p < end; ++p) {
+          fits[p] = Fit(planes_[p].plane, members[p]);
+        }
+      });
+      std::vector<ScoredPlane> fitted = ScorePlanes(scorer_, fits);
+      for (int p = 0; p < num_planes; ++p) {
+        std::swap(planes_[p], fitted[p]);
+        const double new_total = Total(planes_, customers_.Count());
+        if (new_total > total) {
+          total = new_total;
+          improved = true;
+        } else {
+          std::swap(planes_[p], fitted[p]);
+        }
+      }
+    }
+  }
+
+  // While there are planes that are not worth their cost. Returns whether there
+  // were any.
+  bool DropAndMerge() {
+    bool changed = false;
+    while (std::optional<Change> change = CheapestChange()) {
+      if (change->replaced >= 0) {
+        planes_[change->replaced] = std::move(change->joint);
+      }
+      planes_.erase(planes_.begin() + change->dropped);
+      changed = true;
+    }
+    return changed;
+  }
+
+  // Nothing where no change costs less than a plane.
+  std::optional<Change> CheapestChange() const {
+    const Assignment assignment = Assign(planes_, customers_.Count());
+    const int num_planes = static_cast<int>(planes_.size());
+    std::vector<double> drop_losses(num_planes, 0.0);
+    for (int k = 0; k < customers_.Count(); ++k) {
+      if (assignment.planes[k] >= 0) {
+        drop_losses[assignment.planes[k]] +=
+            assignment.best[k] - assignment.second[k];
+      }
+    }
+    std::optional<Change> cheapest;
+    const auto consider = [&](Change change) {
+      if (change.loss < (cheapest ? cheapest->loss : options_.min_gain)) {
+        cheapest = std::move(change);
+      }
+    };
+    for (int p = 0; p < num_planes; ++p) {
+      consider({p, drop_losses[p], -1, {}});
+    }
+    const std::vector<std::vector<int>> members = Members(assignment);
+    for (int a = 0; a < num_planes; ++a) {
+      for (int b = a + 1; b < num_planes; ++b) {
+        if (std::min(drop_losses[a], drop_losses[b]) <=
+                kHopelessGains * options_.min_gain &&
+            std::abs(planes_[a].plane.normal.dot(planes_[b].plane.normal)) >=
+                kMinMergeCosine) {
+          consider(Merge(a, b, members));
+        }
+      }
+    }
+    return cheapest;
+  }
+
+  // The better one of the fits to the customers of both from either plane on.
+  Change Merge(int a,
+               int b,
+               const std::vector<std::vector<int>>& members) const {
+    std::vector<int> both;
+    std::merge(members[a].begin(),
+               members[a].end(),
+               members[b].begin(),
+               members[b].end(),
+               std::back_inserter(both));
+    std::vector<ScoredPlane> others = planes_;
+    others.erase(others.begin() + b);
+    const double total = Total(planes_, customers_.Count());
+    Change change{b, std::numeric_limits<double>::infinity(), a, {}};
+    for (ScoredPlane& joint : ScorePlanes(
+             scorer_,
+             {Fit(planes_[a].plane, both), Fit(planes_[b].plane, both)})) {
+      others[a] = joint;
+      const double loss = total - Total(others, customers_.Count());
+      if (loss < change.loss) {
+        change.loss = loss;
+        change.joint = std::move(joint);
+      }
+    }
+    return change;
+  }
+
+  const Customers& customers_;
+  DiscoverPlanesOptions options_;
+  Device* device_;
+  Scorer scorer_;
+  std::vector<ScoredPlane> planes_;
+};
+
+WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
+  return {reference.rotation * plane.normal, plane.Height(reference.Center())};
+}
+
+WorldPlane ToWorld(const WorldPlane& plane, const Camera& reference) {
+  const Eigen::Vector3d normal = reference.rotation.transpose() * plane.normal;
+  return {normal, plane.offset - normal.dot(reference.Center())};
+}
+
+}  // namespace
+
+DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
+                                const std::vector<WorldPlane>& candidates,
+                                const DiscoverPlanesOptions& options,
+                                Device& device) {
+  DiscoveredPlanes result;
+  for (const ObservedView& view : views) {
+    result.serving.emplace_back(view.evidence->NumSuperpixels(), -1);
+  }
+  if (views.empty()) {
+    return result;
+  }
+  const Customers customers = CollectCustomers(views, options);
+  if (customers.Count() == 0) {
+    return result;
+  }
+  const Camera& reference = views[0].camera;
+  std::vector<WorldPlane> local_candidates;
+  const size_t max_candidates = options.max_scores / customers.Count();
+  for (size_t i = 0; i < std::min(candidates.size(), max_candidates); ++i) {
+    local_candidates.push_back(FromWorld(candidates[i], reference));
+  }
+  const std::vector<ScoredPlane> planes =
+      Discovery(customers, options, device).Run(local_candidates);
+
+  const Assignment assignment = Assign(planes, customers.Count());
+  std::vector<double> supports(planes.size(), 0.0);
+  for (int k = 0; k < customers.Count(); ++k) {
+    if (assignment.planes[k] >= 0) {
+      supports[assignment.planes[k]] += assignment.best[k];
+    }
+  }
+  std::vector<int> order(planes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return supports[a] > supports[b];
+  });
+  std::vector<int> places(planes.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    places[order[i]] = static_cast<int>(i);
+    result.planes.push_back(
+        {ToWorld(planes[order[i]].plane, reference), supports[order[i]]});
+  }
+  int customer = 0;
+  for (std::vector<int>& of_view : result.serving) {
+    for (int& plane : of_view) {
+      const int found = assignment.planes[customer++];
+      plane = found >= 0 ? places[found] : -1;
+    }
+  }
+  return result;
+}
+
+}  // namespace tsar
