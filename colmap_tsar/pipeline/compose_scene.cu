@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_image.h"

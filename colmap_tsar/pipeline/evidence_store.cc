@@ -8,22 +8,23 @@
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <algorithm>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-// Size and time of a file; "-" where there is none.
-std::string FileState(const std::filesystem::path& path) {
+// Adds size and time of a file, or "-" where there is none.
+void AddFileState(const std::filesystem::path& path, std::ostream& text) {
   std::error_code error;
   const uintmax_t size = std::filesystem::file_size(path, error);
   if (error) {
-    return "-";
+    text << " -";
+    return;
   }
   const auto time = std::filesystem::last_write_time(path, error);
-  return std::to_string(size) + "@" +
-         std::to_string(time.time_since_epoch().count());
+  text << " " << size << "@" << time.time_since_epoch().count();
 }
 
 }  // namespace
@@ -105,17 +106,18 @@ std::filesystem::path EvidenceStore::Path(int image) const {
 }
 
 std::string EvidenceStore::Fingerprint(int image) const {
-  std::string text = options_hash_;
+  std::ostringstream text;
+  text << options_hash_;
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
     const MapPaths paths = workspace_.SourcePaths(image, type);
     for (const std::filesystem::path& path : {paths.depth,
                                               paths.normal,
                                               paths.original_depth,
                                               paths.original_normal}) {
-      text += " " + FileState(path);
+      AddFileState(path, text);
     }
   }
-  return text;
+  return text.str();
 }
 
 }  // namespace tsar

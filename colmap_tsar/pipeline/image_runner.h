@@ -9,6 +9,7 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/pipeline/run_summary.h"
 #include "colmap_tsar/pipeline/view_cache.h"
+#include "colmap_tsar/planes/discover_planes.h"
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <cstddef>

@@ -29,10 +29,6 @@ struct PlaneObservations {
   std::vector<Eigen::Vector3d> points;        // All.
 };
 
-Eigen::Vector3d ToEigen(const Vec3f& vector) {
-  return {vector.x, vector.y, vector.z};
-}
-
 Vec3f ToVec3f(const Eigen::Vector3d& vector) {
   return {static_cast<float>(vector.x()),
           static_cast<float>(vector.y()),
