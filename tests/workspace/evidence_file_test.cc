@@ -306,7 +306,10 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    ExpectCorruptAndNoHash("not a usable evidence file");
+    // The header's 96 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 96    ? "not complete"
+                           : length < 112 ? "cut off"
+                                          : "not what the header says");
   }
   for (const std::string& more : {std::string("x"), good}) {
     WriteText(path_, good + more);
@@ -373,6 +376,12 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
     HeaderFields fields(evidence_);
     lies[i](&fields);
     WriteText(path_, FileBytes(fields, evidence_));
+    ExpectCorruptAndNoHash("not what the header says");
+  }
+  for (const auto& [width, height] : {std::pair(0, 5), std::pair(5, 0)}) {
+    ViewEvidence evidence = evidence_;
+    evidence.trust = Image<uint8_t>(width, height);
+    WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
     ExpectCorruptAndNoHash("not what the header says");
   }
   HeaderFields fields(evidence_);
