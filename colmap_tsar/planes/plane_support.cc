@@ -11,6 +11,10 @@
 #include <cstdint>
 #include <map>
 #include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace tsar {
 namespace {
