@@ -17,11 +17,16 @@
 #include "colmap_tsar/planes/raster_texture.h"
 #include "colmap_tsar/planes/world_plane.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 namespace tsar {
 namespace {
+
+// What a plane must explain in one view to be looked at by the neighbours,
+// relative to what it must explain in all of them.
+constexpr double kShareOfOneView = 0.5;
 
 EvidenceInputs DownloadInputs(const DeviceViews& views,
                               const Surfaces& surfaces,
@@ -59,6 +64,30 @@ std::vector<WorldPlane> CollectCandidates(
   }
   return candidates;
 }
+
+// Keeps of the planes of superpixels those that the view as a whole needs:
+// most of the hundreds say the same, and every neighbour would have to look at
+// each of them.
+void ReduceCandidates(const Camera& camera,
+                      const RefineOptions& options,
+                      Device& device,
+                      ViewEvidence* evidence) {
+  const int num_region_planes =
+      *std::max_element(evidence->region_planes.begin(),
+                        evidence->region_planes.end());
+  const std::vector<ObservedView> views = {
+      {evidence, camera.Resized(evidence->width, evidence->height)}};
+  DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
+  discovery.min_gain *= kShareOfOneView;
+  const DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), discovery, device);
+  evidence->candidates.resize(static_cast<size_t>(num_region_planes));
+  for (const ScenePlane& plane : discovered.planes) {
+    evidence->candidates.push_back(
+        ToCameraPlane(plane.plane, views[0].camera));
+  }
+}
+
 
 // The plane of each label in one of the rasters of ComposeScene.
 Image<Plane> ScenePlaneRaster(const ViewEvidence& evidence,
@@ -118,6 +147,9 @@ RefineResult ObserveImage(
       std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
   result.evidence->trust = std::move(trust);
   timer.Finish("evidence");
+  ReduceCandidates(
+      views.ReferenceCamera(), options, device, result.evidence.get());
+  timer.Finish("scene planes");
   return result;
 }
 
