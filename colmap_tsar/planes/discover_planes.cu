@@ -36,8 +36,12 @@ constexpr int kMaxImprovingRounds = 3;
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
 // Nor are two planes each of which is worth more than this many times the cost
-// of a plane where the other one stays: no joint plane makes up for that.
+// of a plane where the other one stays: a joint plane hardly makes up for that.
 constexpr double kHopelessGains = 3.0;
+// Nor planes that are further apart, in tolerances, where each of them was
+// measured; this is told by some of the observations.
+constexpr double kMaxMergeDistance = 10.0;
+constexpr size_t kNumMergeSamples = 100;
 // The flattest angle to a plane that counts, by its sine; see RaySlope.
 constexpr float kMinSlope = 0.05f;
 
@@ -370,13 +374,15 @@ class CandidatePicker {
 
 // An evenly spaced sample of the observations of some customers.
 std::vector<DepthObservation> SampleObservations(
-    const Customers& customers, const std::vector<int>& members) {
+    const Customers& customers,
+    const std::vector<int>& members,
+    size_t max_samples) {
   const std::vector<int>& first = customers.first_observation;
   size_t count = 0;
   for (const int k : members) {
     count += first[k + 1] - first[k];
   }
-  const size_t num_samples = std::min(count, kMaxFittedObservations);
+  const size_t num_samples = std::min(count, max_samples);
   std::vector<DepthObservation> samples;
   samples.reserve(num_samples);
   size_t num_before = 0;
@@ -500,9 +506,21 @@ Assignment Assign(const std::vector<ScoredPlane>& planes, int num_customers) {
   return assignment;
 }
 
-double Total(const std::vector<ScoredPlane>& planes, int num_customers) {
-  const std::vector<float> best = Assign(planes, num_customers).best;
-  return std::accumulate(best.begin(), best.end(), 0.0);
+// For each customer, of all planes but those.
+std::vector<float> BestScoresWithout(const std::vector<ScoredPlane>& planes,
+                                     int plane,
+                                     int other_plane,
+                                     int num_customers) {
+  std::vector<float> best(num_customers, 0.f);
+  for (int p = 0; p < static_cast<int>(planes.size()); ++p) {
+    if (p == plane || p == other_plane) {
+      continue;
+    }
+    for (int k = 0; k < num_customers; ++k) {
+      best[k] = std::max(best[k], planes[p].scores[k]);
+    }
+  }
+  return best;
 }
 
 double Gain(const std::vector<float>& scores, const std::vector<float>& best) {
@@ -543,9 +561,10 @@ class Discovery {
 
   WorldPlane Fit(const WorldPlane& initial,
                  const std::vector<int>& members) const {
-    return FitPlane(initial,
-                    SampleObservations(customers_, members),
-                    kCauchyShare * options_.tolerance);
+    return FitPlane(
+        initial,
+        SampleObservations(customers_, members, kMaxFittedObservations),
+        kCauchyShare * options_.tolerance);
   }
 
   void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
@@ -602,7 +621,6 @@ class Discovery {
   // sum of the best scores.
   void FitToServed() {
     const int num_planes = static_cast<int>(planes_.size());
-    double total = Total(planes_, customers_.Count());
     bool improved = true;
     for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
       improved = false;
@@ -616,13 +634,11 @@ class Discovery {
       });
       std::vector<ScoredPlane> fitted = ScorePlanes(scorer_, fits);
       for (int p = 0; p < num_planes; ++p) {
-        std::swap(planes_[p], fitted[p]);
-        const double new_total = Total(planes_, customers_.Count());
-        if (new_total > total) {
-          total = new_total;
+        const std::vector<float> others =
+            BestScoresWithout(planes_, p, p, customers_.Count());
+        if (Gain(fitted[p].scores, others) > Gain(planes_[p].scores, others)) {
+          planes_[p] = std::move(fitted[p]);
           improved = true;
-        } else {
-          std::swap(planes_[p], fitted[p]);
         }
       }
     }
@@ -665,15 +681,30 @@ class Discovery {
     const std::vector<std::vector<int>> members = Members(assignment);
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
+        const WorldPlane& plane_a = planes_[a].plane;
+        const WorldPlane& plane_b = planes_[b].plane;
         if (std::min(drop_losses[a], drop_losses[b]) <=
                 kHopelessGains * options_.min_gain &&
-            std::abs(planes_[a].plane.normal.dot(planes_[b].plane.normal)) >=
-                kMinMergeCosine) {
+            std::abs(plane_a.normal.dot(plane_b.normal)) >= kMinMergeCosine &&
+            (IsNear(plane_a, members[b]) || IsNear(plane_b, members[a]))) {
           consider(Merge(a, b, members));
         }
       }
     }
     return cheapest;
+  }
+
+  // Whether at least half of what some customers observe is within the largest
+  // distance for merging.
+  bool IsNear(const WorldPlane& plane, const std::vector<int>& members) const {
+    const std::vector<DepthObservation> samples =
+        SampleObservations(customers_, members, kNumMergeSamples);
+    const auto num_near = std::count_if(
+        samples.begin(), samples.end(), [&](const DepthObservation& sample) {
+          return std::abs(NormalizedResidual(plane, sample)) <
+                 kMaxMergeDistance * options_.tolerance;
+        });
+    return 2 * static_cast<size_t>(num_near) >= samples.size();
   }
 
   // The better one of the fits to the customers of both from either plane on.
@@ -686,15 +717,17 @@ class Discovery {
                members[b].begin(),
                members[b].end(),
                std::back_inserter(both));
-    std::vector<ScoredPlane> others = planes_;
-    others.erase(others.begin() + b);
-    const double total = Total(planes_, customers_.Count());
+    const std::vector<float> others =
+        BestScoresWithout(planes_, a, b, customers_.Count());
+    const double gain_of_both =
+        Gain(planes_[a].scores, others) +
+        Gain(planes_[b].scores,
+             BestScoresWithout(planes_, b, b, customers_.Count()));
     Change change{b, std::numeric_limits<double>::infinity(), a, {}};
     for (ScoredPlane& joint : ScorePlanes(
              scorer_,
              {Fit(planes_[a].plane, both), Fit(planes_[b].plane, both)})) {
-      others[a] = joint;
-      const double loss = total - Total(others, customers_.Count());
+      const double loss = gain_of_both - Gain(joint.scores, others);
       if (loss < change.loss) {
         change.loss = loss;
         change.joint = std::move(joint);

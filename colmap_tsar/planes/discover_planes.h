@@ -55,11 +55,11 @@ struct DiscoveredPlanes {
 // whichever is less. The residual is NormalizedResidual with one pixel of
 // disparity as the expected error.
 //
-// Greedy choice of candidates is followed by rounds in which each plane is
-// fitted to the superpixels it serves, in all views at once, and in which
-// planes are dropped or merged that are not worth min_gain. At the end, leaving
-// out any plane would cost at least min_gain, and each superpixel is served by
-// the plane with the highest score.
+// Greedy choice of candidates, while one adds min_gain as it is, is followed by
+// rounds in which each plane is fitted to the superpixels it serves, in all
+// views at once, and in which planes are dropped or merged that are not worth
+// min_gain. At the end, leaving out any plane would cost at least min_gain, and
+// each superpixel is served by the plane with the highest score.
 //
 // Where candidates times superpixels are more than max_scores, the last of the
 // candidates are left out: list the likely ones first.
