@@ -43,9 +43,8 @@ struct ComposeKernel {
               : superpixel.depth > 0.f && Same(own.depth, superpixel.depth)
                   ? superpixel
                   : own;
-    } else if (region.depth > 0.f &&
-               !(superpixel.depth > 0.f &&
-                 !Same(superpixel.depth, region.depth))) {
+    } else if (region.depth > 0.f && !(superpixel.depth > 0.f &&
+                                       !Same(superpixel.depth, region.depth))) {
       source = Provenance::kRegionPlane;
       value = region;
     } else if (superpixel.depth > 0.f) {

@@ -19,9 +19,9 @@ struct ComposeOptions {
 };
 
 struct ComposeInputs {
-  ImageView<const uint8_t> trusted;    // Where the measured hypotheses stand.
-  PlaneRaster superpixel_planes;       // May be empty.
-  PlaneRaster region_planes;           // May be empty.
+  ImageView<const uint8_t> trusted;  // Where the measured hypotheses stand.
+  PlaneRaster superpixel_planes;     // May be empty.
+  PlaneRaster region_planes;         // May be empty.
 };
 
 struct ComposedMap {

@@ -82,9 +82,9 @@ struct ComposeSceneKernel {
 
   TSAR_HD bool IsSeenHere(int x, int y) const {
     const ImageView<const uint8_t>& evidence = inputs.label_evidence;
-    const auto kind = static_cast<LabelEvidence>(evidence(
-        ReducedRaster::FromMap(x, depth.width, evidence.width),
-        ReducedRaster::FromMap(y, depth.height, evidence.height)));
+    const auto kind = static_cast<LabelEvidence>(
+        evidence(ReducedRaster::FromMap(x, depth.width, evidence.width),
+                 ReducedRaster::FromMap(y, depth.height, evidence.height)));
     return kind == LabelEvidence::kMeasured;
   }
 };
@@ -154,18 +154,17 @@ ComposedMap ComposeScene(DepthNormalImages own,
   const double pixels_per_raster_pixel =
       static_cast<double>(num_pixels) /
       static_cast<double>(inputs.label_evidence.NumPixels());
-  ParallelFor(
-      device,
-      width,
-      height,
-      ComposeSceneKernel{
-          inputs,
-          blobs.View(),
-          blob_sizes.Data(),
-          static_cast<int>(options.min_blob * pixels_per_raster_pixel),
-          composed.map.depth.View(),
-          composed.map.normal.View(),
-          composed.provenance.View()});
+  ParallelFor(device,
+              width,
+              height,
+              ComposeSceneKernel{
+                  inputs,
+                  blobs.View(),
+                  blob_sizes.Data(),
+                  static_cast<int>(options.min_blob * pixels_per_raster_pixel),
+                  composed.map.depth.View(),
+                  composed.map.normal.View(),
+                  composed.provenance.View()});
   return composed;
 }
 

@@ -18,8 +18,8 @@ namespace {
 constexpr int kRasterSize = 777;
 
 ReducedRaster MakeRaster(int width, int height) {
-  const double scale = std::min(
-      1.0, kRasterSize / static_cast<double>(std::max(width, height)));
+  const double scale =
+      std::min(1.0, kRasterSize / static_cast<double>(std::max(width, height)));
   return {std::max(1, static_cast<int>(std::lround(width * scale))),
           std::max(1, static_cast<int>(std::lround(height * scale)))};
 }

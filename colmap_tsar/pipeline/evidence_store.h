@@ -15,9 +15,10 @@
 
 namespace tsar {
 
-// The evidence of a workspace's views, in files of stereo/tsar/evidence from the
-// time a view was observed until the run ends, so that a killed run goes on from
-// there. What was read last is kept in memory. Can be used from several threads.
+// The evidence of a workspace's views, in files of stereo/tsar/evidence from
+// the time a view was observed until the run ends, so that a killed run goes on
+// from there. What was read last is kept in memory. Can be used from several
+// threads.
 class EvidenceStore {
  public:
   using Evidence = std::shared_ptr<const ViewEvidence>;

@@ -253,9 +253,8 @@ RefineResult ImageRunner::ComposeFromEvidence(size_t index,
 ObservedView ImageRunner::Observed(int image,
                                    const ViewEvidence& evidence) const {
   return {&evidence,
-          workspace_.Model()
-              .images[static_cast<size_t>(image)]
-              .camera.Resized(evidence.width, evidence.height)};
+          workspace_.Model().images[static_cast<size_t>(image)].camera.Resized(
+              evidence.width, evidence.height)};
 }
 
 void ImageRunner::Write(size_t index,

@@ -57,12 +57,11 @@ class ImageRunner : public ImageTasks {
   std::vector<int> SourcesAndReference(size_t index) const;
   // Whether the image and one of its sources have maps.
   bool CanCompute(size_t index) const;
-  // For each image whether it, or one whose source it is, has yet to be refined.
+  // For each image whether it, or one whose source it is, has yet to be
+  // refined.
   std::vector<bool> FindNeededViews() const;
   // Without evidence where the image has no depth at all.
-  RefineResult Observe(size_t index,
-                       size_t worker,
-                       ViewCache::Lease* views);
+  RefineResult Observe(size_t index, size_t worker, ViewCache::Lease* views);
   // Books the time that observing took.
   void AddSeconds(size_t index, const std::map<std::string, double>& seconds);
 

@@ -43,9 +43,8 @@ RefineResult RefineImage(
       FindSurfaces(reference, image_id, options, &views, device, &timer);
   DeviceImage<Plane> superpixel_planes;
   if (options.superpixel_planes && surfaces.superpixels.count > 0) {
-    superpixel_planes = PlanesOfLabels(surfaces.superpixels.labels.View(),
-                                       surfaces.superpixel_planes,
-                                       device);
+    superpixel_planes = PlanesOfLabels(
+        surfaces.superpixels.labels.View(), surfaces.superpixel_planes, device);
   }
   ComposedMap composed = ComposeMap(views.TakeHypotheses(),
                                     {surfaces.trusted.View(),

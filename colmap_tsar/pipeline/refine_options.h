@@ -35,8 +35,8 @@ struct RefineOptions {
   // Textureless-aware segmentation.
   bool segment = true;
   double edge_threshold = 4.0;
-  int hough_min_votes = 5;           // epsilon
-  int hough_max_gap = 15;            // upsilon
+  int hough_min_votes = 5;  // epsilon
+  int hough_max_gap = 15;   // upsilon
   bool region_cores = true;
   int max_region_planes = 4;
   int min_region_size = 8000;        // kappa * 10^4

@@ -72,9 +72,8 @@ void ReduceCandidates(const Camera& camera,
                       const RefineOptions& options,
                       Device& device,
                       ViewEvidence* evidence) {
-  const int num_region_planes =
-      *std::max_element(evidence->region_planes.begin(),
-                        evidence->region_planes.end());
+  const int num_region_planes = *std::max_element(
+      evidence->region_planes.begin(), evidence->region_planes.end());
   const std::vector<ObservedView> views = {
       {evidence, camera.Resized(evidence->width, evidence->height)}};
   DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
@@ -83,11 +82,9 @@ void ReduceCandidates(const Camera& camera,
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
   evidence->candidates.resize(static_cast<size_t>(num_region_planes));
   for (const ScenePlane& plane : discovered.planes) {
-    evidence->candidates.push_back(
-        ToCameraPlane(plane.plane, views[0].camera));
+    evidence->candidates.push_back(ToCameraPlane(plane.plane, views[0].camera));
   }
 }
-
 
 // The plane of each label in one of the rasters of ComposeScene.
 Image<Plane> ScenePlaneRaster(const ViewEvidence& evidence,
@@ -106,8 +103,8 @@ Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
                               const LabeledView& labeled) {
   Image<uint8_t> kinds(evidence.width, evidence.height);
   for (size_t i = 0; i < kinds.NumPixels(); ++i) {
-    kinds.Data()[i] = static_cast<uint8_t>(
-        labeled.evidence[evidence.superpixels.Data()[i]]);
+    kinds.Data()[i] =
+        static_cast<uint8_t>(labeled.evidence[evidence.superpixels.Data()[i]]);
   }
   return kinds;
 }
@@ -117,8 +114,7 @@ Image<Plane> RegionPlaneRaster(const ViewEvidence& evidence) {
   for (size_t i = 0; i < planes.NumPixels(); ++i) {
     const int number = evidence.region_planes.Data()[i];
     if (number > 0) {
-      planes.Data()[i] =
-          evidence.candidates[static_cast<size_t>(number - 1)];
+      planes.Data()[i] = evidence.candidates[static_cast<size_t>(number - 1)];
     }
   }
   return planes;
@@ -143,8 +139,7 @@ RefineResult ObserveImage(
       RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
           .ToHost();
   timer.Finish("download");
-  result.evidence =
-      std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
+  result.evidence = std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
   result.evidence->trust = std::move(trust);
   timer.Finish("evidence");
   ReduceCandidates(
@@ -161,8 +156,8 @@ RefineResult ComposeImage(const ViewData& reference,
   StageTimer timer(device, &result.seconds);
   const ViewEvidence& evidence = *views[0].evidence;
   const SceneOptions scene = MakeSceneOptions(options, views);
-  const DiscoveredPlanes discovered = DiscoverPlanes(
-      views, CollectCandidates(views), scene.discovery, device);
+  const DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), scene.discovery, device);
   timer.Finish("scene planes");
   const LabeledView labeled =
       LabelView(views,
@@ -186,10 +181,8 @@ RefineResult ComposeImage(const ViewData& reference,
                        device_views.Width(),
                        device_views.Height()};
   };
-  const ComposeSceneInputs inputs{trust.View(),
-                                  on_map(scene_planes),
-                                  kinds.View(),
-                                  on_map(region_planes)};
+  const ComposeSceneInputs inputs{
+      trust.View(), on_map(scene_planes), kinds.View(), on_map(region_planes)};
   ComposedMap composed = ComposeScene(
       device_views.TakeHypotheses(), inputs, scale, scene.composition, device);
   FillHoles(device_views, options, &composed, device);

@@ -24,7 +24,7 @@ struct ViewData {
   Image<float> min_cost;
   Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
-  int64_t num_not_finite = 0;        // NaN or infinite values that were dropped.
+  int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
 
   size_t NumBytes() const;
 };

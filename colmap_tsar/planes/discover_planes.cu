@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -480,47 +481,40 @@ WorldPlane FitPlane(const WorldPlane& initial,
   return plane;
 }
 
-// Which plane serves each customer, and with which scores.
-struct Assignment {
-  std::vector<int> planes;    // The first of the best; -1 for none.
-  std::vector<float> best;    // 0 where no plane serves.
-  std::vector<float> second;  // Without the plane that serves.
-};
+// The best three planes of a customer; -1 and 0 where there are fewer.
+struct Ranking {
+  int planes[3] = {-1, -1, -1};
+  float scores[3] = {0.f, 0.f, 0.f};
 
-Assignment Assign(const std::vector<ScoredPlane>& planes, int num_customers) {
-  Assignment assignment{std::vector<int>(num_customers, -1),
-                        std::vector<float>(num_customers, 0.f),
-                        std::vector<float>(num_customers, 0.f)};
-  for (size_t p = 0; p < planes.size(); ++p) {
-    const std::vector<float>& scores = planes[p].scores;
-    for (int k = 0; k < num_customers; ++k) {
-      if (scores[k] > assignment.best[k]) {
-        assignment.second[k] = assignment.best[k];
-        assignment.best[k] = scores[k];
-        assignment.planes[k] = static_cast<int>(p);
-      } else if (scores[k] > assignment.second[k]) {
-        assignment.second[k] = scores[k];
+  void Offer(int plane, float score) {
+    for (int i = 0; i < 3; ++i) {
+      // Of equal ones, the first stays in front.
+      if (score > scores[i]) {
+        std::swap(plane, planes[i]);
+        std::swap(score, scores[i]);
       }
     }
   }
-  return assignment;
-}
 
-// For each customer, of all planes but those.
-std::vector<float> BestScoresWithout(const std::vector<ScoredPlane>& planes,
-                                     int plane,
-                                     int other_plane,
-                                     int num_customers) {
-  std::vector<float> best(num_customers, 0.f);
-  for (int p = 0; p < static_cast<int>(planes.size()); ++p) {
-    if (p == plane || p == other_plane) {
-      continue;
+  // Of all planes but those.
+  float BestWithout(int plane, int other_plane) const {
+    int i = 0;
+    while (i < 2 && (planes[i] == plane || planes[i] == other_plane)) {
+      ++i;
     }
+    return planes[i] == plane || planes[i] == other_plane ? 0.f : scores[i];
+  }
+};
+
+std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
+                          int num_customers) {
+  std::vector<Ranking> rankings(num_customers);
+  for (size_t p = 0; p < planes.size(); ++p) {
     for (int k = 0; k < num_customers; ++k) {
-      best[k] = std::max(best[k], planes[p].scores[k]);
+      rankings[k].Offer(static_cast<int>(p), planes[p].scores[k]);
     }
   }
-  return best;
+  return rankings;
 }
 
 double Gain(const std::vector<float>& scores, const std::vector<float>& best) {
@@ -556,8 +550,12 @@ class Discovery {
     double loss = 0.0;
     // What takes the place of the dropped plane and of another one.
     int replaced = -1;
-    ScoredPlane joint;
+    const ScoredPlane* joint = nullptr;
   };
+
+  // Fits to the customers of two planes, from either plane on; none where they
+  // are too different.
+  using Joints = std::vector<ScoredPlane>;
 
   WorldPlane Fit(const WorldPlane& initial,
                  const std::vector<int>& members) const {
@@ -607,11 +605,12 @@ class Discovery {
   }
 
   // The customers of each plane.
-  std::vector<std::vector<int>> Members(const Assignment& assignment) const {
+  std::vector<std::vector<int>> Members(
+      const std::vector<Ranking>& rankings) const {
     std::vector<std::vector<int>> members(planes_.size());
     for (int k = 0; k < customers_.Count(); ++k) {
-      if (assignment.planes[k] >= 0) {
-        members[assignment.planes[k]].push_back(k);
+      if (rankings[k].planes[0] >= 0) {
+        members[rankings[k].planes[0]].push_back(k);
       }
     }
     return members;
@@ -624,8 +623,8 @@ class Discovery {
     bool improved = true;
     for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
       improved = false;
-      const std::vector<std::vector<int>> members =
-          Members(Assign(planes_, customers_.Count()));
+      std::vector<Ranking> rankings = Rank(planes_, customers_.Count());
+      const std::vector<std::vector<int>> members = Members(rankings);
       std::vector<WorldPlane> fits(num_planes);
       device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
         for (int64_t p = begin; p < end; ++p) {
@@ -634,60 +633,72 @@ class Discovery {
       });
       std::vector<ScoredPlane> fitted = ScorePlanes(scorer_, fits);
       for (int p = 0; p < num_planes; ++p) {
-        const std::vector<float> others =
-            BestScoresWithout(planes_, p, p, customers_.Count());
+        const std::vector<float> others = BestWithout(rankings, p, p);
         if (Gain(fitted[p].scores, others) > Gain(planes_[p].scores, others)) {
           planes_[p] = std::move(fitted[p]);
+          rankings = Rank(planes_, customers_.Count());
           improved = true;
         }
       }
     }
   }
 
+  static std::vector<float> BestWithout(const std::vector<Ranking>& rankings,
+                                        int plane,
+                                        int other_plane) {
+    std::vector<float> best;
+    best.reserve(rankings.size());
+    for (const Ranking& ranking : rankings) {
+      best.push_back(ranking.BestWithout(plane, other_plane));
+    }
+    return best;
+  }
+
   // While there are planes that are not worth their cost. Returns whether there
   // were any.
   bool DropAndMerge() {
+    joints_.clear();
+    ids_.resize(planes_.size());
+    std::iota(ids_.begin(), ids_.end(), 0);
+    int next_id = static_cast<int>(planes_.size());
     bool changed = false;
     while (std::optional<Change> change = CheapestChange()) {
       if (change->replaced >= 0) {
-        planes_[change->replaced] = std::move(change->joint);
+        planes_[change->replaced] = ScoredPlane(*change->joint);
+        ids_[change->replaced] = next_id++;
       }
       planes_.erase(planes_.begin() + change->dropped);
+      ids_.erase(ids_.begin() + change->dropped);
       changed = true;
     }
     return changed;
   }
 
   // Nothing where no change costs less than a plane.
-  std::optional<Change> CheapestChange() const {
-    const Assignment assignment = Assign(planes_, customers_.Count());
+  std::optional<Change> CheapestChange() {
+    const std::vector<Ranking> rankings = Rank(planes_, customers_.Count());
     const int num_planes = static_cast<int>(planes_.size());
     std::vector<double> drop_losses(num_planes, 0.0);
-    for (int k = 0; k < customers_.Count(); ++k) {
-      if (assignment.planes[k] >= 0) {
-        drop_losses[assignment.planes[k]] +=
-            assignment.best[k] - assignment.second[k];
+    for (const Ranking& ranking : rankings) {
+      if (ranking.planes[0] >= 0) {
+        drop_losses[ranking.planes[0]] += ranking.scores[0] - ranking.scores[1];
       }
     }
     std::optional<Change> cheapest;
-    const auto consider = [&](Change change) {
+    const auto consider = [&](const Change& change) {
       if (change.loss < (cheapest ? cheapest->loss : options_.min_gain)) {
-        cheapest = std::move(change);
+        cheapest = change;
       }
     };
     for (int p = 0; p < num_planes; ++p) {
-      consider({p, drop_losses[p], -1, {}});
+      consider({p, drop_losses[p], -1, nullptr});
     }
-    const std::vector<std::vector<int>> members = Members(assignment);
+    const std::vector<std::vector<int>> members = Members(rankings);
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
-        const WorldPlane& plane_a = planes_[a].plane;
-        const WorldPlane& plane_b = planes_[b].plane;
         if (std::min(drop_losses[a], drop_losses[b]) <=
-                kHopelessGains * options_.min_gain &&
-            std::abs(plane_a.normal.dot(plane_b.normal)) >= kMinMergeCosine &&
-            (IsNear(plane_a, members[b]) || IsNear(plane_b, members[a]))) {
-          consider(Merge(a, b, members));
+            kHopelessGains * options_.min_gain) {
+          consider(Merge(a, b, members, rankings));
         }
       }
     }
@@ -707,30 +718,45 @@ class Discovery {
     return 2 * static_cast<size_t>(num_near) >= samples.size();
   }
 
-  // The better one of the fits to the customers of both from either plane on.
+  // The fits are kept until one of the planes changes, though both may win or
+  // lose some customers: there are hundreds of pairs, and nearly all of them
+  // are looked at again after each change.
+  const Joints& FindJoints(int a,
+                           int b,
+                           const std::vector<std::vector<int>>& members) {
+    const auto [entry, is_new] = joints_.try_emplace({ids_[a], ids_[b]});
+    Joints& joints = entry->second;
+    const WorldPlane& plane_a = planes_[a].plane;
+    const WorldPlane& plane_b = planes_[b].plane;
+    if (is_new &&
+        std::abs(plane_a.normal.dot(plane_b.normal)) >= kMinMergeCosine &&
+        (IsNear(plane_a, members[b]) || IsNear(plane_b, members[a]))) {
+      std::vector<int> both;
+      std::merge(members[a].begin(),
+                 members[a].end(),
+                 members[b].begin(),
+                 members[b].end(),
+                 std::back_inserter(both));
+      joints = ScorePlanes(scorer_, {Fit(plane_a, both), Fit(plane_b, both)});
+    }
+    return joints;
+  }
+
+  // By the better one of the two fits.
   Change Merge(int a,
                int b,
-               const std::vector<std::vector<int>>& members) const {
-    std::vector<int> both;
-    std::merge(members[a].begin(),
-               members[a].end(),
-               members[b].begin(),
-               members[b].end(),
-               std::back_inserter(both));
-    const std::vector<float> others =
-        BestScoresWithout(planes_, a, b, customers_.Count());
-    const double gain_of_both =
-        Gain(planes_[a].scores, others) +
-        Gain(planes_[b].scores,
-             BestScoresWithout(planes_, b, b, customers_.Count()));
-    Change change{b, std::numeric_limits<double>::infinity(), a, {}};
-    for (ScoredPlane& joint : ScorePlanes(
-             scorer_,
-             {Fit(planes_[a].plane, both), Fit(planes_[b].plane, both)})) {
-      const double loss = gain_of_both - Gain(joint.scores, others);
+               const std::vector<std::vector<int>>& members,
+               const std::vector<Ranking>& rankings) {
+    Change change{b, std::numeric_limits<double>::infinity(), a, nullptr};
+    for (const ScoredPlane& fit : FindJoints(a, b, members)) {
+      double loss = 0.0;
+      for (int k = 0; k < customers_.Count(); ++k) {
+        loss += rankings[k].scores[0] -
+                std::max(fit.scores[k], rankings[k].BestWithout(a, b));
+      }
       if (loss < change.loss) {
         change.loss = loss;
-        change.joint = std::move(joint);
+        change.joint = &fit;
       }
     }
     return change;
@@ -741,6 +767,10 @@ class Discovery {
   Device* device_;
   Scorer scorer_;
   std::vector<ScoredPlane> planes_;
+  // For DropAndMerge: a number for each plane, another one after each change of
+  // it, and the joint fits by those of the two planes.
+  std::vector<int> ids_;
+  std::map<std::pair<int, int>, Joints> joints_;
 };
 
 WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
@@ -778,11 +808,11 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   const std::vector<ScoredPlane> planes =
       Discovery(customers, options, device).Run(local_candidates);
 
-  const Assignment assignment = Assign(planes, customers.Count());
+  const std::vector<Ranking> rankings = Rank(planes, customers.Count());
   std::vector<double> supports(planes.size(), 0.0);
-  for (int k = 0; k < customers.Count(); ++k) {
-    if (assignment.planes[k] >= 0) {
-      supports[assignment.planes[k]] += assignment.best[k];
+  for (const Ranking& ranking : rankings) {
+    if (ranking.planes[0] >= 0) {
+      supports[ranking.planes[0]] += ranking.scores[0];
     }
   }
   std::vector<int> order(planes.size());
@@ -799,7 +829,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   int customer = 0;
   for (std::vector<int>& of_view : result.serving) {
     for (int& plane : of_view) {
-      const int found = assignment.planes[customer++];
+      const int found = rankings[customer++].planes[0];
       plane = found >= 0 ? places[found] : -1;
     }
   }

@@ -55,8 +55,8 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
     if (!plane.Valid()) {
       continue;
     }
-    const auto [entry, is_new] = numbers.try_emplace(
-        PlaneBits(plane), static_cast<int>(found.size()));
+    const auto [entry, is_new] =
+        numbers.try_emplace(PlaneBits(plane), static_cast<int>(found.size()));
     if (is_new) {
       found.emplace_back(plane, 0);
     }
@@ -134,8 +134,8 @@ void AddObservations(const EvidenceInputs& inputs,
                      ViewEvidence* evidence) {
   const Image<Observation> observations =
       ObservePixels(inputs, options, evidence);
-  const std::vector<std::vector<int>> observed = ObservedPixels(
-      inputs.superpixels, inputs.num_superpixels, observations);
+  const std::vector<std::vector<int>> observed =
+      ObservedPixels(inputs.superpixels, inputs.num_superpixels, observations);
   evidence->first_observation.push_back(0);
   for (const std::vector<int>& pixels : observed) {
     float mass = 0.f;
@@ -204,10 +204,9 @@ void AddBorders(const EvidenceInputs& inputs,
       entry.second = second;
       entry.weight = border.weight;
       for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
-        entry.pixels[i] = border.pixels[Spaced(
-            static_cast<size_t>(i),
-            SuperpixelBorder::kNumPixels,
-            border.pixels.size())];
+        entry.pixels[i] = border.pixels[Spaced(static_cast<size_t>(i),
+                                               SuperpixelBorder::kNumPixels,
+                                               border.pixels.size())];
       }
       evidence->borders.push_back(entry);
     }
@@ -228,16 +227,16 @@ float MeasureNoise(const EvidenceInputs& inputs) {
         inputs.superpixels.Data()[i])];
     if (sample.z > 0.f && plane.Valid()) {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
-      residuals.push_back(std::abs(depth - sample.z) /
-                          (sample.z *
-                           inputs.scale.RelativeDepthError(sample.z)));
+      residuals.push_back(
+          std::abs(depth - sample.z) /
+          (sample.z * inputs.scale.RelativeDepthError(sample.z)));
     }
   }
   if (residuals.empty()) {
     return 0.f;
   }
-  const auto middle = residuals.begin() +
-                      static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  const auto middle =
+      residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
   std::nth_element(residuals.begin(), middle, residuals.end());
   return kMedianToSigma * *middle;
 }

@@ -1,11 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/planes/group_planes.h"
-
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/planes/group_planes.h"
 
 #include <cmath>
 
@@ -29,8 +28,8 @@ struct SampleList {
 
 // The samples of all groups without the pixels that hold none.
 struct GroupedSamples {
-  const int* begin;           // Of each group's pixels.
-  const int* num_before;      // Samples before each grouped pixel.
+  const int* begin;       // Of each group's pixels.
+  const int* num_before;  // Samples before each grouped pixel.
   const RayDepth* samples;
 
   TSAR_HD SampleList operator[](int64_t group) const {
@@ -268,8 +267,7 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                                 groups.pixels.Data(),
                                 samples.data,
                                 marks.Data()});
-  const Buffer<int> num_before =
-      ExclusiveSum(marks.Data(), num_pixels, device);
+  const Buffer<int> num_before = ExclusiveSum(marks.Data(), num_pixels, device);
   Buffer<RayDepth> gathered(device, num_pixels);
   ParallelFor(device,
               static_cast<int64_t>(num_pixels),
@@ -279,8 +277,8 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                            gathered.Data()});
   const GroupedSamples grouped{
       groups.begin.Data(), num_before.Data(), gathered.Data()};
-  Buffer<int> scores(
-      device, static_cast<size_t>(num_groups) * options.num_hypotheses);
+  Buffer<int> scores(device,
+                     static_cast<size_t>(num_groups) * options.num_hypotheses);
   ParallelForTeams<32>(device,
                        static_cast<int64_t>(scores.Size()),
                        ScoreKernel{grouped, scale, options, scores.Data()});

@@ -58,12 +58,12 @@ struct GroupPlaneOptions {
 
 // What RANSAC found for one group of pixels.
 struct GroupPlane {
-  Plane plane;          // Invalid where no three samples span one.
-  int num_pixels = 0;   // Of the group.
-  int num_samples = 0;  // Pixels with a measured depth.
-  int num_inliers = 0;  // Samples on the plane.
-  int num_near = 0;     // Samples within three times the tolerance.
-  SupportArea support;  // Of the inliers.
+  Plane plane;            // Invalid where no three samples span one.
+  int num_pixels = 0;     // Of the group.
+  int num_samples = 0;    // Pixels with a measured depth.
+  int num_inliers = 0;    // Samples on the plane.
+  int num_near = 0;       // Samples within three times the tolerance.
+  SupportArea support;    // Of the inliers.
   float min_depth = 0.f;  // Of the samples.
   float max_depth = 0.f;
 };

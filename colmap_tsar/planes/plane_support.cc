@@ -134,8 +134,7 @@ PlaneFrame MakeFrame(const WorldPlane& plane,
     return static_cast<float>(std::min(variance, kUnknownVariance));
   };
   PlaneFrame frame;
-  frame.center =
-      ToVec3f(reference.rotation * center + reference.translation);
+  frame.center = ToVec3f(reference.rotation * center + reference.translation);
   frame.axis_s = ToVec3f(reference.rotation * axis_s);
   frame.axis_t = ToVec3f(reference.rotation * axis_t);
   frame.height_variance = bounded(uncertainty.height_variance);
@@ -198,8 +197,8 @@ PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,
   support.first_cell.push_back(0);
   for (size_t k = 0; k < observations.size(); ++k) {
     const Camera& reference = views[0].camera;
-    support.frames.push_back(MakeFrame(
-        discovered.planes[k].plane, observations[k], reference));
+    support.frames.push_back(
+        MakeFrame(discovered.planes[k].plane, observations[k], reference));
     AddCells(support.frames.back(),
              observations[k],
              reference,
