@@ -26,7 +26,7 @@ namespace {
 
 // What a plane must explain in one view to be looked at by the neighbours,
 // relative to what it must explain in all of them.
-constexpr double kShareOfOneView = 0.5;
+constexpr double kShareOfOneView = 0.25;
 
 EvidenceInputs DownloadInputs(const DeviceViews& views,
                               const Surfaces& surfaces,
