@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
+#include <map>
 #include <unordered_map>
 #include <utility>
 
@@ -40,6 +43,10 @@ struct PlaneBitsHash {
   }
 };
 
+bool IsMeasured(const RayDepth& sample) {
+  return sample.z > 0.f && std::isfinite(sample.z);
+}
+
 // Numbers the different planes of the regions by their first pixel, and makes
 // candidates of those that are large enough.
 void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
@@ -55,8 +62,8 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
     if (!plane.Valid()) {
       continue;
     }
-    const auto [entry, is_new] = numbers.try_emplace(
-        PlaneBits(plane), static_cast<int>(found.size()));
+    const auto [entry, is_new] =
+        numbers.try_emplace(PlaneBits(plane), static_cast<int>(found.size()));
     if (is_new) {
       found.emplace_back(plane, 0);
     }
@@ -90,7 +97,7 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
     for (int x = 0; x < evidence->width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
       const int number = evidence->region_planes(x, y);
-      if (sample.z > 0.f) {
+      if (IsMeasured(sample)) {
         const bool is_strong = inputs.texture(x, y) > options.min_texture;
         observations(x, y) = {
             sample, is_strong ? 1.f : options.quality_without_texture};
@@ -134,8 +141,8 @@ void AddObservations(const EvidenceInputs& inputs,
                      ViewEvidence* evidence) {
   const Image<Observation> observations =
       ObservePixels(inputs, options, evidence);
-  const std::vector<std::vector<int>> observed = ObservedPixels(
-      inputs.superpixels, inputs.num_superpixels, observations);
+  const std::vector<std::vector<int>> observed =
+      ObservedPixels(inputs.superpixels, inputs.num_superpixels, observations);
   evidence->first_observation.push_back(0);
   for (const std::vector<int>& pixels : observed) {
     float mass = 0.f;
@@ -165,7 +172,7 @@ void AddBorders(const EvidenceInputs& inputs,
                 const EvidenceOptions& options,
                 ViewEvidence* evidence) {
   const Image<int>& labels = inputs.superpixels;
-  std::vector<std::unordered_map<int, BorderPixels>> borders(
+  std::vector<std::map<int, BorderPixels>> borders(
       static_cast<size_t>(inputs.num_superpixels));
   const auto add = [&](size_t pixel, size_t neighbor) {
     int first = labels.Data()[pixel];
@@ -197,25 +204,18 @@ void AddBorders(const EvidenceInputs& inputs,
     }
   }
   for (size_t first = 0; first < borders.size(); ++first) {
-    const size_t begin = evidence->borders.size();
     for (const auto& [second, border] : borders[first]) {
       SuperpixelBorder entry;
       entry.first = static_cast<int>(first);
       entry.second = second;
       entry.weight = border.weight;
       for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
-        entry.pixels[i] = border.pixels[Spaced(
-            static_cast<size_t>(i),
-            SuperpixelBorder::kNumPixels,
-            border.pixels.size())];
+        entry.pixels[i] = border.pixels[Spaced(static_cast<size_t>(i),
+                                               SuperpixelBorder::kNumPixels,
+                                               border.pixels.size())];
       }
       evidence->borders.push_back(entry);
     }
-    std::sort(evidence->borders.begin() + static_cast<std::ptrdiff_t>(begin),
-              evidence->borders.end(),
-              [](const SuperpixelBorder& a, const SuperpixelBorder& b) {
-                return a.second < b.second;
-              });
   }
 }
 
@@ -226,18 +226,18 @@ float MeasureNoise(const EvidenceInputs& inputs) {
     const RayDepth& sample = inputs.samples.Data()[i];
     const Plane& plane = inputs.superpixel_planes[static_cast<size_t>(
         inputs.superpixels.Data()[i])];
-    if (sample.z > 0.f && plane.Valid()) {
+    if (IsMeasured(sample) && plane.Valid()) {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
-      residuals.push_back(std::abs(depth - sample.z) /
-                          (sample.z *
-                           inputs.scale.RelativeDepthError(sample.z)));
+      residuals.push_back(
+          std::abs(depth - sample.z) /
+          (sample.z * inputs.scale.RelativeDepthError(sample.z)));
     }
   }
   if (residuals.empty()) {
     return 0.f;
   }
-  const auto middle = residuals.begin() +
-                      static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  const auto middle =
+      residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
   std::nth_element(residuals.begin(), middle, residuals.end());
   return kMedianToSigma * *middle;
 }

@@ -1,13 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/planes/label_view.h"
-
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/planes/label_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,10 +28,12 @@ constexpr float kDepthMargin = 0.5f;
 constexpr double kDepthQuantile = 0.005;
 // What a pixel costs that cannot lie on a plane.
 constexpr float kCostOfImpossible = 2.f;
-// Directions of eight in which a plane must have been observed around a point to
-// be known there, and in which so few that it is not.
+// Directions of eight in which a plane must have been observed around a point
+// to be known there, and in which so few that it is not.
 constexpr int kSectorsKnown = 7;
 constexpr int kSectorsUnknown = 3;
+// The flattest slope of a ray to a plane that counts: beyond, the error of the
+// depth would have no bound.
 constexpr float kMinSlope = 0.02f;
 
 // A view that looks at the same scene, on its raster.
@@ -103,7 +104,7 @@ struct CostKernel {
   }
 
   TSAR_HD bool IsPossible(float depth) const {
-    return depth >= min_depth && depth <= max_depth;
+    return depth > 0.f && depth >= min_depth && depth <= max_depth;
   }
 
   TSAR_HD void AddObservations(const SuperpixelData& superpixel,
@@ -134,6 +135,9 @@ struct CostKernel {
   TSAR_HD void AddOtherViews(const SuperpixelData& superpixel,
                              const Plane& plane,
                              PlaneCost* result) const {
+    if (superpixel.num_pixels == 0) {
+      return;
+    }
     const int num_tests = superpixel.num_pixels < kPixelsPerTest
                               ? 1
                               : superpixel.num_pixels / kPixelsPerTest;
@@ -185,8 +189,8 @@ struct CostKernel {
             y < witness.strong_depth.height - 0.5f)) {
         continue;
       }
-      const float measured = witness.strong_depth(
-          static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f));
+      const float measured = witness.strong_depth(static_cast<int>(x + 0.5f),
+                                                  static_cast<int>(y + 0.5f));
       if (!(measured > 0.f)) {
         continue;
       }
@@ -237,9 +241,8 @@ struct CostKernel {
     for (int i = 0; i < 8; ++i) {
       num_sectors += static_cast<int>(sectors >> i & 1u);
     }
-    const float openness =
-        static_cast<float>(kSectorsKnown - num_sectors) /
-        (kSectorsKnown - kSectorsUnknown);
+    const float openness = static_cast<float>(kSectorsKnown - num_sectors) /
+                           (kSectorsKnown - kSectorsUnknown);
     const float reach = options.extrapolation_reach * plane.cell_size *
                         sqrtf(static_cast<float>(plane.num_cells));
     return fminf(fmaxf(openness, 0.f), 1.f) *
@@ -279,8 +282,7 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
     data.mass = evidence.mass[s];
     for (int i = 0; i < data.num_observations; ++i) {
       data.quality +=
-          evidence
-              .observations[static_cast<size_t>(data.first_observation + i)]
+          evidence.observations[static_cast<size_t>(data.first_observation + i)]
               .quality;
     }
     double x = 0.0;
@@ -325,14 +327,15 @@ class BorderCosts {
         scale_(scale),
         full_gap_(full_gap),
         num_planes_(static_cast<int>(planes.size())) {
-    constexpr auto kNumPixels = static_cast<size_t>(SuperpixelBorder::kNumPixels);
+    constexpr auto kNumPixels =
+        static_cast<size_t>(SuperpixelBorder::kNumPixels);
     depths_.resize(borders_.size() * planes.size() * kNumPixels);
     float* depth = depths_.data();
     for (const SuperpixelBorder& border : borders_) {
       for (const PlaneData& plane : planes) {
         for (const int pixel : border.pixels) {
-          *depth++ = plane.plane.Depth(intrinsics.Ray(
-              pixel % evidence.width, pixel / evidence.width));
+          *depth++ = plane.plane.Depth(
+              intrinsics.Ray(pixel % evidence.width, pixel / evidence.width));
         }
       }
     }
@@ -364,10 +367,10 @@ class BorderCosts {
 
  private:
   const float* Depths(int edge, int plane) const {
-    return depths_.data() + (static_cast<size_t>(edge) *
-                                 static_cast<size_t>(num_planes_) +
-                             static_cast<size_t>(plane)) *
-                                SuperpixelBorder::kNumPixels;
+    return depths_.data() +
+           (static_cast<size_t>(edge) * static_cast<size_t>(num_planes_) +
+            static_cast<size_t>(plane)) *
+               SuperpixelBorder::kNumPixels;
   }
 
   const std::vector<SuperpixelBorder>& borders_;
@@ -385,18 +388,18 @@ Image<PlaneCost> ComputeCosts(const std::vector<ObservedView>& views,
                               Device& device) {
   const ViewEvidence& evidence = *views[0].evidence;
   const Intrinsics intrinsics = views[0].camera.GetIntrinsics();
-  Image<int> labels = Image<int>::Uninitialized(evidence.width, evidence.height);
-  std::copy(evidence.superpixels.begin(),
-            evidence.superpixels.end(),
-            labels.begin());
-  const PixelGroups groups = GroupPixels(
-      DeviceImage<int>(device, labels).View(), evidence.NumSuperpixels(), device);
+  Image<int> labels =
+      Image<int>::Uninitialized(evidence.width, evidence.height);
+  std::copy(
+      evidence.superpixels.begin(), evidence.superpixels.end(), labels.begin());
+  const PixelGroups groups =
+      GroupPixels(DeviceImage<int>(device, labels).View(),
+                  evidence.NumSuperpixels(),
+                  device);
   const Buffer<SuperpixelData> superpixels(
       device,
-      MakeSuperpixelData(evidence,
-                         intrinsics,
-                         groups.begin.ToHost(),
-                         groups.pixels.ToHost()));
+      MakeSuperpixelData(
+          evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
   std::vector<DeviceImage<float>> strong_depths;
   std::vector<Witness> witnesses;
   for (size_t j = 1; j < views.size(); ++j) {
@@ -481,17 +484,15 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});
   }
-  const BorderCosts border_costs(
-      evidence,
-      views[0].camera.GetIntrinsics(),
-      DisparityScale{0.f, evidence.error_per_depth},
-      planes,
-      options.full_gap);
+  const BorderCosts border_costs(evidence,
+                                 views[0].camera.GetIntrinsics(),
+                                 DisparityScale{0.f, evidence.error_per_depth},
+                                 planes,
+                                 options.full_gap);
   graph.pairwise = [&](int edge, int a, int b) {
     return border_costs(edge, a, b);
   };
-  const std::vector<int> labels =
-      MinimizeByExpansion(graph, options.expansion);
+  const std::vector<int> labels = MinimizeByExpansion(graph, options.expansion);
   for (int s = 0; s < num_superpixels; ++s) {
     const int k = labels[static_cast<size_t>(s)];
     if (k == num_planes) {
@@ -499,9 +500,9 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
     }
     result.labels[static_cast<size_t>(s)] = k;
     result.evidence[static_cast<size_t>(s)] =
-        costs(k, s).explained > 0.f    ? LabelEvidence::kMeasured
+        costs(k, s).explained > 0.f   ? LabelEvidence::kMeasured
         : costs(k, s).confirmed > 0.f ? LabelEvidence::kCarried
-                                       : LabelEvidence::kGuessed;
+                                      : LabelEvidence::kGuessed;
   }
   return result;
 }

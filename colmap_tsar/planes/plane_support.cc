@@ -7,8 +7,8 @@
 #include "colmap_tsar/planes/plane_uncertainty.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -66,7 +66,7 @@ void AddSuperpixel(const ObservedView& view,
     depth.ray = to_world * Eigen::Vector3d(sample.x, sample.y, 1.0);
     depth.depth = sample.z;
     depth.sigma = sample.z * scale.RelativeDepthError(sample.z);
-    if (std::abs(NormalizedResidual(plane, depth)) >= options.tolerance) {
+    if (!(std::abs(NormalizedResidual(plane, depth)) < options.tolerance)) {
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
@@ -134,8 +134,7 @@ PlaneFrame MakeFrame(const WorldPlane& plane,
     return static_cast<float>(std::min(variance, kUnknownVariance));
   };
   PlaneFrame frame;
-  frame.center =
-      ToVec3f(reference.rotation * center + reference.translation);
+  frame.center = ToVec3f(reference.rotation * center + reference.translation);
   frame.axis_s = ToVec3f(reference.rotation * axis_s);
   frame.axis_t = ToVec3f(reference.rotation * axis_t);
   frame.height_variance = bounded(uncertainty.height_variance);
@@ -166,10 +165,13 @@ void AddCells(const PlaneFrame& frame,
   if (points.empty() || !(cell > 0.f)) {
     return;
   }
+  // The farthest point lies on the far side of the last cell.
+  const auto index = [&](float distance) {
+    return std::min(static_cast<int>(distance / cell), num_cells - 1);
+  };
   std::map<std::pair<int, int>, int> counts;
   for (const PlanePoint& point : points) {
-    ++counts[{static_cast<int>((point.s - low.s) / cell),
-              static_cast<int>((point.t - low.t) / cell)}];
+    ++counts[{index(point.s - low.s), index(point.t - low.t)}];
   }
   std::vector<int> sorted;
   for (const auto& [position, count] : counts) {
@@ -198,8 +200,8 @@ PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,
   support.first_cell.push_back(0);
   for (size_t k = 0; k < observations.size(); ++k) {
     const Camera& reference = views[0].camera;
-    support.frames.push_back(MakeFrame(
-        discovered.planes[k].plane, observations[k], reference));
+    support.frames.push_back(
+        MakeFrame(discovered.planes[k].plane, observations[k], reference));
     AddCells(support.frames.back(),
              observations[k],
              reference,

@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/planes/raster_texture.h"
-
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/planes/raster_texture.h"
 
 #include <cmath>
 
