@@ -83,7 +83,7 @@ class LabelViewTest : public testing::Test {
         witness_.strong_depth(x, y) = strong_depth(x, y);
       }
     }
-    has_witness_ = true;
+    num_witnesses_ = 1;
   }
 
   // Each superpixel is served by the first plane that explains its first
@@ -109,7 +109,7 @@ class LabelViewTest : public testing::Test {
       }
       discovered.serving[0].push_back(serving);
     }
-    if (has_witness_) {
+    for (int i = 0; i < num_witnesses_; ++i) {
       Camera camera = camera_;
       camera.translation.x() -= 1.0;
       views.push_back({&witness_, camera});
@@ -147,7 +147,7 @@ class LabelViewTest : public testing::Test {
   Camera camera_;
   EvidenceInputs inputs_;
   ViewEvidence witness_;
-  bool has_witness_ = false;
+  int num_witnesses_ = 0;  // All see the same.
   LabelOptions options_;
 };
 
@@ -226,6 +226,28 @@ TEST_F(LabelViewTest, OtherViewsConfirmPlanes) {
   EXPECT_EQ(view.evidence[5], LabelEvidence::kCarried);
   options_.gain_of_confirmation = 0.f;
   ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, -1, -1, -1, -1, -1});
+}
+
+TEST_F(LabelViewTest, TwoViewsSayMoreThanOneButThreeDoNot) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  const auto label = [&](float depth, int num_witnesses) {
+    AddWitness([&](int x, int) { return x < 60 ? depth : 0.f; });
+    num_witnesses_ = num_witnesses;
+    return Label({WallAt(5.f), WallAt(4.9f)}).labels[2 * kNumColumns + 3];
+  };
+  // Having no plane costs 0.6 here.
+  options_.cost_of_contradiction = 0.7f;
+  EXPECT_EQ(label(8.f, 1), 0);
+  EXPECT_EQ(label(8.f, 2), -1);
+  options_.cost_of_contradiction = 0.5f;
+  EXPECT_EQ(label(8.f, 3), 0);
+  // The nearer plane costs 1.
+  options_.gain_of_confirmation = 1.2f;
+  EXPECT_EQ(label(4.9f, 1), 0);
+  EXPECT_EQ(label(4.9f, 2), 1);
+  options_.gain_of_confirmation = 0.8f;
+  EXPECT_EQ(label(4.9f, 3), 0);
 }
 
 TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {

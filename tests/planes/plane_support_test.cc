@@ -214,13 +214,13 @@ TEST_F(PlaneSupportTest, HasAsManyCellsAlongTheLongerSideAsAskedFor) {
 }
 
 TEST_F(PlaneSupportTest, CellsThatWereHardlySeenHoldNoise) {
-  AddGrid(0.f, 0.f, 8, 0.1f, 30);
+  AddGrid(0.f, 0.f, 8, 0.1f, 15);
   AddSuperpixel({{3.f, 0.f}});
   AddSuperpixel({{0.f, 3.f}, {0.f, 3.f}});
   EXPECT_TRUE(HasCellAt(Find(), 0.3f, 0.3f));
   EXPECT_FALSE(HasCellAt(Find(), 3.f, 0.f));
   EXPECT_TRUE(HasCellAt(Find(), 0.f, 3.f));
-  // Among cells that were seen 190 times, twice is nothing.
+  // Among cells that were seen 175 times, twice is nothing.
   for (int i = 0; i < 8; ++i) {
     AddGrid(0.f, 0.f, 8, 0.1f, 20);
   }
