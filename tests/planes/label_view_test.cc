@@ -112,6 +112,8 @@ class LabelViewTest : public testing::Test {
     for (int i = 0; i < num_witnesses_; ++i) {
       Camera camera = camera_;
       camera.translation.x() -= 1.0;
+      camera.rotation = witness_turn_ * camera.rotation;
+      camera.translation = witness_turn_ * camera.translation;
       views.push_back({&witness_, camera});
       discovered.serving.emplace_back();
     }
@@ -148,6 +150,7 @@ class LabelViewTest : public testing::Test {
   EvidenceInputs inputs_;
   ViewEvidence witness_;
   int num_witnesses_ = 0;  // All see the same.
+  Eigen::Matrix3d witness_turn_ = Eigen::Matrix3d::Identity();
   LabelOptions options_;
 };
 
@@ -212,6 +215,13 @@ TEST_F(LabelViewTest, OnlyWhatLiesWellInFrontContradicts) {
   }
   AddWitness([](int, int) { return 3.f + 2.f * 0.009f; });
   EXPECT_EQ(Label({WallAt(3.f)}).labels[5], -1);
+}
+
+TEST_F(LabelViewTest, ViewsThatLookAwaySayNothing) {
+  Measure(WallAt(3.f), 0, 2);
+  AddWitness([](int, int) { return 6.f; });
+  witness_turn_.diagonal() << -1.0, 1.0, -1.0;
+  ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_F(LabelViewTest, OtherViewsConfirmPlanes) {
@@ -337,6 +347,20 @@ TEST_F(LabelViewTest, ObservationsThatFitNoPlaneGetNone) {
   EXPECT_NE(Label({WallAt(5.f), WallAt(5.5f)}).labels[noisy], -1);
 }
 
+TEST_F(LabelViewTest, NeighborsMayOutvoteObservationsButDoNotMeasure) {
+  Measure(WallAt(5.f), 0, 7);
+  const int wrong = 2 * kNumColumns + 4;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == wrong) {
+      inputs_.samples.Data()[i].z = 4.f;
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  EXPECT_EQ(view.labels[wrong], 0);
+  EXPECT_EQ(view.evidence[wrong], LabelEvidence::kGuessed);
+  EXPECT_EQ(view.evidence[wrong + 1], LabelEvidence::kMeasured);
+}
+
 TEST_F(LabelViewTest, TakesThePlaneThatFitsBest) {
   DrawEdgesEverywhere();
   // One pixel of disparity is 0.025: the other two are near enough to speak
@@ -399,6 +423,22 @@ TEST_F(LabelViewTest, APlaneObservedAtOnePointStaysThere) {
   inputs_.samples(x, y) = {ray.x, ray.y, 5.f};
   const LabeledView view = Label({WallAt(5.f)});
   EXPECT_EQ(std::count(view.labels.begin(), view.labels.end(), 0), 0);
+}
+
+TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
+  options_.cost_of_none = 0.01f;
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (x % kSize != 5 || y % kSize != 5) {
+        inputs_.samples(x, y) = RayDepth{};
+      }
+    }
+  }
+  ExpectColumns(Label({WallAt(5.f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+  options_.doubt_of_extrapolation = 0.f;
+  ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
