@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
+#include <map>
 #include <unordered_map>
 #include <utility>
 
@@ -39,6 +42,10 @@ struct PlaneBitsHash {
     return hash;
   }
 };
+
+bool IsMeasured(const RayDepth& sample) {
+  return sample.z > 0.f && std::isfinite(sample.z);
+}
 
 // Numbers the different planes of the regions by their first pixel, and makes
 // candidates of those that are large enough.
@@ -90,7 +97,7 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
     for (int x = 0; x < evidence->width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
       const int number = evidence->region_planes(x, y);
-      if (sample.z > 0.f) {
+      if (IsMeasured(sample)) {
         const bool is_strong = inputs.texture(x, y) > options.min_texture;
         observations(x, y) = {
             sample, is_strong ? 1.f : options.quality_without_texture};
@@ -165,7 +172,7 @@ void AddBorders(const EvidenceInputs& inputs,
                 const EvidenceOptions& options,
                 ViewEvidence* evidence) {
   const Image<int>& labels = inputs.superpixels;
-  std::vector<std::unordered_map<int, BorderPixels>> borders(
+  std::vector<std::map<int, BorderPixels>> borders(
       static_cast<size_t>(inputs.num_superpixels));
   const auto add = [&](size_t pixel, size_t neighbor) {
     int first = labels.Data()[pixel];
@@ -197,7 +204,6 @@ void AddBorders(const EvidenceInputs& inputs,
     }
   }
   for (size_t first = 0; first < borders.size(); ++first) {
-    const size_t begin = evidence->borders.size();
     for (const auto& [second, border] : borders[first]) {
       SuperpixelBorder entry;
       entry.first = static_cast<int>(first);
@@ -210,11 +216,6 @@ void AddBorders(const EvidenceInputs& inputs,
       }
       evidence->borders.push_back(entry);
     }
-    std::sort(evidence->borders.begin() + static_cast<std::ptrdiff_t>(begin),
-              evidence->borders.end(),
-              [](const SuperpixelBorder& a, const SuperpixelBorder& b) {
-                return a.second < b.second;
-              });
   }
 }
 
@@ -225,7 +226,7 @@ float MeasureNoise(const EvidenceInputs& inputs) {
     const RayDepth& sample = inputs.samples.Data()[i];
     const Plane& plane = inputs.superpixel_planes[static_cast<size_t>(
         inputs.superpixels.Data()[i])];
-    if (sample.z > 0.f && plane.Valid()) {
+    if (IsMeasured(sample) && plane.Valid()) {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
       residuals.push_back(
           std::abs(depth - sample.z) /

@@ -14,7 +14,7 @@
 namespace tsar {
 
 struct EvidenceOptions {
-  // Grey levels of standard deviation from which a measurement counts in full,
+  // Grey levels of standard deviation above which a measurement counts in full,
   // and what one on weaker texture counts.
   float min_texture = 1.f;
   float quality_without_texture = 0.5f;
@@ -31,8 +31,8 @@ struct EvidenceOptions {
 
 // What the stages found in one view, on the raster of its superpixels.
 struct EvidenceInputs {
-  Image<int> superpixels;  // Labels in [0, num_superpixels).
-  int num_superpixels = 0;
+  Image<int> superpixels;                // Labels in [0, num_superpixels).
+  int num_superpixels = 0;               // At most 65536.
   std::vector<Plane> superpixel_planes;  // Invalid where there is none.
   Image<RayDepth> samples;               // Trusted measurements; z = 0: none.
   Image<Plane> region_planes;            // Of each pixel; may be empty.

@@ -32,6 +32,8 @@ constexpr float kCostOfImpossible = 2.f;
 // to be known there, and in which so few that it is not.
 constexpr int kSectorsKnown = 7;
 constexpr int kSectorsUnknown = 3;
+// The flattest slope of a ray to a plane that counts: beyond, the error of the
+// depth would have no bound.
 constexpr float kMinSlope = 0.02f;
 
 // A view that looks at the same scene, on its raster.
@@ -102,7 +104,7 @@ struct CostKernel {
   }
 
   TSAR_HD bool IsPossible(float depth) const {
-    return depth >= min_depth && depth <= max_depth;
+    return depth > 0.f && depth >= min_depth && depth <= max_depth;
   }
 
   TSAR_HD void AddObservations(const SuperpixelData& superpixel,
@@ -133,6 +135,9 @@ struct CostKernel {
   TSAR_HD void AddOtherViews(const SuperpixelData& superpixel,
                              const Plane& plane,
                              PlaneCost* result) const {
+    if (superpixel.num_pixels == 0) {
+      return;
+    }
     const int num_tests = superpixel.num_pixels < kPixelsPerTest
                               ? 1
                               : superpixel.num_pixels / kPixelsPerTest;

@@ -20,7 +20,8 @@ struct LabelOptions {
   // From this difference on, an observation speaks fully against a plane.
   float tolerance = 1.f;
   // What an observation costs that no plane is to explain. A plane that
-  // explains a superpixel's observations worse than this is no label for it.
+  // explains a superpixel's observations worse than this is none for it, unless
+  // the neighbours outweigh that.
   float cost_of_unexplained = 0.6f;
   // Per pixel without an observation: of having no plane, and of having one
   // whose depth there is unknown.

@@ -7,8 +7,8 @@
 #include "colmap_tsar/planes/plane_uncertainty.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -66,7 +66,7 @@ void AddSuperpixel(const ObservedView& view,
     depth.ray = to_world * Eigen::Vector3d(sample.x, sample.y, 1.0);
     depth.depth = sample.z;
     depth.sigma = sample.z * scale.RelativeDepthError(sample.z);
-    if (std::abs(NormalizedResidual(plane, depth)) >= options.tolerance) {
+    if (!(std::abs(NormalizedResidual(plane, depth)) < options.tolerance)) {
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
@@ -165,10 +165,13 @@ void AddCells(const PlaneFrame& frame,
   if (points.empty() || !(cell > 0.f)) {
     return;
   }
+  // The farthest point lies on the far side of the last cell.
+  const auto index = [&](float distance) {
+    return std::min(static_cast<int>(distance / cell), num_cells - 1);
+  };
   std::map<std::pair<int, int>, int> counts;
   for (const PlanePoint& point : points) {
-    ++counts[{static_cast<int>((point.s - low.s) / cell),
-              static_cast<int>((point.t - low.t) / cell)}];
+    ++counts[{index(point.s - low.s), index(point.t - low.t)}];
   }
   std::vector<int> sorted;
   for (const auto& [position, count] : counts) {

@@ -27,7 +27,7 @@ struct SuperpixelBorder {
   // edge there, so that a change of surface is unlikely.
   float weight = 0.f;
   // Pixels of `first` along the border, evenly spaced; indices of the raster.
-  // Unused ones repeat the last.
+  // Short borders repeat some.
   static constexpr int kNumPixels = 4;
   int pixels[kNumPixels] = {};
 };
