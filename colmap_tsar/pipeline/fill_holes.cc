@@ -15,8 +15,8 @@ void FillHoles(const DeviceViews& views,
     return;
   }
   WeightedMedianOptions filter;
-  filter.radius = ScaledRadius(
-      2.f * options.window_radius, views.Width(), views.Height());
+  filter.radius =
+      ScaledRadius(2.f * options.window_radius, views.Width(), views.Height());
   filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
   filter.color_sigma = static_cast<float>(options.color_sigma);
   filter.min_support = 1.f / 3.f;

@@ -25,7 +25,7 @@ constexpr float kAnyScore = -1.f;
 
 DeviceImage<float> ScoreHypotheses(const ViewData& reference,
                                    const DeviceViews& views,
-                                                const RefineOptions& options,
+                                   const RefineOptions& options,
                                    Device& device,
                                    StageTimer* timer) {
   DeviceImage<float> confidence;
@@ -51,8 +51,8 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
   }
   ReliabilityOptions reliability;
   reliability.confidence_weight = static_cast<float>(options.confidence_weight);
-  reliability.saturating_agreement =
-      std::clamp(views.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
+  reliability.saturating_agreement = std::clamp(
+      views.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
   return AggregateScores(depth,
                          confidence.View(),
                          discontinuity.View(),
@@ -149,8 +149,7 @@ Surfaces FindSurfaces(const ViewData& reference,
                       Device& device,
                       StageTimer* timer) {
   Surfaces surfaces;
-  surfaces.score = ScoreHypotheses(
-      reference, *views, options, device, timer);
+  surfaces.score = ScoreHypotheses(reference, *views, options, device, timer);
   DeviceImage<uint8_t> reliable = SelectReliable(
       surfaces.score.View(),
       options.filter ? static_cast<float>(options.min_aggregated_score)
@@ -158,13 +157,8 @@ Surfaces FindSurfaces(const ViewData& reference,
       device);
   timer->Finish("filtering");  // Waits for the device: the sources can go.
   views->ReleaseSources();
-  RefineTrust(*views,
-              std::move(reliable),
-              image_id,
-              options,
-              device,
-              timer,
-              &surfaces);
+  RefineTrust(
+      *views, std::move(reliable), image_id, options, device, timer, &surfaces);
   if (options.segment) {
     surfaces.region_planes = FindRegionPlanes(*views,
                                               surfaces.score.View(),

@@ -26,7 +26,8 @@ constexpr int64_t kMaxRasterPixels = int64_t{777} * 777;
 // A view's evidence as its neighbours need it: labels 2, depth 4, and per
 // superpixel of 400 pixels 32 observations of 16.
 constexpr int64_t kEvidenceBytesPerRasterPixel = 8;
-// Of an image that is worked on beside another, few sources are not the other's.
+// Of an image that is worked on beside another, few sources are not the
+// other's.
 constexpr int kViewsPerWorker = 1;
 // Beside the maps: tables of superpixels and regions, which do not grow with
 // the map, and the kernels that the driver loads when they are first used.
@@ -67,10 +68,8 @@ int64_t WorkBytes(const WorkspaceOverview& overview) {
          SourceBytes(overview);
 }
 
-size_t NumEvidenceViews(const WorkspaceOverview& overview,
-                        size_t num_workers) {
-  return (num_workers + 1) *
-         static_cast<size_t>(overview.max_num_sources + 1);
+size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_workers) {
+  return (num_workers + 1) * static_cast<size_t>(overview.max_num_sources + 1);
 }
 
 int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_workers) {

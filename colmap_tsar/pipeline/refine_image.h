@@ -41,11 +41,11 @@ struct RefineResult {
 inline constexpr const char* kNothingReliable =
     "none of its depths is reliable";
 
-// Takes one image through the stages of a single view. Reads nothing and writes nothing; the
-// result is a function of the arguments, whatever the device's threads.
-// image_id keys the random numbers. When it returns, the device has done all
-// work. Sources may have been uploaded by another device of the same GPU.
-// They are let go as soon as nothing needs them any more.
+// Takes one image through the stages of a single view. Reads nothing and writes
+// nothing; the result is a function of the arguments, whatever the device's
+// threads. image_id keys the random numbers. When it returns, the device has
+// done all work. Sources may have been uploaded by another device of the same
+// GPU. They are let go as soon as nothing needs them any more.
 RefineResult RefineImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,

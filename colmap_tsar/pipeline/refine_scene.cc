@@ -36,6 +36,8 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   inputs.superpixels = surfaces.superpixels.labels.ToHost();
   inputs.num_superpixels = surfaces.superpixels.count;
   inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
+  // There are none without RefineOptions::superpixel_planes.
+  inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
   inputs.samples = SampleMeasurements(views.Hypotheses().depth,
                                       surfaces.score.View(),
                                       surfaces.trusted.View(),
@@ -72,9 +74,8 @@ void ReduceCandidates(const Camera& camera,
                       const RefineOptions& options,
                       Device& device,
                       ViewEvidence* evidence) {
-  const int num_region_planes =
-      *std::max_element(evidence->region_planes.begin(),
-                        evidence->region_planes.end());
+  const int num_region_planes = *std::max_element(
+      evidence->region_planes.begin(), evidence->region_planes.end());
   const std::vector<ObservedView> views = {
       {evidence, camera.Resized(evidence->width, evidence->height)}};
   DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
@@ -83,11 +84,12 @@ void ReduceCandidates(const Camera& camera,
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
   evidence->candidates.resize(static_cast<size_t>(num_region_planes));
   for (const ScenePlane& plane : discovered.planes) {
-    evidence->candidates.push_back(
-        ToCameraPlane(plane.plane, views[0].camera));
+    const Plane candidate = ToCameraPlane(plane.plane, views[0].camera);
+    if (candidate.Valid()) {
+      evidence->candidates.push_back(candidate);
+    }
   }
 }
-
 
 // The plane of each label in one of the rasters of ComposeScene.
 Image<Plane> ScenePlaneRaster(const ViewEvidence& evidence,
@@ -106,8 +108,8 @@ Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
                               const LabeledView& labeled) {
   Image<uint8_t> kinds(evidence.width, evidence.height);
   for (size_t i = 0; i < kinds.NumPixels(); ++i) {
-    kinds.Data()[i] = static_cast<uint8_t>(
-        labeled.evidence[evidence.superpixels.Data()[i]]);
+    kinds.Data()[i] =
+        static_cast<uint8_t>(labeled.evidence[evidence.superpixels.Data()[i]]);
   }
   return kinds;
 }
@@ -117,8 +119,7 @@ Image<Plane> RegionPlaneRaster(const ViewEvidence& evidence) {
   for (size_t i = 0; i < planes.NumPixels(); ++i) {
     const int number = evidence.region_planes.Data()[i];
     if (number > 0) {
-      planes.Data()[i] =
-          evidence.candidates[static_cast<size_t>(number - 1)];
+      planes.Data()[i] = evidence.candidates[static_cast<size_t>(number - 1)];
     }
   }
   return planes;
@@ -143,8 +144,7 @@ RefineResult ObserveImage(
       RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
           .ToHost();
   timer.Finish("download");
-  result.evidence =
-      std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
+  result.evidence = std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
   result.evidence->trust = std::move(trust);
   timer.Finish("evidence");
   ReduceCandidates(
@@ -161,8 +161,8 @@ RefineResult ComposeImage(const ViewData& reference,
   StageTimer timer(device, &result.seconds);
   const ViewEvidence& evidence = *views[0].evidence;
   const SceneOptions scene = MakeSceneOptions(options, views);
-  const DiscoveredPlanes discovered = DiscoverPlanes(
-      views, CollectCandidates(views), scene.discovery, device);
+  const DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), scene.discovery, device);
   timer.Finish("scene planes");
   const LabeledView labeled =
       LabelView(views,
@@ -186,10 +186,8 @@ RefineResult ComposeImage(const ViewData& reference,
                        device_views.Width(),
                        device_views.Height()};
   };
-  const ComposeSceneInputs inputs{trust.View(),
-                                  on_map(scene_planes),
-                                  kinds.View(),
-                                  on_map(region_planes)};
+  const ComposeSceneInputs inputs{
+      trust.View(), on_map(scene_planes), kinds.View(), on_map(region_planes)};
   ComposedMap composed = ComposeScene(
       device_views.TakeHypotheses(), inputs, scale, scene.composition, device);
   FillHoles(device_views, options, &composed, device);

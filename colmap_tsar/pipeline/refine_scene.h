@@ -18,8 +18,8 @@
 namespace tsar {
 
 // The two steps by which an image is refined together with its neighbours. The
-// first takes it through the stages of a single view and keeps what these found;
-// the second needs that of the image and of its sources.
+// first takes it through the stages of a single view and keeps what these
+// found; the second needs that of the image and of its sources.
 
 // Arguments as RefineImage. The result holds the evidence and no maps.
 RefineResult ObserveImage(

@@ -202,13 +202,15 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
     EXPECT_THAT(text, testing::HasSubstr("with its 10 source images"));
     EXPECT_THAT(text, testing::HasSubstr("--TsarRefine.cache_size 0.25;"));
     // One loader, which holds 24 bytes per pixel beside the view; a result with
-    // each worker, one that waits, one that is being written; 11 views.
+    // each worker, one that waits, one that is being written; 11 views; and the
+    // evidence of 11 for each worker and for one to come.
     const double needed =
         static_cast<double>(
             24 * overview_.max_num_pixels +
             static_cast<int64_t>(devices.workers.size() + 2) *
                 ResultBytes(overview_) +
             11 * ViewBytes(overview_) +
+            EvidenceBytes(overview_, devices.workers.size()) +
             (options_.device == "cpu" ? WorkBytes(overview_) : 0)) /
         1e9;
     std::ostringstream number;
@@ -228,7 +230,7 @@ TEST_F(RefineDevicesTest, TakesFewerCpuWorkersBeforeItNeedsMore) {
   options_.device = "cpu";
   for (const int num_sources : {1, 10}) {
     overview_.max_num_sources = num_sources;
-    for (double cache_size = 0.35 + 0.03 * num_sources; cache_size < 3.0;
+    for (double cache_size = 0.35 + 0.04 * num_sources; cache_size < 3.0;
          cache_size += 0.02) {
       options_.cache_size = cache_size;
       const RefineDevices devices = Create(0);
@@ -245,11 +247,23 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
   EXPECT_EQ(Create(1).sizes.num_loaders, 6);
-  options_.cache_size = 1.2;
+  options_.cache_size = 1.36;
   const RefineDevices devices = Create(1);
   EXPECT_EQ(devices.sizes.num_loaders, 2);
   EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes),
             11 * ViewBytes(overview_));
+}
+
+TEST(EvidenceBytes, AreThoseOfTheNeighbourhoodsAtWork) {
+  WorkspaceOverview overview;
+  overview.max_num_sources = 10;
+  overview.max_num_pixels = 1000000;
+  EXPECT_EQ(NumEvidenceViews(overview, 2), 33u);
+  const int64_t bytes = EvidenceBytes(overview, 2);
+  // Larger maps have the same raster.
+  overview.max_num_pixels *= 10;
+  EXPECT_EQ(EvidenceBytes(overview, 2), bytes);
+  EXPECT_EQ(EvidenceBytes(overview, 5), 2 * bytes);
 }
 
 TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
