@@ -52,9 +52,9 @@ class EvidenceStoreTest : public testing::Test {
     EvidenceStore(workspace, kOptions, 4).Write(image, EvidenceOf(image));
   }
   std::filesystem::path File(const std::string& image) const {
-    return folder() / (image + ".geometric.bin");
+    return Folder() / (image + ".geometric.bin");
   }
-  std::filesystem::path folder() const {
+  std::filesystem::path Folder() const {
     return root_ / "stereo/tsar/evidence";
   }
 
@@ -191,7 +191,7 @@ TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
   const std::filesystem::path other = root_ / "stereo/tsar/manifest.json";
   WriteText(other, "{}");
   EvidenceStore::Clear(workspace);
-  EXPECT_FALSE(std::filesystem::exists(folder()));
+  EXPECT_FALSE(std::filesystem::exists(Folder()));
   EXPECT_TRUE(std::filesystem::exists(other));
   EXPECT_FALSE(IsCurrent(1));
 }

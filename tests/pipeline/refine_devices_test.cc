@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -282,6 +283,7 @@ TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
                             : 0;
       const auto fixed =
           work + num_results * ResultBytes(overview_) +
+          EvidenceBytes(overview_, devices.workers.size()) +
           devices.sizes.num_loaders * LoadBytes(overview_.max_num_pixels,
                                                 overview_.max_num_image_pixels);
       EXPECT_LE(
@@ -303,11 +305,28 @@ TEST(WorkBytes, HoldsForAnImage) {
     WorkspaceOverview overview;
     overview.max_num_pixels = int64_t{width} * height;
     overview.max_num_sources = static_cast<int>(drawn.Sources().size());
-    CountingDevice device("", SIZE_MAX, 2);
-    RefineImage(drawn.views[0], drawn.Sources(), 1, {}, device);
-    EXPECT_LE(static_cast<int64_t>(device.PeakMemory()), WorkBytes(overview));
-    EXPECT_GE(static_cast<int64_t>(device.PeakMemory()),
-              WorkBytes(overview) / 2);
+    const auto expect_holds = [&](auto function) {
+      CountingDevice device("", SIZE_MAX, 2);
+      function(device);
+      const auto peak = static_cast<int64_t>(device.PeakMemory());
+      EXPECT_LE(peak, WorkBytes(overview));
+      return peak;
+    };
+    const int64_t peak = expect_holds([&](Device& device) {
+      RefineImage(drawn.views[0], drawn.Sources(), 1, {}, device);
+    });
+    EXPECT_GE(peak, WorkBytes(overview) / 2);
+    expect_holds([&](Device& device) {
+      const RefineResult observed = ObserveImage(
+          drawn.views[0], UploadViews(drawn.Sources(), device), 1, {}, device);
+      const ViewEvidence& evidence = *observed.evidence;
+      // As many views as there are, for the size of the tables.
+      const std::vector<ObservedView> views(
+          drawn.views.size(),
+          {&evidence,
+           drawn.views[0].camera.Resized(evidence.width, evidence.height)});
+      ComposeImage(drawn.views[0], views, {}, device);
+    });
   }
 }
 
