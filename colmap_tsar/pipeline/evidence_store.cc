@@ -4,8 +4,10 @@
 #include "colmap_tsar/pipeline/evidence_store.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/content_hash.h"
 #include "colmap_tsar/workspace/evidence_file.h"
 #include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/workspace/originals.h"
 
 #include <algorithm>
 #include <sstream>
@@ -14,6 +16,10 @@
 
 namespace tsar {
 namespace {
+
+std::filesystem::path EvidenceFolder(const Workspace& workspace) {
+  return GetTsarFolder(workspace.Root()) / "evidence";
+}
 
 // Adds size and time of a file, or "-" where there is none.
 void AddFileState(const std::filesystem::path& path, std::ostream& text) {
@@ -27,6 +33,34 @@ void AddFileState(const std::filesystem::path& path, std::ostream& text) {
   text << " " << size << "@" << time.time_since_epoch().count();
 }
 
+// Changes whenever what a view is loaded from does, but not when its maps are
+// refined.
+std::string ViewState(const Workspace& workspace, int image) {
+  std::ostringstream text;
+  const SparseModel::ModelImage& entry =
+      workspace.Model().images[static_cast<size_t>(image)];
+  const Camera& camera = entry.camera;
+  text << entry.name << std::hexfloat;
+  for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) {
+    text << " " << value;
+  }
+  for (const double value : camera.rotation.reshaped()) {
+    text << " " << value;
+  }
+  for (const double value : camera.translation) {
+    text << " " << value;
+  }
+  AddFileState(workspace.ImagePath(image), text);
+  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    const MapPaths paths = workspace.SourcePaths(image, type);
+    const OriginalMaps originals = FindOriginals(paths);
+    AddFileState(originals.depth, text);
+    AddFileState(originals.normal, text);
+    AddFileState(paths.cost, text);
+  }
+  return text.str();
+}
+
 }  // namespace
 
 EvidenceStore::EvidenceStore(const Workspace& workspace,
@@ -34,18 +68,21 @@ EvidenceStore::EvidenceStore(const Workspace& workspace,
                              size_t max_num_views)
     : workspace_(workspace),
       options_hash_(std::move(options_hash)),
-      max_num_views_(max_num_views) {}
-
-bool EvidenceStore::IsCurrent(int image) const {
-  return ReadEvidenceHash(Path(image)) == Fingerprint(image);
+      max_num_views_(max_num_views),
+      problems_(workspace.Model().images.size()),
+      states_(workspace.Model().images.size()),
+      state_flags_(workspace.Model().images.size()) {
+  for (const StereoProblem& problem : workspace.Problems()) {
+    problems_[static_cast<size_t>(problem.reference)] = &problem;
+  }
 }
 
-bool EvidenceStore::Has(int image) const {
-  std::error_code error;
-  return std::filesystem::exists(Path(image), error);
+bool EvidenceStore::IsCurrent(int image) {
+  return problems_[static_cast<size_t>(image)] != nullptr &&
+         ReadEvidenceHash(Path(image)) == Fingerprint(image);
 }
 
-void EvidenceStore::Write(int image, const ViewEvidence& evidence) const {
+void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
   WriteEvidence(Path(image), Fingerprint(image), evidence);
 }
 
@@ -67,6 +104,9 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
       return entry->second;
     }
   }
+  if (!IsCurrent(image)) {
+    return nullptr;
+  }
   // Two threads may read the same one: better than that all wait for one file.
   auto evidence = std::make_shared<const ViewEvidence>(
       ReadEvidence(Path(image), EvidenceParts::kForNeighbours));
@@ -80,44 +120,43 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
   return evidence;
 }
 
-void EvidenceStore::Clear() {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    views_.clear();
-  }
+void EvidenceStore::Clear(const Workspace& workspace) {
+  const std::filesystem::path folder = EvidenceFolder(workspace);
   std::error_code error;
-  std::filesystem::remove_all(Folder(), error);
+  std::filesystem::remove_all(folder, error);
   if (error) {
     throw Error::File(ErrorCode::kIo,
-                      Folder().string(),
+                      folder.string(),
                       "cannot be removed: " + error.message(),
                       "remove the folder by hand");
   }
 }
 
-std::filesystem::path EvidenceStore::Folder() const {
-  return GetTsarFolder(workspace_.Root()) / "evidence";
-}
-
 std::filesystem::path EvidenceStore::Path(int image) const {
   const std::string& name =
       workspace_.Model().images[static_cast<size_t>(image)].name;
-  return Folder() / (name + "." + ToString(workspace_.Type()) + ".bin");
+  return EvidenceFolder(workspace_) /
+         (name + "." + ToString(workspace_.Type()) + ".bin");
 }
 
-std::string EvidenceStore::Fingerprint(int image) const {
-  std::ostringstream text;
-  text << options_hash_;
-  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    const MapPaths paths = workspace_.SourcePaths(image, type);
-    for (const std::filesystem::path& path : {paths.depth,
-                                              paths.normal,
-                                              paths.original_depth,
-                                              paths.original_normal}) {
-      AddFileState(path, text);
-    }
+const std::string& EvidenceStore::State(int image) {
+  const auto index = static_cast<size_t>(image);
+  std::call_once(state_flags_[index],
+                 [&] { states_[index] = ViewState(workspace_, image); });
+  return states_[index];
+}
+
+std::string EvidenceStore::Fingerprint(int image) {
+  ContentHash hash;
+  const auto add = [&](int view) {
+    const std::string& state = State(view);
+    hash.Update(state.data(), state.size());
+  };
+  add(image);
+  for (const int source : problems_[static_cast<size_t>(image)]->sources) {
+    add(source);
   }
-  return text.str();
+  return options_hash_ + " " + std::to_string(hash.Value());
 }
 
 }  // namespace tsar

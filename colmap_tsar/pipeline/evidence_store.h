@@ -12,6 +12,8 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace tsar {
 
@@ -30,30 +32,39 @@ class EvidenceStore {
                 size_t max_num_views);
 
   // Whether there is evidence of the image that was made with these options
-  // from the maps as they are now.
-  bool IsCurrent(int image) const;
-  // Whether there is any, for those who know that it is current.
-  bool Has(int image) const;
+  // from these sources, cameras, pictures and original maps. Never of an image
+  // that is no reference: nobody would renew it. The state of the files is that
+  // of the first call that needs it, which must come before they are read;
+  // throws what FindOriginals throws.
+  bool IsCurrent(int image);
 
-  void Write(int image, const ViewEvidence& evidence) const;
+  // image must be a reference.
+  void Write(int image, const ViewEvidence& evidence);
 
   // All of it, for the view itself.
   ViewEvidence ReadAll(int image) const;
-  // What its neighbours need.
+  // What its neighbours need; null where none is current.
   Evidence Get(int image);
 
-  // Removes all files, once nobody needs them any more.
-  void Clear();
+  // Removes the evidence of all images, whatever it was made with.
+  static void Clear(const Workspace& workspace);
 
  private:
-  std::filesystem::path Folder() const;
   std::filesystem::path Path(int image) const;
-  // Changes with the options and whenever a map of the image does.
-  std::string Fingerprint(int image) const;
+
+  // What the view is loaded from.
+  const std::string& State(int image);
+  // What the evidence of a reference is made of.
+  std::string Fingerprint(int image);
 
   const Workspace& workspace_;
   const std::string options_hash_;
   const size_t max_num_views_;
+  // By image; null where it is no reference.
+  std::vector<const StereoProblem*> problems_;
+  // By image, once the flag is set.
+  std::vector<std::string> states_;
+  std::vector<std::once_flag> state_flags_;
   std::mutex mutex_;
   std::list<std::pair<int, Evidence>> views_;  // The latest used first.
 };

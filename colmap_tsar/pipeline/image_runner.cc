@@ -82,8 +82,19 @@ ImageRunner::ImageRunner(const Workspace& workspace,
       options_hash_(HashRefineOptions(options)),
       workers_(workers),
       evidence_(evidence),
+      is_done_flags_(workspace.Problems().size()),
+      is_done_(workspace.Problems().size()),
+      served_(workspace.Model().images.size()),
       seconds_(workspace.Problems().size()),
-      file_mutexes_(workspace.Model().images.size()) {}
+      file_mutexes_(workspace.Model().images.size()) {
+  for (size_t index = 0; index < NumImages(); ++index) {
+    if (CanCompute(index)) {
+      for (const int view : SourcesAndReference(index)) {
+        served_[static_cast<size_t>(view)].push_back(index);
+      }
+    }
+  }
+}
 
 ViewCache::View ImageRunner::Load(int image) {
   const std::lock_guard<std::mutex> lock(
@@ -101,7 +112,7 @@ ImageReport ImageRunner::Begin(size_t index) {
     Keep(image,
          "it has no " + type + " maps; run patch_match_stereo for this image",
          &report);
-  } else if (IsDone(workspace_, image, options_hash_)) {
+  } else if (HasBeenRefined(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
   } else if (problem.sources.empty()) {
     Keep(image, "no other image shares enough of its sparse points", &report);
@@ -126,17 +137,12 @@ bool ImageRunner::CanCompute(size_t index) const {
   return HasMaps(Reference(index)) && !Sources(Problem(index)).empty();
 }
 
-std::vector<bool> ImageRunner::FindNeededViews() const {
-  std::vector<bool> is_needed(has_maps_.size(), false);
-  for (size_t index = 0; index < NumImages(); ++index) {
-    if (CanCompute(index) &&
-        !IsDone(workspace_, Reference(index), options_hash_)) {
-      for (const int view : SourcesAndReference(index)) {
-        is_needed[static_cast<size_t>(view)] = true;
-      }
-    }
-  }
-  return is_needed;
+bool ImageRunner::IsNeeded(size_t index) {
+  const std::vector<size_t>& served =
+      served_[static_cast<size_t>(Reference(index))];
+  return std::any_of(served.begin(), served.end(), [&](size_t other) {
+    return !HasBeenRefined(other);
+  });
 }
 
 RefineResult ImageRunner::Compute(size_t index,
@@ -242,9 +248,12 @@ RefineResult ImageRunner::ComposeFromEvidence(size_t index,
   std::vector<EvidenceStore::Evidence> others;
   std::vector<ObservedView> views = {Observed(problem.reference, own)};
   for (const int source : Sources(problem)) {
-    if (source != problem.reference && evidence_->Has(source)) {
-      others.push_back(evidence_->Get(source));
-      views.push_back(Observed(source, *others.back()));
+    if (source == problem.reference) {
+      continue;
+    }
+    if (EvidenceStore::Evidence evidence = evidence_->Get(source)) {
+      views.push_back(Observed(source, *evidence));
+      others.push_back(std::move(evidence));
     }
   }
   return ComposeImage(reference, views, options_, *worker.device);
@@ -308,6 +317,13 @@ std::vector<int> ImageRunner::Sources(const StereoProblem& problem) const {
 
 bool ImageRunner::HasMaps(int image) const {
   return has_maps_[static_cast<size_t>(image)];
+}
+
+bool ImageRunner::HasBeenRefined(size_t index) {
+  std::call_once(is_done_flags_[index], [&] {
+    is_done_[index] = IsDone(workspace_, Reference(index), options_hash_);
+  });
+  return is_done_[index] != 0;
 }
 
 const std::string& ImageRunner::Name(int image) const {

@@ -57,9 +57,9 @@ class ImageRunner : public ImageTasks {
   std::vector<int> SourcesAndReference(size_t index) const;
   // Whether the image and one of its sources have maps.
   bool CanCompute(size_t index) const;
-  // For each image whether it, or one whose source it is, has yet to be
-  // refined.
-  std::vector<bool> FindNeededViews() const;
+  // Whether the image, or one whose source it is, has yet to be refined and can
+  // be.
+  bool IsNeeded(size_t index);
   // Without evidence where the image has no depth at all.
   RefineResult Observe(size_t index, size_t worker, ViewCache::Lease* views);
   // Books the time that observing took.
@@ -84,6 +84,8 @@ class ImageRunner : public ImageTasks {
   // The sources that have maps.
   std::vector<int> Sources(const StereoProblem& problem) const;
   bool HasMaps(int image) const;
+  // Reads the image's maps in the first call.
+  bool HasBeenRefined(size_t index);
   const std::string& Name(int image) const;
 
   const Workspace& workspace_;
@@ -92,6 +94,13 @@ class ImageRunner : public ImageTasks {
   const std::string options_hash_;
   std::vector<RefineWorker>& workers_;
   EvidenceStore* const evidence_;
+  // By image of the run: whether it had been refined before the run, once the
+  // flag is set.
+  std::vector<std::once_flag> is_done_flags_;
+  std::vector<uint8_t> is_done_;
+  // By image of the workspace, the images of the run that it serves, as their
+  // reference or as a source.
+  std::vector<std::vector<size_t>> served_;
   // By image of the run, what was booked by AddSeconds.
   std::vector<std::map<std::string, double>> seconds_;
   // While one thread gives an image's maps their new names, another that reads

@@ -8,17 +8,15 @@
 namespace tsar {
 
 ObserveRunner::ObserveRunner(ImageRunner& images, EvidenceStore& evidence)
-    : images_(images),
-      evidence_(evidence),
-      is_needed_(images.FindNeededViews()) {}
+    : images_(images), evidence_(evidence) {}
 
 ImageReport ObserveRunner::Begin(size_t index) {
-  const int image = images_.Reference(index);
   ImageReport report;
   // What keeps an image from being refined is found out, and reported, in the
   // second pass.
-  if (!is_needed_[static_cast<size_t>(image)] || !images_.CanCompute(index) ||
-      evidence_.IsCurrent(image)) {
+  if (!images_.IsNeeded(index) ||
+      evidence_.IsCurrent(images_.Reference(index)) ||
+      !images_.CanCompute(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
   }
   return report;

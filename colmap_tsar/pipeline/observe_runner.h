@@ -33,7 +33,6 @@ class ObserveRunner : public ImageTasks {
  private:
   ImageRunner& images_;
   EvidenceStore& evidence_;
-  std::vector<bool> is_needed_;  // By image.
 };
 
 }  // namespace tsar

@@ -274,8 +274,9 @@ int NumCpuWorkers(const WorkspaceOverview& overview,
                   int64_t budget,
                   int max_num_workers) {
   const int64_t for_files = BytesBesideViews(overview, 0, 0, CpuSizes(1, 0));
-  const int64_t for_one =
-      WorkBytes(overview) + ResultBytes(overview) + BytesForViews(overview);
+  const int64_t for_one = WorkBytes(overview) + ResultBytes(overview) +
+                          BytesForViews(overview) + EvidenceBytes(overview, 1) -
+                          EvidenceBytes(overview, 0);
   return static_cast<int>(
       std::clamp<int64_t>((budget - for_files) / std::max<int64_t>(1, for_one),
                           1,

@@ -36,6 +36,8 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   inputs.superpixels = surfaces.superpixels.labels.ToHost();
   inputs.num_superpixels = surfaces.superpixels.count;
   inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
+  // There are none without RefineOptions::superpixel_planes.
+  inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
   inputs.samples = SampleMeasurements(views.Hypotheses().depth,
                                       surfaces.score.View(),
                                       surfaces.trusted.View(),
@@ -82,7 +84,10 @@ void ReduceCandidates(const Camera& camera,
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
   evidence->candidates.resize(static_cast<size_t>(num_region_planes));
   for (const ScenePlane& plane : discovered.planes) {
-    evidence->candidates.push_back(ToCameraPlane(plane.plane, views[0].camera));
+    const Plane candidate = ToCameraPlane(plane.plane, views[0].camera);
+    if (candidate.Valid()) {
+      evidence->candidates.push_back(candidate);
+    }
   }
 }
 

@@ -17,6 +17,7 @@
 #include "colmap_tsar/workspace/output_workspace.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <map>
@@ -47,6 +48,14 @@ void RethrowFailure(const ImagePipeline& pipeline) {
   if (pipeline.FirstFailure()) {
     std::rethrow_exception(pipeline.FirstFailure());
   }
+}
+
+bool IsComplete(const ImagePipeline& pipeline) {
+  return std::none_of(pipeline.Reports().begin(),
+                      pipeline.Reports().end(),
+                      [](const ImageReport& report) {
+                        return report.outcome == ImageReport::Outcome::kNotDone;
+                      });
 }
 
 void MarkFailures(const ImagePipeline& pipeline, Manifest* manifest) {
@@ -170,7 +179,8 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
     observing->Run(devices.workers.size());
   }
   ImagePipeline refining(runner, cache, devices.sizes, progress, should_stop);
-  const bool has_observed = !observing || !observing->FirstFailure();
+  // A view whose neighbours were not all observed would get another map.
+  const bool has_observed = !observing || IsComplete(*observing);
   if (has_observed) {
     refining.Run(devices.workers.size());
   }
@@ -209,9 +219,8 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                     std::to_string(summary.num_images) +
                     " images; run the same command again to go on");
   }
-  if (evidence) {
-    evidence->Clear();
-  }
+  // Also what a run with other options left behind.
+  EvidenceStore::Clear(workspace);
   return summary;
 }
 

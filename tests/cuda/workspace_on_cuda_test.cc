@@ -179,7 +179,9 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
  protected:
   using Tree = std::map<std::string, std::string>;
 
-  RunSummary Refine(const std::string& gpu_index, const std::string& output) {
+  RunSummary Refine(const std::string& gpu_index,
+                    const std::string& output,
+                    const RefineOptions& refine = {}) {
     WorkspaceRefineOptions options;
     options.workspace_path = root_;
     options.output_path = folder_.Path() / output;
@@ -187,7 +189,8 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
     options.gpu_index = gpu_index;
     std::ostringstream text;
     Progress progress(text, false);
-    return RefineWorkspace(options, {}, progress, [] { return false; });
+    return RefineWorkspace(
+        options, refine, progress, [] { return false; });
   }
   Tree Maps(const std::string& output) {
     Tree maps;
@@ -214,7 +217,10 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
 
 TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
   DrawWorkspace(root_);
-  const RunSummary two = Refine("0", "two");
+  // Of images that are not refined, the others would have no evidence.
+  RefineOptions options;
+  options.scene_planes = false;
+  const RunSummary two = Refine("0", "two", options);
   EXPECT_EQ(two.num_workers, 2);
   EXPECT_EQ(two.num_refined, 4);
   ASSERT_EQ(two.peak_gpu_memory.size(), 1u);
@@ -223,7 +229,7 @@ TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
   for (const std::string& name : DrawnWorkspace::Names()) {
     WriteConfig({name});
     std::filesystem::remove_all(folder_.Path() / "one");
-    EXPECT_EQ(Refine("0", "one").num_workers, 1);
+    EXPECT_EQ(Refine("0", "one", options).num_workers, 1);
     for (const auto& [file, content] : Maps("one")) {
       if (file.find(name + ".geometric") != std::string::npos) {
         EXPECT_TRUE(content == expected.at(file)) << file;

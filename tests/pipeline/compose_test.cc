@@ -32,16 +32,16 @@ class ComposeTest : public testing::Test {
                    bool trusted,
                    float superpixel,
                    float region) const {
-    const Image<Plane> superpixel_plane = PlaneAt(superpixel, kSuperpixelNormal);
+    const Image<Plane> superpixel_plane =
+        PlaneAt(superpixel, kSuperpixelNormal);
     const Image<Plane> region_plane = PlaneAt(region, kRegionNormal);
     const Image<uint8_t> mask(1, 1, trusted ? 1 : 0);
-    const ComposedMap map = ComposeMap(OwnMap(own),
-                                       {mask.View(),
-                                        Raster(superpixel_plane),
-                                        Raster(region_plane)},
-                                       {},
-                                       options_,
-                                       *device_);
+    const ComposedMap map = ComposeMap(
+        OwnMap(own),
+        {mask.View(), Raster(superpixel_plane), Raster(region_plane)},
+        {},
+        options_,
+        *device_);
     return {map.map.depth.ToHost()(0, 0),
             map.map.normal.ToHost()(0, 0),
             static_cast<Provenance>(map.provenance.ToHost()(0, 0))};
@@ -54,11 +54,11 @@ class ComposeTest : public testing::Test {
     return own;
   }
   static Image<Plane> PlaneAt(float depth, const Vec3f& normal) {
-    return Image<Plane>(
-        1,
-        1,
-        depth > 0.f ? Plane::FromPoint({0.f, 0.f, 1.f}, depth, normal)
-                    : Plane());
+    return Image<Plane>(1,
+                        1,
+                        depth > 0.f
+                            ? Plane::FromPoint({0.f, 0.f, 1.f}, depth, normal)
+                            : Plane());
   }
   static PlaneRaster Raster(const Image<Plane>& planes) {
     return {planes.View(), Intrinsics{1.f, 1.f, 0.f, 0.f}, 1, 1};
@@ -130,8 +130,8 @@ TEST_F(ComposeTest, TheSuperpixelWinsUnlessTheRegionSaysTheSame) {
 
 TEST_F(ComposeTest, PlanesMayBeMissing) {
   const Image<uint8_t> trusted(1, 1, 1);
-  const ComposedMap map = ComposeMap(
-      OwnMap(4.f), {trusted.View(), {}, {}}, {}, options_, *device_);
+  const ComposedMap map =
+      ComposeMap(OwnMap(4.f), {trusted.View(), {}, {}}, {}, options_, *device_);
   EXPECT_EQ(map.map.depth.ToHost()(0, 0), 4.f);
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -202,13 +203,15 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
     EXPECT_THAT(text, testing::HasSubstr("with its 10 source images"));
     EXPECT_THAT(text, testing::HasSubstr("--TsarRefine.cache_size 0.25;"));
     // One loader, which holds 24 bytes per pixel beside the view; a result with
-    // each worker, one that waits, one that is being written; 11 views.
+    // each worker, one that waits, one that is being written; 11 views; and the
+    // evidence of 11 for each worker and for one to come.
     const double needed =
         static_cast<double>(
             24 * overview_.max_num_pixels +
             static_cast<int64_t>(devices.workers.size() + 2) *
                 ResultBytes(overview_) +
             11 * ViewBytes(overview_) +
+            EvidenceBytes(overview_, devices.workers.size()) +
             (options_.device == "cpu" ? WorkBytes(overview_) : 0)) /
         1e9;
     std::ostringstream number;
@@ -228,7 +231,7 @@ TEST_F(RefineDevicesTest, TakesFewerCpuWorkersBeforeItNeedsMore) {
   options_.device = "cpu";
   for (const int num_sources : {1, 10}) {
     overview_.max_num_sources = num_sources;
-    for (double cache_size = 0.35 + 0.03 * num_sources; cache_size < 3.0;
+    for (double cache_size = 0.35 + 0.04 * num_sources; cache_size < 3.0;
          cache_size += 0.02) {
       options_.cache_size = cache_size;
       const RefineDevices devices = Create(0);
@@ -245,11 +248,23 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
   EXPECT_EQ(Create(1).sizes.num_loaders, 6);
-  options_.cache_size = 1.2;
+  options_.cache_size = 1.36;
   const RefineDevices devices = Create(1);
   EXPECT_EQ(devices.sizes.num_loaders, 2);
   EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes),
             11 * ViewBytes(overview_));
+}
+
+TEST(EvidenceBytes, AreThoseOfTheNeighbourhoodsAtWork) {
+  WorkspaceOverview overview;
+  overview.max_num_sources = 10;
+  overview.max_num_pixels = 1000000;
+  EXPECT_EQ(NumEvidenceViews(overview, 2), 33u);
+  const int64_t bytes = EvidenceBytes(overview, 2);
+  // Larger maps have the same raster.
+  overview.max_num_pixels *= 10;
+  EXPECT_EQ(EvidenceBytes(overview, 2), bytes);
+  EXPECT_EQ(EvidenceBytes(overview, 5), 2 * bytes);
 }
 
 TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
@@ -268,6 +283,7 @@ TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
                             : 0;
       const auto fixed =
           work + num_results * ResultBytes(overview_) +
+          EvidenceBytes(overview_, devices.workers.size()) +
           devices.sizes.num_loaders * LoadBytes(overview_.max_num_pixels,
                                                 overview_.max_num_image_pixels);
       EXPECT_LE(
@@ -289,11 +305,28 @@ TEST(WorkBytes, HoldsForAnImage) {
     WorkspaceOverview overview;
     overview.max_num_pixels = int64_t{width} * height;
     overview.max_num_sources = static_cast<int>(drawn.Sources().size());
-    CountingDevice device("", SIZE_MAX, 2);
-    RefineImage(drawn.views[0], drawn.Sources(), 1, {}, device);
-    EXPECT_LE(static_cast<int64_t>(device.PeakMemory()), WorkBytes(overview));
-    EXPECT_GE(static_cast<int64_t>(device.PeakMemory()),
-              WorkBytes(overview) / 2);
+    const auto expect_holds = [&](auto function) {
+      CountingDevice device("", SIZE_MAX, 2);
+      function(device);
+      const auto peak = static_cast<int64_t>(device.PeakMemory());
+      EXPECT_LE(peak, WorkBytes(overview));
+      return peak;
+    };
+    const int64_t peak = expect_holds([&](Device& device) {
+      RefineImage(drawn.views[0], drawn.Sources(), 1, {}, device);
+    });
+    EXPECT_GE(peak, WorkBytes(overview) / 2);
+    expect_holds([&](Device& device) {
+      const RefineResult observed = ObserveImage(
+          drawn.views[0], UploadViews(drawn.Sources(), device), 1, {}, device);
+      const ViewEvidence& evidence = *observed.evidence;
+      // As many views as there are, for the size of the tables.
+      const std::vector<ObservedView> views(
+          drawn.views.size(),
+          {&evidence,
+           drawn.views[0].camera.Resized(evidence.width, evidence.height)});
+      ComposeImage(drawn.views[0], views, {}, device);
+    });
   }
 }
 

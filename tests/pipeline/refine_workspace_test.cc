@@ -8,6 +8,7 @@
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <cmath>
+#include <csignal>
 #include <limits>
 #include <mutex>
 #include <sstream>
@@ -30,6 +31,10 @@ Tree MapsOf(const std::filesystem::path& root) {
                              "stereo/normal_maps",
                              "stereo/confidence_maps",
                              "stereo/provenance_maps"}) {
+    // Those of this program are not there from the beginning.
+    if (!std::filesystem::exists(root / folder)) {
+      continue;
+    }
     for (auto& [name, content] : ReadTree(root / folder)) {
       maps[std::string(folder) + "/" + name] = std::move(content);
     }
@@ -94,6 +99,53 @@ class RefineWorkspaceTest : public testing::Test {
   }
   nlohmann::json Manifest() const {
     return nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
+  }
+
+  // Where an image's evidence lies while a run needs it.
+  static std::filesystem::path Evidence(const std::filesystem::path& root,
+                                        int view) {
+    return root / "stereo/tsar/evidence" /
+           (DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+            ".geometric.bin");
+  }
+  // Stops a run once all images have been observed.
+  void Observe(const WorkspaceRefineOptions& options,
+               const RefineOptions& refine = {}) {
+    const std::filesystem::path root = options.output_path.empty()
+                                           ? options.workspace_path
+                                           : options.output_path;
+    ExpectError(ErrorCode::kInterrupted, {"0 of 4", "same command"}, [&] {
+      Refine(options, refine, [&] {
+        return std::filesystem::exists(Evidence(root, 3));
+      });
+    });
+    for (int view = 0; view < 4; ++view) {
+      EXPECT_TRUE(std::filesystem::exists(Evidence(root, view)));
+    }
+  }
+  // The maps of a workspace drawn and changed alike that is refined in one go.
+  Tree RefinedInOneGo(
+      const RefineOptions& refine = {},
+      const std::function<void(const std::filesystem::path&)>& change =
+          [](const std::filesystem::path&) {}) {
+    const std::filesystem::path root = folder_.Path() / "whole";
+    std::filesystem::remove_all(root);
+    DrawWorkspace(root);
+    change(root);
+    Refine(Options(root), refine);
+    return MapsOf(root);
+  }
+  static void RemoveDepths(const std::filesystem::path& root, int view) {
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      WriteDepthMap(
+          GetMapPaths(
+              root, DrawnWorkspace::Names()[static_cast<size_t>(view)], type)
+              .depth,
+          Image<float>(96, 72, 0.f));
+    }
+  }
+  bool HasEvidence() const {
+    return std::filesystem::exists(root_ / "stereo/tsar/evidence");
   }
 
   TemporaryFolder folder_;
@@ -409,19 +461,202 @@ TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
   ExpectRefusal(ErrorCode::kCorrupt, {"v3.png", "not a readable"});
   // Its beginning alone: seen when it is decoded.
   WriteText(root_ / "images/v3.png", image.substr(0, 24));
+  const Tree before = MapsOf(root_);
   const std::string depth = ReadText(Paths(3).depth);
-  const RefineOptions options;
-  ExpectError(ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] {
-    Refine(Options(root_), options);
-  });
-  EXPECT_EQ(Manifest()["num_images"]["done"], 2);
-  EXPECT_EQ(Manifest()["num_images"]["failed"], 1);
-  EXPECT_TRUE(ReadText(Paths(3).depth) == depth);
-
+  for (const bool scene_planes : {true, false}) {
+    RefineOptions options;
+    options.scene_planes = scene_planes;
+    ExpectError(ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] {
+      Refine(Options(root_), options);
+    });
+    EXPECT_EQ(Manifest()["num_images"]["failed"], 1);
+    EXPECT_EQ(Manifest()["images"][2]["status"], "failed");
+    EXPECT_THAT(Manifest()["images"][2]["note"].get<std::string>(),
+                testing::HasSubstr("v3.png"));
+    EXPECT_TRUE(ReadText(Paths(3).depth) == depth);
+    if (scene_planes) {
+      // What is seen while the images are observed comes before any change.
+      EXPECT_EQ(Manifest()["num_images"]["pending"], 2);
+      ExpectSameFiles(before, MapsOf(root_));
+    } else {
+      EXPECT_EQ(Manifest()["num_images"]["done"], 2);
+    }
+  }
   WriteText(root_ / "images/v3.png", image);
+  RefineOptions options;
+  options.scene_planes = false;
   const RunSummary summary = Refine(Options(root_), options);
   EXPECT_EQ(summary.num_skipped, 2);
   EXPECT_EQ(summary.num_refined, 1);
+  EXPECT_EQ(Refine().num_refined, 3);
+}
+
+TEST_F(RefineWorkspaceTest, KeepsEvidenceOnlyAsLongAsItIsNeeded) {
+  bool was_there = false;
+  Refine(Options(root_), {}, [&] {
+    was_there = was_there || std::filesystem::exists(Evidence(root_, 2));
+    return false;
+  });
+  EXPECT_TRUE(was_there);
+  EXPECT_FALSE(HasEvidence());
+  // What a run left behind goes also with one that needs none.
+  RefineOptions others;
+  others.segment = false;
+  Observe(Options(root_), others);
+  others.scene_planes = false;
+  Refine(Options(root_), others);
+  EXPECT_FALSE(HasEvidence());
+}
+
+TEST_F(RefineWorkspaceTest, GoesOnWhereAllThatIsMissingIsTheSecondPass) {
+  const Tree before = MapsOf(root_);
+  Observe(Options(root_));
+  ExpectSameFiles(before, MapsOf(root_));
+  EXPECT_EQ(Manifest()["num_images"]["pending"], 4);
+
+  // Nothing is observed again.
+  const auto time = std::filesystem::last_write_time(Evidence(root_, 0));
+  Refine(Options(root_), {}, [&] {
+    std::error_code error;
+    const auto now =
+        std::filesystem::last_write_time(Evidence(root_, 0), error);
+    EXPECT_TRUE(error || now == time);
+    return false;
+  });
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruptionOfTheFirstPass) {
+  ExpectError(ErrorCode::kInterrupted, {"0 of 4", "same command"}, [&] {
+    Refine(Options(root_), {}, [&] {
+      return std::filesystem::exists(Evidence(root_, 1));
+    });
+  });
+  EXPECT_FALSE(std::filesystem::exists(Evidence(root_, 3)));
+  EXPECT_EQ(Refine().num_refined, 4);
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
+}
+
+using RefineWorkspaceDeathTest = RefineWorkspaceTest;
+
+TEST_F(RefineWorkspaceDeathTest, GoesOnAfterBeingKilledInEitherPass) {
+  const Tree expected = RefinedInOneGo();
+  for (const std::filesystem::path& file :
+       {Evidence(root_, 1), Paths(1).record}) {
+    std::filesystem::remove_all(root_);
+    DrawWorkspace(root_);
+    EXPECT_EXIT(Refine(Options(root_),
+                       {},
+                       [&] {
+                         if (std::filesystem::exists(file)) {
+                           std::raise(SIGKILL);
+                         }
+                         return false;
+                       }),
+                testing::KilledBySignal(SIGKILL),
+                "");
+    EXPECT_TRUE(HasEvidence());
+    const RunSummary summary = Refine();
+    EXPECT_EQ(summary.num_refined + summary.num_skipped, 4);
+    EXPECT_EQ(summary.num_skipped > 0, file == Paths(1).record);
+    EXPECT_FALSE(HasEvidence());
+    ExpectSameFiles(expected, MapsOf(root_));
+  }
+}
+
+TEST_F(RefineWorkspaceTest, EvidenceOfOtherOptionsIsNotUsed) {
+  RefineOptions others;
+  others.min_aggregated_score = 0.95;
+  others.superpixel_size = 200;
+  Observe(Options(root_), others);
+  Refine();
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, EvidenceOfMapsThatWereReplacedIsNotUsed) {
+  const auto remove_depths = [](const std::filesystem::path& root) {
+    RemoveDepths(root, 3);
+  };
+  Observe(Options(root_));
+  // Of an image that has none now, none would be written over the old.
+  remove_depths(root_);
+  Refine();
+  ExpectSameFiles(RefinedInOneGo({}, remove_depths), MapsOf(root_));
+
+  // Nor of one that is no longer to be refined, nor a source.
+  std::filesystem::remove_all(root_);
+  DrawWorkspace(root_);
+  const auto leave_out = [](const std::filesystem::path& root) {
+    WriteText(root / "stereo/patch-match.cfg",
+              "v0.png\nv1.png, v3.png\nv1.png\nv0.png, v3.png\n");
+  };
+  Observe(Options(root_));
+  leave_out(root_);
+  Refine();
+  ExpectSameFiles(RefinedInOneGo({}, leave_out), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, NeighboursWithoutMapsOrDepthsDoNotMatter) {
+  // Without maps, as if nobody had listed the image.
+  const Tree expected =
+      RefinedInOneGo({}, [](const std::filesystem::path& root) {
+        WriteText(root / "stereo/patch-match.cfg",
+                  "v0.png\nv1.png, left/v2.png\n"
+                  "v1.png\nv0.png, left/v2.png\n"
+                  "left/v2.png\nv0.png, v1.png\n");
+      });
+  RemoveMaps(3, MapType::kGeometric);
+  EXPECT_EQ(Refine().num_refined, 3);
+  for (const auto& [name, content] : MapsOf(root_)) {
+    if (name.find("v3.png") == std::string::npos) {
+      EXPECT_TRUE(content == expected.at(name)) << name;
+    }
+  }
+
+  // Without depths, its picture still helps to judge those of the others.
+  std::filesystem::remove_all(root_);
+  DrawWorkspace(root_);
+  RemoveDepths(root_, 3);
+  const RunSummary summary = Refine();
+  EXPECT_EQ(summary.num_refined, 3);
+  ASSERT_EQ(summary.kept.size(), 1u);
+  EXPECT_EQ(summary.kept[0].name, "v3.png");
+  for (int view = 0; view < 3; ++view) {
+    int num_bare = 0;
+    int num_right = 0;
+    const Image<float> depth = ReadDepthMap(Paths(view).depth);
+    for (int y = 0; y < depth.Height(); ++y) {
+      for (int x = 0; x < depth.Width(); ++x) {
+        if (DrawnWorkspace::IsBare(view, x, y)) {
+          ++num_bare;
+          num_right += std::abs(depth(x, y) - 5.f) < 0.05f ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(num_right, num_bare / 2) << view;
+  }
+}
+
+TEST_F(RefineWorkspaceTest, TheOrderOfTheImagesDoesNotMatter) {
+  const Tree expected = RefinedInOneGo();
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v3.png\n__all__\nleft/v2.png\n__all__\nv0.png\n__all__\n"
+            "v1.png\n__all__\n");
+  Refine();
+  ExpectSameFiles(expected, MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, AnInterruptedRunLeavesNoEvidenceInTheInput) {
+  const Tree before = ReadTree(root_);
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  Observe(options);
+  ExpectSameFiles(before, ReadTree(root_));
+  Refine(options);
+  ExpectSameFiles(before, ReadTree(root_));
+  EXPECT_FALSE(
+      std::filesystem::exists(options.output_path / "stereo/tsar/evidence"));
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(options.output_path));
 }
 
 TEST_F(RefineWorkspaceTest, RefusesWorkspacesWithoutTheirFolders) {

@@ -1,0 +1,233 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/refine_scene.h"
+
+#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/workspace/evidence_file.h"
+
+#include <cmath>
+#include <utility>
+
+#include "tests/pipeline/drawn_views.h"
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+// A depth this close to the truth is right.
+constexpr float kRight = 5e-3f;
+
+class RefineSceneTest : public testing::Test {
+ protected:
+  RefineSceneTest() : device_(Device::CreateCpu(2)), drawn_(DrawViews({})) {}
+
+  // The first so many views, with all others as their sources.
+  std::vector<std::unique_ptr<ViewEvidence>> Observe(
+      size_t num_views, const RefineOptions& options = {}) const {
+    std::vector<std::unique_ptr<ViewEvidence>> evidence;
+    for (size_t i = 0; i < num_views; ++i) {
+      std::vector<const ViewData*> sources;
+      for (const ViewData& view : drawn_.views) {
+        if (&view != &drawn_.views[i]) {
+          sources.push_back(&view);
+        }
+      }
+      RefineResult result = ObserveImage(drawn_.views[i],
+                                         UploadViews(sources, *device_),
+                                         static_cast<uint32_t>(i),
+                                         options,
+                                         *device_);
+      EXPECT_TRUE(result.maps.depth.Empty());
+      evidence.push_back(std::move(result.evidence));
+    }
+    return evidence;
+  }
+  RefineResult Compose(
+      const std::vector<std::unique_ptr<ViewEvidence>>& evidence,
+      const RefineOptions& options = {}) const {
+    std::vector<ObservedView> views;
+    for (size_t i = 0; i < evidence.size(); ++i) {
+      views.push_back({evidence[i].get(),
+                       drawn_.views[i].camera.Resized(evidence[i]->width,
+                                                      evidence[i]->height)});
+    }
+    return ComposeImage(drawn_.views[0], views, options, *device_);
+  }
+  RefinedMaps RefineAll(const RefineOptions& options = {}) const {
+    RefineResult result =
+        Compose(Observe(drawn_.views.size(), options), options);
+    EXPECT_EQ(result.reason_to_keep, "");
+    return std::move(result.maps);
+  }
+  RefinedMaps RefineAlone() const {
+    return RefineImage(drawn_.views[0], drawn_.Sources(), 0, {}, *device_).maps;
+  }
+
+  float RelativeError(const Image<float>& depth, int x, int y) const {
+    return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);
+  }
+  const Image<float>& Before() const { return drawn_.views[0].depth; }
+  bool IsBare(int x, int y) const {
+    return DrawnViews::IsBare(drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
+  }
+  // What holds for the maps whatever the options.
+  void ExpectSoundMaps(const RefinedMaps& maps) const {
+    ASSERT_TRUE(maps.depth.HasSizeOf(Before()));
+    const Intrinsics intrinsics = drawn_.views[0].camera.GetIntrinsics();
+    for (int y = 0; y < maps.depth.Height(); ++y) {
+      for (int x = 0; x < maps.depth.Width(); ++x) {
+        const float depth = maps.depth(x, y);
+        const Vec3f& normal = maps.normal(x, y);
+        const float confidence = maps.confidence(x, y);
+        ASSERT_TRUE(std::isfinite(depth) && depth >= 0.f) << x << ", " << y;
+        ASSERT_TRUE(confidence >= 0.f && confidence <= 1.f) << x << ", " << y;
+        ASSERT_EQ(confidence > 0.f, depth > 0.f) << x << ", " << y;
+        ASSERT_EQ(maps.provenance(x, y) != 0, depth > 0.f) << x << ", " << y;
+        if (depth > 0.f) {
+          ASSERT_NEAR(Norm(normal), 1.f, 1e-4f) << x << ", " << y;
+          ASSERT_LT(Dot(normal, intrinsics.Ray(x, y)), 0.f) << x << ", " << y;
+        } else {
+          ASSERT_EQ(normal, Vec3f{}) << x << ", " << y;
+        }
+      }
+    }
+  }
+  static void ExpectSameMaps(const RefinedMaps& a,
+                             const RefinedMaps& b,
+                             float scale = 1.f) {
+    for (size_t i = 0; i < a.depth.NumPixels(); ++i) {
+      ASSERT_EQ(a.depth.Data()[i] * scale, b.depth.Data()[i]) << i;
+      ASSERT_EQ(a.normal.Data()[i], b.normal.Data()[i]) << i;
+      ASSERT_EQ(a.confidence.Data()[i], b.confidence.Data()[i]) << i;
+      ASSERT_EQ(a.provenance.Data()[i], b.provenance.Data()[i]) << i;
+    }
+  }
+
+  std::unique_ptr<Device> device_;
+  DrawnViews drawn_;
+};
+
+TEST_F(RefineSceneTest, AWallWithoutTextureGetsItsPlane) {
+  const RefinedMaps maps = RefineAll();
+  ExpectSoundMaps(maps);
+  int num_bare = 0;
+  int num_right = 0;
+  for (int y = 0; y < Before().Height(); ++y) {
+    for (int x = 0; x < Before().Width(); ++x) {
+      if (IsBare(x, y)) {
+        ++num_bare;
+        num_right +=
+            RelativeError(maps.depth, x, y) < kRight &&
+                    AngleBetween(maps.normal(x, y), drawn_.wall.normal) < 2.f
+                ? 1
+                : 0;
+      }
+    }
+  }
+  ASSERT_GT(num_bare, 500);
+  EXPECT_GT(num_right, 0.95 * num_bare);
+}
+
+TEST_F(RefineSceneTest, NothingReliableGetsWorseThanWithASingleView) {
+  const RefinedMaps together = RefineAll();
+  const RefinedMaps alone = RefineAlone();
+  double error_together = 0.0;
+  double error_alone = 0.0;
+  int num_right_together = 0;
+  int num_right_alone = 0;
+  for (int y = 0; y < Before().Height(); ++y) {
+    for (int x = 0; x < Before().Width(); ++x) {
+      const float of_together = RelativeError(together.depth, x, y);
+      const float of_alone = RelativeError(alone.depth, x, y);
+      num_right_together += of_together < kRight ? 1 : 0;
+      num_right_alone += of_alone < kRight ? 1 : 0;
+      if (RelativeError(Before(), x, y) > 2e-3f) {
+        continue;
+      }
+      if (together.depth(x, y) > 0.f) {
+        ASSERT_LT(of_together, kRight) << x << ", " << y;
+      }
+      if (together.depth(x, y) > 0.f && alone.depth(x, y) > 0.f) {
+        error_together += of_together;
+        error_alone += of_alone;
+      }
+    }
+  }
+  EXPECT_GE(num_right_together, num_right_alone);
+  EXPECT_LE(error_together, error_alone);
+}
+
+TEST_F(RefineSceneTest, DoesNotDependOnTheNumberOfThreads) {
+  const TemporaryFolder folder;
+  const auto bytes = [&](const ViewEvidence& evidence) {
+    WriteEvidence(folder.Path() / "evidence.bin", "", evidence);
+    return ReadText(folder.Path() / "evidence.bin");
+  };
+  device_ = Device::CreateCpu(1);
+  const auto with_one = Observe(drawn_.views.size());
+  const RefinedMaps one = Compose(with_one).maps;
+  device_ = Device::CreateCpu(3);
+  const auto with_three = Observe(drawn_.views.size());
+  for (size_t i = 0; i < with_one.size(); ++i) {
+    EXPECT_TRUE(bytes(*with_one[i]) == bytes(*with_three[i])) << i;
+  }
+  ExpectSameMaps(one, Compose(with_three).maps);
+}
+
+TEST_F(RefineSceneTest, ScalingTheSceneByAPowerOfTwoScalesTheDepthsExactly) {
+  const RefinedMaps maps = RefineAll();
+  for (const float scale : {1024.f, 1.f / 1024.f}) {
+    drawn_ = DrawViews({});
+    for (ViewData& view : drawn_.views) {
+      view.camera.translation *= scale;
+      for (float& depth : view.depth) {
+        depth *= scale;
+      }
+    }
+    ExpectSameMaps(maps, RefineAll(), scale);
+  }
+}
+
+TEST_F(RefineSceneTest, TheViewsEvidenceAloneWillDo) {
+  const RefineResult result = Compose(Observe(1));
+  EXPECT_EQ(result.reason_to_keep, "");
+  ExpectSoundMaps(result.maps);
+}
+
+TEST_F(RefineSceneTest, EverySwitchLeavesSoundMaps) {
+  RefineOptions list;
+  const size_t num_fields = ListRefineFields(&list).size();
+  int num_switches = 0;
+  for (size_t i = 0; i < num_fields; ++i) {
+    RefineOptions options;
+    const RefineField field = ListRefineFields(&options)[i];
+    // Without superpixels there is no evidence.
+    if (!std::holds_alternative<bool*>(field.value) || field.name == "refine") {
+      continue;
+    }
+    bool* value = std::get<bool*>(field.value);
+    *value = !*value;
+    SCOPED_TRACE(field.name);
+    const RefineResult result = Compose(Observe(2, options), options);
+    ExpectSoundMaps(result.maps);
+    EXPECT_EQ(result.reason_to_keep, "");
+    ++num_switches;
+  }
+  EXPECT_GT(num_switches, 8);
+}
+
+TEST_F(RefineSceneTest, SaysWhereNothingIsLeft) {
+  // Wrong depths alone, of which none agrees with another.
+  for (ViewData& view : drawn_.views) {
+    Philox random(static_cast<uint32_t>(&view - drawn_.views.data()), 9, 9);
+    for (float& depth : view.depth) {
+      depth = 3.f + 4.f * random.NextFloat();
+    }
+  }
+  const RefineResult result = Compose(Observe(drawn_.views.size()));
+  EXPECT_EQ(result.reason_to_keep, kNothingReliable);
+}
+
+}  // namespace
+}  // namespace tsar
