@@ -62,8 +62,9 @@ Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
       is_terminal_(is_terminal),
       clock_(clock ? std::move(clock) : SteadySeconds) {}
 
-void Progress::Start(int num_total) {
+void Progress::Start(int num_total, const std::string& pass) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  pass_ = pass.empty() ? "" : pass + " ";
   num_total_ = num_total;
   num_done_ = 0;
   num_worked_ = 0;
@@ -97,7 +98,7 @@ void Progress::Finish() {
 void Progress::Print(double now) {
   last_print_ = now;
   const std::string text =
-      ProgressText(num_done_, num_worked_, num_total_, now - start_);
+      pass_ + ProgressText(num_done_, num_worked_, num_total_, now - start_);
   if (!is_terminal_) {
     out_ << text << std::endl;
     return;

@@ -29,7 +29,8 @@ class Progress {
   // out must outlive this object. Without a clock, the system's is used.
   Progress(std::ostream& out, bool is_terminal, Clock clock = nullptr);
 
-  void Start(int num_total);
+  // pass: what the line begins with, such as "Pass 1 of 2:"; may be empty.
+  void Start(int num_total, const std::string& pass = "");
   // One more image is done. was_work: whether it says something about the
   // speed; false for those that had been done before.
   void Advance(bool was_work);
@@ -43,6 +44,7 @@ class Progress {
   const bool is_terminal_;
   const Clock clock_;
   std::mutex mutex_;
+  std::string pass_;
   int num_total_ = 0;
   int num_done_ = 0;
   int num_worked_ = 0;

@@ -26,7 +26,7 @@ ImagePipeline::ImagePipeline(ImageTasks& tasks,
       failures_(tasks.NumImages()) {}
 
 void ImagePipeline::Run(size_t num_workers) {
-  progress_.Start(static_cast<int>(tasks_.NumImages()));
+  progress_.Start(static_cast<int>(tasks_.NumImages()), tasks_.PassName());
   num_loading_ = sizes_.num_loaders;
   num_computing_ = num_workers;
   {

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace tsar {
@@ -25,6 +26,8 @@ class ImageTasks {
   virtual ~ImageTasks() = default;
 
   virtual size_t NumImages() const = 0;
+  // For the user; empty where there is one pass only.
+  virtual std::string PassName() const { return ""; }
   // Does what can be done without reading the image's maps. Where that is all,
   // the outcome tells what it was; otherwise it is kNotDone.
   virtual ImageReport Begin(size_t index) = 0;

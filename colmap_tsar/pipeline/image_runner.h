@@ -43,6 +43,9 @@ class ImageRunner : public ImageTasks {
   ViewCache::View Load(int image);
 
   size_t NumImages() const override { return workspace_.Problems().size(); }
+  std::string PassName() const override {
+    return evidence_ ? "Pass 2 of 2:" : "";
+  }
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override;
   RefineResult Compute(size_t index,

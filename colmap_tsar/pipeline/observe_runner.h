@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 
+#include <string>
 #include <vector>
 
 namespace tsar {
@@ -20,6 +21,7 @@ class ObserveRunner : public ImageTasks {
   ObserveRunner(ImageRunner& images, EvidenceStore& evidence);
 
   size_t NumImages() const override { return images_.NumImages(); }
+  std::string PassName() const override { return "Pass 1 of 2:"; }
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override {
     return images_.SourcesAndReference(index);

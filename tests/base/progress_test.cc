@@ -59,5 +59,19 @@ TEST_F(ProgressTest, KeepsOneLineOnATerminal) {
             "\r[1/2] 1.0 images/s, 1 s left\r[2/2] 1.0 images/s          \n");
 }
 
+TEST(Progress, NamesThePass) {
+  std::ostringstream text;
+  double now = 0.0;
+  Progress progress(text, false, [&] { return now; });
+  for (const char* pass : {"Pass 1 of 2:", ""}) {
+    progress.Start(1, pass);
+    now += 1.0;
+    progress.Advance(true);
+    progress.Finish();
+  }
+  EXPECT_EQ(text.str(),
+            "Pass 1 of 2: [1/1] 1.0 images/s\n[1/1] 1.0 images/s\n");
+}
+
 }  // namespace
 }  // namespace tsar
