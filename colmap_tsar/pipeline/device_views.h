@@ -60,6 +60,10 @@ class DeviceViews {
   // The raster of superpixels and regions, and the image reduced to it.
   const ReducedRaster& Raster() const { return raster_; }
   ImageView<const Rgb> RasterColor() const { return raster_color_.View(); }
+  // Planes of the raster, as the map's pixels see them.
+  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
+    return {planes.View(), MapIntrinsics(), Width(), Height()};
+  }
   // The raster's size relative to the paper's: lengths shrink by it, areas by
   // its square.
   double RasterScale() const;

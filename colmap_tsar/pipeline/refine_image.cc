@@ -12,13 +12,6 @@
 #include <utility>
 
 namespace tsar {
-namespace {
-
-PlaneRaster OnMap(const DeviceImage<Plane>& planes, const DeviceViews& views) {
-  return {planes.View(), views.MapIntrinsics(), views.Width(), views.Height()};
-}
-
-}  // namespace
 
 RefineResult RefineImage(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
@@ -48,8 +41,8 @@ RefineResult RefineImage(
   }
   ComposedMap composed = ComposeMap(views.TakeHypotheses(),
                                     {surfaces.trusted.View(),
-                                     OnMap(superpixel_planes, views),
-                                     OnMap(surfaces.region_planes, views)},
+                                     views.OnMap(superpixel_planes),
+                                     views.OnMap(surfaces.region_planes)},
                                     views.Scale(),
                                     {},
                                     device);

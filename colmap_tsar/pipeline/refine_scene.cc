@@ -180,14 +180,10 @@ RefineResult ComposeImage(const ViewData& reference,
   const DeviceImage<uint8_t> kinds(device, EvidenceRaster(evidence, labeled));
   const DeviceImage<Plane> region_planes(device, RegionPlaneRaster(evidence));
   timer.Finish("upload");
-  const auto on_map = [&](const DeviceImage<Plane>& planes) {
-    return PlaneRaster{planes.View(),
-                       device_views.MapIntrinsics(),
-                       device_views.Width(),
-                       device_views.Height()};
-  };
-  const ComposeSceneInputs inputs{
-      trust.View(), on_map(scene_planes), kinds.View(), on_map(region_planes)};
+  const ComposeSceneInputs inputs{trust.View(),
+                                  device_views.OnMap(scene_planes),
+                                  kinds.View(),
+                                  device_views.OnMap(region_planes)};
   ComposedMap composed = ComposeScene(
       device_views.TakeHypotheses(), inputs, scale, scene.composition, device);
   FillHoles(device_views, options, &composed, device);
