@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+
+#include <set>
 
 #include "tests/cuda/cuda_test.h"
 
@@ -55,6 +58,73 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
                     kCloseScores,
                     RateConfidence(composed, inputs.score.View(), device));
       });
+}
+
+// No sum, and nothing but what every device rounds alike: every value is the
+// same.
+TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
+  std::set<Provenance> found;
+  ExpectAlike(
+      "ComposeScene, RateSceneConfidence",
+      AllScenesAndWide(),
+      [&](StageInputs& inputs, Device& device, StageResult* result) {
+        const ReducedRaster& raster = inputs.views.Raster();
+        const Plane& wall = inputs.drawn.wall;
+        const Plane nearer = {wall.normal, 0.8f * wall.offset};
+        // In squares: the wall; one off which the depths lie; none.
+        Image<Plane> scene(raster.width, raster.height);
+        Image<Plane> regions(raster.width, raster.height);
+        Image<uint8_t> evidence(raster.width, raster.height);
+        Philox random(22, 0, 0);
+        for (int y = 0; y < raster.height; ++y) {
+          for (int x = 0; x < raster.width; ++x) {
+            const int square = x / 16 + y / 16;
+            scene(x, y) = square % 3 == 0   ? wall
+                          : square % 3 == 1 ? nearer
+                                            : Plane{};
+            regions(x, y) = x % 3 == 0 ? nearer : Plane{};
+            evidence(x, y) = static_cast<uint8_t>(random.NextBelow(4));
+          }
+        }
+        // Three depths of four are trusted.
+        Image<uint8_t> trust(inputs.views.Width(), inputs.views.Height());
+        for (uint8_t& value : trust) {
+          const uint32_t number = random.NextBelow(340);
+          value = static_cast<uint8_t>(number < 256 ? number : 0);
+        }
+        const DeviceImage<uint8_t> device_trust(device, trust);
+        const DeviceImage<Plane> scene_planes(device, scene);
+        const DeviceImage<uint8_t> kinds(device, evidence);
+        const DeviceImage<Plane> region_planes(device, regions);
+        const ComposeSceneInputs scene_inputs{
+            device_trust.View(),
+            inputs.views.OnMap(scene_planes),
+            kinds.View(),
+            inputs.views.OnMap(region_planes)};
+        ComposedMap composed = ComposeScene(inputs.views.TakeHypotheses(),
+                                            scene_inputs,
+                                            inputs.views.Scale(),
+                                            {},
+                                            device);
+        result->Add("depth", kSameBytes, composed.map.depth);
+        result->Add("normal", kSameBytes, composed.map.normal);
+        result->Add("provenance", kSameBytes, composed.provenance);
+        result->Add("confidence",
+                    kSameBytes,
+                    RateSceneConfidence(composed, scene_inputs, device));
+        for (const uint8_t value : composed.provenance.ToHost()) {
+          found.insert(static_cast<Provenance>(value));
+        }
+        MarkInterpolated(inputs.reliable.View(), &composed, device);
+        result->Add("confidence of filled pixels",
+                    kSameBytes,
+                    RateSceneConfidence(composed, scene_inputs, device));
+      });
+  EXPECT_EQ(found,
+            (std::set<Provenance>{Provenance::kNone,
+                                  Provenance::kMeasured,
+                                  Provenance::kRegionPlane,
+                                  Provenance::kOtherViews}));
 }
 
 TEST_F(CudaTest, RefineImage) {

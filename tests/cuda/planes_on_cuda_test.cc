@@ -2,12 +2,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/planes/discover_planes.h"
+#include "colmap_tsar/planes/gather_evidence.h"
+#include "colmap_tsar/planes/label_view.h"
+
+#include <cstddef>
+#include <set>
+#include <vector>
 
 #include "tests/cuda/cuda_test.h"
 #include "tests/planes/drawn_room.h"
 
 namespace tsar {
 namespace {
+
+// What a view of the room sees, with textures and edges drawn at random. One
+// superpixel in four holds no depths, and one in sixteen wrong ones.
+ViewEvidence ObserveInPart(const DrawnRoom& room, size_t view) {
+  constexpr int kSize = DrawnRoom::kSuperpixelSize;
+  constexpr int kNumColumns = DrawnRoom::kWidth / kSize;
+  const Camera& camera = room.cameras[view];
+  const auto seed = static_cast<uint32_t>(view);
+  EvidenceInputs inputs;
+  inputs.superpixels = Image<int>(camera.width, camera.height);
+  inputs.num_superpixels = DrawnRoom::kNumSuperpixels;
+  inputs.superpixel_planes.resize(DrawnRoom::kNumSuperpixels);
+  inputs.samples = Image<RayDepth>(camera.width, camera.height);
+  inputs.texture = RandomImage(camera.width, camera.height, 4.f, 30 + seed);
+  inputs.contrast = RandomImage(camera.width, camera.height, 20.f, 40 + seed);
+  inputs.intrinsics = camera.GetIntrinsics();
+  inputs.scale.error_per_depth = DrawnRoom::kErrorPerDepth;
+  Philox random(50, seed, 0);
+  std::vector<uint32_t> choices(DrawnRoom::kNumSuperpixels);
+  for (uint32_t& choice : choices) {
+    choice = random.NextBelow(16);
+  }
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const int superpixel = y / kSize * kNumColumns + x / kSize;
+      inputs.superpixels(x, y) = superpixel;
+      const uint32_t choice = choices[static_cast<size_t>(superpixel)];
+      if (choice < 4) {
+        continue;
+      }
+      const Vec3f ray = inputs.intrinsics.Ray(x, y);
+      const float depth =
+          static_cast<float>(room.Hit(camera, {ray.x, ray.y, 1.0}).second);
+      const float noise = 2.f * random.NextFloat() - 1.f;
+      inputs.samples(x, y) = {
+          ray.x, ray.y, depth * (1.f + (choice == 4 ? 0.4f : 2e-3f) * noise)};
+    }
+  }
+  return GatherEvidence(inputs, {});
+}
 
 TEST_F(CudaTest, DiscoverPlanes) {
   const DrawnRoom room;
@@ -31,6 +77,55 @@ TEST_F(CudaTest, DiscoverPlanes) {
   const StageResult on_cpu = run(*cpu_);
   EXPECT_EQ(on_cpu.Channels()[0].values.size(), 3u * 5u);
   EXPECT_EQ(FindDifferentBytes(on_cpu, run(*cuda_)), "");
+}
+
+// Every cost is a sum in one order, of numbers that are rounded alike: not one
+// label may differ.
+TEST_F(CudaTest, LabelView) {
+  const Eigen::Vector3d middle(-0.8, 0.4, 4.0);
+  const DrawnRoom room({{PlaneThrough({0.2, 0.1, -1.0}, middle),
+                         middle,
+                         [&](const Eigen::Vector3d& point) {
+                           return (point - middle).norm() < 0.6;
+                         }}});
+  std::vector<ViewEvidence> evidence;
+  for (size_t i = 0; i < room.cameras.size(); ++i) {
+    evidence.push_back(ObserveInPart(room, i));
+  }
+  std::vector<ObservedView> views;
+  for (size_t i = 0; i < room.cameras.size(); ++i) {
+    views.push_back({&evidence[i], room.cameras[i]});
+  }
+  const DiscoveredPlanes discovered =
+      DiscoverPlanes(views, room.Candidates(), {}, *cpu_);
+  const PlaneSupport support = FindPlaneSupport(views, discovered, {});
+  for (size_t num_views = 1; num_views <= views.size(); ++num_views) {
+    const std::vector<ObservedView> seen_by(
+        views.begin(), views.begin() + static_cast<std::ptrdiff_t>(num_views));
+    const auto run = [&](Device& device) {
+      return LabelView(seen_by, discovered, support, {}, device);
+    };
+    const auto numbers = [](const LabeledView& labeled) {
+      StageResult result;
+      result.Add("planes", kSameLabels, labeled.planes);
+      result.Add("labels", kSameLabels, labeled.labels);
+      result.Add("evidence", kSameLabels, labeled.evidence);
+      return result;
+    };
+    const LabeledView on_cpu = run(*cpu_);
+    if (num_views == views.size()) {
+      // Something of everything is there to be compared.
+      EXPECT_EQ(
+          std::set<int>(on_cpu.labels.begin(), on_cpu.labels.end()).size(),
+          room.surfaces.size() + 1);
+      EXPECT_EQ(std::set<LabelEvidence>(on_cpu.evidence.begin(),
+                                        on_cpu.evidence.end())
+                    .size(),
+                4u);
+    }
+    EXPECT_EQ(FindDifferentBytes(numbers(on_cpu), numbers(run(*cuda_))), "")
+        << num_views << " views";
+  }
 }
 
 }  // namespace

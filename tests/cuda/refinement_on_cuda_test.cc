@@ -14,9 +14,6 @@
 namespace tsar {
 namespace {
 
-// For stages of whole numbers and plain arithmetic.
-constexpr Closeness kSameBytes{0.0, 0.0, 0.0};
-
 std::vector<int> Channels(const DeviceImage<Rgb>& color) {
   std::vector<int> channels;
   for (const Rgb& pixel : color.ToHost()) {

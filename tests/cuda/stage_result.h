@@ -23,6 +23,8 @@ struct Closeness {
   double max_share = 1e-3;
 };
 
+// For stages of whole numbers and plain arithmetic, which both round alike.
+constexpr Closeness kSameBytes{0.0, 0.0, 0.0};
 constexpr Closeness kSameLabels{};
 constexpr Closeness kCloseDepths{1e-4, 1e-6, 1e-3};
 constexpr Closeness kCloseScores{1e-4, 1e-4, 1e-3};

@@ -95,6 +95,20 @@ class DrawnRoom {
     }
   }
 
+  // The nearest surface along a ray, and its depth.
+  std::pair<int, double> Hit(const Camera& camera,
+                             const Eigen::Vector3d& ray) const {
+    std::pair<int, double> nearest(-1, 1e9);
+    for (size_t i = 0; i < surfaces.size(); ++i) {
+      const DepthObservation hit = ObservePlane(surfaces[i].plane, camera, ray);
+      if (hit.depth > 0.0 && hit.depth < nearest.second &&
+          (!surfaces[i].holds || surfaces[i].holds(hit.Point()))) {
+        nearest = {static_cast<int>(i), hit.depth};
+      }
+    }
+    return nearest;
+  }
+
   // The same room in other units and elsewhere.
   void Transform(double scale, const Eigen::Vector3d& shift) {
     for (size_t i = 0; i < cameras.size(); ++i) {
@@ -123,20 +137,6 @@ class DrawnRoom {
   static DrawnSurface Surface(const Eigen::Vector3d& direction,
                               const Eigen::Vector3d& middle) {
     return {PlaneThrough(direction, middle), middle, {}};
-  }
-
-  // The nearest surface along a ray, and its depth.
-  std::pair<int, double> Hit(const Camera& camera,
-                             const Eigen::Vector3d& ray) const {
-    std::pair<int, double> nearest(-1, 1e9);
-    for (size_t i = 0; i < surfaces.size(); ++i) {
-      const DepthObservation hit = ObservePlane(surfaces[i].plane, camera, ray);
-      if (hit.depth > 0.0 && hit.depth < nearest.second &&
-          (!surfaces[i].holds || surfaces[i].holds(hit.Point()))) {
-        nearest = {static_cast<int>(i), hit.depth};
-      }
-    }
-    return nearest;
   }
 
   void AddView(const Camera& camera, Philox* random) {
