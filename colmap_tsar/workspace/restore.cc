@@ -118,7 +118,9 @@ void RemoveEmptyFolders(const std::filesystem::path& folder) {
   std::filesystem::remove(folder, error);
 }
 
-void RemoveTsarFolder(const std::filesystem::path& root) {
+// What lies directly in stereo/tsar, apart from the lock.
+std::vector<std::filesystem::path> ListTsarFolder(
+    const std::filesystem::path& root) {
   std::error_code error;
   std::vector<std::filesystem::path> entries;
   for (const auto& entry :
@@ -127,7 +129,12 @@ void RemoveTsarFolder(const std::filesystem::path& root) {
       entries.push_back(entry.path());
     }
   }
-  for (const std::filesystem::path& entry : entries) {
+  return entries;
+}
+
+void RemoveTsarFolder(const std::filesystem::path& root) {
+  std::error_code error;
+  for (const std::filesystem::path& entry : ListTsarFolder(root)) {
     std::filesystem::remove_all(entry, error);
   }
   std::filesystem::remove(GetTsarFolder(root), error);
@@ -144,16 +151,18 @@ RestoreResult Restore(const std::filesystem::path& root) {
         "delete the output workspace where it is not wanted");
   }
   const std::filesystem::path tsar = GetTsarFolder(root);
-  std::set<std::string> keys;
-  AddKeys(tsar / "records", ".json", &keys);
-  AddKeys(tsar / "original" / "depth_maps", ".bin", &keys);
-  AddKeys(tsar / "original" / "normal_maps", ".bin", &keys);
-  if (keys.empty()) {
+  // A run that was stopped before its first map leaves no original, but its
+  // manifest and what it observed.
+  if (ListTsarFolder(root).empty()) {
     throw Error::File(ErrorCode::kNotFound,
                       tsar.string(),
                       "there is nothing to restore",
                       "check --workspace_path");
   }
+  std::set<std::string> keys;
+  AddKeys(tsar / "records", ".json", &keys);
+  AddKeys(tsar / "original" / "depth_maps", ".bin", &keys);
+  AddKeys(tsar / "original" / "normal_maps", ".bin", &keys);
   RestoreResult result;
   for (const std::string& key : keys) {
     RestoreImage(GetMapPaths(root, key), &result);

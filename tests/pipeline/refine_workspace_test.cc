@@ -195,6 +195,23 @@ TEST_F(RefineWorkspaceTest, RestoreGivesTheSameBytes) {
   ExpectSameFiles(before, ReadTree(root_));
 }
 
+TEST_F(RefineWorkspaceTest, RestoreRemovesWhatARunLeftThatChangedNoMap) {
+  const Tree before = ReadTree(root_);
+  Observe(Options(root_));
+  EXPECT_TRUE(HasEvidence());
+  {
+    const WorkspaceLock lock(root_);
+    EXPECT_EQ(Restore(root_).num_restored, 0);
+  }
+  ExpectSameFiles(before, ReadTree(root_));
+  ExpectError(
+      ErrorCode::kNotFound, {"nothing to restore"}, [&] { Restore(root_); });
+  // Nor is the lock something.
+  const WorkspaceLock lock(root_);
+  ExpectError(
+      ErrorCode::kNotFound, {"nothing to restore"}, [&] { Restore(root_); });
+}
+
 TEST_F(RefineWorkspaceTest, SkipsWhatIsDoneAndRedoesWithOtherOptions) {
   RefineOptions others;
   others.segment = false;
