@@ -54,6 +54,10 @@ class ImageRunner : public ImageTasks {
                        ImageReport* report) override;
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
+  // Whether the image had been refined before the run; reads its maps in the
+  // first call.
+  bool HasBeenRefined(size_t index);
+
   // For the pass that observes.
   int Reference(size_t index) const { return Problem(index).reference; }
   // The views that single-view stages need.
@@ -87,8 +91,6 @@ class ImageRunner : public ImageTasks {
   // The sources that have maps.
   std::vector<int> Sources(const StereoProblem& problem) const;
   bool HasMaps(int image) const;
-  // Reads the image's maps in the first call.
-  bool HasBeenRefined(size_t index);
   const std::string& Name(int image) const;
 
   const Workspace& workspace_;

@@ -58,16 +58,33 @@ bool IsComplete(const ImagePipeline& pipeline) {
                       });
 }
 
-void MarkFailures(const ImagePipeline& pipeline, Manifest* manifest) {
+bool WasRefinedBefore(ImageRunner& runner, size_t index) {
+  try {
+    return runner.HasBeenRefined(index);
+  } catch (const Error&) {
+    // That it cannot be found out may be what failed.
+    return false;
+  }
+}
+
+void MarkFailures(const ImagePipeline& pipeline,
+                  ImageRunner& runner,
+                  Manifest* manifest) {
   for (size_t i = 0; i < manifest->images.size(); ++i) {
     if (!pipeline.Failures()[i]) {
       continue;
     }
-    manifest->images[i].status = ImageStatus::kFailed;
+    Manifest::Entry& entry = manifest->images[i];
     try {
       std::rethrow_exception(pipeline.Failures()[i]);
     } catch (const std::exception& error) {
-      manifest->images[i].note = error.what();
+      entry.note = error.what();
+    }
+    if (WasRefinedBefore(runner, i)) {
+      // It was only to be observed, and its maps are as good as before.
+      entry.note = "cannot be observed for other images: " + entry.note;
+    } else {
+      entry.status = ImageStatus::kFailed;
     }
   }
 }
@@ -202,7 +219,7 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
   Manifest manifest = build_manifest();
-  MarkFailures(pipeline, &manifest);
+  MarkFailures(pipeline, runner, &manifest);
   try {
     WriteManifest(workspace, manifest);
   } catch (const Error&) {

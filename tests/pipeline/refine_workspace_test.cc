@@ -508,6 +508,37 @@ TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
   EXPECT_EQ(Refine().num_refined, 3);
 }
 
+TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
+  const std::filesystem::path config = root_ / "stereo/patch-match.cfg";
+  WriteText(config, "v1.png\nv0.png, v3.png\nv3.png\nv1.png\n");
+  Refine();
+  const Tree before = MapsOf(root_);
+  // Now v0 needs what v1 observes, and that needs the image of v3.
+  WriteText(config, "v0.png\nv1.png\nv1.png\nv0.png, v3.png\nv3.png\nv1.png\n");
+  const std::string image = ReadText(root_ / "images/v3.png");
+  WriteText(root_ / "images/v3.png", image.substr(0, 24));
+  ExpectError(
+      ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] { Refine(); });
+  ExpectSameFiles(before, MapsOf(root_));
+  const nlohmann::json manifest = Manifest();
+  EXPECT_EQ(manifest["num_images"]["failed"], 0);
+  EXPECT_EQ(manifest["images"][0]["status"], "pending");
+  EXPECT_EQ(manifest["images"][1]["status"], "done");
+  EXPECT_THAT(
+      manifest["images"][1]["note"].get<std::string>(),
+      testing::AllOf(testing::StartsWith("cannot be observed for other images"),
+                     testing::HasSubstr("v3.png")));
+  EXPECT_EQ(manifest["images"][2]["status"], "done");
+  EXPECT_EQ(manifest["images"][2]["note"], "");
+
+  // Where the maps of v1 are others by now, it is v1 that fails.
+  WriteDepthMap(Paths(1).depth, Image<float>(96, 72, 5.f));
+  ExpectError(
+      ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] { Refine(); });
+  EXPECT_EQ(Manifest()["images"][1]["status"], "failed");
+  EXPECT_EQ(Manifest()["num_images"]["done"], 1);
+}
+
 TEST_F(RefineWorkspaceTest, KeepsEvidenceOnlyAsLongAsItIsNeeded) {
   bool was_there = false;
   Refine(Options(root_), {}, [&] {
