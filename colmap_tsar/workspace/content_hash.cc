@@ -38,6 +38,10 @@ void ContentHash::AddBlock(const unsigned char* block) {
 }
 
 void ContentHash::Update(const void* data, size_t num_bytes) {
+  if (num_bytes == 0) {
+    // An empty array may have no address, which memcpy must not see.
+    return;
+  }
   const auto* bytes = static_cast<const unsigned char*>(data);
   num_bytes_ += num_bytes;
   if (num_rest_ > 0) {

@@ -198,6 +198,23 @@ TEST(ContentHashTest, DoesNotDependOnTheSplit) {
   }
 }
 
+TEST(ContentHashTest, NothingChangesNothing) {
+  ContentHash hash;
+  hash.Update(nullptr, 0);
+  EXPECT_EQ(hash.Value(), ContentHash().Value());
+  ContentHash expected;
+  for (ContentHash* either : {&hash, &expected}) {
+    either->Update("12345", 5);
+  }
+  // Also between two parts of a block.
+  hash.Update(nullptr, 0);
+  EXPECT_EQ(hash.Value(), expected.Value());
+  for (ContentHash* either : {&hash, &expected}) {
+    either->Update("6789", 4);
+  }
+  EXPECT_EQ(hash.Value(), expected.Value());
+}
+
 TEST(ContentHashTest, SeesEveryByteAndTheLength) {
   const std::string bytes(77, '\0');
   std::vector<uint64_t> values;
