@@ -216,27 +216,18 @@ RefineResult ImageRunner::WithSources(size_t index,
   const StereoProblem& problem = Problem(index);
   Device& device = *worker.device;
   const Clock::time_point start = Clock::now();
+  // Nothing reads the sources before DeviceViews has them, which waits for the
+  // device before it lets go of them, also where a stage fails.
   std::vector<DeviceViewCache::View> sources;
-  RefineResult result;
-  try {
-    for (const int source : Sources(problem)) {
-      sources.push_back(worker.views->Get(source, views->Get(source), device));
-      if (source != problem.reference) {
-        views->Release(source);
-      }
+  for (const int source : Sources(problem)) {
+    sources.push_back(worker.views->Get(source, views->Get(source), device));
+    if (source != problem.reference) {
+      views->Release(source);
     }
-    const double upload_seconds = SecondsSince(start);
-    result = function(std::move(sources));
-    result.seconds["upload"] += upload_seconds;
-  } catch (...) {
-    // Kernels may still be reading the sources.
-    try {
-      device.Synchronize();
-    } catch (const Error&) {
-      // The first failure says more.
-    }
-    throw;
   }
+  const double upload_seconds = SecondsSince(start);
+  RefineResult result = function(std::move(sources));
+  result.seconds["upload"] += upload_seconds;
   return result;
 }
 

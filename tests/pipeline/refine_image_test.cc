@@ -3,11 +3,17 @@
 
 #include "colmap_tsar/pipeline/refine_image.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
 #include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
 
+#include "tests/pipeline/counting_device.h"
 #include "tests/pipeline/drawn_views.h"
 #include <gtest/gtest.h>
 
@@ -192,6 +198,67 @@ TEST_F(RefineImageTest, DoesNotDependOnTheNumberOfThreads) {
     ASSERT_EQ(two.confidence.Data()[i], five.confidence.Data()[i]) << i;
     ASSERT_EQ(two.provenance.Data()[i], five.provenance.Data()[i]) << i;
   }
+}
+
+// A GPU that tells whether it may have work left, and on request has no memory
+// left.
+class BusyDevice : public CountingDevice {
+ public:
+  BusyDevice() : CountingDevice("Card", size_t{1} << 30, 2) {}
+
+  void* Allocate(size_t num_bytes) override {
+    is_busy_ = true;
+    if (NumAllocations() == num_good_allocations) {
+      throw Error(ErrorCode::kOutOfMemory, "GPU: it is full; empty it");
+    }
+    return CountingDevice::Allocate(num_bytes);
+  }
+  void Synchronize() override { is_busy_ = false; }
+  bool IsBusy() const { return is_busy_; }
+
+  int num_good_allocations = -1;
+
+ private:
+  bool is_busy_ = false;
+};
+
+TEST_F(RefineImageTest, SourcesStayUntilTheDeviceIsDoneWithThem) {
+  const auto cpu = Device::CreateCpu(1);
+  int num_gone = 0;
+  // Returns the number of allocations.
+  const auto refine = [&](int num_good_allocations) {
+    BusyDevice device;
+    device.num_good_allocations = num_good_allocations;
+    std::vector<std::shared_ptr<const UploadedView>> sources;
+    for (const auto& source : UploadViews(drawn_.Sources(), *cpu)) {
+      sources.emplace_back(source.get(), [&, source](const UploadedView*) {
+        ++num_gone;
+        EXPECT_FALSE(device.IsBusy()) << num_good_allocations;
+      });
+    }
+    const auto run = [&] {
+      RefineImage(drawn_.views[0], std::move(sources), 1, {}, device);
+    };
+    if (num_good_allocations < 0) {
+      run();
+    } else {
+      EXPECT_THROW(run(), Error);
+    }
+    return device.NumAllocations();
+  };
+  const int num_allocations = refine(-1);
+  EXPECT_EQ(num_gone, 4);
+  // Until these are uploaded, nothing reads the sources.
+  BusyDevice device;
+  const DeviceViews views(drawn_.views[0], UploadViews({}, device), device);
+  int num_failures = 0;
+  for (int i = device.NumAllocations() + 1; i < num_allocations; i += 7) {
+    num_gone = 0;
+    refine(i);
+    EXPECT_EQ(num_gone, 4);
+    ++num_failures;
+  }
+  EXPECT_GT(num_failures, 10);
 }
 
 }  // namespace
