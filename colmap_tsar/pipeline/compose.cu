@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/pipeline/compose.h"
-#include "colmap_tsar/pipeline/refine_image.h"
 
 #include <cmath>
 #include <utility>
@@ -82,27 +81,11 @@ struct ConfidenceKernel {
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    float value = 0.f;
-    switch (static_cast<Provenance>(provenance(x, y))) {
-      case Provenance::kMeasured:
-        // Not 0, which stands for no depth, also where nothing judged it.
-        value = fminf(fmaxf(score(x, y), kMinConfidence), 1.f);
-        break;
-      // About the shares of such pixels that are right to 2 cm on the scenes of
-      // docs/method.md.
-      case Provenance::kRegionPlane:
-        value = 0.5f;
-        break;
-      case Provenance::kSuperpixelPlane:
-        value = 0.3f;
-        break;
-      case Provenance::kInterpolated:
-        value = 0.25f;
-        break;
-      default:
-        break;
-    }
-    confidence(x, y) = value;
+    const auto source = static_cast<Provenance>(provenance(x, y));
+    // Not 0, which stands for no depth, also where nothing judged it.
+    confidence(x, y) = source == Provenance::kMeasured
+                           ? fminf(fmaxf(score(x, y), kMinConfidence), 1.f)
+                           : ConfidenceOfFilled(source);
   }
 };
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/planes/group_planes.h"
 #include "colmap_tsar/refinement/samples.h"
 #include "colmap_tsar/refinement/weighted_median.h"
@@ -44,6 +46,24 @@ ComposedMap ComposeMap(DepthNormalImages own,
 void MarkInterpolated(ImageView<const uint8_t> filled,
                       ComposedMap* composed,
                       Device& device);
+
+// What a depth is worth that was not measured in its pixel: about the share of
+// such pixels that are right to 2 cm on the scenes of docs/method.md. That of
+// kOtherViews holds where these measured the plane. 0 for all others.
+TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
+  switch (provenance) {
+    case Provenance::kRegionPlane:
+      return 0.5f;
+    case Provenance::kOtherViews:
+      return 0.4f;
+    case Provenance::kSuperpixelPlane:
+      return 0.3f;
+    case Provenance::kInterpolated:
+      return 0.25f;
+    default:
+      return 0.f;
+  }
+}
 
 // How much each depth is worth, in [0, 1]: the score where it was measured, and
 // for filled pixels a fixed value by provenance, at most 0.5; 0 where there

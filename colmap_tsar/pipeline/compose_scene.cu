@@ -5,7 +5,6 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
-#include "colmap_tsar/pipeline/refine_image.h"
 
 #include <cmath>
 #include <utility>
@@ -17,6 +16,16 @@ namespace {
 TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
   const Plane plane = raster.At(x, y);
   return plane.Valid() ? plane.Depth(raster.intrinsics.Ray(x, y)) : 0.f;
+}
+
+// How the plane of the scene under a pixel of the map came there.
+TSAR_HD inline LabelEvidence EvidenceAt(const ComposeSceneInputs& inputs,
+                                        int x,
+                                        int y) {
+  const ImageView<const uint8_t>& evidence = inputs.label_evidence;
+  return static_cast<LabelEvidence>(evidence(
+      ReducedRaster::FromMap(x, inputs.trust.width, evidence.width),
+      ReducedRaster::FromMap(y, inputs.trust.height, evidence.height)));
 }
 
 // Marks measurements that do not lie on a plane of the scene.
@@ -68,8 +77,9 @@ struct ComposeSceneKernel {
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
     if (plane.Valid()) {
       source = is_trusted && blob < 0 ? Provenance::kMeasured
-               : IsSeenHere(x, y)     ? Provenance::kRegionPlane
-                                      : Provenance::kOtherViews;
+               : EvidenceAt(inputs, x, y) == LabelEvidence::kMeasured
+                   ? Provenance::kRegionPlane
+                   : Provenance::kOtherViews;
     } else {
       plane = inputs.region_planes.At(x, y);
       ray = inputs.region_planes.intrinsics.Ray(x, y);
@@ -79,15 +89,10 @@ struct ComposeSceneKernel {
     normal(x, y) = plane.Valid() ? plane.normal : Vec3f{};
     provenance(x, y) = static_cast<uint8_t>(source);
   }
-
-  TSAR_HD bool IsSeenHere(int x, int y) const {
-    const ImageView<const uint8_t>& evidence = inputs.label_evidence;
-    const auto kind = static_cast<LabelEvidence>(
-        evidence(ReducedRaster::FromMap(x, depth.width, evidence.width),
-                 ReducedRaster::FromMap(y, depth.height, evidence.height)));
-    return kind == LabelEvidence::kMeasured;
-  }
 };
+
+// What a plane of the scene is worth where no view measured it.
+constexpr float kGuessConfidence = 0.3f;
 
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
@@ -95,27 +100,13 @@ struct SceneConfidenceKernel {
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    float value = 0.f;
-    switch (static_cast<Provenance>(provenance(x, y))) {
-      case Provenance::kMeasured:
-        value = inputs.trust(x, y) / 255.f;
-        break;
-      case Provenance::kRegionPlane:
-        value = 0.5f;
-        break;
-      case Provenance::kOtherViews: {
-        const ImageView<const uint8_t>& evidence = inputs.label_evidence;
-        const auto kind = static_cast<LabelEvidence>(evidence(
-            ReducedRaster::FromMap(x, confidence.width, evidence.width),
-            ReducedRaster::FromMap(y, confidence.height, evidence.height)));
-        value = kind == LabelEvidence::kCarried ? 0.4f : 0.3f;
-        break;
-      }
-      case Provenance::kInterpolated:
-        value = 0.25f;
-        break;
-      default:
-        break;
+    const auto source = static_cast<Provenance>(provenance(x, y));
+    float value = ConfidenceOfFilled(source);
+    if (source == Provenance::kMeasured) {
+      value = inputs.trust(x, y) / 255.f;
+    } else if (source == Provenance::kOtherViews &&
+               EvidenceAt(inputs, x, y) != LabelEvidence::kCarried) {
+      value = kGuessConfidence;
     }
     confidence(x, y) = value;
   }
