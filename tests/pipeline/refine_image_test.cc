@@ -8,58 +8,21 @@
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
-#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "tests/pipeline/counting_device.h"
-#include "tests/pipeline/drawn_views.h"
-#include <gtest/gtest.h>
+#include "tests/pipeline/drawn_views_test.h"
 
 namespace tsar {
 namespace {
 
-class RefineImageTest : public testing::Test {
+class RefineImageTest : public DrawnViewsTest {
  protected:
-  RefineImageTest() : device_(Device::CreateCpu(2)), drawn_(DrawViews({})) {}
-
   RefineResult Refine(const RefineOptions& options = {}) const {
     return RefineImage(drawn_.views[0], drawn_.Sources(), 1, options, *device_);
   }
-  float RelativeError(const Image<float>& depth, int x, int y) const {
-    return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);
-  }
-  const Image<float>& Before() const { return drawn_.views[0].depth; }
-  bool IsBare(int x, int y) const {
-    const Vec3f ray = drawn_.views[0].camera.GetIntrinsics().Ray(x, y);
-    return DrawnViews::IsBare(ray);
-  }
-  // What holds for the maps whatever the options.
-  void ExpectSoundMaps(const RefinedMaps& maps) const {
-    ASSERT_TRUE(maps.depth.HasSizeOf(Before()));
-    const Intrinsics intrinsics = drawn_.views[0].camera.GetIntrinsics();
-    for (int y = 0; y < maps.depth.Height(); ++y) {
-      for (int x = 0; x < maps.depth.Width(); ++x) {
-        const float depth = maps.depth(x, y);
-        const Vec3f& normal = maps.normal(x, y);
-        const float confidence = maps.confidence(x, y);
-        ASSERT_TRUE(std::isfinite(depth) && depth >= 0.f) << x << ", " << y;
-        ASSERT_TRUE(confidence >= 0.f && confidence <= 1.f) << x << ", " << y;
-        ASSERT_EQ(confidence > 0.f, depth > 0.f) << x << ", " << y;
-        ASSERT_EQ(maps.provenance(x, y) != 0, depth > 0.f) << x << ", " << y;
-        if (depth > 0.f) {
-          ASSERT_NEAR(Norm(normal), 1.f, 1e-4f) << x << ", " << y;
-          ASSERT_LT(Dot(normal, intrinsics.Ray(x, y)), 0.f) << x << ", " << y;
-        } else {
-          ASSERT_EQ(normal, Vec3f{}) << x << ", " << y;
-        }
-      }
-    }
-  }
-
-  std::unique_ptr<Device> device_;
-  DrawnViews drawn_;
 };
 
 TEST_F(RefineImageTest, FillsTheBarePartWithTheWall) {
@@ -191,13 +154,7 @@ TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
 TEST_F(RefineImageTest, DoesNotDependOnTheNumberOfThreads) {
   const RefinedMaps two = Refine().maps;
   device_ = Device::CreateCpu(5);
-  const RefinedMaps five = Refine().maps;
-  for (size_t i = 0; i < two.depth.NumPixels(); ++i) {
-    ASSERT_EQ(two.depth.Data()[i], five.depth.Data()[i]) << i;
-    ASSERT_EQ(two.normal.Data()[i], five.normal.Data()[i]) << i;
-    ASSERT_EQ(two.confidence.Data()[i], five.confidence.Data()[i]) << i;
-    ASSERT_EQ(two.provenance.Data()[i], five.provenance.Data()[i]) << i;
-  }
+  ExpectSameMaps(two, Refine().maps);
 }
 
 // A GPU that tells whether it may have work left, and on request has no memory

@@ -6,10 +6,9 @@
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/workspace/evidence_file.h"
 
-#include <cmath>
 #include <utility>
 
-#include "tests/pipeline/drawn_views.h"
+#include "tests/pipeline/drawn_views_test.h"
 #include "tests/workspace/test_workspace.h"
 
 namespace tsar {
@@ -18,10 +17,8 @@ namespace {
 // A depth this close to the truth is right.
 constexpr float kRight = 5e-3f;
 
-class RefineSceneTest : public testing::Test {
+class RefineSceneTest : public DrawnViewsTest {
  protected:
-  RefineSceneTest() : device_(Device::CreateCpu(2)), drawn_(DrawViews({})) {}
-
   // The first so many views, with all others as their sources.
   std::vector<std::unique_ptr<ViewEvidence>> Observe(
       size_t num_views, const RefineOptions& options = {}) const {
@@ -63,49 +60,6 @@ class RefineSceneTest : public testing::Test {
   RefinedMaps RefineAlone() const {
     return RefineImage(drawn_.views[0], drawn_.Sources(), 0, {}, *device_).maps;
   }
-
-  float RelativeError(const Image<float>& depth, int x, int y) const {
-    return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);
-  }
-  const Image<float>& Before() const { return drawn_.views[0].depth; }
-  bool IsBare(int x, int y) const {
-    return DrawnViews::IsBare(drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
-  }
-  // What holds for the maps whatever the options.
-  void ExpectSoundMaps(const RefinedMaps& maps) const {
-    ASSERT_TRUE(maps.depth.HasSizeOf(Before()));
-    const Intrinsics intrinsics = drawn_.views[0].camera.GetIntrinsics();
-    for (int y = 0; y < maps.depth.Height(); ++y) {
-      for (int x = 0; x < maps.depth.Width(); ++x) {
-        const float depth = maps.depth(x, y);
-        const Vec3f& normal = maps.normal(x, y);
-        const float confidence = maps.confidence(x, y);
-        ASSERT_TRUE(std::isfinite(depth) && depth >= 0.f) << x << ", " << y;
-        ASSERT_TRUE(confidence >= 0.f && confidence <= 1.f) << x << ", " << y;
-        ASSERT_EQ(confidence > 0.f, depth > 0.f) << x << ", " << y;
-        ASSERT_EQ(maps.provenance(x, y) != 0, depth > 0.f) << x << ", " << y;
-        if (depth > 0.f) {
-          ASSERT_NEAR(Norm(normal), 1.f, 1e-4f) << x << ", " << y;
-          ASSERT_LT(Dot(normal, intrinsics.Ray(x, y)), 0.f) << x << ", " << y;
-        } else {
-          ASSERT_EQ(normal, Vec3f{}) << x << ", " << y;
-        }
-      }
-    }
-  }
-  static void ExpectSameMaps(const RefinedMaps& a,
-                             const RefinedMaps& b,
-                             float scale = 1.f) {
-    for (size_t i = 0; i < a.depth.NumPixels(); ++i) {
-      ASSERT_EQ(a.depth.Data()[i] * scale, b.depth.Data()[i]) << i;
-      ASSERT_EQ(a.normal.Data()[i], b.normal.Data()[i]) << i;
-      ASSERT_EQ(a.confidence.Data()[i], b.confidence.Data()[i]) << i;
-      ASSERT_EQ(a.provenance.Data()[i], b.provenance.Data()[i]) << i;
-    }
-  }
-
-  std::unique_ptr<Device> device_;
-  DrawnViews drawn_;
 };
 
 TEST_F(RefineSceneTest, AWallWithoutTextureGetsItsPlane) {
