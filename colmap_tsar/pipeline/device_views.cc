@@ -26,6 +26,12 @@ ReducedRaster MakeRaster(int width, int height) {
 
 }  // namespace
 
+DeviceReference::DeviceReference(const ViewData& view, Device& device)
+    : camera(view.camera), color(device, view.color) {
+  hypotheses.depth = DeviceImage<float>(device, view.depth);
+  hypotheses.normal = DeviceImage<Vec3f>(device, view.normal);
+}
+
 DeviceViews::DeviceViews(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
                          Device& device)
@@ -36,14 +42,11 @@ DeviceViews::DeviceViews(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     Device& device)
     : device_(device),
-      camera_(reference.camera),
+      reference_(reference, device),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
-      color_(device, reference.color),
-      raster_color_(ReduceColor(color_.View(), raster_, device)),
-      gray_(ComputeGray(color_.View(), device)),
+      raster_color_(ReduceColor(Color(), raster_, device)),
+      gray_(ComputeGray(Color(), device)),
       uploaded_sources_(std::move(sources)) {
-  hypotheses_.depth = DeviceImage<float>(device, reference.depth);
-  hypotheses_.normal = DeviceImage<Vec3f>(device, reference.normal);
   std::vector<SourceView> views;
   std::vector<Camera> cameras;
   for (const auto& source : uploaded_sources_) {
@@ -75,7 +78,9 @@ void DeviceViews::ReleaseSources() {
 }
 
 Intrinsics DeviceViews::RasterIntrinsics() const {
-  return camera_.Resized(raster_.width, raster_.height).GetIntrinsics();
+  return ReferenceCamera()
+      .Resized(raster_.width, raster_.height)
+      .GetIntrinsics();
 }
 
 double DeviceViews::RasterScale() const {

@@ -16,6 +16,23 @@
 
 namespace tsar {
 
+// A reference image and its maps in the device's memory.
+struct DeviceReference {
+  DeviceReference(const ViewData& view, Device& device);
+
+  int Width() const { return color.Width(); }
+  int Height() const { return color.Height(); }
+  Intrinsics MapIntrinsics() const { return camera.GetIntrinsics(); }
+  // Planes of a raster, as the map's pixels see them.
+  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
+    return {planes.View(), MapIntrinsics(), Width(), Height()};
+  }
+
+  Camera camera;
+  DeviceImage<Rgb> color;
+  DepthNormalImages hypotheses;
+};
+
 // A reference image and its sources in the device's memory, ready for the
 // stages.
 class DeviceViews {
@@ -33,36 +50,38 @@ class DeviceViews {
   // this waits for the work that may read them.
   ~DeviceViews();
 
-  int Width() const { return color_.Width(); }
-  int Height() const { return color_.Height(); }
-  const Camera& ReferenceCamera() const { return camera_; }
-  Intrinsics MapIntrinsics() const { return camera_.GetIntrinsics(); }
+  int Width() const { return reference_.Width(); }
+  int Height() const { return reference_.Height(); }
+  const Camera& ReferenceCamera() const { return reference_.camera; }
+  Intrinsics MapIntrinsics() const { return reference_.MapIntrinsics(); }
   Intrinsics RasterIntrinsics() const;
   const DisparityScale& Scale() const { return scale_; }
 
   ReferenceView Reference() const {
     return {MapIntrinsics(),
             gray_.View(),
-            hypotheses_.depth.View(),
-            hypotheses_.normal.View()};
+            reference_.hypotheses.depth.View(),
+            reference_.hypotheses.normal.View()};
   }
   const Buffer<SourceView>& Sources() const { return sources_; }
-  DepthNormalViews Hypotheses() const { return hypotheses_.Views(); }
+  DepthNormalViews Hypotheses() const { return reference_.hypotheses.Views(); }
   // The sources that have a depth anywhere: no more can agree with a pixel.
   int NumSourcesWithDepth() const { return num_sources_with_depth_; }
   // Frees what only matching needs, once the device has done that: the sources
   // and the gray image, which are empty afterwards.
   void ReleaseSources();
   // Gives the hypotheses away; they and Reference() are empty afterwards.
-  DepthNormalImages TakeHypotheses() { return std::move(hypotheses_); }
-  ImageView<const Rgb> Color() const { return color_.View(); }
+  DepthNormalImages TakeHypotheses() {
+    return std::move(reference_.hypotheses);
+  }
+  ImageView<const Rgb> Color() const { return reference_.color.View(); }
 
   // The raster of superpixels and regions, and the image reduced to it.
   const ReducedRaster& Raster() const { return raster_; }
   ImageView<const Rgb> RasterColor() const { return raster_color_.View(); }
   // Planes of the raster, as the map's pixels see them.
   PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
-    return {planes.View(), MapIntrinsics(), Width(), Height()};
+    return reference_.OnMap(planes);
   }
   // The raster's size relative to the paper's: lengths shrink by it, areas by
   // its square.
@@ -70,13 +89,11 @@ class DeviceViews {
 
  private:
   Device& device_;
-  Camera camera_;
+  DeviceReference reference_;
   DisparityScale scale_;
   ReducedRaster raster_;
-  DeviceImage<Rgb> color_;
   DeviceImage<Rgb> raster_color_;
   DeviceImage<float> gray_;
-  DepthNormalImages hypotheses_;
   std::vector<std::shared_ptr<const UploadedView>> uploaded_sources_;
   Buffer<SourceView> sources_;
   int num_sources_with_depth_ = 0;

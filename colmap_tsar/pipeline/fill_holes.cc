@@ -7,7 +7,8 @@
 
 namespace tsar {
 
-void FillHoles(const DeviceViews& views,
+void FillHoles(ImageView<const Rgb> color,
+               const Intrinsics& intrinsics,
                const RefineOptions& options,
                ComposedMap* composed,
                Device& device) {
@@ -16,12 +17,12 @@ void FillHoles(const DeviceViews& views,
   }
   WeightedMedianOptions filter;
   filter.radius =
-      ScaledRadius(2.f * options.window_radius, views.Width(), views.Height());
+      ScaledRadius(2.f * options.window_radius, color.width, color.height);
   filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
   filter.color_sigma = static_cast<float>(options.color_sigma);
   filter.min_support = 1.f / 3.f;
-  const DeviceImage<uint8_t> filled = InterpolateHoles(views.Color(),
-                                                       views.MapIntrinsics(),
+  const DeviceImage<uint8_t> filled = InterpolateHoles(color,
+                                                       intrinsics,
                                                        options.num_iterations,
                                                        filter,
                                                        &composed->map,

@@ -4,15 +4,15 @@
 #pragma once
 
 #include "colmap_tsar/pipeline/compose.h"
-#include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 namespace tsar {
 
 // R2: fills small holes by weighted medians, and marks them as interpolated.
-// Nothing where the options switch it off.
-void FillHoles(const DeviceViews& views,
+// color, intrinsics: of the map. Nothing where the options switch it off.
+void FillHoles(ImageView<const Rgb> color,
+               const Intrinsics& intrinsics,
                const RefineOptions& options,
                ComposedMap* composed,
                Device& device);

@@ -46,7 +46,7 @@ RefineResult RefineImage(
                                     views.Scale(),
                                     {},
                                     device);
-  FillHoles(views, options, &composed, device);
+  FillHoles(views.Color(), views.MapIntrinsics(), options, &composed, device);
   const DeviceImage<float> confidence =
       RateConfidence(composed, surfaces.score.View(), device);
   timer.Finish("composition");

@@ -91,17 +91,31 @@ void ReduceCandidates(const Camera& camera,
   }
 }
 
-// The plane of each label in one of the rasters of ComposeScene.
-Image<Plane> ScenePlaneRaster(const ViewEvidence& evidence,
-                              const LabeledView& labeled) {
-  Image<Plane> planes(evidence.width, evidence.height);
-  for (size_t i = 0; i < planes.NumPixels(); ++i) {
-    const int label = labeled.labels[evidence.superpixels.Data()[i]];
-    if (label >= 0) {
-      planes.Data()[i] = labeled.planes[static_cast<size_t>(label)];
-    }
+// Of each superpixel; invalid where it has none.
+std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
+  std::vector<Plane> planes;
+  for (const int label : labeled.labels) {
+    planes.push_back(label >= 0 ? labeled.planes[static_cast<size_t>(label)]
+                                : Plane{});
   }
   return planes;
+}
+
+// By the numbers of ViewEvidence::region_planes.
+std::vector<Plane> PlanesOfRegions(const ViewEvidence& evidence) {
+  std::vector<Plane> planes = {Plane{}};
+  planes.insert(
+      planes.end(), evidence.candidates.begin(), evidence.candidates.end());
+  return planes;
+}
+
+// planes: of each label.
+DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
+                              const std::vector<Plane>& planes,
+                              Device& device) {
+  return PlanesOfLabels(DeviceImage<uint16_t>(device, labels).View(),
+                        Buffer<Plane>(device, planes),
+                        device);
 }
 
 Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
@@ -112,17 +126,6 @@ Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
         static_cast<uint8_t>(labeled.evidence[evidence.superpixels.Data()[i]]);
   }
   return kinds;
-}
-
-Image<Plane> RegionPlaneRaster(const ViewEvidence& evidence) {
-  Image<Plane> planes(evidence.width, evidence.height);
-  for (size_t i = 0; i < planes.NumPixels(); ++i) {
-    const int number = evidence.region_planes.Data()[i];
-    if (number > 0) {
-      planes.Data()[i] = evidence.candidates[static_cast<size_t>(number - 1)];
-    }
-  }
-  return planes;
 }
 
 }  // namespace
@@ -171,22 +174,23 @@ RefineResult ComposeImage(const ViewData& reference,
                 scene.labels,
                 device);
   timer.Finish("labels");
-  DeviceViews device_views(
-      reference, std::vector<std::shared_ptr<const UploadedView>>{}, device);
+  DeviceReference view(reference, device);
   const DisparityScale scale{0.f, evidence.error_per_depth};
   const DeviceImage<uint8_t> trust(device, evidence.trust);
-  const DeviceImage<Plane> scene_planes(device,
-                                        ScenePlaneRaster(evidence, labeled));
+  const DeviceImage<Plane> scene_planes =
+      PlaneImage(evidence.superpixels, PlanesOfSuperpixels(labeled), device);
   const DeviceImage<uint8_t> kinds(device, EvidenceRaster(evidence, labeled));
-  const DeviceImage<Plane> region_planes(device, RegionPlaneRaster(evidence));
+  const DeviceImage<Plane> region_planes =
+      PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");
   const ComposeSceneInputs inputs{trust.View(),
-                                  device_views.OnMap(scene_planes),
+                                  view.OnMap(scene_planes),
                                   kinds.View(),
-                                  device_views.OnMap(region_planes)};
+                                  view.OnMap(region_planes)};
   ComposedMap composed = ComposeScene(
-      device_views.TakeHypotheses(), inputs, scale, scene.composition, device);
-  FillHoles(device_views, options, &composed, device);
+      std::move(view.hypotheses), inputs, scale, scene.composition, device);
+  FillHoles(
+      view.color.View(), view.MapIntrinsics(), options, &composed, device);
   const DeviceImage<float> confidence =
       RateSceneConfidence(composed, inputs, device);
   timer.Finish("composition");

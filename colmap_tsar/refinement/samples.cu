@@ -61,8 +61,9 @@ struct ReduceNearestKernel {
   }
 };
 
+template <typename Label>
 struct PlanesOfLabelsKernel {
-  ImageView<const int> labels;
+  ImageView<const Label> labels;
   const Plane* planes;
   ImageView<Plane> result;
 
@@ -71,6 +72,19 @@ struct PlanesOfLabelsKernel {
     result(x, y) = label >= 0 ? planes[label] : Plane{};
   }
 };
+
+template <typename Label>
+DeviceImage<Plane> LookUpPlanes(ImageView<const Label> labels,
+                                const Buffer<Plane>& planes,
+                                Device& device) {
+  DeviceImage<Plane> result(device, labels.width, labels.height);
+  ParallelFor(
+      device,
+      labels.width,
+      labels.height,
+      PlanesOfLabelsKernel<Label>{labels, planes.Data(), result.View()});
+  return result;
+}
 
 }  // namespace
 
@@ -103,12 +117,13 @@ DeviceImage<float> ReduceNearest(ImageView<const float> map,
 DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device) {
-  DeviceImage<Plane> result(device, labels.width, labels.height);
-  ParallelFor(device,
-              labels.width,
-              labels.height,
-              PlanesOfLabelsKernel{labels, planes.Data(), result.View()});
-  return result;
+  return LookUpPlanes(labels, planes, device);
+}
+
+DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
+                                  const Buffer<Plane>& planes,
+                                  Device& device) {
+  return LookUpPlanes(labels, planes, device);
 }
 
 }  // namespace tsar

@@ -48,6 +48,9 @@ DeviceImage<float> ReduceNearest(ImageView<const float> map,
 DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device);
+DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
+                                  const Buffer<Plane>& planes,
+                                  Device& device);
 
 // The planes of a reduced raster as the pixels of the map see them.
 struct PlaneRaster {
@@ -65,8 +68,7 @@ struct PlaneRaster {
     const Plane& plane =
         planes(ReducedRaster::FromMap(x, map_width, planes.width),
                ReducedRaster::FromMap(y, map_height, planes.height));
-    const float depth =
-        plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
+    const float depth = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
     return depth > 0.f && depth <= FLT_MAX ? plane : Plane{};
   }
 };

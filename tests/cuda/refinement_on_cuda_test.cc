@@ -232,12 +232,18 @@ TEST_F(CudaTest, PlanesOfLabels) {
                                       : DrawnPlane({tilt, 0.f, -1.f}, 4.f));
         }
         const Buffer<Plane> buffer(device, planes);
-        const DeviceImage<Plane> of_pixels =
-            PlanesOfLabels(inputs.squares.labels.View(), buffer, device);
-        const Image<Plane> host = of_pixels.ToHost();
-        result->Add("planes",
-                    kSameLabels,
-                    std::vector<Plane>(host.begin(), host.end()));
+        result->Add(
+            "planes",
+            kSameLabels,
+            PlanesOfLabels(inputs.squares.labels.View(), buffer, device));
+        const Image<int> labels = inputs.squares.labels.ToHost();
+        Image<uint16_t> numbers(labels.Width(), labels.Height());
+        std::copy(labels.begin(), labels.end(), numbers.begin());
+        result->Add(
+            "planes by number",
+            kSameLabels,
+            PlanesOfLabels(
+                DeviceImage<uint16_t>(device, numbers).View(), buffer, device));
       });
 }
 

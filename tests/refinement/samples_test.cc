@@ -101,6 +101,19 @@ TEST(PlaneRaster, GivesEachMapPixelItsPlane) {
   const DeviceImage<Plane> pixel_planes =
       PlanesOfLabels(std::as_const(labels).View(), planes, *device);
   const Image<Plane> raster = pixel_planes.ToHost();
+  // Labels without a sign name the same planes by numbers from 0 on.
+  Image<uint16_t> numbers(10, 10);
+  for (size_t i = 0; i < numbers.NumPixels(); ++i) {
+    numbers.Data()[i] = static_cast<uint16_t>(labels.Data()[i] + 1);
+  }
+  const Buffer<Plane> numbered(
+      *device, std::vector<Plane>{Plane(), left, Plane(), right});
+  const Image<Plane> by_number =
+      PlanesOfLabels(std::as_const(numbers).View(), numbered, *device).ToHost();
+  for (size_t i = 0; i < raster.NumPixels(); ++i) {
+    ASSERT_EQ(by_number.Data()[i].normal, raster.Data()[i].normal) << i;
+    ASSERT_EQ(by_number.Data()[i].offset, raster.Data()[i].offset) << i;
+  }
   const PlaneRaster map{raster.View(), camera.GetIntrinsics(), 40, 30};
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 24; ++x) {
@@ -126,9 +139,7 @@ TEST(PlaneRaster, LeavesOutPixelsThatSeeThePlaneFromBehind) {
   EXPECT_TRUE(map.At(5, 15).Valid());
 }
 
-TEST(PlaneRaster, MayBeEmpty) {
-  EXPECT_FALSE(PlaneRaster().At(5, 3).Valid());
-}
+TEST(PlaneRaster, MayBeEmpty) { EXPECT_FALSE(PlaneRaster().At(5, 3).Valid()); }
 
 }  // namespace
 }  // namespace tsar
