@@ -24,8 +24,11 @@
 namespace tsar {
 namespace {
 
-// Fits work on evenly spaced observations where there are more.
+// Fits work on evenly spaced observations where there are more. Of the hundreds
+// of planes that might take the place of two others, few do, and are fitted
+// again to more.
 constexpr size_t kMaxFittedObservations = 2000;
+constexpr size_t kMaxJointObservations = 500;
 constexpr int kFitIterations = 6;
 // The scale of Cauchy's loss as a share of the tolerance.
 constexpr double kCauchyShare = 0.5;
@@ -523,6 +526,24 @@ class FitSamples {
 
   const std::vector<FitBlock>& Blocks() const { return blocks_; }
 
+  // As that of the observations' superpixels.
+  double Score(const WorldPlane& plane, double tolerance) const {
+    double score = 0.0;
+    for (const FitBlock& block : blocks_) {
+      for (int i = 0; i < FitBlock::kSize; ++i) {
+        const Eigen::Vector3d ray(
+            block.ray_x[i], block.ray_y[i], block.ray_z[i]);
+        const double slope =
+            std::max(std::abs(plane.normal.dot(ray)), block.min_slope[i]);
+        const double ratio =
+            plane.Height({block.x[i], block.y[i], block.z[i]}) /
+            (block.sigma[i] * slope * tolerance);
+        score += block.weight[i] * std::max(1.0 - ratio * ratio, 0.0);
+      }
+    }
+    return score;
+  }
+
  private:
   int size_ = 0;
   std::vector<FitBlock> blocks_;
@@ -708,17 +729,32 @@ class Discovery {
     const ScoredPlane* joint = nullptr;
   };
 
-  // Fits to the customers of two planes, from either plane on; none where they
-  // are too different.
-  using Joints = std::vector<ScoredPlane>;
+  // A plane for the customers of two; none where these are too different.
+  using Joint = std::optional<ScoredPlane>;
 
-  FitSamples Sample(const std::vector<int>& members) const {
+  // What would be lost without some planes.
+  struct Losses {
+    explicit Losses(size_t num_planes)
+        : without(num_planes, 0.0),
+          more_without_both(num_planes, std::vector<double>(num_planes, 0.0)) {}
+
+    // Without both of two different planes.
+    double WithoutBoth(int a, int b) const {
+      return without[a] + without[b] + more_without_both[a][b] +
+             more_without_both[b][a];
+    }
+
+    std::vector<double> without;
+    // By the best plane of customers and the second best.
+    std::vector<std::vector<double>> more_without_both;
+  };
+
+  FitSamples Sample(const std::vector<int>& members, size_t max_samples) const {
     FitSamples samples;
     SampleObservations(
-        customers_,
-        members,
-        kMaxFittedObservations,
-        [&](const DepthObservation& sample) { samples.Add(sample); });
+        customers_, members, max_samples, [&](const DepthObservation& sample) {
+          samples.Add(sample);
+        });
     return samples;
   }
 
@@ -755,8 +791,8 @@ class Discovery {
           won.push_back(k);
         }
       }
-      ScoredPlane fitted =
-          std::move(ScorePlanes(scorer_, {Fit(plane.plane, Sample(won))})[0]);
+      ScoredPlane fitted = std::move(ScorePlanes(
+          scorer_, {Fit(plane.plane, Sample(won, kMaxFittedObservations))})[0]);
       const double fitted_gain = Gain(fitted, best_of);
       if (!(fitted_gain > gain)) {
         break;
@@ -791,7 +827,8 @@ class Discovery {
       std::vector<WorldPlane> fits(num_planes);
       device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
         for (int64_t p = begin; p < end; ++p) {
-          fits[p] = Fit(planes_[p].plane, Sample(members[p]));
+          fits[p] =
+              Fit(planes_[p].plane, Sample(members[p], kMaxFittedObservations));
         }
       });
       std::vector<ScoredPlane> fitted = ScorePlanes(scorer_, fits);
@@ -833,10 +870,16 @@ class Discovery {
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings = Rank(planes_, customers_.Count());
     const int num_planes = static_cast<int>(planes_.size());
-    std::vector<double> drop_losses(num_planes, 0.0);
+    Losses losses(planes_.size());
     for (const Ranking& ranking : rankings) {
-      if (ranking.planes[0] >= 0) {
-        drop_losses[ranking.planes[0]] += ranking.scores[0] - ranking.scores[1];
+      const int best = ranking.planes[0];
+      if (best < 0) {
+        continue;
+      }
+      losses.without[best] += ranking.scores[0] - ranking.scores[1];
+      if (ranking.planes[1] >= 0) {
+        losses.more_without_both[best][ranking.planes[1]] +=
+            ranking.scores[1] - ranking.scores[2];
       }
     }
     std::optional<Change> cheapest;
@@ -846,14 +889,14 @@ class Discovery {
       }
     };
     for (int p = 0; p < num_planes; ++p) {
-      consider({p, drop_losses[p], -1, nullptr});
+      consider({p, losses.without[p], -1, nullptr});
     }
     const std::vector<std::vector<int>> members = Members(rankings);
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
-        if (std::min(drop_losses[a], drop_losses[b]) <=
+        if (std::min(losses.without[a], losses.without[b]) <=
             kHopelessGains * options_.min_gain) {
-          consider(Merge(a, b, members, rankings));
+          consider(Merge(a, b, losses.WithoutBoth(a, b), members, rankings));
         }
       }
     }
@@ -875,14 +918,15 @@ class Discovery {
     return 2 * num_near >= num_samples;
   }
 
-  // The fits are kept until one of the planes changes, though both may win or
-  // lose some customers: there are hundreds of pairs, and nearly all of them
-  // are looked at again after each change.
-  const Joints& FindJoints(int a,
-                           int b,
-                           const std::vector<std::vector<int>>& members) {
+  // The better one of two fits, from either plane on. It is kept until one of
+  // the planes changes, though both may win or lose some customers: there are
+  // hundreds of pairs, and nearly all of them are looked at again after each
+  // change.
+  const Joint& FindJoint(int a,
+                         int b,
+                         const std::vector<std::vector<int>>& members) {
     const auto [entry, is_new] = joints_.try_emplace({ids_[a], ids_[b]});
-    Joints& joints = entry->second;
+    Joint& joint = entry->second;
     const WorldPlane& plane_a = planes_[a].plane;
     const WorldPlane& plane_b = planes_[b].plane;
     if (is_new &&
@@ -894,31 +938,28 @@ class Discovery {
                  members[b].begin(),
                  members[b].end(),
                  std::back_inserter(both));
-      const FitSamples samples = Sample(both);
-      joints =
-          ScorePlanes(scorer_, {Fit(plane_a, samples), Fit(plane_b, samples)});
+      const FitSamples samples = Sample(both, kMaxJointObservations);
+      const WorldPlane fit_a = Fit(plane_a, samples);
+      const WorldPlane fit_b = Fit(plane_b, samples);
+      const bool is_first = samples.Score(fit_a, options_.tolerance) >=
+                            samples.Score(fit_b, options_.tolerance);
+      joint = std::move(ScorePlanes(scorer_, {is_first ? fit_a : fit_b})[0]);
     }
-    return joints;
+    return joint;
   }
 
-  // By the better one of the two fits.
   Change Merge(int a,
                int b,
+               double loss_without_both,
                const std::vector<std::vector<int>>& members,
                const std::vector<Ranking>& rankings) {
-    Change change{b, std::numeric_limits<double>::infinity(), a, nullptr};
-    for (const ScoredPlane& fit : FindJoints(a, b, members)) {
-      double loss = 0.0;
-      for (int k = 0; k < customers_.Count(); ++k) {
-        loss += rankings[k].scores[0] -
-                std::max(fit.scores[k], rankings[k].BestWithout(a, b));
-      }
-      if (loss < change.loss) {
-        change.loss = loss;
-        change.joint = &fit;
-      }
+    const Joint& joint = FindJoint(a, b, members);
+    if (!joint) {
+      return {b, std::numeric_limits<double>::infinity(), a, nullptr};
     }
-    return change;
+    const double gain =
+        Gain(*joint, [&](int k) { return rankings[k].BestWithout(a, b); });
+    return {b, loss_without_both - gain, a, &*joint};
   }
 
   const Customers& customers_;
@@ -929,7 +970,7 @@ class Discovery {
   // For DropAndMerge: a number for each plane, another one after each change of
   // it, and the joint fits by those of the two planes.
   std::vector<int> ids_;
-  std::map<std::pair<int, int>, Joints> joints_;
+  std::map<std::pair<int, int>, Joint> joints_;
 };
 
 WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
