@@ -662,12 +662,34 @@ struct Ranking {
 
   void Offer(int plane, float score) {
     for (int i = 0; i < 3; ++i) {
-      // Of equal ones, the first stays in front.
-      if (score > scores[i]) {
+      // Of equal ones, the first is in front.
+      if (score > scores[i] || (score == scores[i] && plane < planes[i])) {
         std::swap(plane, planes[i]);
         std::swap(score, scores[i]);
       }
     }
+  }
+
+  // Whether that could be told from what is here: false where another plane
+  // may now be among the best.
+  bool ChangeScore(int plane, float score) {
+    const bool is_safe = score > scores[2];
+    int place = 0;
+    while (place < 3 && planes[place] != plane) {
+      ++place;
+    }
+    if (place == 3) {
+      Offer(plane, score);
+      return true;
+    }
+    for (; place < 2; ++place) {
+      planes[place] = planes[place + 1];
+      scores[place] = scores[place + 1];
+    }
+    planes[2] = -1;
+    scores[2] = 0.f;
+    Offer(plane, score);
+    return is_safe;
   }
 
   // Of all planes but those.
@@ -689,6 +711,31 @@ std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
     }
   }
   return rankings;
+}
+
+// Follows the change of one plane.
+void UpdateRankings(const std::vector<ScoredPlane>& planes,
+                    int changed,
+                    const ScoredPlane& before,
+                    std::vector<Ranking>* rankings) {
+  const ScoredPlane& plane = planes[changed];
+  const auto update = [&](int k) {
+    Ranking& ranking = (*rankings)[k];
+    if (!ranking.ChangeScore(changed, plane.scores[k])) {
+      ranking = {};
+      for (size_t p = 0; p < planes.size(); ++p) {
+        ranking.Offer(static_cast<int>(p), planes[p].scores[k]);
+      }
+    }
+  };
+  for (const int k : before.customers) {
+    update(k);
+  }
+  for (const int k : plane.customers) {
+    if (!(before.scores[k] > 0.f)) {
+      update(k);
+    }
+  }
 }
 
 // By how much a plane would raise best(customer), the best scores without it.
@@ -838,8 +885,8 @@ class Discovery {
         };
         if (Gain(fitted[p], best_of_others) >
             Gain(planes_[p], best_of_others)) {
-          planes_[p] = std::move(fitted[p]);
-          rankings = Rank(planes_, customers_.Count());
+          std::swap(planes_[p], fitted[p]);
+          UpdateRankings(planes_, p, fitted[p], &rankings);
           improved = true;
         }
       }
