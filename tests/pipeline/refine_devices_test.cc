@@ -241,7 +241,7 @@ TEST_F(RefineDevicesTest, TakesFewerCpuWorkersBeforeItNeedsMore) {
   options_.device = "cpu";
   for (const int num_sources : {1, 10}) {
     overview_.max_num_sources = num_sources;
-    for (double cache_size = 0.35 + 0.04 * num_sources; cache_size < 3.0;
+    for (double cache_size = 0.42 + 0.042 * num_sources; cache_size < 3.0;
          cache_size += 0.02) {
       options_.cache_size = cache_size;
       const RefineDevices devices = Create(0);
@@ -258,7 +258,7 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
   EXPECT_EQ(Create(1).sizes.num_loaders, 6);
-  options_.cache_size = 1.36;
+  options_.cache_size = 1.8;
   const RefineDevices devices = Create(1);
   EXPECT_EQ(devices.sizes.num_loaders, 2);
   EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes),
