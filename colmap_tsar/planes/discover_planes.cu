@@ -24,11 +24,8 @@
 namespace tsar {
 namespace {
 
-// Fits work on evenly spaced observations where there are more. Of the hundreds
-// of planes that might take the place of two others, few do, and are fitted
-// again to more.
+// Fits work on evenly spaced observations where there are more.
 constexpr size_t kMaxFittedObservations = 2000;
-constexpr size_t kMaxJointObservations = 500;
 constexpr int kFitIterations = 6;
 // The scale of Cauchy's loss as a share of the tolerance.
 constexpr double kCauchyShare = 0.5;
@@ -985,7 +982,7 @@ class Discovery {
                  members[b].begin(),
                  members[b].end(),
                  std::back_inserter(both));
-      const FitSamples samples = Sample(both, kMaxJointObservations);
+      const FitSamples samples = Sample(both, kMaxFittedObservations);
       const WorldPlane fit_a = Fit(plane_a, samples);
       const WorldPlane fit_b = Fit(plane_b, samples);
       const bool is_first = samples.Score(fit_a, options_.tolerance) >=
