@@ -523,24 +523,6 @@ class FitSamples {
 
   const std::vector<FitBlock>& Blocks() const { return blocks_; }
 
-  // As that of the observations' superpixels.
-  double Score(const WorldPlane& plane, double tolerance) const {
-    double score = 0.0;
-    for (const FitBlock& block : blocks_) {
-      for (int i = 0; i < FitBlock::kSize; ++i) {
-        const Eigen::Vector3d ray(
-            block.ray_x[i], block.ray_y[i], block.ray_z[i]);
-        const double slope =
-            std::max(std::abs(plane.normal.dot(ray)), block.min_slope[i]);
-        const double ratio =
-            plane.Height({block.x[i], block.y[i], block.z[i]}) /
-            (block.sigma[i] * slope * tolerance);
-        score += block.weight[i] * std::max(1.0 - ratio * ratio, 0.0);
-      }
-    }
-    return score;
-  }
-
  private:
   int size_ = 0;
   std::vector<FitBlock> blocks_;
@@ -773,8 +755,9 @@ class Discovery {
     const ScoredPlane* joint = nullptr;
   };
 
-  // A plane for the customers of two; none where these are too different.
-  using Joint = std::optional<ScoredPlane>;
+  // Fits to the customers of two planes, from either plane on; none where they
+  // are too different.
+  using Joint = std::vector<ScoredPlane>;
 
   // What would be lost without some planes.
   struct Losses {
@@ -962,10 +945,9 @@ class Discovery {
     return 2 * num_near >= num_samples;
   }
 
-  // The better one of two fits, from either plane on. It is kept until one of
-  // the planes changes, though both may win or lose some customers: there are
-  // hundreds of pairs, and nearly all of them are looked at again after each
-  // change.
+  // The fits are kept until one of the planes changes, though both may win or
+  // lose some customers: there are hundreds of pairs, and nearly all of them
+  // are looked at again after each change.
   const Joint& FindJoint(int a,
                          int b,
                          const std::vector<std::vector<int>>& members) {
@@ -983,27 +965,29 @@ class Discovery {
                  members[b].end(),
                  std::back_inserter(both));
       const FitSamples samples = Sample(both, kMaxFittedObservations);
-      const WorldPlane fit_a = Fit(plane_a, samples);
-      const WorldPlane fit_b = Fit(plane_b, samples);
-      const bool is_first = samples.Score(fit_a, options_.tolerance) >=
-                            samples.Score(fit_b, options_.tolerance);
-      joint = std::move(ScorePlanes(scorer_, {is_first ? fit_a : fit_b})[0]);
+      joint =
+          ScorePlanes(scorer_, {Fit(plane_a, samples), Fit(plane_b, samples)});
     }
     return joint;
   }
 
+  // By the better one of the two fits.
   Change Merge(int a,
                int b,
                double loss_without_both,
                const std::vector<std::vector<int>>& members,
                const std::vector<Ranking>& rankings) {
-    const Joint& joint = FindJoint(a, b, members);
-    if (!joint) {
-      return {b, std::numeric_limits<double>::infinity(), a, nullptr};
+    Change change{b, std::numeric_limits<double>::infinity(), a, nullptr};
+    for (const ScoredPlane& fit : FindJoint(a, b, members)) {
+      const double loss = loss_without_both - Gain(fit, [&](int k) {
+                            return rankings[k].BestWithout(a, b);
+                          });
+      if (loss < change.loss) {
+        change.loss = loss;
+        change.joint = &fit;
+      }
     }
-    const double gain =
-        Gain(*joint, [&](int k) { return rankings[k].BestWithout(a, b); });
-    return {b, loss_without_both - gain, a, &*joint};
+    return change;
   }
 
   const Customers& customers_;
