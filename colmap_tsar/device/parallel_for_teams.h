@@ -48,8 +48,11 @@ class Team {
     return total;
 #else
     Sum sums[kSize] = {};
-    for (int i = 0; i < count; ++i) {
-      body(i, &sums[i % kSize]);
+    for (int begin = 0; begin < count; begin += kSize) {
+      const int size = count - begin < kSize ? count - begin : kSize;
+      for (int lane = 0; lane < size; ++lane) {
+        body(begin + lane, &sums[lane]);
+      }
     }
     for (int half = kSize / 2; half > 0; half /= 2) {
       for (int lane = 0; lane < half; ++lane) {

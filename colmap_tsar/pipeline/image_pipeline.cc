@@ -81,6 +81,7 @@ void ImagePipeline::LoadOne(size_t index) {
   image.report.seconds["read"] +=
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
+  tasks_.Prepare(index, image.views);
   ready_.Push(std::move(image));
 }
 

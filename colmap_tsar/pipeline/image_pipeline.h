@@ -33,6 +33,9 @@ class ImageTasks {
   virtual ImageReport Begin(size_t index) = 0;
   // The views that Compute() needs.
   virtual std::vector<int> Views(size_t index) const = 0;
+  // What can be done on the CPU once the views are there, so that no worker
+  // needs to do it.
+  virtual void Prepare(size_t /*index*/, const ViewCache::Lease& /*views*/) {}
   // With one of the workers, each of which is used by one thread. Gives views
   // back as early as it can.
   virtual RefineResult Compute(size_t index,

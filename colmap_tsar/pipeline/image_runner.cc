@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 #include <algorithm>
@@ -75,16 +74,19 @@ ImageRunner::ImageRunner(const Workspace& workspace,
                          std::vector<bool> has_maps,
                          const RefineOptions& options,
                          std::vector<RefineWorker>& workers,
-                         EvidenceStore* evidence)
+                         EvidenceStore* evidence,
+                         bool finds_scenes_ahead)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_(options),
       options_hash_(HashRefineOptions(options)),
       workers_(workers),
       evidence_(evidence),
+      finds_scenes_ahead_(finds_scenes_ahead),
       is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
       served_(workspace.Model().images.size()),
+      scenes_(workspace.Problems().size()),
       seconds_(workspace.Problems().size()),
       file_mutexes_(workspace.Model().images.size()) {
   for (size_t index = 0; index < NumImages(); ++index) {
@@ -145,6 +147,18 @@ bool ImageRunner::IsNeeded(size_t index) {
   });
 }
 
+void ImageRunner::Prepare(size_t index, const ViewCache::Lease& views) {
+  const int image = Reference(index);
+  if (!evidence_ || !finds_scenes_ahead_ || !HasDepth(views.Get(image).depth)) {
+    return;
+  }
+  try {
+    scenes_[index] = FindSceneOf(index, *Device::CreateCpu(1));
+  } catch (const Error& error) {
+    throw WithPlace(error, Name(image), "the CPU");
+  }
+}
+
 RefineResult ImageRunner::Compute(size_t index,
                                   size_t worker_index,
                                   ViewCache::Lease* views,
@@ -162,7 +176,12 @@ RefineResult ImageRunner::Compute(size_t index,
       static_cast<int>(problem.sources.size() - Sources(problem).size());
   try {
     if (evidence_) {
-      result = ComposeFromEvidence(index, worker, reference);
+      std::unique_ptr<Scene> scene = std::move(scenes_[index]);
+      if (!scene) {
+        scene = FindSceneOf(index, *worker.device);
+      }
+      result = ComposeImage(
+          reference, scene->views, scene->found, options_, *worker.device);
     } else {
       result = WithSources(index, worker, views, [&](auto sources) {
         return RefineImage(reference,
@@ -192,7 +211,7 @@ RefineResult ImageRunner::Observe(size_t index,
   }
   try {
     return WithSources(index, worker, views, [&](auto sources) {
-      return ObserveImage(reference,
+      return MeasureImage(reference,
                           std::move(sources),
                           HashImageName(Name(image)),
                           options_,
@@ -200,6 +219,14 @@ RefineResult ImageRunner::Observe(size_t index,
     });
   } catch (const Error& error) {
     throw WithPlace(error, Name(image), worker.name);
+  }
+}
+
+void ImageRunner::MakeEvidenceOf(size_t index, RefineResult* result) const {
+  try {
+    MakeEvidence(options_, *Device::CreateCpu(1), result);
+  } catch (const Error& error) {
+    throw WithPlace(error, Name(Reference(index)), "the CPU");
   }
 }
 
@@ -231,23 +258,23 @@ RefineResult ImageRunner::WithSources(size_t index,
   return result;
 }
 
-RefineResult ImageRunner::ComposeFromEvidence(size_t index,
-                                              RefineWorker& worker,
-                                              const ViewData& reference) {
+std::unique_ptr<ImageRunner::Scene> ImageRunner::FindSceneOf(size_t index,
+                                                             Device& device) {
   const StereoProblem& problem = Problem(index);
-  const ViewEvidence own = evidence_->ReadAll(problem.reference);
-  std::vector<EvidenceStore::Evidence> others;
-  std::vector<ObservedView> views = {Observed(problem.reference, own)};
+  auto scene = std::make_unique<Scene>();
+  scene->own = evidence_->ReadAll(problem.reference);
+  scene->views = {Observed(problem.reference, scene->own)};
   for (const int source : Sources(problem)) {
     if (source == problem.reference) {
       continue;
     }
     if (EvidenceStore::Evidence evidence = evidence_->Get(source)) {
-      views.push_back(Observed(source, *evidence));
-      others.push_back(std::move(evidence));
+      scene->views.push_back(Observed(source, *evidence));
+      scene->others.push_back(std::move(evidence));
     }
   }
-  return ComposeImage(reference, views, options_, *worker.device);
+  scene->found = FindScene(scene->views, options_, device);
+  return scene;
 }
 
 ObservedView ImageRunner::Observed(int image,

@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/pipeline/run_summary.h"
 #include "colmap_tsar/pipeline/view_cache.h"
 #include "colmap_tsar/planes/discover_planes.h"
@@ -15,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -32,12 +34,15 @@ class ImageRunner : public ImageTasks {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // evidence: that of all images, made by an ObserveRunner before this runs;
-  // null where each image is refined by itself.
+  // null where each image is refined by itself. finds_scenes_ahead: whether
+  // threads that read also find the planes of the scene, for workers that would
+  // otherwise wait for the CPU meanwhile.
   ImageRunner(const Workspace& workspace,
               std::vector<bool> has_maps,
               const RefineOptions& options,
               std::vector<RefineWorker>& workers,
-              EvidenceStore* evidence = nullptr);
+              EvidenceStore* evidence = nullptr,
+              bool finds_scenes_ahead = false);
 
   // Reads a view while nobody renames its files.
   ViewCache::View Load(int image);
@@ -48,6 +53,7 @@ class ImageRunner : public ImageTasks {
   }
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override;
+  void Prepare(size_t index, const ViewCache::Lease& views) override;
   RefineResult Compute(size_t index,
                        size_t worker,
                        ViewCache::Lease* views,
@@ -67,21 +73,30 @@ class ImageRunner : public ImageTasks {
   // Whether the image, or one whose source it is, has yet to be refined and can
   // be.
   bool IsNeeded(size_t index);
-  // Without evidence where the image has no depth at all.
+  // What MeasureImage() returns; without anything measured where the image has
+  // no depth at all.
   RefineResult Observe(size_t index, size_t worker, ViewCache::Lease* views);
+  // Of what was measured. Needs no worker.
+  void MakeEvidenceOf(size_t index, RefineResult* result) const;
   // Books the time that observing took.
   void AddSeconds(size_t index, const std::map<std::string, double>& seconds);
 
  private:
+  // An image and its neighbours, and what was found in their evidence.
+  struct Scene {
+    ViewEvidence own;
+    std::vector<EvidenceStore::Evidence> others;
+    std::vector<ObservedView> views;
+    FoundScene found;
+  };
+
   // Calls function(sources) with the sources in the worker's memory.
   template <typename Function>
   RefineResult WithSources(size_t index,
                            RefineWorker& worker,
                            ViewCache::Lease* views,
                            const Function& function);
-  RefineResult ComposeFromEvidence(size_t index,
-                                   RefineWorker& worker,
-                                   const ViewData& reference);
+  std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
   // Its camera for the raster of its evidence.
   ObservedView Observed(int image, const ViewEvidence& evidence) const;
   void Keep(int image, const std::string& reason, ImageReport* report);
@@ -99,6 +114,7 @@ class ImageRunner : public ImageTasks {
   const std::string options_hash_;
   std::vector<RefineWorker>& workers_;
   EvidenceStore* const evidence_;
+  const bool finds_scenes_ahead_;
   // By image of the run: whether it had been refined before the run, once the
   // flag is set.
   std::vector<std::once_flag> is_done_flags_;
@@ -106,6 +122,8 @@ class ImageRunner : public ImageTasks {
   // By image of the workspace, the images of the run that it serves, as their
   // reference or as a source.
   std::vector<std::vector<size_t>> served_;
+  // By image of the run, what Prepare() found for Compute().
+  std::vector<std::unique_ptr<Scene>> scenes_;
   // By image of the run, what was booked by AddSeconds.
   std::vector<std::map<std::string, double>> seconds_;
   // While one thread gives an image's maps their new names, another that reads

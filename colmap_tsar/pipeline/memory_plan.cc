@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/memory_plan.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/planes/discover_planes.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -26,12 +27,29 @@ constexpr int64_t kMaxRasterPixels = int64_t{777} * 777;
 // A view's evidence as its neighbours need it: labels 2, depth 4, and per
 // superpixel of 400 pixels 32 observations of 16.
 constexpr int64_t kEvidenceBytesPerRasterPixel = 8;
+// What was measured in an image, on the reduced raster: labels 4, samples 12,
+// planes of regions 16, texture 4, contrast 4, planes of superpixels.
+constexpr int64_t kBytesPerMeasuredPixel = 41;
+// And what is there while it becomes evidence: observations 16, three lists of
+// pixels 12, residuals 4, the evidence itself.
+constexpr int64_t kBytesPerGatheredPixel = 42;
+// Where planes are looked for. Views keep some 40 candidates each, and more
+// where they have many regions. A superpixel has four blocks of observations of
+// 192 bytes, twice while they are copied to the device, and scores on 40
+// planes, as many fits of these, and some joint ones.
+constexpr int64_t kPixelsPerSuperpixel = 400;
+constexpr int64_t kCandidatesPerView = 100;
+constexpr int64_t kBytesPerScoredSuperpixel = 2500;
 // Of an image that is worked on beside another, few sources are not the
 // other's.
 constexpr int kViewsPerWorker = 1;
 // Beside the maps: tables of superpixels and regions, which do not grow with
 // the map, and the kernels that the driver loads when they are first used.
 constexpr int64_t kFixedBytes = int64_t{64} << 20;
+
+int64_t NumRasterPixels(const WorkspaceOverview& overview) {
+  return std::min(overview.max_num_pixels, kMaxRasterPixels);
+}
 
 std::string Gigabytes(int64_t num_bytes) {
   char text[64];
@@ -47,7 +65,9 @@ int64_t ViewBytes(const WorkspaceOverview& overview) {
 }
 
 int64_t ResultBytes(const WorkspaceOverview& overview) {
-  return overview.max_num_pixels * kBytesPerResultPixel;
+  return std::max(overview.max_num_pixels * kBytesPerResultPixel,
+                  overview.max_num_pixels +
+                      NumRasterPixels(overview) * kBytesPerMeasuredPixel);
 }
 
 int64_t SourceBytes(const WorkspaceOverview& overview) {
@@ -63,19 +83,29 @@ int64_t SharedViewBytes(const WorkspaceOverview& overview, int num_workers) {
 
 int64_t WorkBytes(const WorkspaceOverview& overview) {
   return overview.max_num_pixels * kBytesPerReferencePixel +
-         std::min(overview.max_num_pixels, kMaxRasterPixels) *
-             kBytesPerRasterPixel +
+         NumRasterPixels(overview) * kBytesPerRasterPixel +
          SourceBytes(overview);
 }
 
-size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_workers) {
-  return (num_workers + 1) * static_cast<size_t>(overview.max_num_sources + 1);
+size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_images) {
+  return (num_images + 1) * static_cast<size_t>(overview.max_num_sources + 1);
 }
 
-int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_workers) {
-  return static_cast<int64_t>(NumEvidenceViews(overview, num_workers)) *
-         std::min(overview.max_num_pixels, kMaxRasterPixels) *
-         kEvidenceBytesPerRasterPixel;
+int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_images) {
+  return static_cast<int64_t>(NumEvidenceViews(overview, num_images)) *
+         NumRasterPixels(overview) * kEvidenceBytesPerRasterPixel;
+}
+
+int64_t DiscoveryBytes(const WorkspaceOverview& overview) {
+  const int64_t num_views = overview.max_num_sources + 1;
+  const int64_t num_superpixels =
+      num_views * (NumRasterPixels(overview) / kPixelsPerSuperpixel + 1);
+  const int64_t num_scores =
+      std::min(static_cast<int64_t>(DiscoverPlanesOptions().max_scores),
+               num_superpixels * num_views * kCandidatesPerView);
+  return num_scores * static_cast<int64_t>(sizeof(float)) +
+         num_superpixels * kBytesPerScoredSuperpixel +
+         NumRasterPixels(overview) * kBytesPerGatheredPixel;
 }
 
 int NumGpuWorkers(const WorkspaceOverview& overview,

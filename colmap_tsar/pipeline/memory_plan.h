@@ -19,7 +19,8 @@ constexpr int kMaxGpuWorkers = 2;
 // A view in main memory: colour, depth, normal and two exported costs.
 int64_t ViewBytes(const WorkspaceOverview& overview);
 
-// A refined image on its way to the disk, with its encoded files.
+// An image on its way from a worker to the disk: its refined maps with their
+// encoded files, or what was measured in it.
 int64_t ResultBytes(const WorkspaceOverview& overview);
 
 // The source views of one image in a device's memory.
@@ -34,9 +35,13 @@ int64_t SharedViewBytes(const WorkspaceOverview& overview, int num_workers);
 int64_t WorkBytes(const WorkspaceOverview& overview);
 
 // The views whose evidence is kept in main memory, and what they take: a
-// neighbourhood for each worker, and one for those to come.
-size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_workers);
-int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_workers);
+// neighbourhood for each image at work, and one for those to come.
+size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_images);
+int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_images);
+
+// Finding planes in the evidence of an image and its sources, or making the
+// evidence of an image: beside the evidence, in main memory.
+int64_t DiscoveryBytes(const WorkspaceOverview& overview);
 
 // How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws
 // kDevice, with what the user can do, where not even one does. gpu: what the

@@ -32,7 +32,8 @@ RefineResult ObserveRunner::Compute(size_t index,
 void ObserveRunner::Write(size_t index,
                           RefineResult result,
                           ImageReport* report) {
-  if (result.evidence) {
+  if (result.measured) {
+    images_.MakeEvidenceOf(index, &result);
     evidence_.Write(images_.Reference(index), *result.evidence);
   }
   images_.AddSeconds(index, report->seconds);

@@ -259,11 +259,23 @@ PipelineSizes CpuSizes(int num_files_threads, size_t /*num_workers*/) {
 int64_t BytesBesideViews(const WorkspaceOverview& overview,
                          int64_t work_bytes,
                          size_t num_workers,
+                         bool finds_scenes_ahead,
                          const PipelineSizes& sizes) {
+  // Images whose neighbours' evidence is in use, and those in which planes are
+  // being found, by the threads that read or write or by the workers.
+  const size_t num_scenes =
+      num_workers +
+      (finds_scenes_ahead
+           ? static_cast<size_t>(sizes.num_loaders) + sizes.max_ready
+           : 0);
+  const auto num_discoveries = static_cast<int64_t>(
+      finds_scenes_ahead ? static_cast<size_t>(sizes.num_loaders)
+                         : num_workers);
   const auto num_results =
       static_cast<int64_t>(num_workers + sizes.max_finished) +
       sizes.num_writers;
-  return work_bytes + EvidenceBytes(overview, num_workers) +
+  return work_bytes + EvidenceBytes(overview, num_scenes) +
+         num_discoveries * DiscoveryBytes(overview) +
          num_results * ResultBytes(overview) +
          sizes.num_loaders *
              LoadBytes(overview.max_num_pixels, overview.max_num_image_pixels);
@@ -273,9 +285,11 @@ int64_t BytesBesideViews(const WorkspaceOverview& overview,
 int NumCpuWorkers(const WorkspaceOverview& overview,
                   int64_t budget,
                   int max_num_workers) {
-  const int64_t for_files = BytesBesideViews(overview, 0, 0, CpuSizes(1, 0));
+  const int64_t for_files =
+      BytesBesideViews(overview, 0, 0, false, CpuSizes(1, 0));
   const int64_t for_one = WorkBytes(overview) + ResultBytes(overview) +
-                          BytesForViews(overview) + EvidenceBytes(overview, 1) -
+                          BytesForViews(overview) + DiscoveryBytes(overview) +
+                          EvidenceBytes(overview, 1) -
                           EvidenceBytes(overview, 0);
   return static_cast<int>(
       std::clamp<int64_t>((budget - for_files) / std::max<int64_t>(1, for_one),
@@ -296,8 +310,11 @@ void DivideMemory(const WorkspaceOverview& overview,
   for (int num_threads = max_num_files_threads; num_threads > 0;
        --num_threads) {
     result->sizes = make_sizes(num_threads, num_workers);
-    rest = budget -
-           BytesBesideViews(overview, work_bytes, num_workers, result->sizes);
+    rest = budget - BytesBesideViews(overview,
+                                     work_bytes,
+                                     num_workers,
+                                     result->finds_scenes_ahead,
+                                     result->sizes);
     if (rest >= BytesForViews(overview)) {
       break;
     }
@@ -358,6 +375,7 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
       num_images, kFilesThreadsPerGpu * static_cast<int>(opened.size()));
   AddDevices(num_images, gpus, &opened);
   AddGpuWorkers(std::move(opened), overview, &result);
+  result.finds_scenes_ahead = true;
   DivideMemory(overview,
                budget,
                0,

@@ -33,6 +33,8 @@ struct RefineDevices {
   // memory.
   std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
   PipelineSizes sizes;
+  // See ImageRunner: the workers are GPUs.
+  bool finds_scenes_ahead = false;
   // Main memory for views.
   size_t cache_num_bytes = 0;
 };

@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/planes/gather_evidence.h"
 #include "colmap_tsar/planes/view_evidence.h"
 #include "colmap_tsar/workspace/write_back.h"
 
@@ -28,12 +29,21 @@ enum class Provenance : uint8_t {
   kOtherViews = 5,
 };
 
+// What the stages of a single view found, in main memory.
+struct MeasuredImage {
+  EvidenceInputs inputs;
+  Image<uint8_t> trust;  // See ViewEvidence::trust.
+  Camera camera;         // Of the maps.
+};
+
 struct RefineResult {
   RefinedMaps maps;
   std::map<std::string, double> seconds;  // Per stage.
   // Why the image should keep its maps; empty where it was refined.
   std::string reason_to_keep;
-  // What was observed, where that and not the maps was asked for.
+  // What was measured, and what was observed by it, where one of them and not
+  // the maps was asked for.
+  std::unique_ptr<MeasuredImage> measured;
   std::unique_ptr<ViewEvidence> evidence;
 };
 

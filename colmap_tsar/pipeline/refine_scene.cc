@@ -130,7 +130,7 @@ Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
 
 }  // namespace
 
-RefineResult ObserveImage(
+RefineResult MeasureImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
@@ -142,37 +142,74 @@ RefineResult ObserveImage(
   timer.Finish("upload");
   const Surfaces surfaces =
       FindSurfaces(reference, image_id, options, &views, device, &timer);
-  const EvidenceInputs inputs = DownloadInputs(views, surfaces, device);
-  Image<uint8_t> trust =
+  result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
+      DownloadInputs(views, surfaces, device),
       RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
-          .ToHost();
+          .ToHost(),
+      views.ReferenceCamera()});
   timer.Finish("download");
-  result.evidence = std::make_unique<ViewEvidence>(GatherEvidence(inputs, {}));
-  result.evidence->trust = std::move(trust);
-  timer.Finish("evidence");
-  ReduceCandidates(
-      views.ReferenceCamera(), options, device, result.evidence.get());
-  timer.Finish("scene planes");
   return result;
+}
+
+void MakeEvidence(const RefineOptions& options,
+                  Device& device,
+                  RefineResult* result) {
+  StageTimer timer(device, &result->seconds);
+  MeasuredImage& measured = *result->measured;
+  result->evidence =
+      std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));
+  result->evidence->trust = std::move(measured.trust);
+  timer.Finish("evidence");
+  ReduceCandidates(measured.camera, options, device, result->evidence.get());
+  result->measured.reset();
+  timer.Finish("scene planes");
+}
+
+RefineResult ObserveImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device) {
+  RefineResult result =
+      MeasureImage(reference, std::move(sources), image_id, options, device);
+  MakeEvidence(options, device, &result);
+  return result;
+}
+
+FoundScene FindScene(const std::vector<ObservedView>& views,
+                     const RefineOptions& options,
+                     Device& device) {
+  FoundScene found;
+  StageTimer timer(device, &found.seconds);
+  const SceneOptions scene = MakeSceneOptions(options, views);
+  found.planes =
+      DiscoverPlanes(views, CollectCandidates(views), scene.discovery, device);
+  found.support = FindPlaneSupport(views, found.planes, scene.support);
+  timer.Finish("scene planes");
+  return found;
 }
 
 RefineResult ComposeImage(const ViewData& reference,
                           const std::vector<ObservedView>& views,
                           const RefineOptions& options,
                           Device& device) {
+  return ComposeImage(
+      reference, views, FindScene(views, options, device), options, device);
+}
+
+RefineResult ComposeImage(const ViewData& reference,
+                          const std::vector<ObservedView>& views,
+                          const FoundScene& found,
+                          const RefineOptions& options,
+                          Device& device) {
   RefineResult result;
+  result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
   const ViewEvidence& evidence = *views[0].evidence;
   const SceneOptions scene = MakeSceneOptions(options, views);
-  const DiscoveredPlanes discovered =
-      DiscoverPlanes(views, CollectCandidates(views), scene.discovery, device);
-  timer.Finish("scene planes");
   const LabeledView labeled =
-      LabelView(views,
-                discovered,
-                FindPlaneSupport(views, discovered, scene.support),
-                scene.labels,
-                device);
+      LabelView(views, found.planes, found.support, scene.labels, device);
   timer.Finish("labels");
   DeviceReference view(reference, device);
   const DisparityScale scale{0.f, evidence.error_per_depth};

@@ -9,10 +9,13 @@
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/planes/discover_planes.h"
+#include "colmap_tsar/planes/plane_support.h"
 #include "colmap_tsar/planes/view_evidence.h"
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace tsar {
@@ -29,10 +32,43 @@ RefineResult ObserveImage(
     const RefineOptions& options,
     Device& device);
 
-// Finds the planes of the scene in the evidence of the views, the first of
-// which is that of the reference and has all its parts, and composes the
-// reference's map of them. The other views may be in any order, the same one
-// for the same bits.
+// The two parts of this: the stages, for which the result holds what they
+// measured, and what makes evidence of that. The second one has little to do
+// for a GPU: where many images are observed, it goes on a CPU while the GPU
+// measures the next one.
+RefineResult MeasureImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device);
+void MakeEvidence(const RefineOptions& options,
+                  Device& device,
+                  RefineResult* result);
+
+// The planes of the scene around an image.
+struct FoundScene {
+  DiscoveredPlanes planes;
+  PlaneSupport support;
+  std::map<std::string, double> seconds;  // That it took, per stage.
+};
+
+// In the evidence of the views, the first of which is that of the reference.
+// The other views may be in any order, the same one for the same bits. For CPUs
+// as MakeEvidence().
+FoundScene FindScene(const std::vector<ObservedView>& views,
+                     const RefineOptions& options,
+                     Device& device);
+
+// Composes the reference's map of the planes that were found in these views.
+// The evidence of the reference has all its parts.
+RefineResult ComposeImage(const ViewData& reference,
+                          const std::vector<ObservedView>& views,
+                          const FoundScene& found,
+                          const RefineOptions& options,
+                          Device& device);
+
+// Finds them, too.
 RefineResult ComposeImage(const ViewData& reference,
                           const std::vector<ObservedView>& views,
                           const RefineOptions& options,

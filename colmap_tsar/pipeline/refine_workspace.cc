@@ -184,7 +184,8 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                      overview.has_maps,
                      refine_options,
                      devices.workers,
-                     evidence ? &*evidence : nullptr);
+                     evidence ? &*evidence : nullptr,
+                     devices.finds_scenes_ahead);
   ViewCache cache(devices.cache_num_bytes,
                   static_cast<size_t>(ViewBytes(overview)),
                   [&](int image) { return runner.Load(image); });

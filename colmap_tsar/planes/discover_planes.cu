@@ -9,6 +9,7 @@
 #include "colmap_tsar/planes/discover_planes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -46,6 +47,10 @@ constexpr size_t kNumMergeSamples = 100;
 // The flattest angle to a plane that counts, by its sine; see RaySlope.
 constexpr float kMinSlope = 0.05f;
 
+// Makes up for the rounding of planes that just reach a customer: scores are 0
+// beyond without it, too.
+constexpr double kReachMargin = 1.05;
+
 // Customers that one call of the kernel scores for one plane: their
 // observations stay in the fastest memory while all planes pass.
 constexpr int kTileSize = 16;
@@ -64,14 +69,22 @@ struct ObservationBlock {
   float weight[kSize] = {};
 };
 
+// Planes that pass by it come near none of a customer's observations.
+struct Ball {
+  Vec3f center;
+  float radius = 0.f;
+};
+
 // scores[plane * num_customers + customer] for one plane and one tile.
 struct ScoreKernel {
+  const Ball* balls;
   const ObservationBlock* blocks;
   const int* first_block;  // num_customers + 1 of them.
   const int* views;        // Of each customer.
   int num_customers;
   int num_views;
   const Vec3f* normals;
+  const float* offsets;
   const float* heights;  // num_views of them per plane: of the cameras over it.
   int num_planes;
   float* scores;
@@ -83,9 +96,15 @@ struct ScoreKernel {
         begin + kTileSize < num_customers ? begin + kTileSize : num_customers;
     const Vec3f normal = normals[plane];
     for (int customer = begin; customer < end; ++customer) {
-      const float height = heights[plane * num_views + views[customer]];
-      scores[plane * num_customers + customer] = Score(
-          normal, height, first_block[customer], first_block[customer + 1]);
+      const Ball& ball = balls[customer];
+      float score = 0.f;
+      if (!(fabsf(Dot(normal, ball.center) + offsets[plane]) > ball.radius)) {
+        score = Score(normal,
+                      heights[plane * num_views + views[customer]],
+                      first_block[customer],
+                      first_block[customer + 1]);
+      }
+      scores[plane * num_customers + customer] = score;
     }
   }
 
@@ -96,6 +115,8 @@ struct ScoreKernel {
     float sums[ObservationBlock::kSize] = {};
     for (int b = begin; b < end; ++b) {
       const ObservationBlock& block = blocks[b];
+      // In loops without branches, or compilers use no vector units.
+      float shares[ObservationBlock::kSize];
       for (int i = 0; i < ObservationBlock::kSize; ++i) {
         const float slope = normal.x * block.ray_x[i] +
                             normal.y * block.ray_y[i] +
@@ -105,7 +126,10 @@ struct ScoreKernel {
                             block.precision[i] /
                             (steepness > kMinSlope ? steepness : kMinSlope);
         const float share = 1.f - ratio * ratio;
-        sums[i] += block.weight[i] * (share > 0.f ? share : 0.f);
+        shares[i] = share > 0.f ? share : 0.f;
+      }
+      for (int i = 0; i < ObservationBlock::kSize; ++i) {
+        sums[i] += block.weight[i] * shares[i];
       }
     }
     for (int half = ObservationBlock::kSize / 2; half > 0; half /= 2) {
@@ -142,84 +166,104 @@ struct GainKernel {
 
 // The superpixels of all views, one after the other. Everything from here on is
 // in the frame of the first camera, planes too.
-struct Customers {
-  std::vector<int> views;
-  std::vector<DepthObservation> observations;
-  std::vector<int> first_observation;    // One more than there are customers.
-  std::vector<Eigen::Vector3d> centers;  // Of the cameras.
-
-  int Count() const { return static_cast<int>(views.size()); }
-};
-
-Customers CollectCustomers(const std::vector<ObservedView>& views,
-                           const DiscoverPlanesOptions& options) {
-  const Camera& reference = views[0].camera;
-  const Eigen::Vector3d origin = reference.Center();
-  Customers customers;
-  for (const ObservedView& view : views) {
-    const ViewEvidence& evidence = *view.evidence;
-    DisparityScale scale;
-    scale.error_per_depth = evidence.error_per_depth;
-    const Eigen::Vector3d center =
-        reference.rotation * (view.camera.Center() - origin);
-    const Eigen::Matrix3d rotation =
-        reference.rotation * view.camera.rotation.transpose();
-    for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
-      customers.views.push_back(static_cast<int>(customers.centers.size()));
-      customers.first_observation.push_back(
-          static_cast<int>(customers.observations.size()));
-      const auto begin =
-          evidence.observations.begin() + evidence.first_observation[k];
-      const auto end =
-          evidence.observations.begin() + evidence.first_observation[k + 1];
-      double qualities = 0.0;
-      for (auto it = begin; it != end; ++it) {
-        qualities += it->quality;
-      }
-      const double mass =
-          std::min(static_cast<double>(evidence.mass[k]), options.max_mass);
-      for (auto it = begin; it != end; ++it) {
-        const RayDepth& sample = it->sample;
-        DepthObservation observation;
-        observation.center = center;
-        observation.ray = rotation * Eigen::Vector3d(sample.x, sample.y, 1.0);
-        observation.depth = sample.z;
-        observation.sigma =
-            static_cast<double>(sample.z) * scale.RelativeDepthError(sample.z);
-        observation.weight = it->quality * mass / qualities;
-        customers.observations.push_back(observation);
+class Customers {
+ public:
+  Customers(const std::vector<ObservedView>& views,
+            const DiscoverPlanesOptions& options) {
+    const Camera& reference = views[0].camera;
+    const Eigen::Vector3d origin = reference.Center();
+    for (const ObservedView& view : views) {
+      const ViewEvidence& evidence = *view.evidence;
+      const int number = static_cast<int>(frames_.size());
+      frames_.push_back({reference.rotation * (view.camera.Center() - origin),
+                         reference.rotation * view.camera.rotation.transpose(),
+                         DisparityScale{0.f, evidence.error_per_depth}});
+      for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
+        const int begin = evidence.first_observation[k];
+        const int end = evidence.first_observation[k + 1];
+        double qualities = 0.0;
+        for (int i = begin; i < end; ++i) {
+          qualities += evidence.observations[i].quality;
+        }
+        views_.push_back(number);
+        entries_.push_back(
+            {evidence.observations.data() + begin,
+             end - begin,
+             std::min(static_cast<double>(evidence.mass[k]), options.max_mass),
+             qualities});
       }
     }
-    customers.centers.push_back(center);
   }
-  customers.first_observation.push_back(
-      static_cast<int>(customers.observations.size()));
-  return customers;
-}
+
+  int Count() const { return static_cast<int>(views_.size()); }
+  // Of each customer.
+  const std::vector<int>& Views() const { return views_; }
+  int NumViews() const { return static_cast<int>(frames_.size()); }
+  const Eigen::Vector3d& CameraCenter(int view) const {
+    return frames_[view].center;
+  }
+
+  int NumObservations(int customer) const { return entries_[customer].count; }
+  DepthObservation At(int customer, int number) const {
+    const Entry& entry = entries_[customer];
+    const Frame& frame = frames_[views_[customer]];
+    const Observation& observed = entry.observations[number];
+    const RayDepth& sample = observed.sample;
+    DepthObservation observation;
+    observation.center = frame.center;
+    observation.ray = frame.rotation * Eigen::Vector3d(sample.x, sample.y, 1.0);
+    observation.depth = sample.z;
+    observation.sigma = static_cast<double>(sample.z) *
+                        frame.scale.RelativeDepthError(sample.z);
+    observation.weight = observed.quality * entry.mass / entry.qualities;
+    return observation;
+  }
+
+ private:
+  struct Frame {
+    Eigen::Vector3d center;
+    Eigen::Matrix3d rotation;  // From the view's camera.
+    DisparityScale scale;
+  };
+  struct Entry {
+    const Observation* observations;
+    int count;
+    double mass;
+    double qualities;  // The sum of the observations'.
+  };
+
+  std::vector<Frame> frames_;
+  std::vector<int> views_;
+  std::vector<Entry> entries_;
+};
 
 // Scores planes for all customers on a device.
 class Scorer {
  public:
   Scorer(const Customers& customers, double tolerance, Device& device)
-      : centers_(customers.centers),
-        num_customers_(customers.Count()),
+      : num_customers_(customers.Count()),
         device_(&device),
-        views_(device, customers.views) {
+        views_(device, customers.Views()) {
+    for (int i = 0; i < customers.NumViews(); ++i) {
+      centers_.push_back(customers.CameraCenter(i));
+    }
     constexpr int kSize = ObservationBlock::kSize;
-    std::vector<ObservationBlock> blocks;
-    std::vector<int> first_block;
+    std::vector<int> first_block = {0};
     for (int k = 0; k < num_customers_; ++k) {
-      first_block.push_back(static_cast<int>(blocks.size()));
-      const int begin = customers.first_observation[k];
-      for (int i = begin; i < customers.first_observation[k + 1]; ++i) {
-        const int lane = (i - begin) % kSize;
-        if (lane == 0) {
-          blocks.emplace_back();
-        }
-        const DepthObservation& observation = customers.observations[i];
+      first_block.push_back(first_block.back() +
+                            (customers.NumObservations(k) + kSize - 1) / kSize);
+    }
+    std::vector<ObservationBlock> blocks(first_block.back());
+    std::vector<Ball> balls;
+    for (int k = 0; k < num_customers_; ++k) {
+      Eigen::AlignedBox3d box;
+      double reach = 0.0;
+      for (int i = 0; i < customers.NumObservations(k); ++i) {
+        const DepthObservation observation = customers.At(k, i);
         const double length = observation.ray.norm();
         const Eigen::Vector3f ray = (observation.ray / length).cast<float>();
-        ObservationBlock& block = blocks.back();
+        ObservationBlock& block = blocks[first_block[k] + i / kSize];
+        const int lane = i % kSize;
         block.ray_x[lane] = ray.x();
         block.ray_y[lane] = ray.y();
         block.ray_z[lane] = ray.z();
@@ -228,11 +272,14 @@ class Scorer {
         block.precision[lane] = static_cast<float>(
             observation.depth / (observation.sigma * tolerance));
         block.weight[lane] = static_cast<float>(observation.weight);
+        box.extend(observation.Point());
+        reach = std::max(reach, observation.sigma * tolerance * length);
       }
+      balls.push_back(BallAround(box, kReachMargin * reach));
     }
-    first_block.push_back(static_cast<int>(blocks.size()));
     blocks_ = Buffer<ObservationBlock>(device, blocks);
     first_block_ = Buffer<int>(device, first_block);
+    balls_ = Buffer<Ball>(device, balls);
   }
 
   int NumCustomers() const { return num_customers_; }
@@ -240,26 +287,30 @@ class Scorer {
   // A row of scores per plane.
   Buffer<float> Score(const std::vector<WorldPlane>& planes) const {
     std::vector<Vec3f> normals;
+    std::vector<float> offsets;
     std::vector<float> heights;
     for (const WorldPlane& plane : planes) {
-      const Eigen::Vector3f normal = plane.normal.cast<float>();
-      normals.push_back({normal.x(), normal.y(), normal.z()});
+      normals.push_back(ToVec3f(plane.normal));
+      offsets.push_back(static_cast<float>(plane.offset));
       for (const Eigen::Vector3d& center : centers_) {
         heights.push_back(static_cast<float>(plane.Height(center)));
       }
     }
     const Buffer<Vec3f> device_normals(*device_, normals);
+    const Buffer<float> device_offsets(*device_, offsets);
     const Buffer<float> device_heights(*device_, heights);
     Buffer<float> scores(*device_, planes.size() * num_customers_);
     const int64_t num_tiles = (num_customers_ + kTileSize - 1) / kTileSize;
     ParallelFor(*device_,
                 num_tiles * static_cast<int64_t>(planes.size()),
-                ScoreKernel{blocks_.Data(),
+                ScoreKernel{balls_.Data(),
+                            blocks_.Data(),
                             first_block_.Data(),
                             views_.Data(),
                             num_customers_,
                             static_cast<int>(centers_.size()),
                             device_normals.Data(),
+                            device_offsets.Data(),
                             device_heights.Data(),
                             static_cast<int>(planes.size()),
                             scores.Data()});
@@ -267,18 +318,46 @@ class Scorer {
   }
 
  private:
-  std::vector<Eigen::Vector3d> centers_;
+  static Vec3f ToVec3f(const Eigen::Vector3d& vector) {
+    const Eigen::Vector3f rounded = vector.cast<float>();
+    return {rounded.x(), rounded.y(), rounded.z()};
+  }
+
+  // Holds the box and what is within reach of it; of no size where the box is
+  // empty.
+  static Ball BallAround(const Eigen::AlignedBox3d& box, double reach) {
+    if (box.isEmpty()) {
+      return {};
+    }
+    return {ToVec3f(box.center()),
+            static_cast<float>(0.5 * box.diagonal().norm() + reach)};
+  }
+
+  std::vector<Eigen::Vector3d> centers_;  // Of the cameras.
   int num_customers_;
   Device* device_;
   Buffer<int> views_;
+  Buffer<Ball> balls_;
   Buffer<ObservationBlock> blocks_;
   Buffer<int> first_block_;
 };
 
 // A plane with its score for each customer.
 struct ScoredPlane {
+  ScoredPlane() = default;
+  ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
+      : plane(plane), scores(std::move(scores)) {
+    for (size_t k = 0; k < this->scores.size(); ++k) {
+      if (this->scores[k] > 0.f) {
+        customers.push_back(static_cast<int>(k));
+      }
+    }
+  }
+
   WorldPlane plane;
   std::vector<float> scores;
+  // Those whose score is not 0: a few of all.
+  std::vector<int> customers;
 };
 
 std::vector<ScoredPlane> ScorePlanes(const Scorer& scorer,
@@ -287,7 +366,8 @@ std::vector<ScoredPlane> ScorePlanes(const Scorer& scorer,
   std::vector<ScoredPlane> scored;
   auto row = scores.begin();
   for (const WorldPlane& plane : planes) {
-    scored.push_back({plane, {row, row + scorer.NumCustomers()}});
+    scored.emplace_back(plane,
+                        std::vector<float>(row, row + scorer.NumCustomers()));
     row += scorer.NumCustomers();
   }
   return scored;
@@ -373,66 +453,136 @@ class CandidatePicker {
   std::vector<int> order_;
 };
 
-// An evenly spaced sample of the observations of some customers.
-std::vector<DepthObservation> SampleObservations(
-    const Customers& customers,
-    const std::vector<int>& members,
-    size_t max_samples) {
-  const std::vector<int>& first = customers.first_observation;
+// Calls add(observation) for an evenly spaced sample of the observations of
+// some customers, and returns the size of the sample.
+template <typename Function>
+size_t SampleObservations(const Customers& customers,
+                          const std::vector<int>& members,
+                          size_t max_samples,
+                          const Function& add) {
   size_t count = 0;
   for (const int k : members) {
-    count += first[k + 1] - first[k];
+    count += customers.NumObservations(k);
   }
   const size_t num_samples = std::min(count, max_samples);
-  std::vector<DepthObservation> samples;
-  samples.reserve(num_samples);
+  size_t num_added = 0;
   size_t num_before = 0;
   for (const int k : members) {
-    const size_t own_count = first[k + 1] - first[k];
-    while (samples.size() < num_samples) {
-      const size_t next = samples.size() * count / num_samples;
+    const size_t own_count = customers.NumObservations(k);
+    while (num_added < num_samples) {
+      const size_t next = num_added * count / num_samples;
       if (next >= num_before + own_count) {
         break;
       }
-      samples.push_back(customers.observations[first[k] + next - num_before]);
+      add(customers.At(k, static_cast<int>(next - num_before)));
+      ++num_added;
     }
     num_before += own_count;
   }
-  return samples;
+  return num_samples;
 }
 
+// Some of the observations that a plane is fitted to, side by side so that
+// vector units work on several at once. Unused ones weigh nothing.
+struct FitBlock {
+  static constexpr int kSize = 8;
+  double x[kSize] = {};  // The points.
+  double y[kSize] = {};
+  double z[kSize] = {};
+  double ray_x[kSize] = {};
+  double ray_y[kSize] = {};
+  double ray_z[kSize] = {};
+  double min_slope[kSize] = {};  // The least value of RaySlope().
+  double sigma[kSize] = {};
+  double weight[kSize] = {};
+};
+
+class FitSamples {
+ public:
+  void Add(const DepthObservation& observation) {
+    constexpr int kSize = FitBlock::kSize;
+    const int lane = size_++ % kSize;
+    if (lane == 0) {
+      FitBlock& block = blocks_.emplace_back();
+      std::fill_n(block.min_slope, kSize, 1.0);
+      std::fill_n(block.sigma, kSize, 1.0);
+    }
+    const Eigen::Vector3d point = observation.Point();
+    FitBlock& block = blocks_.back();
+    block.x[lane] = point.x();
+    block.y[lane] = point.y();
+    block.z[lane] = point.z();
+    block.ray_x[lane] = observation.ray.x();
+    block.ray_y[lane] = observation.ray.y();
+    block.ray_z[lane] = observation.ray.z();
+    block.min_slope[lane] =
+        RaySlope({Eigen::Vector3d::Zero(), 0.0}, observation);
+    block.sigma[lane] = observation.sigma;
+    block.weight[lane] = observation.weight;
+  }
+
+  const std::vector<FitBlock>& Blocks() const { return blocks_; }
+
+ private:
+  int size_ = 0;
+  std::vector<FitBlock> blocks_;
+};
+
+// What a step of a fit makes of a block.
+struct TermBlock {
+  static constexpr int kSize = FitBlock::kSize;
+  double weight[kSize];
+  double height[kSize];  // Over the plane.
+  // Residuals grow along the ray. That the slope changes with the normal is the
+  // same as that the plane turns under the ray's foot, not under the measured
+  // point.
+  double foot_x[kSize];
+  double foot_y[kSize];
+  double foot_z[kSize];
+
+  TermBlock(const FitBlock& block, const WorldPlane& plane, double loss_scale) {
+    const double a = plane.normal.x();
+    const double b = plane.normal.y();
+    const double c = plane.normal.z();
+    for (int i = 0; i < kSize; ++i) {
+      const double along =
+          a * block.ray_x[i] + b * block.ray_y[i] + c * block.ray_z[i];
+      const double slope = std::max(std::abs(along), block.min_slope[i]);
+      height[i] =
+          a * block.x[i] + b * block.y[i] + c * block.z[i] + plane.offset;
+      const double error = block.sigma[i] * slope;
+      const double ratio = height[i] / (error * loss_scale);
+      weight[i] = block.weight[i] / (error * error * (1.0 + ratio * ratio));
+      const double step = (along > 0.0 ? -height[i] : height[i]) / slope;
+      foot_x[i] = block.x[i] + step * block.ray_x[i];
+      foot_y[i] = block.y[i] + step * block.ray_y[i];
+      foot_z[i] = block.z[i] + step * block.ray_z[i];
+    }
+  }
+
+  Eigen::Vector3d Foot(int i) const {
+    return {foot_x[i], foot_y[i], foot_z[i]};
+  }
+};
+
 // One step of Gauss and Newton towards the least loss of the normalized
-// residuals; RefinePlane minimises the same, with more care and ten times the
-// time. Nothing where the observations do not determine a plane.
-std::optional<WorldPlane> StepToFit(
-    const WorldPlane& plane,
-    const std::vector<DepthObservation>& observations,
-    double loss_scale) {
-  struct Term {
-    double weight;
-    double height;
-    Eigen::Vector3d foot;
-  };
-  std::vector<Term> terms;
-  terms.reserve(observations.size());
+// residuals; RefinePlane minimises the same, with more care and a hundred times
+// the time. Nothing where the observations do not determine a plane.
+std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
+                                    const std::vector<FitBlock>& samples,
+                                    double loss_scale) {
+  std::vector<TermBlock> terms;
+  terms.reserve(samples.size());
   double weights = 0.0;
   double mean_height = 0.0;
   Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
-  for (const DepthObservation& observation : observations) {
-    const double sigma = observation.sigma * RaySlope(plane, observation);
-    const double height = plane.Height(observation.Point());
-    const double ratio = height / (sigma * loss_scale);
-    const Term term = {
-        observation.weight / (sigma * sigma * (1.0 + ratio * ratio)),
-        height,
-        // Residuals grow along the ray. That the slope changes with the normal
-        // is the same as that the plane turns under the ray's foot, not under
-        // the measured point.
-        FootPoint(plane, observation)};
-    weights += term.weight;
-    mean_height += term.weight * term.height;
-    mean_foot += term.weight * term.foot;
-    terms.push_back(term);
+  for (const FitBlock& block : samples) {
+    const TermBlock& term = terms.emplace_back(block, plane, loss_scale);
+    for (int i = 0; i < TermBlock::kSize; ++i) {
+      weights += term.weight[i];
+      mean_height += term.weight[i] * term.height[i];
+      mean_foot += term.weight[i] * term.Foot(i);
+    }
   }
   mean_height /= weights;
   mean_foot /= weights;
@@ -440,16 +590,19 @@ std::optional<WorldPlane> StepToFit(
   const Eigen::Vector3d tangent = plane.normal.unitOrthogonal();
   const Eigen::Vector3d other_tangent = plane.normal.cross(tangent);
   double xx = 0.0, xy = 0.0, yy = 0.0, xh = 0.0, yh = 0.0;
-  for (const Term& term : terms) {
-    const Eigen::Vector3d position = term.foot - mean_foot;
-    const double x = tangent.dot(position);
-    const double y = other_tangent.dot(position);
-    const double height = term.height - mean_height;
-    xx += term.weight * x * x;
-    xy += term.weight * x * y;
-    yy += term.weight * y * y;
-    xh += term.weight * x * height;
-    yh += term.weight * y * height;
+  for (const TermBlock& term : terms) {
+    for (int i = 0; i < TermBlock::kSize; ++i) {
+      const double weight = term.weight[i];
+      const Eigen::Vector3d position = term.Foot(i) - mean_foot;
+      const double x = tangent.dot(position);
+      const double y = other_tangent.dot(position);
+      const double height = term.height[i] - mean_height;
+      xx += weight * x * x;
+      xy += weight * x * y;
+      yy += weight * y * y;
+      xh += weight * x * height;
+      yh += weight * y * height;
+    }
   }
   const double determinant = xx * yy - xy * xy;
   const double min_ratio = kMinRelativeWidth * kMinRelativeWidth;
@@ -467,12 +620,12 @@ std::optional<WorldPlane> StepToFit(
 }
 
 WorldPlane FitPlane(const WorldPlane& initial,
-                    const std::vector<DepthObservation>& observations,
+                    const std::vector<FitBlock>& samples,
                     double loss_scale) {
   WorldPlane plane = initial;
   for (int i = 0; i < kFitIterations; ++i) {
     const std::optional<WorldPlane> next =
-        StepToFit(plane, observations, loss_scale);
+        StepToFit(plane, samples, loss_scale);
     if (!next) {
       break;
     }
@@ -488,12 +641,34 @@ struct Ranking {
 
   void Offer(int plane, float score) {
     for (int i = 0; i < 3; ++i) {
-      // Of equal ones, the first stays in front.
-      if (score > scores[i]) {
+      // Of equal ones, the first is in front.
+      if (score > scores[i] || (score == scores[i] && plane < planes[i])) {
         std::swap(plane, planes[i]);
         std::swap(score, scores[i]);
       }
     }
+  }
+
+  // Whether that could be told from what is here: false where another plane
+  // may now be among the best.
+  bool ChangeScore(int plane, float score) {
+    const bool is_safe = score > scores[2];
+    int place = 0;
+    while (place < 3 && planes[place] != plane) {
+      ++place;
+    }
+    if (place == 3) {
+      Offer(plane, score);
+      return true;
+    }
+    for (; place < 2; ++place) {
+      planes[place] = planes[place + 1];
+      scores[place] = scores[place + 1];
+    }
+    planes[2] = -1;
+    scores[2] = 0.f;
+    Offer(plane, score);
+    return is_safe;
   }
 
   // Of all planes but those.
@@ -510,17 +685,44 @@ std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
                           int num_customers) {
   std::vector<Ranking> rankings(num_customers);
   for (size_t p = 0; p < planes.size(); ++p) {
-    for (int k = 0; k < num_customers; ++k) {
+    for (const int k : planes[p].customers) {
       rankings[k].Offer(static_cast<int>(p), planes[p].scores[k]);
     }
   }
   return rankings;
 }
 
-double Gain(const std::vector<float>& scores, const std::vector<float>& best) {
+// Follows the change of one plane.
+void UpdateRankings(const std::vector<ScoredPlane>& planes,
+                    int changed,
+                    const ScoredPlane& before,
+                    std::vector<Ranking>* rankings) {
+  const ScoredPlane& plane = planes[changed];
+  const auto update = [&](int k) {
+    Ranking& ranking = (*rankings)[k];
+    if (!ranking.ChangeScore(changed, plane.scores[k])) {
+      ranking = {};
+      for (size_t p = 0; p < planes.size(); ++p) {
+        ranking.Offer(static_cast<int>(p), planes[p].scores[k]);
+      }
+    }
+  };
+  for (const int k : before.customers) {
+    update(k);
+  }
+  for (const int k : plane.customers) {
+    if (!(before.scores[k] > 0.f)) {
+      update(k);
+    }
+  }
+}
+
+// By how much a plane would raise best(customer), the best scores without it.
+template <typename Function>
+double Gain(const ScoredPlane& plane, const Function& best) {
   double gain = 0.0;
-  for (size_t k = 0; k < scores.size(); ++k) {
-    gain += std::max(scores[k] - best[k], 0.f);
+  for (const int k : plane.customers) {
+    gain += std::max(plane.scores[k] - best(k), 0.f);
   }
   return gain;
 }
@@ -555,14 +757,37 @@ class Discovery {
 
   // Fits to the customers of two planes, from either plane on; none where they
   // are too different.
-  using Joints = std::vector<ScoredPlane>;
+  using Joint = std::vector<ScoredPlane>;
 
-  WorldPlane Fit(const WorldPlane& initial,
-                 const std::vector<int>& members) const {
+  // What would be lost without some planes.
+  struct Losses {
+    explicit Losses(size_t num_planes)
+        : without(num_planes, 0.0),
+          more_without_both(num_planes, std::vector<double>(num_planes, 0.0)) {}
+
+    // Without both of two different planes.
+    double WithoutBoth(int a, int b) const {
+      return without[a] + without[b] + more_without_both[a][b] +
+             more_without_both[b][a];
+    }
+
+    std::vector<double> without;
+    // By the best plane of customers and the second best.
+    std::vector<std::vector<double>> more_without_both;
+  };
+
+  FitSamples Sample(const std::vector<int>& members, size_t max_samples) const {
+    FitSamples samples;
+    SampleObservations(
+        customers_, members, max_samples, [&](const DepthObservation& sample) {
+          samples.Add(sample);
+        });
+    return samples;
+  }
+
+  WorldPlane Fit(const WorldPlane& initial, const FitSamples& samples) const {
     return FitPlane(
-        initial,
-        SampleObservations(customers_, members, kMaxFittedObservations),
-        kCauchyShare * options_.tolerance);
+        initial, samples.Blocks(), kCauchyShare * options_.tolerance);
   }
 
   void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
@@ -575,7 +800,7 @@ class Discovery {
       }
       planes_.push_back(ImproveByFits(
           {candidates[pick.candidate], picker.Scores(pick.candidate)}, best));
-      for (int k = 0; k < customers_.Count(); ++k) {
+      for (const int k : planes_.back().customers) {
         best[k] = std::max(best[k], planes_.back().scores[k]);
       }
     }
@@ -584,17 +809,18 @@ class Discovery {
   // Fits a plane to the customers that it would win.
   ScoredPlane ImproveByFits(ScoredPlane plane,
                             const std::vector<float>& best) const {
-    double gain = Gain(plane.scores, best);
+    const auto best_of = [&](int k) { return best[k]; };
+    double gain = Gain(plane, best_of);
     for (int i = 0; i < kNumFirstFits; ++i) {
       std::vector<int> won;
-      for (int k = 0; k < customers_.Count(); ++k) {
+      for (const int k : plane.customers) {
         if (plane.scores[k] > best[k]) {
           won.push_back(k);
         }
       }
-      ScoredPlane fitted =
-          std::move(ScorePlanes(scorer_, {Fit(plane.plane, won)})[0]);
-      const double fitted_gain = Gain(fitted.scores, best);
+      ScoredPlane fitted = std::move(ScorePlanes(
+          scorer_, {Fit(plane.plane, Sample(won, kMaxFittedObservations))})[0]);
+      const double fitted_gain = Gain(fitted, best_of);
       if (!(fitted_gain > gain)) {
         break;
       }
@@ -628,30 +854,23 @@ class Discovery {
       std::vector<WorldPlane> fits(num_planes);
       device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
         for (int64_t p = begin; p < end; ++p) {
-          fits[p] = Fit(planes_[p].plane, members[p]);
+          fits[p] =
+              Fit(planes_[p].plane, Sample(members[p], kMaxFittedObservations));
         }
       });
       std::vector<ScoredPlane> fitted = ScorePlanes(scorer_, fits);
       for (int p = 0; p < num_planes; ++p) {
-        const std::vector<float> others = BestWithout(rankings, p, p);
-        if (Gain(fitted[p].scores, others) > Gain(planes_[p].scores, others)) {
-          planes_[p] = std::move(fitted[p]);
-          rankings = Rank(planes_, customers_.Count());
+        const auto best_of_others = [&](int k) {
+          return rankings[k].BestWithout(p, p);
+        };
+        if (Gain(fitted[p], best_of_others) >
+            Gain(planes_[p], best_of_others)) {
+          std::swap(planes_[p], fitted[p]);
+          UpdateRankings(planes_, p, fitted[p], &rankings);
           improved = true;
         }
       }
     }
-  }
-
-  static std::vector<float> BestWithout(const std::vector<Ranking>& rankings,
-                                        int plane,
-                                        int other_plane) {
-    std::vector<float> best;
-    best.reserve(rankings.size());
-    for (const Ranking& ranking : rankings) {
-      best.push_back(ranking.BestWithout(plane, other_plane));
-    }
-    return best;
   }
 
   // While there are planes that are not worth their cost. Returns whether there
@@ -678,10 +897,16 @@ class Discovery {
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings = Rank(planes_, customers_.Count());
     const int num_planes = static_cast<int>(planes_.size());
-    std::vector<double> drop_losses(num_planes, 0.0);
+    Losses losses(planes_.size());
     for (const Ranking& ranking : rankings) {
-      if (ranking.planes[0] >= 0) {
-        drop_losses[ranking.planes[0]] += ranking.scores[0] - ranking.scores[1];
+      const int best = ranking.planes[0];
+      if (best < 0) {
+        continue;
+      }
+      losses.without[best] += ranking.scores[0] - ranking.scores[1];
+      if (ranking.planes[1] >= 0) {
+        losses.more_without_both[best][ranking.planes[1]] +=
+            ranking.scores[1] - ranking.scores[2];
       }
     }
     std::optional<Change> cheapest;
@@ -691,14 +916,14 @@ class Discovery {
       }
     };
     for (int p = 0; p < num_planes; ++p) {
-      consider({p, drop_losses[p], -1, nullptr});
+      consider({p, losses.without[p], -1, nullptr});
     }
     const std::vector<std::vector<int>> members = Members(rankings);
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
-        if (std::min(drop_losses[a], drop_losses[b]) <=
+        if (std::min(losses.without[a], losses.without[b]) <=
             kHopelessGains * options_.min_gain) {
-          consider(Merge(a, b, members, rankings));
+          consider(Merge(a, b, losses.WithoutBoth(a, b), members, rankings));
         }
       }
     }
@@ -708,24 +933,26 @@ class Discovery {
   // Whether at least half of what some customers observe is within the largest
   // distance for merging.
   bool IsNear(const WorldPlane& plane, const std::vector<int>& members) const {
-    const std::vector<DepthObservation> samples =
-        SampleObservations(customers_, members, kNumMergeSamples);
-    const auto num_near = std::count_if(
-        samples.begin(), samples.end(), [&](const DepthObservation& sample) {
-          return std::abs(NormalizedResidual(plane, sample)) <
-                 kMaxMergeDistance * options_.tolerance;
+    size_t num_near = 0;
+    const size_t num_samples = SampleObservations(
+        customers_,
+        members,
+        kNumMergeSamples,
+        [&](const DepthObservation& sample) {
+          num_near += std::abs(NormalizedResidual(plane, sample)) <
+                      kMaxMergeDistance * options_.tolerance;
         });
-    return 2 * static_cast<size_t>(num_near) >= samples.size();
+    return 2 * num_near >= num_samples;
   }
 
   // The fits are kept until one of the planes changes, though both may win or
   // lose some customers: there are hundreds of pairs, and nearly all of them
   // are looked at again after each change.
-  const Joints& FindJoints(int a,
-                           int b,
-                           const std::vector<std::vector<int>>& members) {
+  const Joint& FindJoint(int a,
+                         int b,
+                         const std::vector<std::vector<int>>& members) {
     const auto [entry, is_new] = joints_.try_emplace({ids_[a], ids_[b]});
-    Joints& joints = entry->second;
+    Joint& joint = entry->second;
     const WorldPlane& plane_a = planes_[a].plane;
     const WorldPlane& plane_b = planes_[b].plane;
     if (is_new &&
@@ -737,23 +964,24 @@ class Discovery {
                  members[b].begin(),
                  members[b].end(),
                  std::back_inserter(both));
-      joints = ScorePlanes(scorer_, {Fit(plane_a, both), Fit(plane_b, both)});
+      const FitSamples samples = Sample(both, kMaxFittedObservations);
+      joint =
+          ScorePlanes(scorer_, {Fit(plane_a, samples), Fit(plane_b, samples)});
     }
-    return joints;
+    return joint;
   }
 
   // By the better one of the two fits.
   Change Merge(int a,
                int b,
+               double loss_without_both,
                const std::vector<std::vector<int>>& members,
                const std::vector<Ranking>& rankings) {
     Change change{b, std::numeric_limits<double>::infinity(), a, nullptr};
-    for (const ScoredPlane& fit : FindJoints(a, b, members)) {
-      double loss = 0.0;
-      for (int k = 0; k < customers_.Count(); ++k) {
-        loss += rankings[k].scores[0] -
-                std::max(fit.scores[k], rankings[k].BestWithout(a, b));
-      }
+    for (const ScoredPlane& fit : FindJoint(a, b, members)) {
+      const double loss = loss_without_both - Gain(fit, [&](int k) {
+                            return rankings[k].BestWithout(a, b);
+                          });
       if (loss < change.loss) {
         change.loss = loss;
         change.joint = &fit;
@@ -770,7 +998,7 @@ class Discovery {
   // For DropAndMerge: a number for each plane, another one after each change of
   // it, and the joint fits by those of the two planes.
   std::vector<int> ids_;
-  std::map<std::pair<int, int>, Joints> joints_;
+  std::map<std::pair<int, int>, Joint> joints_;
 };
 
 WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
@@ -795,7 +1023,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   if (views.empty()) {
     return result;
   }
-  const Customers customers = CollectCustomers(views, options);
+  const Customers customers(views, options);
   if (customers.Count() == 0) {
     return result;
   }

@@ -31,7 +31,7 @@ struct DiscoverPlanesOptions {
   int max_planes = 40;
   // How many scores of a candidate for a superpixel are held at a time, in four
   // bytes each.
-  size_t max_scores = size_t{1} << 26;
+  size_t max_scores = size_t{1} << 25;
 };
 
 struct ScenePlane {

@@ -9,8 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <utility>
+#include <iterator>
 #include <vector>
 
 #include <Eigen/Core>
@@ -169,22 +168,26 @@ void AddCells(const PlaneFrame& frame,
   const auto index = [&](float distance) {
     return std::min(static_cast<int>(distance / cell), num_cells - 1);
   };
-  std::map<std::pair<int, int>, int> counts;
+  std::vector<int> counts(
+      static_cast<size_t>(num_cells) * static_cast<size_t>(num_cells), 0);
   for (const PlanePoint& point : points) {
-    ++counts[{index(point.s - low.s), index(point.t - low.t)}];
+    ++counts[static_cast<size_t>(index(point.s - low.s) * num_cells +
+                                 index(point.t - low.t))];
   }
   std::vector<int> sorted;
-  for (const auto& [position, count] : counts) {
-    sorted.push_back(count);
-  }
+  std::copy_if(
+      counts.begin(), counts.end(), std::back_inserter(sorted), [](int count) {
+        return count > 0;
+      });
   const auto middle =
       sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
-  for (const auto& [position, count] : counts) {
+  for (int i = 0; i < num_cells * num_cells; ++i) {
+    const int count = counts[static_cast<size_t>(i)];
     if (count >= kMinCellCount && count * kMinCellShare >= *middle) {
       support->cells.push_back(
-          {low.s + (static_cast<float>(position.first) + 0.5f) * cell,
-           low.t + (static_cast<float>(position.second) + 0.5f) * cell});
+          {low.s + (static_cast<float>(i / num_cells) + 0.5f) * cell,
+           low.t + (static_cast<float>(i % num_cells) + 0.5f) * cell});
     }
   }
 }

@@ -50,7 +50,9 @@ class ImageRunnerTest : public testing::Test {
   // Runs all images with one worker; what a stage throws is kept. With
   // scene_planes, what they observe comes first, and where that fails, nothing
   // more.
-  void Run(std::unique_ptr<CountingDevice> device, bool scene_planes) {
+  void Run(std::unique_ptr<CountingDevice> device,
+           bool scene_planes,
+           bool finds_scenes_ahead = false) {
     const CountingDevice& counter = *device;
     const Workspace workspace(root_, MapType::kGeometric);
     std::vector<RefineWorker> workers;
@@ -63,7 +65,8 @@ class ImageRunnerTest : public testing::Test {
                        std::vector<bool>(4, true),
                        options,
                        workers,
-                       scene_planes ? &evidence : nullptr);
+                       scene_planes ? &evidence : nullptr,
+                       finds_scenes_ahead);
     ViewCache cache(
         1 << 30, 1 << 20, [&](int image) { return runner.Load(image); });
     if (scene_planes) {
@@ -87,9 +90,10 @@ class ImageRunnerTest : public testing::Test {
     reports_ = pipeline.Reports();
     failures_ = pipeline.Failures();
   }
-  void Run(bool scene_planes) {
+  void Run(bool scene_planes, bool finds_scenes_ahead = false) {
     Run(std::make_unique<CountingDevice>("Card", size_t{1} << 30),
-        scene_planes);
+        scene_planes,
+        finds_scenes_ahead);
   }
   // Anew, on a device that breaks.
   void RunBroken(ErrorCode code, int num_allocations, bool scene_planes) {
@@ -189,6 +193,24 @@ TEST_F(ImageRunnerTest, AFailureWhileComposingLeavesTheOthersRefined) {
       }
       EXPECT_TRUE(ReadMaps() == refined);
     }
+  }
+}
+
+TEST_F(ImageRunnerTest, WhoFindsTheScenesChangesNoByte) {
+  DrawWorkspace(root_);
+  Run(true);
+  ExpectAllRefined();
+  const std::map<std::string, std::string> maps = ReadMaps();
+  const int num_allocations = num_allocations_;
+  std::filesystem::remove_all(root_);
+  DrawWorkspace(root_);
+  Run(true, true);
+  ExpectAllRefined();
+  EXPECT_EQ(ReadMaps(), maps);
+  // The worker had less to do.
+  EXPECT_LT(num_allocations_, num_allocations);
+  for (const ImageReport& report : reports_) {
+    EXPECT_GT(report.seconds.count("scene planes"), 0u);
   }
 }
 

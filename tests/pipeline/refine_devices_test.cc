@@ -211,7 +211,17 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
             static_cast<int64_t>(devices.workers.size() + 2) *
                 ResultBytes(overview_) +
             11 * ViewBytes(overview_) +
-            EvidenceBytes(overview_, devices.workers.size()) +
+            EvidenceBytes(
+                overview_,
+                devices.workers.size() +
+                    (devices.finds_scenes_ahead
+                         ? static_cast<size_t>(devices.sizes.num_loaders) +
+                               devices.sizes.max_ready
+                         : 0)) +
+            (devices.finds_scenes_ahead
+                 ? devices.sizes.num_loaders
+                 : static_cast<int64_t>(devices.workers.size())) *
+                DiscoveryBytes(overview_) +
             (options_.device == "cpu" ? WorkBytes(overview_) : 0)) /
         1e9;
     std::ostringstream number;
@@ -231,7 +241,7 @@ TEST_F(RefineDevicesTest, TakesFewerCpuWorkersBeforeItNeedsMore) {
   options_.device = "cpu";
   for (const int num_sources : {1, 10}) {
     overview_.max_num_sources = num_sources;
-    for (double cache_size = 0.35 + 0.04 * num_sources; cache_size < 3.0;
+    for (double cache_size = 0.42 + 0.042 * num_sources; cache_size < 3.0;
          cache_size += 0.02) {
       options_.cache_size = cache_size;
       const RefineDevices devices = Create(0);
@@ -248,7 +258,7 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
   EXPECT_EQ(Create(1).sizes.num_loaders, 6);
-  options_.cache_size = 1.36;
+  options_.cache_size = 1.8;
   const RefineDevices devices = Create(1);
   EXPECT_EQ(devices.sizes.num_loaders, 2);
   EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes),
@@ -267,12 +277,29 @@ TEST(EvidenceBytes, AreThoseOfTheNeighbourhoodsAtWork) {
   EXPECT_EQ(EvidenceBytes(overview, 5), 2 * bytes);
 }
 
+TEST(DiscoveryBytes, DoNotGrowWithoutBound) {
+  WorkspaceOverview overview;
+  overview.max_num_sources = 10;
+  overview.max_num_pixels = 300000;
+  const int64_t bytes = DiscoveryBytes(overview);
+  overview.max_num_sources = 5;
+  EXPECT_LT(DiscoveryBytes(overview), bytes);
+  // The scores are bounded, whatever the candidates.
+  overview.max_num_sources = 50;
+  overview.max_num_pixels = 10000000;
+  const auto max_scores =
+      static_cast<int64_t>(DiscoverPlanesOptions().max_scores);
+  EXPECT_GT(DiscoveryBytes(overview), 4 * max_scores);
+  EXPECT_LT(DiscoveryBytes(overview), 4 * max_scores + (int64_t{1} << 28));
+}
+
 TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
   for (const char* device : {"cpu", "cuda"}) {
     options_.device = device;
     for (const double cache_size : {0.001, 1.0, 8.0}) {
       options_.cache_size = cache_size;
       const RefineDevices devices = Create(2);
+      EXPECT_EQ(devices.finds_scenes_ahead, options_.device == "cuda");
       const auto num_results =
           static_cast<int64_t>(devices.workers.size() +
                                devices.sizes.max_finished) +
