@@ -32,6 +32,7 @@ enum class Provenance : uint8_t {
 // What the stages of a single view found, in main memory.
 struct MeasuredImage {
   EvidenceInputs inputs;
+  Image<float> gray;     // Of the raster of the inputs.
   Image<uint8_t> trust;  // See ViewEvidence::trust.
   Camera camera;         // Of the maps.
 };

@@ -160,6 +160,15 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Find planes in all views of a surface together and let them decide. If "
        "0, or if refine is 0, each image is refined by itself, and the "
        "switches below have no effect."},
+      {"own_texture",
+       &options->own_texture,
+       "Let depths count little for the planes of the scene where the pattern "
+       "that was matched lies beside the pixel: they are those of the frame or "
+       "poster beside a wall."},
+      {"regular_directions",
+       &options->regular_directions,
+       "Make planes exactly parallel and at right angles where that agrees "
+       "with what was measured."},
       {"see_through",
        &options->see_through,
        "Reject planes in front of what other views saw, and prefer those that "

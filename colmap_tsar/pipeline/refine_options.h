@@ -44,6 +44,8 @@ struct RefineOptions {
 
   // Planes of the scene, views that agree.
   bool scene_planes = true;
+  bool own_texture = true;
+  bool regular_directions = true;
   bool see_through = true;
   bool bounded_planes = true;
   bool off_plane_depths = true;

@@ -13,11 +13,13 @@
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/gather_evidence.h"
 #include "colmap_tsar/planes/label_view.h"
+#include "colmap_tsar/planes/own_texture.h"
 #include "colmap_tsar/planes/plane_support.h"
 #include "colmap_tsar/planes/raster_texture.h"
 #include "colmap_tsar/planes/world_plane.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -27,11 +29,19 @@ namespace {
 // What a plane must explain in one view to be looked at by the neighbours,
 // relative to what it must explain in all of them.
 constexpr double kShareOfOneView = 0.25;
+// PatchMatchStereo.window_radius of COLMAP by default, in pixels of its maps.
+constexpr double kPatchRadius = 5.0;
+
+// Of the patches that were matched, on the raster.
+int PatchRadius(const Image<float>& raster, const Camera& camera) {
+  return static_cast<int>(
+      std::lround(kPatchRadius * raster.Width() / camera.width));
+}
 
 EvidenceInputs DownloadInputs(const DeviceViews& views,
                               const Surfaces& surfaces,
+                              ImageView<const float> gray,
                               Device& device) {
-  const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   EvidenceInputs inputs;
   inputs.superpixels = surfaces.superpixels.labels.ToHost();
   inputs.num_superpixels = surfaces.superpixels.count;
@@ -48,8 +58,8 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   if (!surfaces.region_planes.Empty()) {
     inputs.region_planes = surfaces.region_planes.ToHost();
   }
-  inputs.texture = ComputeTexture(gray.View(), device).ToHost();
-  inputs.contrast = ComputeContrast(gray.View(), device).ToHost();
+  inputs.texture = ComputeTexture(gray, device).ToHost();
+  inputs.contrast = ComputeContrast(gray, device).ToHost();
   inputs.intrinsics = views.RasterIntrinsics();
   inputs.scale = views.Scale();
   return inputs;
@@ -142,8 +152,10 @@ RefineResult MeasureImage(
   timer.Finish("upload");
   const Surfaces surfaces =
       FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
-      DownloadInputs(views, surfaces, device),
+      DownloadInputs(views, surfaces, gray.View(), device),
+      gray.ToHost(),
       RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
           .ToHost(),
       views.ReferenceCamera()});
@@ -156,6 +168,15 @@ void MakeEvidence(const RefineOptions& options,
                   RefineResult* result) {
   StageTimer timer(device, &result->seconds);
   MeasuredImage& measured = *result->measured;
+  if (options.own_texture) {
+    EvidenceInputs& inputs = measured.inputs;
+    inputs.own_texture =
+        ComputeOwnTexture(measured.gray,
+                          inputs.contrast,
+                          inputs.superpixels,
+                          inputs.num_superpixels,
+                          PatchRadius(measured.gray, measured.camera));
+  }
   result->evidence =
       std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));
   result->evidence->trust = std::move(measured.trust);

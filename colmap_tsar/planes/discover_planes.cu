@@ -7,6 +7,8 @@
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/planes/depth_observation.h"
 #include "colmap_tsar/planes/discover_planes.h"
+#include "colmap_tsar/planes/fit_plane.h"
+#include "colmap_tsar/planes/regular_directions.h"
 
 #include <algorithm>
 #include <array>
@@ -26,12 +28,15 @@ namespace {
 
 // Fits work on evenly spaced observations where there are more.
 constexpr size_t kMaxFittedObservations = 2000;
-constexpr int kFitIterations = 6;
 // The scale of Cauchy's loss as a share of the tolerance.
 constexpr double kCauchyShare = 0.5;
-// A support whose width is below this share of its length is a line, about
-// which a plane could turn.
-constexpr double kMinRelativeWidth = 0.01;
+// Planes are made regular by fewer observations of each: all of them count
+// together.
+constexpr size_t kMaxAlignedObservations = 500;
+// The share of its support that a plane may lose for being regular. Not small:
+// what a plane misses by a little it misses in all views, by errors that they
+// have in common.
+constexpr double kMaxAlignmentLoss = 0.1;
 // Of a candidate that was chosen.
 constexpr int kNumFirstFits = 2;
 constexpr int kMaxImprovingRounds = 3;
@@ -482,158 +487,6 @@ size_t SampleObservations(const Customers& customers,
   return num_samples;
 }
 
-// Some of the observations that a plane is fitted to, side by side so that
-// vector units work on several at once. Unused ones weigh nothing.
-struct FitBlock {
-  static constexpr int kSize = 8;
-  double x[kSize] = {};  // The points.
-  double y[kSize] = {};
-  double z[kSize] = {};
-  double ray_x[kSize] = {};
-  double ray_y[kSize] = {};
-  double ray_z[kSize] = {};
-  double min_slope[kSize] = {};  // The least value of RaySlope().
-  double sigma[kSize] = {};
-  double weight[kSize] = {};
-};
-
-class FitSamples {
- public:
-  void Add(const DepthObservation& observation) {
-    constexpr int kSize = FitBlock::kSize;
-    const int lane = size_++ % kSize;
-    if (lane == 0) {
-      FitBlock& block = blocks_.emplace_back();
-      std::fill_n(block.min_slope, kSize, 1.0);
-      std::fill_n(block.sigma, kSize, 1.0);
-    }
-    const Eigen::Vector3d point = observation.Point();
-    FitBlock& block = blocks_.back();
-    block.x[lane] = point.x();
-    block.y[lane] = point.y();
-    block.z[lane] = point.z();
-    block.ray_x[lane] = observation.ray.x();
-    block.ray_y[lane] = observation.ray.y();
-    block.ray_z[lane] = observation.ray.z();
-    block.min_slope[lane] =
-        RaySlope({Eigen::Vector3d::Zero(), 0.0}, observation);
-    block.sigma[lane] = observation.sigma;
-    block.weight[lane] = observation.weight;
-  }
-
-  const std::vector<FitBlock>& Blocks() const { return blocks_; }
-
- private:
-  int size_ = 0;
-  std::vector<FitBlock> blocks_;
-};
-
-// What a step of a fit makes of a block.
-struct TermBlock {
-  static constexpr int kSize = FitBlock::kSize;
-  double weight[kSize];
-  double height[kSize];  // Over the plane.
-  // Residuals grow along the ray. That the slope changes with the normal is the
-  // same as that the plane turns under the ray's foot, not under the measured
-  // point.
-  double foot_x[kSize];
-  double foot_y[kSize];
-  double foot_z[kSize];
-
-  TermBlock(const FitBlock& block, const WorldPlane& plane, double loss_scale) {
-    const double a = plane.normal.x();
-    const double b = plane.normal.y();
-    const double c = plane.normal.z();
-    for (int i = 0; i < kSize; ++i) {
-      const double along =
-          a * block.ray_x[i] + b * block.ray_y[i] + c * block.ray_z[i];
-      const double slope = std::max(std::abs(along), block.min_slope[i]);
-      height[i] =
-          a * block.x[i] + b * block.y[i] + c * block.z[i] + plane.offset;
-      const double error = block.sigma[i] * slope;
-      const double ratio = height[i] / (error * loss_scale);
-      weight[i] = block.weight[i] / (error * error * (1.0 + ratio * ratio));
-      const double step = (along > 0.0 ? -height[i] : height[i]) / slope;
-      foot_x[i] = block.x[i] + step * block.ray_x[i];
-      foot_y[i] = block.y[i] + step * block.ray_y[i];
-      foot_z[i] = block.z[i] + step * block.ray_z[i];
-    }
-  }
-
-  Eigen::Vector3d Foot(int i) const {
-    return {foot_x[i], foot_y[i], foot_z[i]};
-  }
-};
-
-// One step of Gauss and Newton towards the least loss of the normalized
-// residuals; RefinePlane minimises the same, with more care and a hundred times
-// the time. Nothing where the observations do not determine a plane.
-std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
-                                    const std::vector<FitBlock>& samples,
-                                    double loss_scale) {
-  std::vector<TermBlock> terms;
-  terms.reserve(samples.size());
-  double weights = 0.0;
-  double mean_height = 0.0;
-  Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
-  for (const FitBlock& block : samples) {
-    const TermBlock& term = terms.emplace_back(block, plane, loss_scale);
-    for (int i = 0; i < TermBlock::kSize; ++i) {
-      weights += term.weight[i];
-      mean_height += term.weight[i] * term.height[i];
-      mean_foot += term.weight[i] * term.Foot(i);
-    }
-  }
-  mean_height /= weights;
-  mean_foot /= weights;
-
-  const Eigen::Vector3d tangent = plane.normal.unitOrthogonal();
-  const Eigen::Vector3d other_tangent = plane.normal.cross(tangent);
-  double xx = 0.0, xy = 0.0, yy = 0.0, xh = 0.0, yh = 0.0;
-  for (const TermBlock& term : terms) {
-    for (int i = 0; i < TermBlock::kSize; ++i) {
-      const double weight = term.weight[i];
-      const Eigen::Vector3d position = term.Foot(i) - mean_foot;
-      const double x = tangent.dot(position);
-      const double y = other_tangent.dot(position);
-      const double height = term.height[i] - mean_height;
-      xx += weight * x * x;
-      xy += weight * x * y;
-      yy += weight * y * y;
-      xh += weight * x * height;
-      yh += weight * y * height;
-    }
-  }
-  const double determinant = xx * yy - xy * xy;
-  const double min_ratio = kMinRelativeWidth * kMinRelativeWidth;
-  // Also where something is not a number.
-  if (!(determinant > min_ratio * (xx + yy) * (xx + yy))) {
-    return std::nullopt;
-  }
-  const Eigen::Vector3d turn =
-      (xy * yh - yy * xh) / determinant * tangent +
-      (xy * xh - xx * yh) / determinant * other_tangent;
-  const Eigen::Vector3d normal = plane.normal + turn;
-  const double offset = plane.offset - turn.dot(mean_foot) - mean_height;
-  const double length = normal.norm();
-  return WorldPlane{normal / length, offset / length};
-}
-
-WorldPlane FitPlane(const WorldPlane& initial,
-                    const std::vector<FitBlock>& samples,
-                    double loss_scale) {
-  WorldPlane plane = initial;
-  for (int i = 0; i < kFitIterations; ++i) {
-    const std::optional<WorldPlane> next =
-        StepToFit(plane, samples, loss_scale);
-    if (!next) {
-      break;
-    }
-    plane = *next;
-  }
-  return plane;
-}
-
 // The best three planes of a customer; -1 and 0 where there are fewer.
 struct Ranking {
   int planes[3] = {-1, -1, -1};
@@ -742,6 +595,9 @@ class Discovery {
     do {
       FitToServed();
     } while (DropAndMerge());
+    if (options_.regular_directions) {
+      AlignPlanes();
+    }
     return std::move(planes_);
   }
 
@@ -786,8 +642,7 @@ class Discovery {
   }
 
   WorldPlane Fit(const WorldPlane& initial, const FitSamples& samples) const {
-    return FitPlane(
-        initial, samples.Blocks(), kCauchyShare * options_.tolerance);
+    return FitPlane(initial, samples, kCauchyShare * options_.tolerance);
   }
 
   void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
@@ -988,6 +843,35 @@ class Discovery {
       }
     }
     return change;
+  }
+
+  // Makes planes regular where that costs little of what they serve.
+  void AlignPlanes() {
+    const std::vector<Ranking> rankings = Rank(planes_, customers_.Count());
+    const std::vector<std::vector<int>> members = Members(rankings);
+    std::vector<MeasuredPlane> measured;
+    for (size_t p = 0; p < planes_.size(); ++p) {
+      double support = 0.0;
+      for (const int k : members[p]) {
+        support += rankings[k].scores[0];
+      }
+      measured.push_back({planes_[p].plane,
+                          support,
+                          Sample(members[p], kMaxAlignedObservations)});
+    }
+    const auto is_acceptable = [&](int p, const WorldPlane& plane) {
+      const auto best_of_others = [&](int k) {
+        return rankings[k].BestWithout(p, p);
+      };
+      const ScoredPlane scored = std::move(ScorePlanes(scorer_, {plane})[0]);
+      const double loss =
+          Gain(planes_[p], best_of_others) - Gain(scored, best_of_others);
+      return loss <= std::max(options_.min_gain,
+                              kMaxAlignmentLoss * measured[p].support);
+    };
+    const std::vector<WorldPlane> regular =
+        MakeRegular(measured, kCauchyShare * options_.tolerance, is_acceptable);
+    planes_ = ScorePlanes(scorer_, regular);
   }
 
   const Customers& customers_;

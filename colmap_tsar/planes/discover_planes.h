@@ -29,6 +29,9 @@ struct DiscoverPlanesOptions {
   // lie right on it.
   double min_gain = 100.0;
   int max_planes = 40;
+  // Whether planes become exactly parallel or orthogonal to each other where
+  // that agrees with the observations.
+  bool regular_directions = true;
   // How many scores of a candidate for a superpixel are held at a time, in four
   // bytes each.
   size_t max_scores = size_t{1} << 25;
@@ -58,8 +61,9 @@ struct DiscoveredPlanes {
 // Greedy choice of candidates, while one adds min_gain as it is, is followed by
 // rounds in which each plane is fitted to the superpixels it serves, in all
 // views at once, and in which planes are dropped or merged that are not worth
-// min_gain. At the end, leaving out any plane would cost at least min_gain, and
-// each superpixel is served by the plane with the highest score.
+// min_gain. Then leaving out any plane would cost at least min_gain. At last
+// planes are made regular (MakeRegular) that lose little by that, and each
+// superpixel is served by the plane with the highest score.
 //
 // Where candidates times superpixels are more than max_scores, the last of the
 // candidates are left out: list the likely ones first.

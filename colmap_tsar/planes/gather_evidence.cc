@@ -86,6 +86,17 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
   }
 }
 
+float OwnQuality(const Image<float>& own_texture,
+                 int x,
+                 int y,
+                 const EvidenceOptions& options) {
+  if (own_texture.Empty()) {
+    return 1.f;
+  }
+  const float share = own_texture(x, y);
+  return std::max(share * share, options.min_own_quality);
+}
+
 // The observation of each pixel, of quality 0 where there is none; sets
 // strong_depth.
 Image<Observation> ObservePixels(const EvidenceInputs& inputs,
@@ -100,7 +111,9 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
       if (IsMeasured(sample)) {
         const bool is_strong = inputs.texture(x, y) > options.min_texture;
         observations(x, y) = {
-            sample, is_strong ? 1.f : options.quality_without_texture};
+            sample,
+            (is_strong ? 1.f : options.quality_without_texture) *
+                OwnQuality(inputs.own_texture, x, y, options)};
         evidence->strong_depth(x, y) = is_strong ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);

@@ -18,6 +18,9 @@ struct EvidenceOptions {
   // and what one on weaker texture counts.
   float min_texture = 1.f;
   float quality_without_texture = 0.5f;
+  // What a measurement counts at least whose pattern is not the pixel's own;
+  // otherwise the square of its share in own_texture.
+  float min_own_quality = 0.02f;
   // What a pixel counts that was not measured, but lies in a region that has a
   // plane.
   float quality_of_region_plane = 0.3f;
@@ -38,6 +41,7 @@ struct EvidenceInputs {
   Image<Plane> region_planes;            // Of each pixel; may be empty.
   Image<float> texture;
   Image<float> contrast;
+  Image<float> own_texture;  // May be empty: 1 everywhere.
   Intrinsics intrinsics;  // Of the raster.
   DisparityScale scale;
 };

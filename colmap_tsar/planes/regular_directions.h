@@ -1,0 +1,39 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/planes/fit_plane.h"
+#include "colmap_tsar/planes/world_plane.h"
+
+#include <functional>
+#include <vector>
+
+namespace tsar {
+
+// A plane with what it explains.
+struct MeasuredPlane {
+  WorldPlane plane;
+  double support = 0.0;  // How much that is.
+  FitSamples samples;
+};
+
+// What people build stands at right angles. A wall that only a band of posters
+// measures may lean by a degree and still fit what was measured; a floor that
+// is known well and the poster's edges tell that it does not lean.
+//
+// Finds the three directions at right angles to each other along which planes
+// have most support, fits them and the planes near them (within 5 degrees) to
+// the samples of all these planes at once, and gives each of these planes
+// exactly its direction. Of the others, those that are nearly orthogonal to a
+// direction, such as a pillar's faces, become exactly so.
+//
+// loss_scale: see FitPlane. is_acceptable(p, plane): whether this plane may
+// take the place of planes[p]; one that may not does not count for the
+// directions. Returns a plane for each of `planes`, in their order.
+std::vector<WorldPlane> MakeRegular(
+    const std::vector<MeasuredPlane>& planes,
+    double loss_scale,
+    const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable);
+
+}  // namespace tsar
