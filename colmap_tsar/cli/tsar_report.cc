@@ -24,7 +24,8 @@ int RunTsarReport(int argc, char** argv) {
   OptionSet options(
       "tsar_report",
       "Draws a picture (PNG) that shows, for some images of a refined "
-      "workspace, the depth before and after and where each depth comes from.",
+      "workspace, depth and normals before and after and where each depth comes "
+      "from.",
       "colmap_tsar tsar_report --workspace_path dense --output_path "
       "comparison.png");
   options.AddRequired(

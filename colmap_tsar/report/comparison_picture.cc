@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/report/canvas.h"
 #include "colmap_tsar/report/depth_colors.h"
+#include "colmap_tsar/report/normal_colors.h"
 #include "colmap_tsar/report/provenance_colors.h"
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 namespace tsar {
 namespace {
 
-constexpr int kNumColumns = 4;
+constexpr int kNumColumns = 6;
 constexpr int kGap = 8;
 constexpr int kLineHeight = 24;
 constexpr int kBoxSize = 12;
@@ -35,6 +36,8 @@ void CheckRow(const ComparisonRow& row) {
                     "needed for the picture");
   }
   if (!row.after.HasSizeOf(row.before) ||
+      !row.normals_before.HasSizeOf(row.before) ||
+      !row.normals_after.HasSizeOf(row.before) ||
       !row.provenance.HasSizeOf(row.before)) {
     throw Error(ErrorCode::kMismatch,
                 row.name +
@@ -81,7 +84,9 @@ void DrawRow(Canvas& canvas, const ComparisonRow& row) {
   draw(row.image, 0, Scaling::kAverage);
   draw(ColorizeDepth(row.before, range), 1, Scaling::kPick);
   draw(ColorizeDepth(row.after, range), 2, Scaling::kPick);
-  draw(ColorizeProvenance(row.provenance), 3, Scaling::kPick);
+  draw(ColorizeNormals(row.normals_before), 3, Scaling::kPick);
+  draw(ColorizeNormals(row.normals_after), 4, Scaling::kPick);
+  draw(ColorizeProvenance(row.provenance), 5, Scaling::kPick);
 }
 
 void DrawLegend(Canvas& canvas) {
@@ -108,7 +113,12 @@ Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows) {
 
   Canvas canvas(kPictureWidth);
   WriteLine(canvas,
-            {"Image", "Depth before", "Depth after", "Origin of the depth"});
+            {"Image",
+             "Depth before",
+             "Depth after",
+             "Normals before",
+             "Normals after",
+             "Origin of the depth"});
   for (const ComparisonRow& row : rows) {
     DrawRow(canvas, row);
   }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
 
 #include <cstdint>
 #include <string>
@@ -11,24 +12,26 @@
 
 namespace tsar {
 
-// One view before and after its refinement. The three maps have the same size;
-// the image has the same proportions.
+// One view before and after its refinement. The maps have the same size; the
+// image has the same proportions.
 struct ComparisonRow {
   std::string name;
   Image<Rgb> image;
-  Image<float> before;        // Depth; 0 = none.
-  Image<float> after;         // Depth; 0 = none.
+  Image<float> before;  // Depth; 0 = none.
+  Image<float> after;   // Depth; 0 = none.
+  Image<Vec3f> normals_before;
+  Image<Vec3f> normals_after;
   Image<uint8_t> provenance;  // See provenance_colors.h.
 };
 
-// Width of one of the four columns, in pixels of the picture.
-constexpr int kComparisonColumnWidth = 480;
+// Width of one of the six columns, in pixels of the picture.
+constexpr int kComparisonColumnWidth = 360;
 
-// Draws a row per view: image, depth before, depth after, and where each depth
-// of the latter comes from, with the share of pixels that have a depth, and a
-// legend. Both depth maps of a row have the same colour scale. Throws Error
-// kMismatch (no rows, an empty raster, maps of different sizes) and what
-// ColorizeProvenance throws.
+// Draws a row per view: image, depth before and after, normals before and
+// after, and where each depth of the result comes from, with the share of
+// pixels that have a depth, and a legend. Both depth maps of a row have the
+// same colour scale. Throws Error kMismatch (no rows, an empty raster, maps of
+// different sizes) and what ColorizeProvenance throws.
 Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows);
 
 }  // namespace tsar

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 namespace tsar {
 
@@ -38,8 +39,11 @@ ComparisonRow ReadComparisonRow(const Workspace& workspace, int image) {
   const MapType type = workspace.Type();
   ComparisonRow row;
   row.name = workspace.Model().images[image].name;
-  row.before = workspace.ReadOriginalMaps(image, type).depth;
+  DepthNormal original = workspace.ReadOriginalMaps(image, type);
+  row.before = std::move(original.depth);
+  row.normals_before = std::move(original.normal);
   row.after = ReadDepthMap(workspace.DepthPath(image, type));
+  row.normals_after = ReadNormalMap(workspace.NormalPath(image, type));
   row.provenance = ReadGrayPng(workspace.ProvenancePath(image, type));
   row.image =
       workspace.ReadImage(image, row.before.Width(), row.before.Height());

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/report/depth_colors.h"
+#include "colmap_tsar/report/normal_colors.h"
 #include "colmap_tsar/report/provenance_colors.h"
 
 #include <algorithm>
@@ -33,6 +34,8 @@ ComparisonRow DrawnRow() {
   row.image = Image<Rgb>(60, 45, Rgb{12, 200, 34});
   row.before = Image<float>(60, 45, 0.f);
   row.after = Image<float>(60, 45, 4.f);
+  row.normals_before = Image<Vec3f>(60, 45, Vec3f{});
+  row.normals_after = Image<Vec3f>(60, 45, Vec3f{0.f, 0.f, -1.f});
   row.provenance = Image<uint8_t>(60, 45, 4);
   for (int y = 0; y < 45; ++y) {
     for (int x = 0; x < 30; ++x) {
@@ -46,7 +49,7 @@ ComparisonRow DrawnRow() {
 constexpr int kCellArea =
     kComparisonColumnWidth * kComparisonColumnWidth * 3 / 4;
 
-TEST(DrawComparison, ShowsAllFourColumnsAtTheSameSize) {
+TEST(DrawComparison, ShowsAllColumnsAtTheSameSize) {
   const ComparisonRow row = DrawnRow();
   const Image<Rgb> picture = DrawComparison({row});
 
@@ -55,12 +58,15 @@ TEST(DrawComparison, ShowsAllFourColumnsAtTheSameSize) {
   EXPECT_GE(Count(picture, region_plane), kCellArea);
 
   // Half of the cell before and half of the cell after are near; half of the
-  // one after is far; half of the one before has no depth.
+  // one after is far; half of the one before has no depth, and no normal is
+  // there before.
   const Image<Rgb> depths = ColorizeDepth(row.after, {2.f, 4.f});
   EXPECT_EQ(Count(picture, depths(0, 0)), kCellArea);
   EXPECT_EQ(Count(picture, depths(59, 0)), kCellArea / 2);
-  EXPECT_GE(Count(picture, Rgb()), kCellArea / 2);
-  EXPECT_LT(Count(picture, Rgb()), kCellArea * 3 / 4);
+  EXPECT_GE(Count(picture, Rgb()), kCellArea * 3 / 2);
+  EXPECT_LT(Count(picture, Rgb()), kCellArea * 7 / 4);
+  EXPECT_EQ(Count(picture, ColorizeNormals(row.normals_after)(0, 0)),
+            kCellArea);
 }
 
 TEST(DrawComparison, ColumnsStandInTheNamedOrder) {
@@ -80,11 +86,13 @@ TEST(DrawComparison, ColumnsStandInTheNamedOrder) {
   const int image = first_column(row.image(0, 0));
   const int before = first_column(depths(0, 0));
   const int after = first_column(depths(59, 0));
+  const int normals = first_column(ColorizeNormals(row.normals_after)(0, 0));
   const int provenance = first_column(ProvenanceKinds()[4].color);
   ASSERT_GE(image, 0);
   EXPECT_GE(before, image + kComparisonColumnWidth);
   EXPECT_GE(after, before + kComparisonColumnWidth);
-  EXPECT_GE(provenance, after + kComparisonColumnWidth / 2);
+  EXPECT_GE(normals, after + kComparisonColumnWidth * 3 / 2);
+  EXPECT_GE(provenance, normals + kComparisonColumnWidth);
 }
 
 TEST(DrawComparison, EveryViewAddsTheSameHeight) {
@@ -113,6 +121,7 @@ TEST(DrawComparison, TakesExtremeProportionsAndNames) {
   row.name = std::string(1000, 'x') + "\xc3\xa4\n";
   row.image = Image<Rgb>(1000, 1);
   row.before = row.after = Image<float>(1000, 1, 1.f);
+  row.normals_before = row.normals_after = Image<Vec3f>(1000, 1);
   row.provenance = Image<uint8_t>(1000, 1, 1);
   EXPECT_GT(DrawComparison({row}).Height(), 0);
 }
@@ -123,6 +132,10 @@ TEST(DrawComparison, RejectsWhatCannotBeCompared) {
   ComparisonRow smaller = DrawnRow();
   smaller.after = Image<float>(30, 45, 1.f);
   EXPECT_THROW(DrawComparison({smaller}), Error);
+
+  ComparisonRow other_normals = DrawnRow();
+  other_normals.normals_after = Image<Vec3f>(30, 45);
+  EXPECT_THROW(DrawComparison({other_normals}), Error);
 
   ComparisonRow no_image = DrawnRow();
   no_image.image = Image<Rgb>();

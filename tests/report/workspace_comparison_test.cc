@@ -59,7 +59,7 @@ class WorkspaceComparisonTest : public ::testing::Test {
   void Refine(const Workspace& workspace, int image) {
     RefinedMaps maps;
     maps.depth = Image<float>(kWidth, kHeight, kRefinedDepth);
-    maps.normal = Image<Vec3f>(kWidth, kHeight, Vec3f{0.f, 0.f, -1.f});
+    maps.normal = Image<Vec3f>(kWidth, kHeight, Vec3f{0.f, -1.f, 0.f});
     maps.confidence = Image<float>(kWidth, kHeight, 1.f);
     maps.provenance = Image<uint8_t>(kWidth, kHeight, 2);
     WriteRefined(workspace, image, maps, {});
@@ -87,6 +87,8 @@ TEST_F(WorkspaceComparisonTest, ReadsBeforeAndAfter) {
   EXPECT_EQ(row.image(3, 3).b, 9);
   EXPECT_EQ(row.before(3, 3), kOriginalDepth);
   EXPECT_EQ(row.after(3, 3), kRefinedDepth);
+  EXPECT_EQ(row.normals_before(3, 3).z, -1.f);
+  EXPECT_EQ(row.normals_after(3, 3).y, -1.f);
   EXPECT_EQ(row.provenance(3, 3), 2);
   EXPECT_GT(DrawComparison({row}).Height(), 0);
 }
