@@ -222,13 +222,20 @@ void FitSamples::Add(const DepthObservation& observation) {
 }
 
 Eigen::Vector3d FitSamples::Middle() const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int i = 0; i < size_; ++i) {
-    const Block& block = blocks_[static_cast<size_t>(i / Block::kSize)];
-    const int lane = i % Block::kSize;
-    sum += Eigen::Vector3d(block.x[lane], block.y[lane], block.z[lane]);
+  if (size_ == 0) {
+    return Eigen::Vector3d::Zero();
   }
-  return sum / std::max(size_, 1);
+  const auto median = [&](const double(Block::*coordinates)[Block::kSize]) {
+    std::vector<double> values;
+    for (int i = 0; i < size_; ++i) {
+      const Block& block = blocks_[static_cast<size_t>(i / Block::kSize)];
+      values.push_back((block.*coordinates)[i % Block::kSize]);
+    }
+    const auto middle = values.begin() + size_ / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {median(&Block::x), median(&Block::y), median(&Block::z)};
 }
 
 WorldPlane FitPlane(const WorldPlane& initial,

@@ -33,7 +33,7 @@ class FitSamples {
 
   void Add(const DepthObservation& observation);
   const std::vector<Block>& Blocks() const { return blocks_; }
-  // The mean of the points; zero without any.
+  // The medians of the points' coordinates; zero without any.
   Eigen::Vector3d Middle() const;
 
  private:

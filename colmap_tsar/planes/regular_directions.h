@@ -15,7 +15,7 @@ namespace tsar {
 struct MeasuredPlane {
   WorldPlane plane;
   double support = 0.0;  // How much that is.
-  FitSamples samples;
+  FitSamples samples;    // What measured it.
 };
 
 // What people build stands at right angles. A wall that only a band of posters
