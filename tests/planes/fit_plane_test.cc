@@ -297,10 +297,17 @@ TEST_F(FitPlaneTest, ReturnsTheInitialPlaneOfObservationsOnALine) {
     both.push_back(observation);
   }
   ExpectSame(Fit(both), initial_);
-  // From further off, so that they seem to determine a plane before they are
-  // near to it.
-  const WorldPlane far = Displaced(plane_, middle_, 10.0, 0.5);
-  ExpectSame(FitFrom(far, both), far);
+  // From a side where they seem to determine a plane until one goes through
+  // the line.
+  const Eigen::Vector3d beside = 2.0 * plane_.normal.cross(direction);
+  both = line;
+  for (DepthObservation observation : line) {
+    observation.ray = observation.Point() - beside;
+    observation.center = beside;
+    both.push_back(observation);
+  }
+  const WorldPlane behind = Displaced(plane_, middle_, 0.0, 0.2);
+  ExpectSame(FitFrom(behind, both), behind);
   // All depths of one ray.
   ExpectSame(Fit(std::vector<DepthObservation>(20, line[0])), initial_);
 }
@@ -480,13 +487,14 @@ TEST_F(FitTogetherTest, NothingTurnsWithoutSamples) {
 }
 
 TEST_F(FitTogetherTest, NothingTurnsAboutALine) {
-  // A line of samples along the plane, on which errors along the rays do not
-  // show.
+  // A line of samples along the plane, too narrow for their errors.
   const Eigen::Vector3d direction = truth_[0].normal.unitOrthogonal();
+  const Eigen::Vector3d across = truth_[0].normal.cross(direction);
   std::vector<DepthObservation> line;
   for (int i = 0; i < 40; ++i) {
     DepthObservation observation;
-    observation.ray = middles_[0] + (0.05 * i - 1.0) * direction;
+    observation.ray = middles_[0] + (0.05 * i - 1.0) * direction +
+                      (i % 2 == 0 ? 0.002 : -0.002) * across;
     observation.depth = 1.0;
     observation.sigma = 0.01;
     line.push_back(observation);
@@ -502,7 +510,6 @@ TEST_F(FitTogetherTest, NothingTurnsAboutALine) {
     const Eigen::Matrix3d rotation = FitTogether(axis, kLossScale, &joint);
     EXPECT_LT((rotation * direction).cross(direction).norm(), 0.02);
     // Across the line.
-    const Eigen::Vector3d across = truth_[0].normal.cross(direction);
     EXPECT_NEAR((rotation * across).dot(truth_[0].normal), 0.0, 1e-3);
   }
 }
