@@ -3,7 +3,6 @@ find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
 find_package(Boost REQUIRED COMPONENTS program_options)
 find_package(nlohmann_json REQUIRED)
-find_package(Ceres REQUIRED)
 
 # glog comes without a CMake package on some distributions.
 find_package(PkgConfig REQUIRED)

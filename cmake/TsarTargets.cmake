@@ -14,7 +14,7 @@ target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
           Boost::program_options nlohmann_json::nlohmann_json
-          Ceres::ceres PkgConfig::glog ${FLANN_LIBRARY} ${LZ4_LIBRARY})
+          PkgConfig::glog ${FLANN_LIBRARY} ${LZ4_LIBRARY})
 
 # Warnings, sanitizers and the rules of floating-point arithmetic, for every
 # target of this project.

@@ -16,6 +16,8 @@ constexpr int kNumSteps = 6;
 // A support whose width is below this share of its length is a line, about
 // which a plane could turn.
 constexpr double kMinRelativeWidth = 0.01;
+// The same for sums of squares.
+constexpr double kMinSquareRatio = kMinRelativeWidth * kMinRelativeWidth;
 
 // What a step of a fit makes of a block.
 struct TermBlock {
@@ -95,9 +97,8 @@ std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
     }
   }
   const double determinant = xx * yy - xy * xy;
-  const double min_ratio = kMinRelativeWidth * kMinRelativeWidth;
   // Also where something is not a number.
-  if (!(determinant > min_ratio * (xx + yy) * (xx + yy))) {
+  if (!(determinant > kMinSquareRatio * (xx + yy) * (xx + yy))) {
     return std::nullopt;
   }
   const Eigen::Vector3d turn =
@@ -153,15 +154,20 @@ TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
   return result;
 }
 
-// Vector3d::Zero() where the planes do not determine it.
+// The turn of least angle; only about directions which the planes determine.
 Eigen::Vector3d SolveTurn(const std::optional<Eigen::Vector3d>& axis,
                           const Eigen::Matrix3d& products,
                           const Eigen::Vector3d& heights) {
-  Eigen::Vector3d turn;
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   if (axis) {
-    turn = -axis->dot(heights) / axis->dot(products * *axis) * *axis;
+    const double product = axis->dot(products * *axis);
+    if (product > kMinSquareRatio * products.trace()) {
+      turn = -axis->dot(heights) / product * *axis;
+    }
   } else {
-    turn = -products.completeOrthogonalDecomposition().solve(heights);
+    Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> solver;
+    solver.setThreshold(kMinSquareRatio);
+    turn = -solver.compute(products).solve(heights);
   }
   return turn.allFinite() ? turn : Eigen::Vector3d::Zero();
 }
@@ -216,13 +222,20 @@ void FitSamples::Add(const DepthObservation& observation) {
 }
 
 Eigen::Vector3d FitSamples::Middle() const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int i = 0; i < size_; ++i) {
-    const Block& block = blocks_[static_cast<size_t>(i / Block::kSize)];
-    const int lane = i % Block::kSize;
-    sum += Eigen::Vector3d(block.x[lane], block.y[lane], block.z[lane]);
+  if (size_ == 0) {
+    return Eigen::Vector3d::Zero();
   }
-  return sum / std::max(size_, 1);
+  const auto median = [&](const double(Block::*coordinates)[Block::kSize]) {
+    std::vector<double> values;
+    for (int i = 0; i < size_; ++i) {
+      const Block& block = blocks_[static_cast<size_t>(i / Block::kSize)];
+      values.push_back((block.*coordinates)[i % Block::kSize]);
+    }
+    const auto middle = values.begin() + size_ / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {median(&Block::x), median(&Block::y), median(&Block::z)};
 }
 
 WorldPlane FitPlane(const WorldPlane& initial,
@@ -233,7 +246,7 @@ WorldPlane FitPlane(const WorldPlane& initial,
     const std::optional<WorldPlane> next =
         StepToFit(plane, samples, loss_scale);
     if (!next) {
-      break;
+      return initial;
     }
     plane = *next;
   }

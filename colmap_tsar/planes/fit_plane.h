@@ -33,7 +33,7 @@ class FitSamples {
 
   void Add(const DepthObservation& observation);
   const std::vector<Block>& Blocks() const { return blocks_; }
-  // The mean of the points; zero without any.
+  // The medians of the points' coordinates; zero without any.
   Eigen::Vector3d Middle() const;
 
  private:
@@ -53,12 +53,15 @@ WorldPlane FitPlane(const WorldPlane& initial,
 
 struct JointPlane {
   WorldPlane plane;
-  const FitSamples* samples = nullptr;
+  const FitSamples* samples = nullptr;  // Not null; may be empty.
 };
 
 // Fits planes that turn together, by one rotation, while each moves along its
-// normal by itself. axis: where they may only turn about this one, a unit
-// vector. Returns the rotation from the old normals to the new ones.
+// normal by itself; otherwise like FitPlane. axis: where they may only turn
+// about this one, a unit vector. They do not turn about what their samples
+// leave open, such as a line on which all of these lie. One without samples
+// turns about its point that is nearest to the origin. Returns the rotation
+// from the old normals to the new ones.
 Eigen::Matrix3d FitTogether(const std::optional<Eigen::Vector3d>& axis,
                             double loss_scale,
                             std::vector<JointPlane>* planes);

@@ -18,8 +18,8 @@ struct EvidenceOptions {
   // and what one on weaker texture counts.
   float min_texture = 1.f;
   float quality_without_texture = 0.5f;
-  // What a measurement counts at least whose pattern is not the pixel's own;
-  // otherwise the square of its share in own_texture.
+  // Measurements count by the square of their share in own_texture, too, but
+  // by no less than this where the pattern is not the pixel's own.
   float min_own_quality = 0.02f;
   // What a pixel counts that was not measured, but lies in a region that has a
   // plane.
@@ -42,7 +42,7 @@ struct EvidenceInputs {
   Image<float> texture;
   Image<float> contrast;
   Image<float> own_texture;  // May be empty: 1 everywhere.
-  Intrinsics intrinsics;  // Of the raster.
+  Intrinsics intrinsics;     // Of the raster.
   DisparityScale scale;
 };
 

@@ -42,9 +42,9 @@ struct PlaneUncertainty {
 // observation for all of them. An observation of weight w counts for w of them.
 // All must be of the plane; outliers have to be left out.
 //
-// It is what least squares attains. Fits by RefinePlane spread more widely,
-// since their loss uses less of what each observation tells: 1.37 times as
-// widely with the default loss.
+// It is what least squares attains. Planes at the minimum of FitPlane's loss
+// spread more widely, since it uses less of what each observation tells: 1.37
+// times as widely with a loss_scale of 0.5.
 PlaneUncertainty ComputeUncertainty(
     const WorldPlane& plane, const std::vector<DepthObservation>& observations);
 

@@ -21,8 +21,6 @@ constexpr double kSinMaxAngle = 0.0872;
 constexpr double kCosMaxAngle = 0.9962;
 // Pairs of so many planes are tried as directions, those of most support.
 constexpr size_t kMaxPairedPlanes = 10;
-// Of fits to all planes that are still taken to be regular.
-constexpr int kMaxRounds = 3;
 
 using Frame = Eigen::Matrix3d;  // Its columns are directions.
 
@@ -81,13 +79,17 @@ std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
   return best;
 }
 
-// The plane with this normal, or the opposite one, through the samples.
+// The plane turned to this normal, or to the opposite one, where its samples
+// are.
 JointPlane Turned(const MeasuredPlane& measured,
                   const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d normal = direction.dot(measured.plane.normal) < 0.0
+  const WorldPlane& plane = measured.plane;
+  const Eigen::Vector3d normal = direction.dot(plane.normal) < 0.0
                                      ? Eigen::Vector3d(-direction)
                                      : direction;
-  return {{normal, -normal.dot(measured.samples.Middle())}, &measured.samples};
+  const Eigen::Vector3d middle = measured.samples.Middle();
+  const Eigen::Vector3d on_plane = middle - plane.Height(middle) * plane.normal;
+  return {{normal, -normal.dot(on_plane)}, &measured.samples};
 }
 
 }  // namespace
@@ -100,27 +102,28 @@ std::vector<WorldPlane> MakeRegular(
   for (const MeasuredPlane& plane : planes) {
     result.push_back(plane.plane);
   }
-  std::optional<Frame> frame = FindFrame(planes);
-  if (!frame) {
+  const std::optional<Frame> found = FindFrame(planes);
+  if (!found) {
     return result;
   }
   const int num_planes = static_cast<int>(planes.size());
   std::vector<int> axes;
   std::vector<int> along;  // The planes that are taken to be regular.
   for (int p = 0; p < num_planes; ++p) {
-    axes.push_back(NearestAxis(*frame, planes[p].plane.normal));
+    axes.push_back(NearestAxis(*found, planes[p].plane.normal));
     if (axes.back() >= 0) {
       along.push_back(p);
     }
   }
   std::vector<bool> is_regular(planes.size(), false);
+  Frame frame = *found;
   bool changed = true;
-  for (int round = 0; round < kMaxRounds && changed; ++round) {
+  while (changed) {
     std::vector<JointPlane> joint;
     for (const int p : along) {
-      joint.push_back(Turned(planes[p], frame->col(axes[p])));
+      joint.push_back(Turned(planes[p], found->col(axes[p])));
     }
-    *frame = FitTogether(std::nullopt, loss_scale, &joint) * *frame;
+    frame = FitTogether(std::nullopt, loss_scale, &joint) * *found;
     std::vector<int> accepted;
     std::fill(is_regular.begin(), is_regular.end(), false);
     for (size_t i = 0; i < along.size(); ++i) {
@@ -138,7 +141,7 @@ std::vector<WorldPlane> MakeRegular(
   }
   for (int p = 0; p < num_planes; ++p) {
     for (int axis = 0; axis < 3 && !is_regular[p]; ++axis) {
-      const Eigen::Vector3d direction = frame->col(axis);
+      const Eigen::Vector3d direction = frame.col(axis);
       const Eigen::Vector3d& normal = planes[p].plane.normal;
       if (std::abs(normal.dot(direction)) > kSinMaxAngle) {
         continue;

@@ -15,7 +15,7 @@ namespace tsar {
 struct MeasuredPlane {
   WorldPlane plane;
   double support = 0.0;  // How much that is.
-  FitSamples samples;
+  FitSamples samples;    // What measured it.
 };
 
 // What people build stands at right angles. A wall that only a band of posters
@@ -25,12 +25,16 @@ struct MeasuredPlane {
 // Finds the three directions at right angles to each other along which planes
 // have most support, fits them and the planes near them (within 5 degrees) to
 // the samples of all these planes at once, and gives each of these planes
-// exactly its direction. Of the others, those that are nearly orthogonal to a
-// direction, such as a pillar's faces, become exactly so.
+// exactly its direction. Of the others, those that are nearly orthogonal
+// (within 5 degrees, too) to a direction, such as a pillar's faces, become
+// exactly so.
 //
 // loss_scale: see FitPlane. is_acceptable(p, plane): whether this plane may
-// take the place of planes[p]; one that may not does not count for the
-// directions. Returns a plane for each of `planes`, in their order.
+// take the place of planes[p]; one that may not stays as it is, and the
+// directions are fitted without it. Planes without samples turn about their
+// point that is nearest to the origin. Returns a plane for each of `planes`, in
+// their order; they are all unchanged where no two with a support are
+// orthogonal to within 10 degrees.
 std::vector<WorldPlane> MakeRegular(
     const std::vector<MeasuredPlane>& planes,
     double loss_scale,

@@ -287,6 +287,56 @@ TEST_F(TwoBoardsTest, FitsAPlaneToWhatIsLeftToIt) {
   ExpectBoards(Discover(room_, {between_, second_}));
 }
 
+// The room and a board that leans towards its floor.
+class LeaningBoardTest : public DiscoverPlanesTest {
+ protected:
+  static DrawnRoom RoomWithBoard(double degrees) {
+    const Eigen::Vector3d wall = DrawnRoom().surfaces[kWall].plane.normal;
+    return DrawnRoom({Board(
+        wall + std::tan(degrees * M_PI / 180.0) * Eigen::Vector3d::UnitY(),
+        {-0.2, 0.4, 3.5},
+        0.9)});
+  }
+
+  WorldPlane FindBoard(const DrawnRoom& room, bool regular) {
+    options_.regular_directions = regular;
+    const DiscoveredPlanes found = Discover(room);
+    EXPECT_EQ(found.planes.size(), 4u);
+    for (const ScenePlane& plane : found.planes) {
+      if (AngleBetween(plane.plane, room.surfaces[kBoard].plane) < 1.0 &&
+          std::abs(plane.plane.Height(room.surfaces[kBoard].middle)) < 0.003) {
+        return plane.plane;
+      }
+    }
+    ADD_FAILURE() << "no board";
+    return {};
+  }
+
+  static constexpr int kBoard = 3;
+};
+
+TEST_F(LeaningBoardTest, BecomesOrthogonalWhereItLeansByLittle) {
+  const DrawnRoom room = RoomWithBoard(0.4);
+  const WorldPlane leaning = FindBoard(room, false);
+  EXPECT_LT(AngleBetween(leaning, room.surfaces[kBoard].plane), 0.15);
+  FindBoard(room, true);
+  const DiscoveredPlanes found = Discover(room);
+  ASSERT_EQ(found.planes.size(), 4u);
+  for (const ScenePlane& a : found.planes) {
+    for (const ScenePlane& b : found.planes) {
+      const double cosine = std::abs(a.plane.normal.dot(b.plane.normal));
+      EXPECT_LT(std::min(cosine, std::abs(1.0 - cosine)), 1e-9);
+    }
+  }
+}
+
+TEST_F(LeaningBoardTest, StaysWhereItLeansByMuch) {
+  const DrawnRoom room = RoomWithBoard(3.0);
+  const WorldPlane leaning = FindBoard(room, false);
+  EXPECT_LT(AngleBetween(leaning, room.surfaces[kBoard].plane), 0.15);
+  EXPECT_LT(AngleBetween(FindBoard(room, true), leaning), 0.15);
+}
+
 TEST_F(DiscoverPlanesTest, FitsAllViewsAlike) {
   DrawnRoom room;
   for (Observation& observation : room.evidence[0].observations) {

@@ -136,6 +136,37 @@ TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {
   EXPECT_EQ(ObservationsOf(evidence, 4).size(), 32u);
 }
 
+TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirOwnTexture) {
+  const ViewEvidence without = Gather();
+  inputs_.own_texture = Image<float>(kWidth, kHeight, 1.f);
+  EXPECT_EQ(Gather().mass, without.mass);
+  Fill(&inputs_.own_texture, 1, 0.6f);
+  Fill(&inputs_.own_texture, 2, 0.1f);
+  Fill(&inputs_.own_texture, 3, 0.f);
+  // Together with weak texture.
+  Fill(&inputs_.own_texture, 4, 0.6f);
+  Fill(&inputs_.texture, 4, 0.9f);
+  Fill(&inputs_.own_texture, 5, 0.f);
+  Fill(&inputs_.texture, 5, 0.9f);
+  // Of no effect where nothing was measured.
+  Fill(&inputs_.own_texture, 6, 0.f);
+  Fill(&inputs_.samples, 6, RayDepth{});
+  DrawRegionPlane(6, plane_);
+  const ViewEvidence evidence = Gather();
+  const float qualities[] = {1.f, 0.36f, 0.02f, 0.02f, 0.18f, 0.01f, 0.3f};
+  for (int k = 0; k < 7; ++k) {
+    EXPECT_NEAR(evidence.mass[k], kNumPixels * qualities[k], 1e-3f);
+    for (const Observation& observation : ObservationsOf(evidence, k)) {
+      EXPECT_NEAR(observation.quality, qualities[k], 1e-6f);
+    }
+    EXPECT_EQ(ObservationsOf(evidence, k).size(), 32u);
+  }
+  EvidenceOptions options;
+  options.min_own_quality = 0.5f;
+  EXPECT_NEAR(
+      GatherEvidence(inputs_, options).mass[1], kNumPixels * 0.5f, 1e-3f);
+}
+
 TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
   std::vector<int> count(kNumSuperpixels, 0);
   for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
