@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -22,9 +23,12 @@ constexpr int kNumParametersOfPlane = 3;
 using Vector6 = Eigen::Matrix<double, kNumParameters, 1>;
 using Matrix6 = Eigen::Matrix<double, kNumParameters, kNumParameters>;
 
-constexpr int kFitIterations = 6;
+constexpr int kFitIterations = 4;
 // A surface grows by one ring of superpixels at a time.
 constexpr int kMaxRounds = 24;
+// After so many it must explain what it covers better than planes do: most
+// seeds lie at the rims of walls, all over which it would grow else.
+constexpr int kFirstRounds = 2;
 // One of so many pixels of a superpixel is tested against the other views, and
 // more views than these that say the same about it change nothing.
 constexpr int kPixelsPerTest = 16;
@@ -46,7 +50,6 @@ struct Superpixel {
   // the measurements have.
   float cost = 0.f;
   float residual = 0.f;
-  // What a plane that explained all would cost: other views' part.
   bool IsMeasured() const { return quality > 0.f; }
 };
 
@@ -338,10 +341,11 @@ class Finder {
         continue;
       }
       Group group = Grow(seed);
+      // Where it fails from one seed, it does from those around it.
+      for (const int s : group.members) {
+        is_covered[static_cast<size_t>(s)] = 1;
+      }
       if (group.gain > 0.0) {
-        for (const int s : group.members) {
-          is_covered[static_cast<size_t>(s)] = 1;
-        }
         groups.push_back(std::move(group));
       }
     }
@@ -358,41 +362,61 @@ class Finder {
     });
   }
 
-  // Grows a surface about a superpixel; its gain is 0 where there is none.
+  // Grows a surface about a superpixel; its gain is 0 where there is none, and
+  // its members are those that were tried.
   Group Grow(int seed) const {
     Group group;
     group.seed = seed;
     if (IsTaken(seed)) {
       return group;
     }
-    std::vector<int> members = {seed};
+    group.members = {seed};
     for (const int s : At(seed).neighbors) {
       if (At(s).IsMeasured() && !IsTaken(s)) {
-        members.push_back(s);
+        group.members.push_back(s);
       }
     }
-    std::sort(members.begin(), members.end());
+    std::sort(group.members.begin(), group.members.end());
     for (int round = 0; round < kMaxRounds; ++round) {
-      if (!Fit(members, &group)) {
+      if (!Fit(group.members, &group) ||
+          (round >= kFirstRounds && !Improves(group))) {
         return group;
       }
       std::vector<int> next =
-          Connected(seed, group, members, options_.growth_slack);
-      if (next == members) {
+          Connected(seed, group, group.members, options_.growth_slack);
+      if (next == group.members) {
         break;
       }
-      members = std::move(next);
+      if (next.empty()) {
+        return group;
+      }
+      group.members = std::move(next);
     }
-    if (members.empty() || !Fit(members, &group)) {
+    if (!Fit(group.members, &group)) {
       return group;
     }
-    group.members = Keep(group, members);
-    if (group.members.empty() || !Fit(group.members, &group) ||
-        !IsSound(group)) {
+    std::vector<int> kept = Keep(group, group.members);
+    if (static_cast<int>(kept.size()) < options_.min_superpixels) {
       return group;
     }
-    group.gain = Gain(group);
+    group.members = std::move(kept);
+    if (Fit(group.members, &group) && IsSound(group)) {
+      group.gain = Gain(group);
+    }
     return group;
+  }
+
+  // Whether the surface explains its members better than what they have.
+  bool Improves(const Group& group) const {
+    double fall = 0.0;
+    double mass = 0.0;
+    for (const int s : group.members) {
+      const Superpixel& superpixel = At(s);
+      fall += superpixel.mass *
+              (superpixel.residual - Residual(superpixel, group.surface));
+      mass += superpixel.mass;
+    }
+    return fall > options_.min_improvement * mass;
   }
 
   // Least squares of the inverse depth with Cauchy weights.
@@ -528,7 +552,7 @@ class Finder {
       const Superpixel& superpixel = At(s);
       return superpixel.IsMeasured() && !IsTaken(s) &&
              Residual(superpixel, group.surface) <=
-                 2.f * options_.max_residual &&
+                 options_.max_residual_of_superpixel &&
              IsKnown(group, superpixel) &&
              Cost(superpixel, group.surface) <=
                  superpixel.cost + slack * superpixel.mass;
@@ -651,19 +675,58 @@ class Finder {
     return largest;
   }
 
+  // Those of superpixels and of their neighbours.
+  std::vector<CurvedSurface> PlanesAround(
+      const std::vector<int>& superpixels) const {
+    std::set<int> labels;
+    for (const int s : superpixels) {
+      labels.insert(LabelOf(s));
+      for (const int t : At(s).neighbors) {
+        labels.insert(LabelOf(t));
+      }
+    }
+    labels.erase(-1);
+    std::vector<CurvedSurface> planes;
+    for (const int label : labels) {
+      planes.push_back(FromPlane(labeled_.planes[static_cast<size_t>(label)]));
+    }
+    return planes;
+  }
+
+  // As Residual(), each observation on the plane that is nearest to it: where
+  // planes meet inside a superpixel, none of them explains it alone.
+  float ResidualOfNearest(const Superpixel& superpixel,
+                          const std::vector<CurvedSurface>& planes) const {
+    float sum = 0.f;
+    for (const Observation& observation : superpixel.observations) {
+      float share = 1.f;
+      for (const CurvedSurface& plane : planes) {
+        share = std::min(
+            share,
+            Difference(observation.sample, plane) / options_.labels.tolerance);
+      }
+      sum += observation.quality * share * share;
+    }
+    return sum / superpixel.quality;
+  }
+
   // Whether it fits, is known where it lies and does not bend too much.
   bool IsSound(const Group& group) const {
+    const std::vector<CurvedSurface> planes = PlanesAround(group.members);
+    double present = 0.0;
     double residual = 0.0;
     double mass = 0.0;
     for (const int s : group.members) {
+      present += At(s).mass * ResidualOfNearest(At(s), planes);
       residual += At(s).mass * Residual(At(s), group.surface);
       mass += At(s).mass;
     }
     const float* c = group.surface.coefficients;
     const float sagitta =
         (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / c[0];
-    return residual <= options_.max_residual * mass && c[0] > 0.f &&
-           sagitta <= options_.max_sagitta &&
+    return residual <= options_.max_residual * mass &&
+           residual <= present - options_.min_improvement * mass &&
+           c[0] > 0.f && sagitta <= options_.max_sagitta &&
            std::all_of(group.members.begin(), group.members.end(), [&](int s) {
              return IsKnown(group, At(s));
            });
@@ -695,6 +758,10 @@ class Finder {
     for (const int s : measured) {
       is_seen[static_cast<size_t>(s)] = 1;
     }
+    std::set<int> replaced;
+    for (const int s : measured) {
+      replaced.insert(LabelOf(s));
+    }
     std::vector<int>& members = group->members;
     for (size_t i = 0; i < members.size(); ++i) {
       // Not a reference: the list grows.
@@ -706,6 +773,8 @@ class Finder {
         }
         seen = 1;
         if (!At(t).IsMeasured() && !IsTaken(t) &&
+            (LabelOf(t) < 0 ? !OpposesRegion(t, group->surface)
+                            : replaced.count(LabelOf(t)) > 0) &&
             IsSurrounded(At(t), measured) && IsKnown(*group, At(t)) &&
             Cost(At(t), group->surface) <= At(t).cost) {
           members.push_back(t);
@@ -713,6 +782,18 @@ class Finder {
       }
     }
     std::sort(members.begin(), members.end());
+  }
+
+  // Whether the superpixel lies in a region whose plane is another surface.
+  bool OpposesRegion(int s, const CurvedSurface& surface) const {
+    const auto i = static_cast<size_t>(s);
+    const auto begin = evidence_.observations.begin();
+    return std::any_of(begin + evidence_.first_observation[i],
+                       begin + evidence_.first_observation[i + 1],
+                       [&](const Observation& observation) {
+                         return Difference(observation.sample, surface) >
+                                options_.labels.tolerance;
+                       });
   }
 
   bool IsSurrounded(const Superpixel& superpixel,

@@ -27,8 +27,16 @@ struct CurvedSurfaceOptions {
   // Less of a superpixel measured than this share does not tell whether a
   // surface holds there.
   float min_measured = 0.1f;
-  // Mean of min(residual / tolerance, 1)^2 over all of a surface at most.
-  float max_residual = 0.25f;
+  // Mean of min(residual / tolerance, 1)^2 over all of a surface, and over one
+  // of its superpixels, at most.
+  float max_residual = 0.12f;
+  float max_residual_of_superpixel = 0.5f;
+  // By how much this mean must fall at least: errors that all of a surface has
+  // in common, which no number of observations averages out, look like a slight
+  // curvature.
+  float min_improvement = 0.015f;
+  // Fewer measured superpixels do not tell a curve from a wrong depth.
+  int min_superpixels = 3;
   // While it grows, a surface may explain a superpixel so much worse than its
   // plane, by the same mean: it is still to be fitted there.
   float growth_slack = 0.1f;
