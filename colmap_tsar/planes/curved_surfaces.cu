@@ -341,11 +341,10 @@ class Finder {
         continue;
       }
       Group group = Grow(seed);
-      // Where it fails from one seed, it does from those around it.
-      for (const int s : group.members) {
-        is_covered[static_cast<size_t>(s)] = 1;
-      }
       if (group.gain > 0.0) {
+        for (const int s : group.members) {
+          is_covered[static_cast<size_t>(s)] = 1;
+        }
         groups.push_back(std::move(group));
       }
     }
@@ -597,18 +596,19 @@ class Finder {
     return loss;
   }
 
-  // What a parameter costs, in the units of costs.
+  // A difference of the criterion, in the units of costs.
+  double ToCost(double criterion) const {
+    return criterion * options_.noise_share * options_.noise_share *
+           options_.pixels_per_observation;
+  }
+
   double CostOfParameter(const std::vector<int>& members) const {
     double mass = 0.0;
     for (const int s : members) {
       mass += At(s).mass;
     }
-    const double count = std::max(mass / options_.pixels_per_observation, 2.0);
-    // Costs times this are squares in standard deviations.
-    const double squares =
-        1.0 / (static_cast<double>(options_.noise_share) *
-               options_.noise_share * options_.pixels_per_observation);
-    return std::log(count) / squares;
+    return ToCost(
+        std::log(std::max(mass / options_.pixels_per_observation, 2.0)));
   }
 
   // Of the members with each plane those that the surface explains better, or
@@ -732,11 +732,12 @@ class Finder {
            });
   }
 
-  // By how much the criterion falls, in the units of costs.
+  // By how much the criterion falls beyond the least, in the units of costs.
   double Gain(const Group& group) const {
     const double cost_of_parameter = CostOfParameter(group.members);
-    double gain =
-        -Loss(group, group.members) - kNumParameters * cost_of_parameter;
+    double gain = -Loss(group, group.members) -
+                  kNumParameters * cost_of_parameter -
+                  ToCost(options_.min_gain);
     for (int k = 0; k < static_cast<int>(labeled_.planes.size()); ++k) {
       std::vector<int> of_plane;
       std::copy_if(group.members.begin(),

@@ -24,6 +24,8 @@ struct CurvedSurfaceOptions {
   // tolerance.
   float pixels_per_observation = 250.f;
   float noise_share = 0.33f;
+  // By how much the criterion must fall: 6 is called strong evidence.
+  float min_gain = 6.f;
   // Less of a superpixel measured than this share does not tell whether a
   // surface holds there.
   float min_measured = 0.1f;
@@ -42,7 +44,7 @@ struct CurvedSurfaceOptions {
   float growth_slack = 0.1f;
   // How far the surface bends away from a plane over its extent, as a share of
   // its depth.
-  float max_sagitta = 0.25f;
+  float max_sagitta = 0.15f;
   // Cosine of the angle between normal and ray.
   float min_slope = 0.15f;
 };
