@@ -15,6 +15,7 @@
 #include "colmap_tsar/planes/gather_evidence.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/plane_support.h"
+#include "colmap_tsar/planes/put_curved_surfaces.h"
 #include "colmap_tsar/planes/raster_texture.h"
 #include "colmap_tsar/planes/world_plane.h"
 

@@ -3,12 +3,9 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/curved_surface.h"
-#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/planes/label_view.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -69,14 +66,5 @@ struct CurvedView {
 CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
                               const LabeledView& labeled,
                               const CurvedSurfaceOptions& options);
-
-// Replaces each pixel's plane by that which touches its surface, where its
-// superpixel has one.
-// superpixels: of `planes`' size; intrinsics: of this raster.
-void PutCurvedSurfaces(const CurvedView& curved,
-                       const Image<uint16_t>& superpixels,
-                       const Intrinsics& intrinsics,
-                       Device& device,
-                       DeviceImage<Plane>* planes);
 
 }  // namespace tsar

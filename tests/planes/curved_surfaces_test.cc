@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/planes/gather_evidence.h"
+#include "colmap_tsar/planes/put_curved_surfaces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/planes/curved_surfaces.h"
+
+#include "colmap_tsar/base/disparity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,10 +46,10 @@ struct Superpixel {
   float quality = 0.f;                    // Of the observations together.
   float mass = 0.f;                       // Of what was measured.
   Vec3f middle;                           // A ray.
-  // What the costs are with the plane or without any, and what part of that
-  // the measurements have.
+  // With its plane or without any: what that costs, and Residual().
   float cost = 0.f;
   float residual = 0.f;
+
   bool IsMeasured() const { return quality > 0.f; }
 };
 
@@ -836,48 +836,12 @@ class Finder {
   std::vector<char> taken_;
 };
 
-struct PutKernel {
-  const CurvedSurface* surfaces;
-  const int* surface_of;  // Of each superpixel.
-  ImageView<const uint16_t> superpixels;
-  Intrinsics intrinsics;
-  ImageView<Plane> planes;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const int k = surface_of[superpixels(x, y)];
-    if (k >= 0) {
-      planes(x, y) = surfaces[k].TangentAt(intrinsics.Ray(x, y));
-    }
-  }
-};
-
 }  // namespace
 
 CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
                               const LabeledView& labeled,
                               const CurvedSurfaceOptions& options) {
   return Finder(views, labeled, options).Find();
-}
-
-void PutCurvedSurfaces(const CurvedView& curved,
-                       const Image<uint16_t>& superpixels,
-                       const Intrinsics& intrinsics,
-                       Device& device,
-                       DeviceImage<Plane>* planes) {
-  if (curved.surfaces.empty()) {
-    return;
-  }
-  const Buffer<CurvedSurface> surfaces(device, curved.surfaces);
-  const Buffer<int> surface_of(device, curved.labels);
-  const DeviceImage<uint16_t> labels(device, superpixels);
-  ParallelFor(device,
-              planes->Width(),
-              planes->Height(),
-              PutKernel{surfaces.Data(),
-                        surface_of.Data(),
-                        labels.View(),
-                        intrinsics,
-                        planes->View()});
 }
 
 }  // namespace tsar
