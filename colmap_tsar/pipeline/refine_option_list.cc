@@ -176,6 +176,10 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"bounded_planes",
        &options->bounded_planes,
        "Leave holes where a plane was observed on one side only."},
+      {"curved_surfaces",
+       &options->curved_surfaces,
+       "Let smooth curved surfaces stand where they explain the depths better "
+       "than planes do."},
       {"off_plane_depths",
        &options->off_plane_depths,
        "Let depths that were measured off their plane stand."},

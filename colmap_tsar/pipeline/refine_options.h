@@ -48,6 +48,7 @@ struct RefineOptions {
   bool regular_directions = true;
   bool see_through = true;
   bool bounded_planes = true;
+  bool curved_surfaces = true;
   bool off_plane_depths = true;
   double plane_tolerance = 7.0;
   double min_scene_plane = 100.0;

@@ -11,10 +11,12 @@
 #include "colmap_tsar/pipeline/rate_trust.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/planes/curved_surfaces.h"
 #include "colmap_tsar/planes/gather_evidence.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/own_texture.h"
 #include "colmap_tsar/planes/plane_support.h"
+#include "colmap_tsar/planes/put_curved_surfaces.h"
 #include "colmap_tsar/planes/raster_texture.h"
 #include "colmap_tsar/planes/world_plane.h"
 
@@ -129,11 +131,11 @@ DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
 }
 
 Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
-                              const LabeledView& labeled) {
+                              const std::vector<LabelEvidence>& of_superpixel) {
   Image<uint8_t> kinds(evidence.width, evidence.height);
   for (size_t i = 0; i < kinds.NumPixels(); ++i) {
     kinds.Data()[i] =
-        static_cast<uint8_t>(labeled.evidence[evidence.superpixels.Data()[i]]);
+        static_cast<uint8_t>(of_superpixel[evidence.superpixels.Data()[i]]);
   }
   return kinds;
 }
@@ -232,12 +234,23 @@ RefineResult ComposeImage(const ViewData& reference,
   const LabeledView labeled =
       LabelView(views, found.planes, found.support, scene.labels, device);
   timer.Finish("labels");
+  const CurvedView curved =
+      options.curved_surfaces
+          ? FindCurvedSurfaces(views, labeled, scene.surfaces)
+          : CurvedView{{}, {}, labeled.evidence};
+  timer.Finish("curved surfaces");
   DeviceReference view(reference, device);
   const DisparityScale scale{0.f, evidence.error_per_depth};
   const DeviceImage<uint8_t> trust(device, evidence.trust);
-  const DeviceImage<Plane> scene_planes =
+  DeviceImage<Plane> scene_planes =
       PlaneImage(evidence.superpixels, PlanesOfSuperpixels(labeled), device);
-  const DeviceImage<uint8_t> kinds(device, EvidenceRaster(evidence, labeled));
+  PutCurvedSurfaces(curved,
+                    evidence.superpixels,
+                    views[0].camera.GetIntrinsics(),
+                    device,
+                    &scene_planes);
+  const DeviceImage<uint8_t> kinds(device,
+                                   EvidenceRaster(evidence, curved.evidence));
   const DeviceImage<Plane> region_planes =
       PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");

@@ -98,6 +98,7 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   if (!options.bounded_planes) {
     scene.labels.doubt_of_extrapolation = 0.f;
   }
+  scene.surfaces.labels = scene.labels;
   scene.composition.keep_off_plane = options.off_plane_depths;
   return scene;
 }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/planes/curved_surfaces.h"
 #include "colmap_tsar/planes/discover_planes.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/plane_support.h"
@@ -39,6 +40,7 @@ struct SceneOptions {
   DiscoverPlanesOptions discovery;
   PlaneSupportOptions support;
   LabelOptions labels;
+  CurvedSurfaceOptions surfaces;
   ComposeSceneOptions composition;
 };
 
