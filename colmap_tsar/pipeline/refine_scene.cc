@@ -15,7 +15,10 @@
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/plane_support.h"
 #include "colmap_tsar/planes/raster_texture.h"
+#include "colmap_tsar/planes/refine_borders.h"
 #include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/refinement/cielab.h"
+#include "colmap_tsar/refinement/reduce_color.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -118,12 +121,41 @@ DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
                         device);
 }
 
-Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
+// The superpixel of each pixel once its borders are refined. Takes the trust
+// from measurements that spilled over them.
+Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
+                                  const ObservedView& observed,
+                                  const LabeledView& labeled,
+                                  const BorderOptions& options,
+                                  DeviceImage<uint8_t>* trust,
+                                  Device& device) {
+  const ViewEvidence& evidence = *observed.evidence;
+  const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
+  const DeviceImage<Vec3f> lab = ConvertToLab(
+      ReduceColor(view.color.View(), {evidence.width, evidence.height}, device)
+          .View(),
+      device);
+  const RefinedBorders refined =
+      RefineBorders({superpixels.View(),
+                     lab.View(),
+                     view.hypotheses.depth.View(),
+                     trust->View(),
+                     observed.camera.GetIntrinsics(),
+                     DisparityScale{0.f, evidence.error_per_depth}},
+                    labeled.labels,
+                    labeled.planes,
+                    options,
+                    device);
+  DistrustSpilled(refined.spilled.View(), trust->View(), device);
+  return refined.superpixels.ToHost();
+}
+
+Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
                               const LabeledView& labeled) {
-  Image<uint8_t> kinds(evidence.width, evidence.height);
+  Image<uint8_t> kinds(superpixels.Width(), superpixels.Height());
   for (size_t i = 0; i < kinds.NumPixels(); ++i) {
     kinds.Data()[i] =
-        static_cast<uint8_t>(labeled.evidence[evidence.superpixels.Data()[i]]);
+        static_cast<uint8_t>(labeled.evidence[superpixels.Data()[i]]);
   }
   return kinds;
 }
@@ -213,10 +245,18 @@ RefineResult ComposeImage(const ViewData& reference,
   timer.Finish("labels");
   DeviceReference view(reference, device);
   const DisparityScale scale{0.f, evidence.error_per_depth};
-  const DeviceImage<uint8_t> trust(device, evidence.trust);
+  DeviceImage<uint8_t> trust(device, evidence.trust);
+  timer.Finish("upload");
+  const Image<uint16_t> superpixels =
+      options.pixel_borders
+          ? RefineSuperpixels(
+                view, views[0], labeled, scene.borders, &trust, device)
+          : evidence.superpixels;
+  timer.Finish("borders");
   const DeviceImage<Plane> scene_planes =
-      PlaneImage(evidence.superpixels, PlanesOfSuperpixels(labeled), device);
-  const DeviceImage<uint8_t> kinds(device, EvidenceRaster(evidence, labeled));
+      PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
+  const DeviceImage<uint8_t> kinds(device,
+                                   EvidenceRaster(superpixels, labeled));
   const DeviceImage<Plane> region_planes =
       PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");
