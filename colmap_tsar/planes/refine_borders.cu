@@ -16,7 +16,9 @@ constexpr int kMaxSides = 4;
 // Every other pixel is enough to find the superpixels around, which are not
 // that thin.
 constexpr int kStepToSides = 2;
-// Neighbours vote on a grid of so many steps from the middle.
+// Neighbours vote on a grid of so many steps from the middle. It is turned by
+// one pixel a step, and so meets every row and column: straight and thin things
+// do not slip through.
 constexpr int kVotesPerRadius = 4;
 
 // What each pixel of the raster measured: the trusted depth under its middle,
@@ -117,12 +119,10 @@ struct Neighborhood {
         1.f / (options.spatial_sigma * options.spatial_sigma);
     const int step =
         options.radius > kVotesPerRadius ? options.radius / kVotesPerRadius : 1;
-    // In steps from the middle, which has to be one of them.
-    const int num_steps = options.radius / step;
-    for (int j = -num_steps; j <= num_steps; ++j) {
-      for (int i = -num_steps; i <= num_steps; ++i) {
-        const int u = i * step;
-        const int v = j * step;
+    for (int j = -kVotesPerRadius; j <= kVotesPerRadius; ++j) {
+      for (int i = -kVotesPerRadius; i <= kVotesPerRadius; ++i) {
+        const int u = step * i - j;
+        const int v = step * j + i;
         if (!superpixels.Contains(x + u, y + v)) {
           continue;
         }

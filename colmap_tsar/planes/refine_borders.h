@@ -20,12 +20,12 @@ struct BorderOptions {
   // How far from a border pixels may change sides: a matching window carries
   // depths so far beyond an edge.
   int reach = 10;
-  // How far around a pixel neighbours vote.
-  int radius = 12;
+  // How far around a pixel neighbours vote, about.
+  int radius = 16;
   int num_rounds = 4;
   // How fast a neighbour's vote falls with its distance, and with the
   // difference of colour, in CIELAB.
-  float spatial_sigma = 9.f;
+  float spatial_sigma = 20.f;
   float color_sigma = 5.f;
   // Planes closer to each other than this are one.
   float min_gap = 1.f;
