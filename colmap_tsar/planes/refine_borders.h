@@ -22,10 +22,10 @@ struct BorderOptions {
   int reach = 10;
   // How far around a pixel neighbours vote, about.
   int radius = 16;
-  int num_rounds = 4;
+  int num_rounds = 4;  // At least 1.
   // How fast a neighbour's vote falls with its distance, and with the
   // difference of colour, in CIELAB.
-  float spatial_sigma = 20.f;
+  float spatial_sigma = 12.f;
   float color_sigma = 5.f;
   // Planes closer to each other than this are one.
   float min_gap = 1.f;
