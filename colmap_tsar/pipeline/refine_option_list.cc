@@ -183,6 +183,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"off_plane_depths",
        &options->off_plane_depths,
        "Let depths that were measured off their plane stand."},
+      {"pixel_borders",
+       &options->pixel_borders,
+       "Move the borders between planes from those of superpixels to the edges "
+       "of the image, and drop depths that spill over these. If 0, borders are "
+       "those of superpixels."},
       {"plane_tolerance",
        &options->plane_tolerance,
        "How far a depth may be off a plane, in standard deviations of the "

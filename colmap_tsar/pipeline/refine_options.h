@@ -50,6 +50,7 @@ struct RefineOptions {
   bool bounded_planes = true;
   bool curved_surfaces = true;
   bool off_plane_depths = true;
+  bool pixel_borders = true;
   double plane_tolerance = 7.0;
   double min_scene_plane = 100.0;
   double cost_of_none = 0.02;

@@ -18,7 +18,10 @@
 #include "colmap_tsar/planes/plane_support.h"
 #include "colmap_tsar/planes/put_curved_surfaces.h"
 #include "colmap_tsar/planes/raster_texture.h"
+#include "colmap_tsar/planes/refine_borders.h"
 #include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/refinement/cielab.h"
+#include "colmap_tsar/refinement/reduce_color.h"
 
 #include <algorithm>
 #include <cmath>
@@ -130,12 +133,81 @@ DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
                         device);
 }
 
-Image<uint8_t> EvidenceRaster(const ViewEvidence& evidence,
+// Superpixels of curved surfaces get planes of their own, which touch the
+// surface in their middle.
+LabeledView FlattenSurfaces(const ObservedView& view,
+                            LabeledView labeled,
+                            const CurvedView& curved) {
+  if (curved.surfaces.empty()) {
+    return labeled;
+  }
+  const Image<uint16_t>& superpixels = view.evidence->superpixels;
+  struct Sum {
+    double x = 0.0;
+    double y = 0.0;
+    int count = 0;
+  };
+  std::vector<Sum> sums(labeled.labels.size());
+  for (int y = 0; y < superpixels.Height(); ++y) {
+    for (int x = 0; x < superpixels.Width(); ++x) {
+      Sum& sum = sums[superpixels(x, y)];
+      sum.x += x;
+      sum.y += y;
+      ++sum.count;
+    }
+  }
+  const Intrinsics intrinsics = view.camera.GetIntrinsics();
+  for (size_t k = 0; k < sums.size(); ++k) {
+    if (curved.labels[k] < 0 || sums[k].count == 0) {
+      continue;
+    }
+    const Plane tangent =
+        curved.surfaces[static_cast<size_t>(curved.labels[k])].TangentAt(
+            intrinsics.Ray(static_cast<float>(sums[k].x / sums[k].count),
+                           static_cast<float>(sums[k].y / sums[k].count)));
+    if (tangent.Valid()) {
+      labeled.labels[k] = static_cast<int>(labeled.planes.size());
+      labeled.planes.push_back(tangent);
+    }
+  }
+  return labeled;
+}
+
+// The superpixel of each pixel once its borders are refined. Takes the trust
+// from measurements that spilled over them.
+Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
+                                  const ObservedView& observed,
+                                  const LabeledView& labeled,
+                                  const BorderOptions& options,
+                                  DeviceImage<uint8_t>* trust,
+                                  Device& device) {
+  const ViewEvidence& evidence = *observed.evidence;
+  const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
+  const DeviceImage<Vec3f> lab = ConvertToLab(
+      ReduceColor(view.color.View(), {evidence.width, evidence.height}, device)
+          .View(),
+      device);
+  const RefinedBorders refined =
+      RefineBorders({superpixels.View(),
+                     lab.View(),
+                     view.hypotheses.depth.View(),
+                     trust->View(),
+                     observed.camera.GetIntrinsics(),
+                     DisparityScale{0.f, evidence.error_per_depth}},
+                    labeled.labels,
+                    labeled.planes,
+                    options,
+                    device);
+  DistrustSpilled(refined.spilled.View(), trust->View(), device);
+  return refined.superpixels.ToHost();
+}
+
+Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
                               const std::vector<LabelEvidence>& of_superpixel) {
-  Image<uint8_t> kinds(evidence.width, evidence.height);
+  Image<uint8_t> kinds(superpixels.Width(), superpixels.Height());
   for (size_t i = 0; i < kinds.NumPixels(); ++i) {
     kinds.Data()[i] =
-        static_cast<uint8_t>(of_superpixel[evidence.superpixels.Data()[i]]);
+        static_cast<uint8_t>(of_superpixel[superpixels.Data()[i]]);
   }
   return kinds;
 }
@@ -241,16 +313,27 @@ RefineResult ComposeImage(const ViewData& reference,
   timer.Finish("curved surfaces");
   DeviceReference view(reference, device);
   const DisparityScale scale{0.f, evidence.error_per_depth};
-  const DeviceImage<uint8_t> trust(device, evidence.trust);
+  DeviceImage<uint8_t> trust(device, evidence.trust);
+  timer.Finish("upload");
+  const Image<uint16_t> superpixels =
+      options.pixel_borders
+          ? RefineSuperpixels(view,
+                              views[0],
+                              FlattenSurfaces(views[0], labeled, curved),
+                              scene.borders,
+                              &trust,
+                              device)
+          : evidence.superpixels;
+  timer.Finish("borders");
   DeviceImage<Plane> scene_planes =
-      PlaneImage(evidence.superpixels, PlanesOfSuperpixels(labeled), device);
+      PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
   PutCurvedSurfaces(curved,
-                    evidence.superpixels,
+                    superpixels,
                     views[0].camera.GetIntrinsics(),
                     device,
                     &scene_planes);
-  const DeviceImage<uint8_t> kinds(device,
-                                   EvidenceRaster(evidence, curved.evidence));
+  const DeviceImage<uint8_t> kinds(
+      device, EvidenceRaster(superpixels, curved.evidence));
   const DeviceImage<Plane> region_planes =
       PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");

@@ -19,6 +19,9 @@ int ScaledLength(double length, double raster_scale) {
 constexpr double kMinTolerance = 0.7;
 constexpr double kMaxTolerance = 2.0;
 
+// The superpixels for which the lengths of BorderOptions hold.
+constexpr double kDefaultSuperpixelSize = 400.0;
+
 // The median of the views' noise; 0 where none has any.
 double MedianNoise(const std::vector<ObservedView>& views) {
   std::vector<double> noise;
@@ -98,6 +101,12 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   if (!options.bounded_planes) {
     scene.labels.doubt_of_extrapolation = 0.f;
   }
+  // Lengths of borders grow with the superpixels.
+  const double border_scale =
+      std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
+  scene.borders.reach = ScaledLength(scene.borders.reach, border_scale);
+  scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
+  scene.borders.spatial_sigma *= static_cast<float>(border_scale);
   scene.surfaces.labels = scene.labels;
   scene.composition.keep_off_plane = options.off_plane_depths;
   return scene;

@@ -9,6 +9,7 @@
 #include "colmap_tsar/planes/discover_planes.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/plane_support.h"
+#include "colmap_tsar/planes/refine_borders.h"
 #include "colmap_tsar/refinement/correlation.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
@@ -40,6 +41,7 @@ struct SceneOptions {
   DiscoverPlanesOptions discovery;
   PlaneSupportOptions support;
   LabelOptions labels;
+  BorderOptions borders;
   CurvedSurfaceOptions surfaces;
   ComposeSceneOptions composition;
 };

@@ -5,9 +5,12 @@
 #include "colmap_tsar/planes/gather_evidence.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/put_curved_surfaces.h"
+#include "colmap_tsar/planes/refine_borders.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "tests/cuda/cuda_test.h"
@@ -154,6 +157,67 @@ TEST_F(CudaTest, PutCurvedSurfaces) {
     return result;
   };
   EXPECT_EQ(FindDifferentBytes(run(*cpu_), run(*cuda_)), "");
+}
+
+// Colours and measurements at random, so that many votes are close.
+TEST_F(CudaTest, RefineBorders) {
+  constexpr int kWidth = 130;
+  constexpr int kHeight = 90;
+  constexpr int kSize = 15;
+  constexpr int kNumColumns = (kWidth + kSize - 1) / kSize;
+  constexpr int kNumSuperpixels = kNumColumns * (kHeight / kSize);
+  const std::vector<Plane> planes = {{{0.f, 0.f, -1.f}, 4.f},
+                                     {{0.6f, 0.f, -0.8f}, 3.f},
+                                     {{0.f, -0.28f, -0.96f}, 3.5f}};
+  Philox random(60, 0, 0);
+  std::vector<int> labels(kNumSuperpixels);
+  for (int& label : labels) {
+    label = static_cast<int>(random.NextBelow(4)) - 1;
+  }
+  Image<uint16_t> superpixels(kWidth, kHeight);
+  Image<Vec3f> lab(kWidth, kHeight);
+  Image<float> depth(2 * kWidth, 2 * kHeight);
+  Image<uint8_t> trust(2 * kWidth, 2 * kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      superpixels(x, y) =
+          static_cast<uint16_t>(y / kSize * kNumColumns + x / kSize);
+      lab(x, y) = {50.f + 10.f * random.NextFloat(),
+                   5.f * random.NextFloat(),
+                   5.f * random.NextFloat()};
+    }
+  }
+  for (size_t i = 0; i < depth.NumPixels(); ++i) {
+    depth.Data()[i] = 3.f + 1.5f * random.NextFloat();
+    trust.Data()[i] = random.NextBelow(2) == 0 ? 0 : 255;
+  }
+  const auto run = [&](Device& device) {
+    const DeviceImage<uint16_t> device_superpixels(device, superpixels);
+    const DeviceImage<Vec3f> device_lab(device, lab);
+    const DeviceImage<float> device_depth(device, depth);
+    DeviceImage<uint8_t> device_trust(device, trust);
+    const RefinedBorders refined =
+        RefineBorders({device_superpixels.View(),
+                       device_lab.View(),
+                       device_depth.View(),
+                       std::as_const(device_trust).View(),
+                       {100.f, 100.f, 64.5f, 44.5f},
+                       DisparityScale{0.f, 0.0025f}},
+                      labels,
+                      planes,
+                      {},
+                      device);
+    DistrustSpilled(refined.spilled.View(), device_trust.View(), device);
+    StageResult result;
+    result.Add("superpixels", kSameLabels, refined.superpixels);
+    result.Add("spilled", kSameLabels, refined.spilled);
+    result.Add("trust", kSameLabels, device_trust);
+    return result;
+  };
+  const StageResult on_cpu = run(*cpu_);
+  const std::vector<double>& spilled = on_cpu.Channels()[1].values;
+  EXPECT_NE(std::count(spilled.begin(), spilled.end(), 1.0), 0);
+  EXPECT_EQ(FindDifferentBytes(on_cpu, run(*cuda_)), "");
 }
 
 }  // namespace
