@@ -26,8 +26,9 @@ using Matrix6 = Eigen::Matrix<double, kNumParameters, kNumParameters>;
 constexpr int kFitIterations = 4;
 // A surface grows by one ring of superpixels at a time.
 constexpr int kMaxRounds = 24;
-// After so many it must explain what it covers better than planes do: most
-// seeds lie at the rims of walls, all over which it would grow else.
+// In so many it must explain what it covers better than the planes around, and
+// later better than what each superpixel has: most seeds lie at the rims of
+// walls, all over which it would grow else.
 constexpr int kFirstRounds = 2;
 // One of so many pixels of a superpixel is tested against the other views, and
 // more views than these that say the same about it change nothing.
@@ -378,7 +379,8 @@ class Finder {
     std::sort(group.members.begin(), group.members.end());
     for (int round = 0; round < kMaxRounds; ++round) {
       if (!Fit(group.members, &group) ||
-          (round >= kFirstRounds && !Improves(group))) {
+          (round < kFirstRounds ? !BeatsPlanesAround(group)
+                                : !Improves(group))) {
         return group;
       }
       std::vector<int> next =
@@ -710,14 +712,25 @@ class Finder {
     return sum / superpixel.quality;
   }
 
+  // Whether the surface explains its members better than planes do, each
+  // observation on the nearest of those in and around them.
+  bool BeatsPlanesAround(const Group& group) const {
+    const std::vector<CurvedSurface> planes = PlanesAround(group.members);
+    double fall = 0.0;
+    double mass = 0.0;
+    for (const int s : group.members) {
+      fall += At(s).mass * (ResidualOfNearest(At(s), planes) -
+                            Residual(At(s), group.surface));
+      mass += At(s).mass;
+    }
+    return fall >= options_.min_improvement * mass;
+  }
+
   // Whether it fits, is known where it lies and does not bend too much.
   bool IsSound(const Group& group) const {
-    const std::vector<CurvedSurface> planes = PlanesAround(group.members);
-    double present = 0.0;
     double residual = 0.0;
     double mass = 0.0;
     for (const int s : group.members) {
-      present += At(s).mass * ResidualOfNearest(At(s), planes);
       residual += At(s).mass * Residual(At(s), group.surface);
       mass += At(s).mass;
     }
@@ -725,8 +738,8 @@ class Finder {
     const float sagitta =
         (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / c[0];
     return residual <= options_.max_residual * mass &&
-           residual <= present - options_.min_improvement * mass &&
-           c[0] > 0.f && sagitta <= options_.max_sagitta &&
+           BeatsPlanesAround(group) && c[0] > 0.f &&
+           sagitta <= options_.max_sagitta &&
            std::all_of(group.members.begin(), group.members.end(), [&](int s) {
              return IsKnown(group, At(s));
            });
