@@ -30,15 +30,22 @@ constexpr int kMaxRounds = 24;
 // later better than what each superpixel has: most seeds lie at the rims of
 // walls, all over which it would grow else.
 constexpr int kFirstRounds = 2;
-// One of so many pixels of a superpixel is tested against the other views, and
-// more views than these that say the same about it change nothing.
-constexpr int kPixelsPerTest = 16;
+// One of so many pixels of a superpixel is tested against the other views, but
+// a few at least, and more views than these that say the same about it change
+// nothing.
+constexpr size_t kPixelsPerTest = 64;
+constexpr size_t kMinTests = 6;
 constexpr int kMaxVotes = 2;
 // Directions of eight in which a surface must have been measured around a
 // superpixel to be known there.
 constexpr int kSectorsKnown = 7;
 // Depths are believed so far beyond those measured on the surface, as a share.
 constexpr float kDepthMargin = 0.2f;
+
+size_t NumTests(size_t num_pixels) {
+  return std::max(num_pixels / kPixelsPerTest,
+                  std::clamp<size_t>(num_pixels, 1, kMinTests));
+}
 
 struct Superpixel {
   std::vector<int> pixels;                // Of the raster.
@@ -262,7 +269,7 @@ class Finder {
                      const CurvedSurface& surface,
                      int* num_tests) const {
     const size_t num_pixels = superpixel.pixels.size();
-    const size_t count = std::max<size_t>(num_pixels / kPixelsPerTest, 1);
+    const size_t count = NumTests(num_pixels);
     *num_tests = static_cast<int>(count);
     Votes sum;
     for (size_t i = 0; i < count && num_pixels > 0; ++i) {
@@ -515,7 +522,7 @@ class Finder {
   // possible.
   bool IsKnown(const Group& group, const Superpixel& superpixel) const {
     const size_t num_pixels = superpixel.pixels.size();
-    const size_t count = std::max<size_t>(num_pixels / kPixelsPerTest, 1);
+    const size_t count = NumTests(num_pixels);
     const CurvedSurface& surface = group.surface;
     for (size_t i = 0; i < count && num_pixels > 0; ++i) {
       const Vec3f ray =
