@@ -278,10 +278,16 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   FoundScene found;
   StageTimer timer(device, &found.seconds);
   const SceneOptions scene = MakeSceneOptions(options, views);
-  found.planes =
+  const DiscoveredPlanes planes =
       DiscoverPlanes(views, CollectCandidates(views), scene.discovery, device);
-  found.support = FindPlaneSupport(views, found.planes, scene.support);
+  const PlaneSupport support = FindPlaneSupport(views, planes, scene.support);
   timer.Finish("scene planes");
+  found.labeled = LabelView(views, planes, support, scene.labels, device);
+  timer.Finish("labels");
+  found.curved = options.curved_surfaces
+                     ? FindCurvedSurfaces(views, found.labeled, scene.surfaces)
+                     : CurvedView{{}, {}, found.labeled.evidence};
+  timer.Finish("curved surfaces");
   return found;
 }
 
@@ -303,14 +309,8 @@ RefineResult ComposeImage(const ViewData& reference,
   StageTimer timer(device, &result.seconds);
   const ViewEvidence& evidence = *views[0].evidence;
   const SceneOptions scene = MakeSceneOptions(options, views);
-  const LabeledView labeled =
-      LabelView(views, found.planes, found.support, scene.labels, device);
-  timer.Finish("labels");
-  const CurvedView curved =
-      options.curved_surfaces
-          ? FindCurvedSurfaces(views, labeled, scene.surfaces)
-          : CurvedView{{}, {}, labeled.evidence};
-  timer.Finish("curved surfaces");
+  const LabeledView& labeled = found.labeled;
+  const CurvedView& curved = found.curved;
   DeviceReference view(reference, device);
   const DisparityScale scale{0.f, evidence.error_per_depth};
   DeviceImage<uint8_t> trust(device, evidence.trust);

@@ -8,8 +8,9 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/planes/curved_surfaces.h"
 #include "colmap_tsar/planes/discover_planes.h"
-#include "colmap_tsar/planes/plane_support.h"
+#include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/planes/view_evidence.h"
 
 #include <cstdint>
@@ -46,10 +47,11 @@ void MakeEvidence(const RefineOptions& options,
                   Device& device,
                   RefineResult* result);
 
-// The planes of the scene around an image.
+// The planes of the scene around an image and where it shows them, and what is
+// curved.
 struct FoundScene {
-  DiscoveredPlanes planes;
-  PlaneSupport support;
+  LabeledView labeled;
+  CurvedView curved;
   std::map<std::string, double> seconds;  // That it took, per stage.
 };
 
