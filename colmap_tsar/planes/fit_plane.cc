@@ -58,37 +58,45 @@ struct TermBlock {
   }
 };
 
+// The terms of all samples and their weighted means, which are not numbers
+// where nothing has a weight.
+struct Terms {
+  std::vector<TermBlock> blocks;
+  double weights = 0.0;
+  double mean_height = 0.0;
+  Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
+
+  Terms(const FitSamples& samples, const WorldPlane& plane, double loss_scale) {
+    blocks.reserve(samples.Blocks().size());
+    for (const FitSamples::Block& block : samples.Blocks()) {
+      const TermBlock& term = blocks.emplace_back(block, plane, loss_scale);
+      for (int i = 0; i < TermBlock::kSize; ++i) {
+        weights += term.weight[i];
+        mean_height += term.weight[i] * term.height[i];
+        mean_foot += term.weight[i] * term.Foot(i);
+      }
+    }
+    mean_height /= weights;
+    mean_foot /= weights;
+  }
+};
+
 // One step of Gauss and Newton towards the least loss of the normalized
 // residuals. Nothing where the observations do not determine a plane.
 std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
                                     const FitSamples& samples,
                                     double loss_scale) {
-  std::vector<TermBlock> terms;
-  terms.reserve(samples.Blocks().size());
-  double weights = 0.0;
-  double mean_height = 0.0;
-  Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
-  for (const FitSamples::Block& block : samples.Blocks()) {
-    const TermBlock& term = terms.emplace_back(block, plane, loss_scale);
-    for (int i = 0; i < TermBlock::kSize; ++i) {
-      weights += term.weight[i];
-      mean_height += term.weight[i] * term.height[i];
-      mean_foot += term.weight[i] * term.Foot(i);
-    }
-  }
-  mean_height /= weights;
-  mean_foot /= weights;
-
+  const Terms terms(samples, plane, loss_scale);
   const Eigen::Vector3d tangent = plane.normal.unitOrthogonal();
   const Eigen::Vector3d other_tangent = plane.normal.cross(tangent);
   double xx = 0.0, xy = 0.0, yy = 0.0, xh = 0.0, yh = 0.0;
-  for (const TermBlock& term : terms) {
+  for (const TermBlock& term : terms.blocks) {
     for (int i = 0; i < TermBlock::kSize; ++i) {
       const double weight = term.weight[i];
-      const Eigen::Vector3d position = term.Foot(i) - mean_foot;
+      const Eigen::Vector3d position = term.Foot(i) - terms.mean_foot;
       const double x = tangent.dot(position);
       const double y = other_tangent.dot(position);
-      const double height = term.height[i] - mean_height;
+      const double height = term.height[i] - terms.mean_height;
       xx += weight * x * x;
       xy += weight * x * y;
       yy += weight * y * y;
@@ -105,7 +113,8 @@ std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
       (xy * yh - yy * xh) / determinant * tangent +
       (xy * xh - xx * yh) / determinant * other_tangent;
   const Eigen::Vector3d normal = plane.normal + turn;
-  const double offset = plane.offset - turn.dot(mean_foot) - mean_height;
+  const double offset =
+      plane.offset - turn.dot(terms.mean_foot) - terms.mean_height;
   const double length = normal.norm();
   return WorldPlane{normal / length, offset / length};
 }
@@ -122,33 +131,20 @@ struct TurnTerms {
 
 TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
   const WorldPlane& plane = joint.plane;
-  std::vector<TermBlock> terms;
-  terms.reserve(joint.samples->Blocks().size());
-  double weights = 0.0;
-  double mean_height = 0.0;
-  Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
-  for (const FitSamples::Block& block : joint.samples->Blocks()) {
-    const TermBlock& term = terms.emplace_back(block, plane, loss_scale);
-    for (int i = 0; i < TermBlock::kSize; ++i) {
-      weights += term.weight[i];
-      mean_height += term.weight[i] * term.height[i];
-      mean_foot += term.weight[i] * term.Foot(i);
-    }
-  }
+  const Terms terms(*joint.samples, plane, loss_scale);
   TurnTerms result;
-  if (!(weights > 0.0)) {
+  if (!(terms.weights > 0.0)) {
     result.middle = -plane.offset * plane.normal;
     return result;
   }
-  mean_height /= weights;
-  mean_foot /= weights;
-  result.middle = mean_foot + mean_height * plane.normal;
-  for (const TermBlock& term : terms) {
+  result.middle = terms.mean_foot + terms.mean_height * plane.normal;
+  for (const TermBlock& term : terms.blocks) {
     for (int i = 0; i < TermBlock::kSize; ++i) {
       const Eigen::Vector3d lever =
-          plane.normal.cross(term.Foot(i) - mean_foot);
+          plane.normal.cross(term.Foot(i) - terms.mean_foot);
       result.products += term.weight[i] * lever * lever.transpose();
-      result.heights += term.weight[i] * (term.height[i] - mean_height) * lever;
+      result.heights +=
+          term.weight[i] * (term.height[i] - terms.mean_height) * lever;
     }
   }
   return result;
