@@ -4,17 +4,30 @@ add_library(colmap_tsar STATIC)
 add_library(ColmapTsar::colmap_tsar ALIAS colmap_tsar)
 target_include_directories(colmap_tsar PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-  $<INSTALL_INTERFACE:include>)
-# As system headers, so that their warnings are not ours.
-target_include_directories(colmap_tsar SYSTEM PUBLIC ${OpenCV_INCLUDE_DIRS})
+  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+# As system headers, so that their warnings are not ours. No installed header
+# includes them.
+target_include_directories(colmap_tsar SYSTEM PUBLIC
+  "$<BUILD_INTERFACE:${OpenCV_INCLUDE_DIRS}>")
 target_compile_features(colmap_tsar PUBLIC cxx_std_20)
 target_compile_definitions(colmap_tsar PRIVATE
   TSAR_VERSION="${PROJECT_VERSION}")
 target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
-          Boost::program_options nlohmann_json::nlohmann_json
-          PkgConfig::glog ${FLANN_LIBRARY} ${LZ4_LIBRARY})
+          Boost::program_options ColmapTsar::glog ColmapTsar::flann
+          $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>
+          $<$<BOOL:${TSAR_CUDA_ENABLED}>:CUDA::cudart_static>)
+
+# What a program needs that takes over the commands: it may be compiled for an
+# older C++ than the library is.
+add_library(tsar_commands INTERFACE)
+add_library(ColmapTsar::commands ALIAS tsar_commands)
+set_target_properties(tsar_commands PROPERTIES EXPORT_NAME commands)
+target_include_directories(tsar_commands INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(tsar_commands INTERFACE $<LINK_ONLY:colmap_tsar>)
 
 # Warnings, sanitizers and the rules of floating-point arithmetic, for every
 # target of this project.

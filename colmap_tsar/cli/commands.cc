@@ -22,6 +22,12 @@ void PrintError(std::string message) {
   std::cerr << "ERROR: " << message << std::endl;
 }
 
+// The function with its errors reported.
+template <CommandFunction kFunction>
+int Reported(int argc, char** argv) {
+  return RunCommand(kFunction, argc, argv);
+}
+
 void PrintProgramHelp() {
   std::cout << "Completes the depth maps of COLMAP's dense stage on surfaces "
                "without texture.\n\nUsage:\n  colmap_tsar COMMAND [options]\n\n"
@@ -59,13 +65,13 @@ const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
       {"tsar_refine",
        "Complete the depth and normal maps before stereo_fusion",
-       &RunTsarRefine},
+       &Reported<&RunTsarRefine>},
       {"tsar_report",
        "Draw the depth before and after tsar_refine",
-       &RunTsarReport},
+       &Reported<&RunTsarReport>},
       {"tsar_evaluate",
        "Score depth maps or a point cloud against ground truth",
-       &RunTsarEvaluate},
+       &Reported<&RunTsarEvaluate>},
   };
   return commands;
 }
@@ -95,7 +101,8 @@ int RunProgram(int argc, char** argv) {
   }
   for (const Command& command : Commands()) {
     if (command.name == name) {
-      return RunCommand(command.function, argc - 1, argv + 1);
+      argv[1] = argv[0];
+      return command.run(argc - 1, argv + 1);
     }
   }
   PrintUnknownCommand(name);

@@ -3,23 +3,26 @@
 
 #pragma once
 
+// C++14 suffices for this header, since older versions of COLMAP include it.
+
 #include <string>
 #include <vector>
 
 namespace tsar {
 
-// A command takes the arguments that follow the program's name, argv[0] being
-// the command's own name, as COLMAP calls its commands, and returns the exit
-// code. It throws tsar::Error; RunCommand reports it.
+// A function that is called as COLMAP calls its commands: argv[0] is the
+// program's name, the command's arguments follow. Returns the exit code.
 using CommandFunction = int (*)(int argc, char** argv);
 
 struct Command {
   std::string name;
   std::string summary;  // One line.
-  CommandFunction function = nullptr;
+  CommandFunction run;  // Reports errors as RunCommand does; never throws.
 };
 
-// All commands, in the order in which the help lists them.
+// All commands, in the order in which the help lists them: what a program that
+// holds them (this project's own, or a COLMAP built with one of patches/) has
+// to register.
 const std::vector<Command>& Commands();
 
 // Calls the function; prints any exception as one line "ERROR: ..." to standard
@@ -29,6 +32,8 @@ int RunCommand(CommandFunction function, int argc, char** argv);
 // The whole program: finds the command named by argv[1] and runs it, or prints
 // help or version. Returns the exit code.
 int RunProgram(int argc, char** argv);
+
+// The commands themselves, which throw tsar::Error.
 
 // Refines the depth and normal maps of a dense workspace, or restores them.
 int RunTsarRefine(int argc, char** argv);

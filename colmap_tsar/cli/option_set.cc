@@ -85,7 +85,7 @@ void OptionSet::AddChoice(const std::string& name,
 
 bool OptionSet::Parse(int argc, const char* const* argv) const {
   if (AsksForHelp(argc, argv)) {
-    PrintHelp(std::cout);
+    PrintHelp(std::filesystem::path(argv[0]).filename().string(), std::cout);
     return false;
   }
   const std::map<std::string, std::string> given = ReadCommandLine(argc, argv);
@@ -114,15 +114,16 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
   return true;
 }
 
-void OptionSet::PrintHelp(std::ostream& out) const {
-  std::string usage = command_;
+void OptionSet::PrintHelp(const std::string& program, std::ostream& out) const {
+  std::string usage = program + " " + command_;
   for (const Option& option : options_) {
     if (option.required) {
       usage += " --" + option.name + " " + option.ValueHint();
     }
   }
   out << Wrap(summary_, 0) << "\nUsage:\n  " << usage
-      << " [options]\n\nExample:\n  " << example_ << "\n\nOptions:\n";
+      << " [options]\n\nExample:\n  " << program << " " << example_
+      << "\n\nOptions:\n";
   for (const Option& option : options_) {
     const std::string text = option.Text();
     out << "  --" << option.name << " " << option.ValueHint()

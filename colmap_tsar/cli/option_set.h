@@ -25,7 +25,7 @@ namespace tsar {
 class OptionSet {
  public:
   // The help begins with the summary (one paragraph) and shows the example, a
-  // whole command line.
+  // command line without the program's name.
   OptionSet(std::string command, std::string summary, std::string example);
 
   // Adds an option; the value that the target has now is the default. Names
@@ -46,19 +46,19 @@ class OptionSet {
                  const std::vector<std::string>& choices,
                  const std::string& description);
 
-  // Reads the arguments after argv[0] into the targets. Returns false, without
-  // touching any target, when help was asked for and has been printed. Throws
+  // Reads the arguments after argv[0], the program, into the targets. Returns
+  // false, without touching any target, when help was asked for and has been
+  // printed. Throws
   // kBadOption for a wrong or missing option and kNotFound, kCorrupt or kIo for
   // an ini file that cannot be read; the message is one line.
   bool Parse(int argc, const char* const* argv) const;
-
-  void PrintHelp(std::ostream& out) const;
 
   // All options and their present values as text, e.g. for a manifest; without
   // project_path, whose content the other values hold.
   std::map<std::string, std::string> Values() const;
 
  private:
+  void PrintHelp(const std::string& program, std::ostream& out) const;
   const Option* Find(const std::string& name) const;
   std::string Advice(const std::string& written) const;
   std::map<std::string, std::string> ReadCommandLine(

@@ -199,11 +199,10 @@ int EvaluateCloud(int argc, char** argv) {
 
 int RunTsarEvaluate(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "depth") {
-    return EvaluateDepth(argc - 1, argv + 1);
-  }
-  if (what == "cloud") {
-    return EvaluateCloud(argc - 1, argv + 1);
+  if (what == "depth" || what == "cloud") {
+    argv[1] = argv[0];
+    return what == "depth" ? EvaluateDepth(argc - 1, argv + 1)
+                           : EvaluateCloud(argc - 1, argv + 1);
   }
   if (what == "-h" || what == "--help") {
     std::cout << kHelp;

@@ -135,9 +135,8 @@ int RestoreWorkspace(const RefineCommand& command) {
 
 int RunTsarRefine(int argc, char** argv) {
   RefineCommand command;
-  OptionSet options("tsar_refine",
-                    kSummary,
-                    "colmap_tsar tsar_refine --workspace_path dense");
+  OptionSet options(
+      "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
   AddWorkspaceOptions(&command, &options);
   AddRunOptions(&command, &options);
   AddRefineOptions(&command, &options);

@@ -24,10 +24,10 @@ int RunTsarReport(int argc, char** argv) {
   OptionSet options(
       "tsar_report",
       "Draws a picture (PNG) that shows, for some images of a refined "
-      "workspace, depth and normals before and after and where each depth comes "
+      "workspace, depth and normals before and after and where each depth "
+      "comes "
       "from.",
-      "colmap_tsar tsar_report --workspace_path dense --output_path "
-      "comparison.png");
+      "tsar_report --workspace_path dense --output_path comparison.png");
   options.AddRequired(
       "workspace_path", &workspace_path, "The refined dense workspace.");
   options.AddRequired("output_path", &output_path, "The picture to write.");

@@ -35,7 +35,7 @@ TEST(Commands, HaveUniqueNamesSummariesAndFunctions) {
   for (const Command& command : Commands()) {
     EXPECT_TRUE(names.insert(command.name).second) << command.name;
     EXPECT_FALSE(command.summary.empty()) << command.name;
-    EXPECT_NE(command.function, nullptr) << command.name;
+    EXPECT_NE(command.run, nullptr) << command.name;
   }
   EXPECT_EQ(names.count("tsar_evaluate"), 1u);
 }

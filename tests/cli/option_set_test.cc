@@ -35,7 +35,7 @@ class OptionSetTest : public testing::Test {
   }
 
   bool Parse(const std::vector<std::string>& arguments) {
-    std::vector<const char*> argv = {"tsar_test"};
+    std::vector<const char*> argv = {"/usr/bin/colmap"};
     for (const std::string& argument : arguments) {
       argv.push_back(argument.c_str());
     }
@@ -203,7 +203,8 @@ TEST_F(OptionSetTest, HelpWinsOverEverythingAndTouchesNothing) {
     const std::string text = testing::internal::GetCapturedStdout();
     EXPECT_EQ(iterations_, 4);
     for (const char* part : {"Tests options.",
-                             "tsar_test --workspace_path TEXT [options]",
+                             "colmap tsar_test --workspace_path TEXT [options]",
+                             "Example:\n  colmap tsar_test --x\n",
                              "--workspace_path TEXT (required)",
                              "--TsarTest.iterations INT (default: 4)",
                              "--TsarTest.device auto|cpu|cuda (default: auto)",

@@ -16,7 +16,7 @@ namespace tsar {
 namespace {
 
 Outcome RunRefine(const std::vector<std::string>& arguments) {
-  return RunCaptured("tsar_refine", arguments, [](int argc, char** argv) {
+  return RunCaptured("colmap", arguments, [](int argc, char** argv) {
     return RunCommand(&RunTsarRefine, argc, argv);
   });
 }
@@ -153,7 +153,7 @@ TEST(TsarRefine, HelpTeaches) {
   EXPECT_EQ(outcome.exit_code, 0);
   for (const char* text : {"after patch_match_stereo",
                            "--restore 1",
-                           "colmap_tsar tsar_refine --workspace_path dense",
+                           "colmap tsar_refine --workspace_path dense",
                            "--TsarRefine.preset default|paper",
                            "manifest.json"}) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(text));

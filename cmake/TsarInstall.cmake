@@ -1,0 +1,32 @@
+# The library with its headers, a package config by which other projects find
+# it (find_package(ColmapTsar)), the program and the licence.
+include(CMakePackageConfigHelpers)
+
+set(TSAR_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ColmapTsar)
+
+install(TARGETS colmap_tsar_program)
+install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
+# Without those that need OpenCV's or CUDA's headers: only this project's own
+# sources include them.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h"
+  PATTERN "report/canvas.h" EXCLUDE
+  PATTERN "device/cuda_*.h" EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+install(EXPORT ColmapTsarTargets
+  NAMESPACE ColmapTsar:: DESTINATION ${TSAR_PACKAGE_DIR})
+configure_package_config_file(
+  ${PROJECT_SOURCE_DIR}/cmake/ColmapTsarConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/ColmapTsarConfig.cmake
+  INSTALL_DESTINATION ${TSAR_PACKAGE_DIR}
+  NO_SET_AND_CHECK_MACRO)
+write_basic_package_version_file(
+  ${PROJECT_BINARY_DIR}/ColmapTsarConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/ColmapTsarConfig.cmake
+  ${PROJECT_BINARY_DIR}/ColmapTsarConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/TsarImportedTargets.cmake
+  DESTINATION ${TSAR_PACKAGE_DIR})
