@@ -10,6 +10,8 @@
 # the same program is built for the CPU alone.
 set -euo pipefail
 
+source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
+
 packages=(
   # Compiler and build.
   build-essential
@@ -46,45 +48,4 @@ case $distribution in
           "and Ubuntu 24.04); going on with their package names" >&2 ;;
 esac
 
-if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-  echo "install_dependencies: no apt-get on this system; install by hand what" \
-       "stands for: ${packages[*]}" >&2
-  exit 1
-fi
-
-missing=()
-for package in "${packages[@]}"; do
-  state=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)
-  [[ $state == installed ]] || missing+=("$package")
-done
-if ((${#missing[@]} == 0)); then
-  echo "install_dependencies: all ${#packages[@]} packages are installed"
-  exit 0
-fi
-
-as_root=()
-if ((EUID != 0)); then
-  if ! command -v sudo >/dev/null; then
-    echo "install_dependencies: run it as root, or install sudo; missing:" \
-         "${missing[*]}" >&2
-    exit 1
-  fi
-  as_root=(sudo)
-fi
-
-echo "install_dependencies: installing ${missing[*]}"
-apt_get() {
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-    apt-get -qq -o Dpkg::Use-Pty=0 "$@"
-}
-# apt-get's report is long and of use only when it fails.
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
-if ! { apt_get update &&
-       apt_get install -y --no-install-recommends "${missing[@]}"; } \
-     >"$log" 2>&1; then
-  cat "$log" >&2
-  echo "install_dependencies: apt-get failed, see above" >&2
-  exit 1
-fi
-echo "install_dependencies: done"
+install_packages "${packages[@]}"

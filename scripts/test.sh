@@ -8,7 +8,8 @@
 # many passed; the exit code is 0 only when all did.
 #
 # With CI=true the CUDA part is compiled for one architecture alone, which is
-# enough to see that it compiles.
+# enough to see that it compiles, and the distribution's COLMAP is built with
+# this project's patch and tested.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -27,13 +28,16 @@ trap 'rm -f "$log"' EXIT
 passed=0
 failed=0
 
-build_and_test() {  # build_and_test PRESET [CMAKE_OPTION...]
+build() {  # build PRESET [CMAKE_OPTION...]
   local preset=$1
   shift
   printf '\n== %s: build\n' "$preset"
   cmake --preset "$preset" -DTSAR_TESTS=ON "$@"
   cmake --build --preset "$preset" --parallel "$jobs"
+}
 
+run_tests() {  # run_tests PRESET
+  local preset=$1
   printf '\n== %s: tests\n' "$preset"
   local status=0
   ctest --preset "$preset" --parallel "$jobs" --no-tests=error 2>&1 |
@@ -55,14 +59,33 @@ build_and_test() {  # build_and_test PRESET [CMAKE_OPTION...]
   failed=$((failed + failures))
 }
 
+# Has the tests of preset release include those of a COLMAP with the patch.
+build_patched_colmap() {
+  local status=0
+  scripts/build_colmap.sh --prefix "$PWD/install" || status=$?
+  case $status in
+    0) cmake --preset release -DTSAR_PATCHED_COLMAP="$PWD/install/bin/colmap" ;;
+    3) echo "test: SKIPPED the tests of a patched COLMAP, the distribution's" \
+            "source package cannot be had" ;;
+    *) echo "test: the patched COLMAP was not built" >&2
+       exit 1 ;;
+  esac
+}
+
 release_options=(-DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON)
 if [[ ${CI:-} == true ]]; then
-  release_options+=(-DCMAKE_CUDA_ARCHITECTURES=90)
+  export CUDA_ARCHITECTURES=90
+  release_options+=(-DCMAKE_CUDA_ARCHITECTURES=$CUDA_ARCHITECTURES)
 fi
-build_and_test release "${release_options[@]}"
+build release "${release_options[@]}"
+if [[ ${CI:-} == true ]]; then
+  build_patched_colmap
+fi
+run_tests release
 # Here warnings stay warnings: on instrumented code GCC warns of what cannot be
 # (-Wrestrict inside std::string, for one).
-build_and_test debug -DTSAR_WARNINGS_AS_ERRORS=OFF
+build debug -DTSAR_WARNINGS_AS_ERRORS=OFF
+run_tests debug
 
 printf '\n%d passed, %d failed\n' "$passed" "$failed"
 ((failed == 0))

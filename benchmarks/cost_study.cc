@@ -1,0 +1,226 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Do the costs that patch_match_stereo exports (--PatchMatchStereo.
+// write_cost_maps) equal those that tsar_refine computes? For each workspace
+// with exported costs, prints how c_min and c_sec of the same hypotheses
+// differ: with the window as tsar_refine samples it (every second row and
+// column), and with all 121 pixels of it, as COLMAP does.
+//
+//   cost_study WORKSPACE [WORKSPACE ...]
+
+#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/view_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+// Of the pixels that are compared; all of them would take minutes.
+constexpr int kStride = 3;
+
+// 1 - NCC with every pixel of the window, in double precision; undefined where
+// a window has no texture by COLMAP's bound (1e-5 of the squared range).
+double FullWindowCost(const ImageView<const float>& gray,
+                      const ImageView<const float>& other,
+                      const PlaneHomography& homography,
+                      int x,
+                      int y) {
+  constexpr double kMinVariance = 1e-5 * 255 * 255;
+  const double center = gray(x, y);
+  double sum_weight = 0, sum_a = 0, sum_b = 0, sum_aa = 0, sum_bb = 0,
+         sum_ab = 0;
+  for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
+    for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
+      float mapped_x = 0;
+      float mapped_y = 0;
+      if (!homography.Map(x + dx, y + dy, &mapped_x, &mapped_y)) {
+        return kUndefinedCost;
+      }
+      const double a = SampleBilinear(gray, x + dx, y + dy);
+      const double b = SampleBilinear(other, mapped_x, mapped_y);
+      const double w =
+          std::exp(-(dx * dx + dy * dy) /
+                       (2. * kPatchSpatialSigma * kPatchSpatialSigma) -
+                   (a - center) * (a - center) /
+                       (2. * kPatchColorSigma * kPatchColorSigma));
+      sum_weight += w;
+      sum_a += w * a;
+      sum_b += w * b;
+      sum_aa += w * a * a;
+      sum_bb += w * b * b;
+      sum_ab += w * a * b;
+    }
+  }
+  const double mean_a = sum_a / sum_weight;
+  const double mean_b = sum_b / sum_weight;
+  const double variance_a = sum_aa / sum_weight - mean_a * mean_a;
+  const double variance_b = sum_bb / sum_weight - mean_b * mean_b;
+  if (variance_a < kMinVariance || variance_b < kMinVariance) {
+    return kUndefinedCost;
+  }
+  const double covariance = sum_ab / sum_weight - mean_a * mean_b;
+  return std::clamp(
+      1. - covariance / std::sqrt(variance_a * variance_b), 0., 2.);
+}
+
+// The smallest and second smallest defined value.
+struct TwoSmallest {
+  double first = kUndefinedCost;
+  double second = kUndefinedCost;
+
+  void Add(double cost) {
+    if (cost == kUndefinedCost) {
+      return;
+    }
+    if (first == kUndefinedCost || cost < first) {
+      second = first;
+      first = cost;
+    } else if (second == kUndefinedCost || cost < second) {
+      second = cost;
+    }
+  }
+};
+
+// How one kind of computed costs compares with the exported ones.
+class Comparison {
+ public:
+  void Add(double exported, double computed) {
+    if (exported == kUndefinedCost || computed == kUndefinedCost) {
+      only_exported_ += exported != kUndefinedCost;
+      only_computed_ += computed != kUndefinedCost;
+      return;
+    }
+    differences_.push_back(computed - exported);
+  }
+
+  void Print(const char* name) {
+    const double count = std::max<double>(1, differences_.size());
+    double mean = 0;
+    double within = 0;
+    for (double& difference : differences_) {
+      mean += difference / count;
+      difference = std::abs(difference);
+      within += (difference < 0.01) / count;
+    }
+    std::sort(differences_.begin(), differences_.end());
+    const auto quantile = [&](double q) {
+      return differences_.empty()
+                 ? 0.
+                 : differences_[static_cast<size_t>(
+                       q * static_cast<double>(differences_.size() - 1))];
+    };
+    std::printf("%-28s %9zu %8.4f %8.4f %8.4f %8.4f %8.3f %9ld %9ld\n",
+                name,
+                differences_.size(),
+                mean,
+                quantile(.5),
+                quantile(.9),
+                quantile(.99),
+                within,
+                only_exported_,
+                only_computed_);
+  }
+
+ private:
+  std::vector<double> differences_;
+  long only_exported_ = 0;
+  long only_computed_ = 0;
+};
+
+void Study(const std::string& root, MapType type) {
+  const Workspace workspace(root, type);
+  const std::unique_ptr<Device> device = Device::CreateCpu(0);
+  std::vector<ViewData> views;
+  for (size_t i = 0; i < workspace.Model().images.size(); ++i) {
+    views.push_back(LoadView(workspace, static_cast<int>(i)));
+  }
+  Comparison sampled_first, sampled_second, full_first, full_second;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    const ViewData& view = views[problem.reference];
+    if (view.min_cost.Empty()) {
+      throw Error::File(ErrorCode::kNotFound,
+                        workspace.CostPath(problem.reference, type).string(),
+                        "is missing",
+                        "write it with --PatchMatchStereo.write_cost_maps 1");
+    }
+    std::vector<const ViewData*> sources;
+    for (const int source : problem.sources) {
+      sources.push_back(&views[source]);
+    }
+    const DeviceViews on_device(view, sources, *device);
+    const MatchingCosts costs = ComputeMatchingCosts(
+        on_device.Reference(), on_device.Sources(), *device);
+    const Image<float> first = costs.min_cost.ToHost();
+    const Image<float> second = costs.second_cost.ToHost();
+    const ReferenceView reference = on_device.Reference();
+    const std::vector<SourceView> source_views = on_device.Sources().ToHost();
+    for (int y = 0; y < view.depth.Height(); y += kStride) {
+      for (int x = 0; x < view.depth.Width(); x += kStride) {
+        if (!(view.depth(x, y) > 0.f)) {
+          continue;
+        }
+        sampled_first.Add(view.min_cost(x, y), first(x, y));
+        sampled_second.Add(view.second_cost(x, y), second(x, y));
+        const Plane plane = Plane::FromPoint(reference.intrinsics.Ray(x, y),
+                                             view.depth(x, y),
+                                             view.normal(x, y));
+        TwoSmallest full;
+        for (const SourceView& source : source_views) {
+          full.Add(FullWindowCost(reference.gray,
+                                  source.gray,
+                                  PlaneHomography(reference.intrinsics,
+                                                  source.intrinsics,
+                                                  source.from_reference,
+                                                  plane),
+                                  x,
+                                  y));
+        }
+        full_first.Add(view.min_cost(x, y), full.first);
+        full_second.Add(view.second_cost(x, y), full.second);
+      }
+    }
+  }
+  std::printf("%s, %s maps\n", root.c_str(), ToString(type).c_str());
+  std::printf("%-28s %9s %8s %8s %8s %8s %8s %9s %9s\n",
+              "",
+              "pixels",
+              "bias",
+              "median",
+              "90 %",
+              "99 %",
+              "< 0.01",
+              "exported",
+              "computed");
+  sampled_first.Print("c_min, every 2nd row, column");
+  sampled_second.Print("c_sec, every 2nd row, column");
+  full_first.Print("c_min, whole window");
+  full_second.Print("c_sec, whole window");
+}
+
+}  // namespace
+}  // namespace tsar
+
+int main(int argc, char** argv) {
+  try {
+    for (int i = 1; i < argc; ++i) {
+      for (const tsar::MapType type :
+           {tsar::MapType::kPhotometric, tsar::MapType::kGeometric}) {
+        tsar::Study(argv[i], type);
+      }
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ERROR: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

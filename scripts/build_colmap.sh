@@ -1,0 +1,210 @@
+#!/usr/bin/env bash
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Builds COLMAP with the commands of this project inside (colmap tsar_refine
+# and the others): takes the source package of the distribution, applies the
+# patch for its version, and builds without the graphical interface, with CUDA
+# where nvcc is found.
+#
+#   scripts/build_colmap.sh [--prefix DIR] [--source DIR] [--skip-install]
+#                           [VERSION]
+#
+#   VERSION          the version to build; by default the one that the
+#                    distribution has (3.8 on Debian 12, 3.9.1 on Ubuntu 24.04)
+#   --source DIR     take COLMAP's source from DIR, a release or a checkout of
+#                    VERSION, instead of the distribution; DIR is not changed
+#   --prefix DIR     where to install; by default install/ in this repository
+#   --skip-install   do not look for missing packages (and need no root rights)
+#
+# The variable CUDA_ARCHITECTURES, in CMake's words, overrides the choice of GPUs.
+# The system's lists of package sources stay as they are. Exit code 3: the
+# source package cannot be had; everything else that goes wrong gives 1.
+set -euo pipefail
+
+# The text above.
+usage() { sed -n '5,/^[^#]/s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; }
+
+prefix=
+source=
+version=
+install=1
+while (($#)); do
+  case $1 in
+    --prefix | --source)
+      (($# > 1)) || { usage >&2; exit 2; }
+      printf -v "${1#--}" %s "$(realpath -m "$2")"
+      shift ;;
+    --skip-install) install=0 ;;
+    -h | --help) usage; exit 0 ;;
+    -*) usage >&2; exit 2 ;;
+    *) [[ -z $version ]] || { usage >&2; exit 2; }
+       version=$1 ;;
+  esac
+  shift
+done
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+repository=$PWD
+source scripts/apt.sh
+: "${prefix:=$repository/install}"
+
+fail() { echo "build_colmap: $1" >&2; exit "${2:-1}"; }
+step() { printf '\n== %s\n' "$*"; }
+
+packages=(
+  dpkg-dev
+  libboost-filesystem-dev
+  libboost-graph-dev
+  libboost-program-options-dev
+  libboost-system-dev
+  libboost-test-dev
+  libceres-dev
+  libcgal-dev
+  libeigen3-dev
+  libflann-dev
+  libfreeimage-dev
+  libglew-dev
+  libgoogle-glog-dev
+  liblz4-dev
+  libmetis-dev
+  libsqlite3-dev
+  patch
+)
+if ((install)); then
+  step "Packages"
+  scripts/install_dependencies.sh
+  install_packages "${packages[@]}"
+fi
+
+# The patch for a version is that of its line; a patch for all of 3.11 has the
+# name colmap-3.11.patch.
+find_patch() {  # find_patch VERSION
+  local name
+  for name in "$1" "$(cut -d. -f1,2 <<<"$1")"; do
+    if [[ -f patches/colmap-$name.patch ]]; then
+      echo "$repository/patches/colmap-$name.patch"
+      return
+    fi
+  done
+  fail "no patch for COLMAP $1; there is $(cd patches && echo *.patch)"
+}
+
+# apt-get with entries for source packages of the configured suites, kept in the
+# folder `apt` and nowhere else.
+work=$repository/build-colmap
+apt=$work/apt
+apt_sources() {
+  "$@" -qq -o APT::Sandbox::User=root -o Dir::Etc::sourcelist="$apt/sources.list" \
+    -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$apt/lists"
+}
+
+fetch_source() {  # sets version and source
+  local keys=() keyring all chosen
+  mkdir -p "$apt/lists/partial"
+  for keyring in debian ubuntu; do
+    if [[ -f /usr/share/keyrings/$keyring-archive-keyring.gpg ]]; then
+      keys+=("/usr/share/keyrings/$keyring-archive-keyring.gpg")
+    fi
+  done
+  local signed=
+  ((${#keys[@]} == 0)) || signed="[signed-by=$(IFS=,; echo "${keys[*]}")] "
+  for origin in Debian Ubuntu; do
+    apt-get indextargets "Identifier: Packages" "Origin: $origin" --format \
+      "deb-src $signed\$(REPO_URI) \$(RELEASE) \$(COMPONENT)"
+  done | sort -u >"$apt/sources.list"
+  [[ -s $apt/sources.list ]] ||
+    fail "apt knows no suite of Debian or Ubuntu; run apt-get update" 3
+  apt_sources apt-get update || fail "apt-get update failed, see above" 3
+  # Every version with the upstream part of it, the newest last.
+  all=$(apt_sources apt-cache showsrc colmap | sed -n 's/^Version: //p' |
+        sort -Vu)
+  chosen=$(while read -r full; do
+             upstream=${full#*:}
+             upstream=${upstream%-*}
+             upstream=${upstream%%[+~]*}
+             if [[ -z $version || $version == "$upstream" ]]; then
+               echo "$full $upstream"
+             fi
+           done <<<"$all" | tail -1)
+  if [[ -z $chosen ]]; then
+    fail "the distribution has no source of COLMAP $version (it has: \
+${all//$'\n'/ }); get it and name its folder by --source" 3
+  fi
+  version=${chosen#* }
+  source=$work/$version/distribution
+  if [[ -f $source/CMakeLists.txt ]]; then
+    return
+  fi
+  # Unpacked beside and moved, so that what is there is whole.
+  rm -rf "$work/$version/fetch"
+  mkdir -p "$work/$version/fetch"
+  (cd "$work/$version/fetch" &&
+   apt_sources apt-get source "colmap=${chosen% *}") ||
+    fail "apt-get source colmap failed, see above" 3
+  mv "$work/$version/fetch"/colmap-*/ "$source"
+}
+
+step "Source of COLMAP"
+if [[ -z $source ]]; then
+  fetch_source
+else
+  [[ -n $version ]] || fail "--source needs the VERSION that it holds"
+  [[ -f $source/CMakeLists.txt ]] || fail "$source: holds no CMakeLists.txt"
+fi
+patch=$(find_patch "$version")
+echo "COLMAP $version from $source, with $(basename "$patch")"
+
+# A copy is patched, anew when the patch is another one.
+step "Patch"
+patched=$work/$version/source
+digest=$(sha256sum <"$patch")
+if [[ $(cat "$patched/patched" 2>/dev/null) != "$digest" ]]; then
+  rm -rf "$patched"
+  cp -a "$source" "$patched"
+  patch -s -p1 --fuzz=0 --no-backup-if-mismatch -d "$patched" <"$patch" ||
+    fail "$(basename "$patch") does not fit; does the folder hold COLMAP $version?"
+  echo "$digest" >"$patched/patched"
+fi
+echo "$patched"
+
+# One GPU architecture, this machine's, takes a fraction of the time of all.
+architectures=all-major
+if command -v nvidia-smi >/dev/null && nvidia-smi -L >/dev/null 2>&1; then
+  architectures=native
+fi
+: "${CUDA_ARCHITECTURES:=$architectures}"
+
+# What is built already, by scripts/test.sh for one, is taken as it is.
+step "TSAR for COLMAP"
+if [[ ! -f build/CMakeCache.txt ]]; then
+  cmake --preset release -DTSAR_TESTS=OFF \
+    -DCMAKE_CUDA_ARCHITECTURES="$CUDA_ARCHITECTURES"
+fi
+cmake --build --preset release --target colmap_tsar_program
+cmake --install build --prefix "$prefix" >/dev/null
+
+step "COLMAP $version"
+cuda=OFF
+if command -v nvcc >/dev/null; then
+  cuda=ON
+fi
+launcher=()
+if command -v ccache >/dev/null; then
+  export CCACHE_COMPILERCHECK=content CCACHE_NOHASHDIR=1
+  export CCACHE_BASEDIR=$repository
+  launcher=(-DCMAKE_C_COMPILER_LAUNCHER=ccache
+            -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
+            -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache)
+fi
+cmake -G Ninja -S "$patched" -B "$work/$version/build" \
+  -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
+  -DCMAKE_PREFIX_PATH="$prefix" -DGUI_ENABLED=OFF -DTESTS_ENABLED=OFF \
+  -DCUDA_ENABLED="$cuda" -DCMAKE_CUDA_ARCHITECTURES="$CUDA_ARCHITECTURES" \
+  "${launcher[@]}"
+cmake --build "$work/$version/build"
+cmake --install "$work/$version/build" >/dev/null
+
+printf '\n%s has these commands more:\n' "$prefix/bin/colmap"
+"$prefix/bin/colmap" help | grep '^ *tsar_' ||
+  fail "the program that was built does not list them"
