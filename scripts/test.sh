@@ -3,8 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Installs what is missing, builds everything, and runs all tests twice:
-# optimised (with the benchmarks, with CUDA where nvcc is found, and warnings as
-# errors) and under the address and undefined sanitizers. The last line says how
+# optimised (with the benchmarks and the Python module, with CUDA where nvcc is
+# found, and warnings as errors) and under the address and undefined sanitizers. The last line says how
 # many passed; the exit code is 0 only when all did.
 #
 # With CI=true the CUDA part is compiled for one architecture alone, which is
@@ -55,7 +55,8 @@ build_and_test() {  # build_and_test PRESET [CMAKE_OPTION...]
   failed=$((failed + failures))
 }
 
-release_options=(-DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON)
+release_options=(
+  -DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON -DTSAR_PYTHON=ON)
 if [[ ${CI:-} == true ]]; then
   release_options+=(-DCMAKE_CUDA_ARCHITECTURES=90)
 fi
