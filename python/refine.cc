@@ -194,8 +194,19 @@ MapType ToMapType(const std::string& input_type) {
 }
 
 void BindRefine(py::module_* module) {
-  module->def("refine", &Refine);
-  module->def("restore", &RestoreOriginals);
+  module->def("refine",
+              &Refine,
+              py::arg("workspace_path"),
+              py::arg("options"),
+              py::arg("output_path"),
+              py::arg("input_type"),
+              py::arg("device"),
+              py::arg("gpu_index"),
+              py::arg("num_threads"),
+              py::arg("cache_size"),
+              py::arg("report"),
+              py::arg("is_terminal"));
+  module->def("restore", &RestoreOriginals, py::arg("workspace_path"));
 }
 
 }  // namespace tsar

@@ -4,8 +4,8 @@
 #
 # Installs what is missing, builds everything, and runs all tests twice:
 # optimised (with the benchmarks and the Python module, with CUDA where nvcc is
-# found, and warnings as errors) and under the address and undefined sanitizers. The last line says how
-# many passed; the exit code is 0 only when all did.
+# found, and warnings as errors) and under the address and undefined sanitizers.
+# The last line says how many passed; the exit code is 0 only when all did.
 #
 # With CI=true the CUDA part is compiled for one architecture alone, which is
 # enough to see that it compiles.

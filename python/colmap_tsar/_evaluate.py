@@ -93,9 +93,9 @@ def evaluate_depth(
             in units of the model (metres, if it has them).
     """
     result = _core.evaluate_depth(
-        workspace_path,
+        os.fspath(workspace_path),
         input_type,
-        "" if ground_truth_path is None else ground_truth_path,
+        "" if ground_truth_path is None else os.fspath(ground_truth_path),
         tolerances,
     )
     result["scores"] = [DepthScore(**score) for score in result["scores"]]
@@ -126,7 +126,12 @@ def evaluate_cloud(
         beam_angle: Half the opening angle of a laser beam, in degrees.
     """
     result = _core.evaluate_cloud(
-        cloud_path, scans_path, tolerances, voxel_size, beam_radius, beam_angle
+        os.fspath(cloud_path),
+        os.fspath(scans_path),
+        tolerances,
+        voxel_size,
+        beam_radius,
+        beam_angle,
     )
     result["scores"] = [CloudScore(**score) for score in result["scores"]]
     return CloudEvaluation(**result)

@@ -148,9 +148,9 @@ def refine(
     report, is_terminal = _reporter(progress)
     return RefineSummary(
         **_core.refine(
-            workspace_path,
+            os.fspath(workspace_path),
             options.todict(),
-            "" if output_path is None else output_path,
+            "" if output_path is None else os.fspath(output_path),
             input_type,
             device,
             str(gpu_index),
@@ -169,4 +169,4 @@ def restore(workspace_path: _Path) -> RestoreSummary:
     a workspace that refine() made as output_path: COLMAP's maps are in the other
     one.
     """
-    return RestoreSummary(**_core.restore(workspace_path))
+    return RestoreSummary(**_core.restore(os.fspath(workspace_path)))
