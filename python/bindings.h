@@ -28,6 +28,10 @@ void BindRefine(pybind11::module_* module);
 // EvaluateDepthMaps and EvaluateCloudFile.
 void BindEvaluate(pybind11::module_* module);
 
+// Text with names of files, which need not be UTF-8: as Python's own functions
+// write them.
+pybind11::str ToText(const std::string& text);
+
 // From {name: value}. Raises TypeError for a value of another type; throws
 // kBadOption where it is outside the option's range. Unknown names are
 // KeyError.

@@ -4,6 +4,7 @@
 #include "colmap_tsar/base/error.h"
 
 #include <exception>
+#include <string>
 
 #include "python/bindings.h"
 
@@ -43,7 +44,7 @@ void RaiseInPython(std::exception_ptr exception) {
     try {
       const py::object made =
           py::module_::import("colmap_tsar._errors")
-              .attr("make_error")(CodeName(error.Code()), error.what());
+              .attr("make_error")(CodeName(error.Code()), ToText(error.what()));
       PyErr_SetObject(py::type::handle_of(made).ptr(), made.ptr());
     } catch (py::error_already_set& failure) {
       failure.restore();
@@ -52,6 +53,15 @@ void RaiseInPython(std::exception_ptr exception) {
 }
 
 }  // namespace
+
+py::str ToText(const std::string& text) {
+  PyObject* const made = PyUnicode_DecodeFSDefaultAndSize(
+      text.data(), static_cast<Py_ssize_t>(text.size()));
+  if (made == nullptr) {
+    throw py::error_already_set();
+  }
+  return py::reinterpret_steal<py::str>(made);
+}
 
 void BindErrors(py::module_* /*module*/) {
   py::register_local_exception_translator(&RaiseInPython);

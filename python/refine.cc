@@ -67,7 +67,7 @@ void PrepareLogging() {
 py::dict ToDict(const RunSummary& summary) {
   py::dict kept;
   for (const RunSummary::KeptImage& image : summary.kept) {
-    kept[py::str(image.name)] = image.reason;
+    kept[ToText(image.name)] = ToText(image.reason);
   }
   py::dict peak_gpu_memory;
   for (const RunSummary::GpuMemory& peak : summary.peak_gpu_memory) {
@@ -89,7 +89,7 @@ py::dict ToDict(const RunSummary& summary) {
   dict["seconds"] = summary.seconds;
   dict["wall_seconds"] = summary.wall_seconds;
   dict["peak_gpu_memory"] = peak_gpu_memory;
-  dict["text"] = text.str();
+  dict["text"] = ToText(text.str());
   return dict;
 }
 

@@ -5,21 +5,19 @@ refine() writes, and refine() reads the workspaces that it makes.
 
 Runs in a virtual environment that is kept in the build folder. Skipped where
 pycolmap cannot be had."""
-import pathlib
 import shutil
 import subprocess
 import sys
 import unittest
 
+import colmap_tsar
 from support import SKIPPED, WORK_FOLDER, SampleTest, results
 from virtual_environment import VirtualEnvironment
 
-try:
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
+if IS_INSIDE:
     import numpy as np
     import pycolmap
-except ImportError:  # Outside of the environment: see the end.
-    pass
-import colmap_tsar
 
 
 def read_map(path):
@@ -131,7 +129,7 @@ def run_in_environment():
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--inside"]:
+    if IS_INSIDE:
         print("pycolmap", pycolmap.__version__, "numpy", np.__version__)
         unittest.main(argv=sys.argv[:1])
     sys.exit(run_in_environment())

@@ -4,6 +4,7 @@
 import contextlib
 import io
 import json
+import os
 import threading
 import time
 import unittest
@@ -231,6 +232,16 @@ class RefineTest(SampleTest):
         (self.workspace / "stereo/normal_maps/v000.jpg.geometric.bin").unlink()
         (self.workspace / "images/v001.jpg").unlink()
         self.expect_error(not_found, ["images/v001.jpg"], refine, self.workspace)
+
+    def test_names_need_not_be_utf8(self):
+        path = os.fsencode(self.folder) + b"/\xff"
+        with self.assertRaises(colmap_tsar.NotFoundError) as caught:
+            refine(path)
+        self.assertIn(os.fsdecode(path), str(caught.exception))
+        os.rename(self.workspace, path)
+        summary = refine(path, self.quick)
+        self.assertEqual(os.fsencode(summary.workspace_path), path)
+        self.assertIn(os.fsdecode(path), str(summary))
 
     def test_gpus_that_are_not_there(self):
         with self.assertRaises(colmap_tsar.DeviceError) as caught:
