@@ -5,6 +5,7 @@
 
 #include <exception>
 #include <string>
+#include <utility>
 
 #include "python/bindings.h"
 
@@ -39,7 +40,7 @@ const char* CodeName(ErrorCode code) {
 
 void RaiseInPython(std::exception_ptr exception) {
   try {
-    std::rethrow_exception(exception);
+    std::rethrow_exception(std::move(exception));
   } catch (const Error& error) {
     try {
       const py::object made =
