@@ -1,0 +1,407 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/import/import_workspace.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/import/check_cameras.h"
+#include "colmap_tsar/import/import_store.h"
+#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/sparse_model.h"
+#include "colmap_tsar/workspace/workspace_lock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::string Text(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof(text), format, value);
+  return text;
+}
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+SparseModel ReadModel(const Path& root) {
+  std::error_code error;
+  for (const char* folder : {"images", "sparse"}) {
+    if (!std::filesystem::is_directory(root / folder, error)) {
+      throw Error::File(ErrorCode::kNotFound,
+                        (root / folder).string(),
+                        "no such folder, so this is not a dense workspace",
+                        "check --workspace_path, or make the workspace with "
+                        "image_undistorter");
+    }
+  }
+  SparseModel model = ReadSparseModel(root / "sparse");
+  for (const SparseModel::ModelImage& image : model.images) {
+    // Every path of an image is made from its name.
+    const Path name(image.name);
+    if (name.is_absolute() ||
+        std::find(name.begin(), name.end(), "..") != name.end()) {
+      throw Error::File(
+          ErrorCode::kUnsupported,
+          (root / "sparse").string(),
+          "the image name " + image.name + " leads out of the workspace",
+          "rename the image and make the workspace again");
+    }
+  }
+  return model;
+}
+
+// The folder stereo, made where it is missing; goes again if nothing comes in.
+class StereoFolder {
+ public:
+  explicit StereoFolder(const Path& root) : path_(root / "stereo") {
+    std::error_code error;
+    is_new_ = !std::filesystem::exists(path_, error);
+    CreateFolders(path_);
+  }
+  ~StereoFolder() {
+    std::error_code error;
+    if (is_new_) {
+      // Fails, as it should, where something is in it.
+      std::filesystem::remove(path_, error);
+    }
+  }
+  StereoFolder(const StereoFolder&) = delete;
+  StereoFolder& operator=(const StereoFolder&) = delete;
+
+ private:
+  Path path_;
+  bool is_new_ = false;
+};
+
+// Maps may be smaller or larger than their images, but not of another shape:
+// rounding each side costs less than a pixel.
+void RequireShape(const Path& path,
+                  const Image<float>& depth,
+                  const SparseModel::ModelImage& image) {
+  const double width = image.camera.width;
+  const double height = image.camera.height;
+  const double scale_x = depth.Width() / width;
+  const double scale_y = depth.Height() / height;
+  const double error_x = std::abs(depth.Width() - scale_y * width);
+  const double error_y = std::abs(depth.Height() - scale_x * height);
+  if (error_x > 1.0 + width / height && error_y > 1.0 + height / width) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the map has " + SizeText(depth.Width(), depth.Height()) +
+                          " pixels, which is not the shape of the image " +
+                          image.name + " of " +
+                          SizeText(image.camera.width, image.camera.height),
+                      "use maps of the undistorted images of this workspace");
+  }
+}
+
+void WriteTextFile(const Path& path, const std::string& text) {
+  AtomicFile file(path);
+  file.Stream() << text;
+  file.Commit();
+}
+
+// As image_undistorter does.
+void WriteMissingConfigs(const Path& root, const SparseModel& model) {
+  std::string patch_match;
+  std::string fusion;
+  for (const SparseModel::ModelImage& image : model.images) {
+    patch_match += image.name + "\n__auto__, 20\n";
+    fusion += image.name + "\n";
+  }
+  std::error_code error;
+  const Path stereo = root / "stereo";
+  if (!std::filesystem::exists(stereo / "patch-match.cfg", error)) {
+    WriteTextFile(stereo / "patch-match.cfg", patch_match);
+  }
+  if (!std::filesystem::exists(stereo / "fusion.cfg", error)) {
+    WriteTextFile(stereo / "fusion.cfg", fusion);
+  }
+}
+
+class Importer {
+ public:
+  Importer(const ImportOptions& options, Progress& progress)
+      : options_(options),
+        progress_(progress),
+        root_(options.workspace_path),
+        model_(ReadModel(root_)),
+        matched_(MatchImages(options.match, model_)) {
+    summary_.workspace_path = root_;
+    summary_.type = options.match.type;
+    summary_.num_images = static_cast<int>(model_.images.size());
+    summary_.num_imported = static_cast<int>(matched_.files.size());
+    summary_.num_without_image = matched_.num_without_image;
+  }
+
+  ImportSummary Run() {
+    const StereoFolder stereo(root_);
+    const WorkspaceLock lock(root_);
+    RequireUnrefined(root_);
+    if (!options_.overwrite) {
+      for (const PriorFiles& files : matched_.files) {
+        RequireNoForeignMaps(root_, NameOf(files), options_.match.type);
+      }
+    }
+    CheckFiles();
+    CheckCameras(cameras_,
+                 model_,
+                 options_.depth_scale > 0.0 ? options_.depth_scale : 1.0);
+    CheckNormalFrame();
+    DecideScales();
+    WriteMissingConfigs(root_, model_);
+    WriteMaps();
+    return std::move(summary_);
+  }
+
+ private:
+  const std::string& NameOf(const PriorFiles& files) const {
+    return model_.images[static_cast<size_t>(files.image)].name;
+  }
+
+  const Camera& CameraOf(const PriorFiles& files) const {
+    return model_.images[static_cast<size_t>(files.image)].camera;
+  }
+
+  double BaseScale(bool is_integer) const {
+    constexpr double kMillimetre = 0.001;
+    return options_.depth_scale > 0.0 ? options_.depth_scale
+           : is_integer               ? kMillimetre
+                                      : 1.0;
+  }
+
+  bool AreNormalsInWorld() const {
+    return options_.normal_frame == NormalFrame::kWorld ||
+           (options_.normal_frame == NormalFrame::kAuto &&
+            (options_.match.format == PriorFormat::kAcm ||
+             options_.match.format == PriorFormat::kApd));
+  }
+
+  // Reads all files once and keeps what the decisions need.
+  void CheckFiles() {
+    progress_.Start(static_cast<int>(matched_.files.size()), "Checking:");
+    for (const PriorFiles& files : matched_.files) {
+      const PriorMaps prior = ReadPriorMaps(files, options_.match.format);
+      RequireShape(files.depth,
+                   prior.depth,
+                   model_.images[static_cast<size_t>(files.image)]);
+      NoteOtherType(files, prior.depth);
+      if (prior.camera) {
+        cameras_.push_back({files.image, *prior.camera});
+      }
+      const NormalFacing facing = CountFacing(prior, CameraOf(files));
+      facing_.num_normals += facing.num_normals;
+      facing_.num_facing_in_camera += facing.num_facing_in_camera;
+      facing_.num_facing_in_world += facing.num_facing_in_world;
+      summary_.num_with_normals += prior.normal.Empty() ? 0 : 1;
+      scales_.push_back(BaseScale(prior.is_integer));
+      comparisons_.push_back(CompareWithSparse(
+          model_, files.image, ScaledDepth(prior.depth, scales_.back())));
+      progress_.Advance(true);
+    }
+    progress_.Finish();
+  }
+
+  // tsar_refine takes the maps of both types together.
+  void NoteOtherType(const PriorFiles& files, const Image<float>& depth) {
+    const MapType other = options_.match.type == MapType::kGeometric
+                              ? MapType::kPhotometric
+                              : MapType::kGeometric;
+    const Path path = GetMapPaths(root_, NameOf(files), other).depth;
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) {
+      return;
+    }
+    const MapSize size = ReadMapSize(path);
+    if (size.width != depth.Width() || size.height != depth.Height()) {
+      summary_.warnings.push_back(path.string() + ": is of another size (" +
+                                  SizeText(size.width, size.height) +
+                                  ") than the imported map (" +
+                                  SizeText(depth.Width(), depth.Height()) +
+                                  "); take it away before tsar_refine");
+    }
+  }
+
+  void CheckNormalFrame() const {
+    if (facing_.num_normals == 0) {
+      return;
+    }
+    // Normals of one frame all look towards the camera, or all away from it.
+    const auto agreement = [&](int64_t num_facing) {
+      const double share = static_cast<double>(num_facing) /
+                           static_cast<double>(facing_.num_normals);
+      return std::max(share, 1.0 - share);
+    };
+    constexpr double kDoubtful = 0.9;
+    constexpr double kCertain = 0.99;
+    const double camera = agreement(facing_.num_facing_in_camera);
+    const double world = agreement(facing_.num_facing_in_world);
+    const bool in_world = AreNormalsInWorld();
+    if ((in_world ? world : camera) < kDoubtful &&
+        (in_world ? camera : world) > kCertain) {
+      const std::string now = in_world ? "world" : "camera";
+      const std::string better = in_world ? "camera" : "world";
+      throw Error::File(ErrorCode::kMismatch,
+                        options_.match.input_path.string(),
+                        "the normals look in all directions if they are in the "
+                        "frame of the " +
+                            now + ", but in one if they are in that of the " +
+                            better,
+                        "give --normal_frame " + better);
+    }
+  }
+
+  void DecideScales() {
+    summary_.scale = JudgeScale(comparisons_);
+    summary_.has_own_scales = options_.scale_to_sparse;
+    if (options_.scale_to_sparse) {
+      ScaleEachImage();
+      return;
+    }
+    const ScaleVerdict& scale = summary_.scale;
+    if (options_.check_scale && scale.is_consistent &&
+        IsOffScale(scale.median)) {
+      const std::string suggestion = Text("%.3g", scales_[0] / scale.median);
+      throw Error::File(
+          ErrorCode::kMismatch,
+          options_.match.input_path.string(),
+          "depths are " + Text("%.4g", scale.median) +
+              " times those of the sparse points in all images, so they seem "
+              "to be in other units",
+          "give --depth_scale " + suggestion +
+              ", or --check_scale 0 to take them as they are");
+    }
+    if (scale.num_images == 0) {
+      summary_.warnings.push_back(
+          "no image has " + std::to_string(kMinSparsePoints) +
+          " sparse points on its depth, so nothing tells whether the units are "
+          "right");
+    }
+    for (size_t i = 0; i < matched_.files.size(); ++i) {
+      const SparseComparison& comparison = comparisons_[i];
+      if (comparison.num_points >= kMinSparsePoints &&
+          IsOffScale(comparison.ratio)) {
+        summary_.warnings.push_back(
+            NameOf(matched_.files[i]) + ": depths are " +
+            Text("%.3g", comparison.ratio) + " times those of its " +
+            std::to_string(comparison.num_points) + " sparse points (" +
+            Text("%.4g", comparison.near) + " to " +
+            Text("%.4g", comparison.far) + " against " +
+            Text("%.4g", comparison.sparse_near) + " to " +
+            Text("%.4g", comparison.sparse_far) + ")");
+      }
+    }
+    if (!scale.is_consistent && !summary_.warnings.empty() &&
+        scale.num_images > 0) {
+      summary_.warnings.push_back(
+          "the images' scales differ; --scale_to_sparse 1 gives each its own");
+    }
+  }
+
+  void ScaleEachImage() {
+    for (size_t i = 0; i < matched_.files.size(); ++i) {
+      const SparseComparison& comparison = comparisons_[i];
+      if (comparison.num_points < kMinSparsePoints) {
+        throw Error::File(
+            ErrorCode::kMismatch,
+            matched_.files[i].depth.string(),
+            "only " + std::to_string(comparison.num_points) +
+                " sparse points of " + NameOf(matched_.files[i]) +
+                " lie on its depth, too few to tell a scale",
+            "take this map away, or go without --scale_to_sparse");
+      }
+      scales_[i] /= comparison.ratio;
+    }
+  }
+
+  void WriteMaps() {
+    ConvertOptions convert;
+    convert.normals_in_world = AreNormalsInWorld();
+    convert.use_costs = options_.import_costs;
+    progress_.Start(static_cast<int>(matched_.files.size()), "Importing:");
+    for (size_t i = 0; i < matched_.files.size(); ++i) {
+      const PriorFiles& files = matched_.files[i];
+      convert.scale = scales_[i];
+      const ImportedMaps maps =
+          ConvertMaps(ReadPriorMaps(files, options_.match.format),
+                      CameraOf(files),
+                      convert);
+      WriteImported(root_, NameOf(files), options_.match.type, maps);
+      summary_.num_with_costs += maps.cost.values.empty() ? 0 : 1;
+      summary_.num_pixels += static_cast<int64_t>(maps.depth.NumPixels());
+      summary_.num_with_depth +=
+          std::count_if(maps.depth.begin(), maps.depth.end(), [](float depth) {
+            return depth > 0.f;
+          });
+      progress_.Advance(true);
+    }
+    progress_.Finish();
+  }
+
+  const ImportOptions& options_;
+  Progress& progress_;
+  const Path root_;
+  const SparseModel model_;
+  const MatchedMaps matched_;
+  ImportSummary summary_;
+  // For each of matched_.files.
+  std::vector<double> scales_;
+  std::vector<SparseComparison> comparisons_;
+  std::vector<AssignedCamera> cameras_;
+  NormalFacing facing_;
+};
+
+}  // namespace
+
+ImportSummary ImportWorkspace(const ImportOptions& options,
+                              Progress& progress) {
+  return Importer(options, progress).Run();
+}
+
+void PrintSummary(const ImportSummary& summary, std::ostream& out) {
+  out << summary.num_images << " images: " << summary.num_imported
+      << " imported, " << summary.num_images - summary.num_imported
+      << " without a map\n";
+  if (summary.num_without_image > 0) {
+    out << summary.num_without_image
+        << " maps are of images that are not in the workspace\n";
+  }
+  out << "Normals came with " << summary.num_with_normals
+      << " of them, and are computed from depth otherwise\n";
+  if (summary.num_with_costs > 0) {
+    out << "Costs came with " << summary.num_with_costs << "\n";
+  }
+  const double share = summary.num_pixels > 0
+                           ? 100.0 *
+                                 static_cast<double>(summary.num_with_depth) /
+                                 static_cast<double>(summary.num_pixels)
+                           : 0.0;
+  out << "Pixels with depth: " << Text("%.1f", share) << " %\n";
+  if (summary.scale.num_images > 0) {
+    out << (summary.has_own_scales
+                ? "Before scaling, depth over that of the sparse points: "
+                  "median "
+                : "Depth over that of the sparse points: median ")
+        << Text("%.3f", summary.scale.median) << " ("
+        << Text("%.3f", summary.scale.smallest) << " to "
+        << Text("%.3f", summary.scale.largest) << " over "
+        << summary.scale.num_images << " images)\n";
+  }
+  for (const std::string& warning : summary.warnings) {
+    out << "WARNING: " << warning << "\n";
+  }
+  out << "Next: colmap_tsar tsar_refine --workspace_path "
+      << summary.workspace_path.string() << " --input_type "
+      << ToString(summary.type) << "\n";
+}
+
+}  // namespace tsar
