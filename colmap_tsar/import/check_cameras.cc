@@ -129,6 +129,9 @@ class CameraChecker {
       return;
     }
     const double scale = std::sqrt(spread_model / spread_stored);
+    if (std::abs(scale / scale_ - 1.0) <= kMaxShareOfExtent) {
+      return;
+    }
     for (const AssignedCamera& assigned : cameras_) {
       if (!Compare(assigned.camera, assigned.image, scale).Fits()) {
         return;

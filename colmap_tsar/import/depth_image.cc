@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/import/npy.h"
 #include "colmap_tsar/import/pfm.h"
+#include "colmap_tsar/import/picture_header.h"
 
 #include <algorithm>
 #include <array>
@@ -25,53 +26,6 @@ std::string LowerExtension(const std::filesystem::path& path) {
                  extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   return extension;
-}
-
-uint32_t ReadBigEndian(ByteReader* reader) {
-  return __builtin_bswap32(reader->Read<uint32_t>());
-}
-
-// Looks at the frame of a PNG file, so that a file that is cut off, or whose
-// header says more than it can hold, is told before OpenCV begins with it.
-void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
-  constexpr std::array<uint8_t, 8> kSignature = {
-      0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  constexpr size_t kHeaderLength = 13;
-  ByteReader reader(bytes, name);
-  if (reader.Read<std::array<uint8_t, 8>>() != kSignature ||
-      ReadBigEndian(&reader) != kHeaderLength ||
-      reader.Read<std::array<char, 4>>() !=
-          std::array<char, 4>{'I', 'H', 'D', 'R'}) {
-    throw reader.Corrupt("not a PNG file");
-  }
-  const uint64_t width = ReadBigEndian(&reader);
-  const uint64_t height = ReadBigEndian(&reader);
-  const auto num_bits = reader.Read<uint8_t>();
-  const auto color = reader.Read<uint8_t>();
-  reader.Take(3 + 4);  // The rest of the header and its checksum.
-  if (num_bits != 16 || color != 0) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      name,
-                      "a picture of " + std::to_string(num_bits) + " bits" +
-                          (color == 0 ? "" : " in colours") +
-                          ", not a depth map",
-                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
-                      "PFM or NPY");
-  }
-  // PNG's compression cannot reach a ratio of 1032.
-  constexpr uint64_t kMaxSide = uint64_t{1} << 24;
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide ||
-      2 * width * height / 1032 > bytes.size()) {
-    throw reader.Corrupt("the header says " + std::to_string(width) + " x " +
-                         std::to_string(height) +
-                         " pixels, more than the file can hold");
-  }
-  for (bool at_end = false; !at_end;) {
-    const uint32_t length = ReadBigEndian(&reader);
-    at_end = reader.Read<std::array<char, 4>>() ==
-             std::array<char, 4>{'I', 'E', 'N', 'D'};
-    reader.Take(size_t{length} + 4);
-  }
 }
 
 cv::Mat Decode(std::span<const uint8_t> bytes) {
@@ -124,8 +78,11 @@ DepthImage DecodePicture(std::span<const uint8_t> bytes,
   if (extension == ".png") {
     CheckPng(bytes, name);
   } else if (extension == ".exr") {
+    CheckExr(bytes, name);
     // Builds of OpenCV that hold OpenEXR may still ask for leave.
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+  } else {
+    CheckTiff(bytes, name);
   }
   const cv::Mat pixels = Decode(bytes);
   if (pixels.empty() && extension == ".exr" &&

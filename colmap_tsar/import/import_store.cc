@@ -27,6 +27,10 @@ namespace {
 constexpr std::array<const char*, 3> kFolders = {
     "depth_maps", "normal_maps", "cost_maps"};
 
+constexpr size_t kDepth = 0;
+constexpr size_t kNormal = 1;
+constexpr size_t kCost = 2;
+
 // The fingerprints of all files that imports may have left under a map's name,
 // for each of kFolders.
 using Record = std::array<std::vector<uint64_t>, kFolders.size()>;
@@ -106,6 +110,15 @@ bool IsForeign(const std::filesystem::path& path,
   return Exists(path) && (ours.empty() || !Contains(ours, HashFile(path)));
 }
 
+// Removes folders that hold nothing, from `folder` up to below `top`.
+void RemoveEmptyFolders(std::filesystem::path folder,
+                        const std::filesystem::path& top) {
+  std::error_code error;
+  while (folder != top && std::filesystem::remove(folder, error)) {
+    folder = folder.parent_path();
+  }
+}
+
 void UndoImage(const std::filesystem::path& root,
                const std::string& key,
                UndoResult* result) {
@@ -128,6 +141,8 @@ void UndoImage(const std::filesystem::path& root,
       RemoveFile(current);
     }
   }
+  RemoveEmptyFolders(CurrentPath(root, kCost, key).parent_path(),
+                     root / "stereo");
   ++result->num_images;
   result->num_newer += is_newer ? 1 : 0;
   // Last: an interrupted undo still needs it.
@@ -165,7 +180,7 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
                           MapType type) {
   const std::string key = KeyOf(image_name, type);
   const Record record = ReadImportRecord(RecordPath(root, key));
-  for (const size_t kind : {0, 1}) {
+  for (const size_t kind : {kDepth, kNormal}) {
     const std::filesystem::path path = CurrentPath(root, kind, key);
     if (IsForeign(path, record[kind])) {
       throw Error::File(ErrorCode::kUnsupported,
@@ -191,9 +206,9 @@ void WriteImported(const std::filesystem::path& root,
     const std::filesystem::path path = CurrentPath(root, kind, key);
     CreateFolders(path.parent_path());
     AtomicFile& file = files.emplace_back(path);
-    const uint64_t hash = kind == 0   ? PutDepthMap(maps.depth, &file)
-                          : kind == 1 ? PutNormalMap(maps.normal, &file)
-                                      : PutPlanarMap(maps.cost, &file);
+    const uint64_t hash = kind == kDepth    ? PutDepthMap(maps.depth, &file)
+                          : kind == kNormal ? PutNormalMap(maps.normal, &file)
+                                            : PutPlanarMap(maps.cost, &file);
     file.Prepare();
     if (!Contains(record[kind], hash)) {
       record[kind].push_back(hash);
@@ -211,7 +226,7 @@ void WriteImported(const std::filesystem::path& root,
   }
   if (!has_cost) {
     // It says how well other depths explain the photos.
-    RemoveFile(CurrentPath(root, 2, key));
+    RemoveFile(CurrentPath(root, kCost, key));
   }
 }
 

@@ -21,7 +21,7 @@ SparseModel MakeModel(int num_points) {
   image.camera.cy = 40.0;
   for (int i = 0; i < num_points; ++i) {
     const double z = i + 1.0;
-    model.points.emplace_back(0.1 * (i - 5) * z, 0.0, z);
+    model.points.emplace_back(0.08 * (i - 5) * z, 0.0, z);
     image.point_indices.push_back(i);
   }
   model.images.push_back(image);
@@ -31,11 +31,11 @@ SparseModel MakeModel(int num_points) {
 
 TEST(CompareWithSparse, TakesTheMedianRatio) {
   const SparseModel model = MakeModel(11);
-  // Point i is seen in column 50 + 5 (i - 5); depth of half the size.
+  // Point i is seen in column 50 + 4 (i - 5); depth of half the size.
   Image<float> depth(50, 40);
   for (int i = 0; i < 11; ++i) {
     const float wrong = i == 3 ? 100.f : 1.f;
-    const int x = 25 + static_cast<int>(std::lround(2.5 * (i - 5)));
+    const int x = 25 + 2 * (i - 5);
     depth(x, 20) = 3.f * static_cast<float>(i + 1) * wrong;
   }
   depth(0, 0) = 7.f;

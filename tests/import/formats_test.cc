@@ -9,6 +9,8 @@
 #include "colmap_tsar/import/pfm.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -56,7 +58,10 @@ DmapContent SmallDmap() {
 
 std::string EncodedPicture(const std::string& extension, const cv::Mat& mat) {
   std::vector<uchar> bytes;
-  EXPECT_TRUE(cv::imencode(extension, mat, bytes));
+  // Without this, OpenCV writes three channels of TIFF with loss.
+  constexpr int kNoCompression = 1;
+  EXPECT_TRUE(cv::imencode(
+      extension, mat, bytes, {cv::IMWRITE_TIFF_COMPRESSION, kNoCompression}));
   return {bytes.begin(), bytes.end()};
 }
 
@@ -499,8 +504,97 @@ TEST(DepthImage, ReadsExrWhereOpenCvCan) {
 TEST(DepthImage, RefusesPngHeadersThatNoFileCanHold) {
   std::string bytes = PngBytes(3, 2, {1, 2, 3, 4, 5, 6});
   bytes.replace(16, 4, std::string("\x00\x10\x00\x00", 4));
-  ExpectError(ErrorCode::kCorrupt, {"a.png", "more than the file"}, [&] {
+  ExpectError(ErrorCode::kCorrupt, {"a.png", "1048576 x 2"}, [&] {
     ParseDepthImage(AsBytes(bytes), "a.png");
+  });
+}
+
+TEST(DepthImage, RefusesTiffHeadersThatNoFileCanHold) {
+  // Little-endian: no tags but width and height, as LONG and as SHORT.
+  const auto header = [](uint32_t width, uint16_t height) {
+    std::string bytes("II*\0\x08\0\0\0\x02\0", 10);
+    Append(std::array<uint16_t, 4>{256, 4, 1, 0}, &bytes);
+    Append(width, &bytes);
+    Append(std::array<uint16_t, 6>{257, 3, 1, 0, height, 0}, &bytes);
+    Append(uint32_t{0}, &bytes);
+    return bytes;
+  };
+  ExpectError(ErrorCode::kCorrupt, {"a.tif", "1000000 x 60000"}, [&] {
+    ParseDepthImage(AsBytes(header(1000000, 60000)), "a.tif");
+  });
+  ExpectError(ErrorCode::kCorrupt, {"a.tif", "0 x 2"}, [&] {
+    ParseDepthImage(AsBytes(header(0, 2)), "a.tif");
+  });
+  std::string bytes = header(3, 2);
+  bytes[10] = 7;
+  ExpectError(ErrorCode::kCorrupt, {"a.tif", "no size"}, [&] {
+    ParseDepthImage(AsBytes(bytes), "a.tif");
+  });
+  bytes = header(3, 2);
+  bytes[7] = 1;
+  ExpectError(ErrorCode::kCorrupt, {"a.tif", "shorter"}, [&] {
+    ParseDepthImage(AsBytes(bytes), "a.tif");
+  });
+  for (const char* start : {"IM*", "II+"}) {
+    bytes.replace(0, 3, start);
+    ExpectError(ErrorCode::kCorrupt, {"a.tif", "not a TIFF"}, [&] {
+      ParseDepthImage(AsBytes(bytes), "a.tif");
+    });
+  }
+}
+
+TEST(DepthImage, ReadsBigEndianTiff) {
+  // One strip of 2 x 1 pixels of 16 bits: 258 bits, 273 offset, 279 bytes.
+  const std::vector<std::pair<uint16_t, uint16_t>> tags = {{256, 2},
+                                                           {257, 1},
+                                                           {258, 16},
+                                                           {259, 1},
+                                                           {262, 1},
+                                                           {273, 110},
+                                                           {278, 1},
+                                                           {279, 4}};
+  std::string bytes("MM\0*\0\0\0\x08", 8);
+  const auto add = [&](uint16_t value) {
+    Append(__builtin_bswap16(value), &bytes);
+  };
+  add(8);
+  for (const auto& [tag, value] : tags) {
+    for (const uint16_t number :
+         {tag, uint16_t{3}, uint16_t{0}, uint16_t{1}, value, uint16_t{0}}) {
+      add(number);
+    }
+  }
+  Append(uint32_t{0}, &bytes);
+  ASSERT_EQ(bytes.size(), 110u);
+  add(1234);
+  add(5);
+  const DepthImage image = ParseDepthImage(AsBytes(bytes), "a.tif");
+  EXPECT_TRUE(image.is_integer);
+  EXPECT_THAT(image.map.values, ElementsAre(1234, 5));
+}
+
+TEST(DepthImage, RefusesExrHeadersThatNoFileCanHold) {
+  const auto header = [](int32_t right) {
+    std::string bytes("v/1\x01\x02\0\0\0channels\0chlist\0\x01\0\0\0\0", 29);
+    bytes += std::string("dataWindow\0box2i\0\x10\0\0\0", 21);
+    Append(std::array<int32_t, 4>{0, 0, right, 20000}, &bytes);
+    return bytes;
+  };
+  ExpectError(ErrorCode::kCorrupt, {"a.exr", "20000 x 20001"}, [&] {
+    ParseDepthImage(AsBytes(header(19999)), "a.exr");
+  });
+  ExpectError(ErrorCode::kCorrupt, {"a.exr", "-4 x 20001"}, [&] {
+    ParseDepthImage(AsBytes(header(-5)), "a.exr");
+  });
+  ExpectError(ErrorCode::kCorrupt, {"a.exr", "shorter"}, [&] {
+    ParseDepthImage(AsBytes(header(5).substr(0, 60)), "a.exr");
+  });
+  ExpectError(ErrorCode::kCorrupt, {"a.exr", "no dataWindow"}, [&] {
+    ParseDepthImage(AsBytes(header(5).substr(0, 29) + std::string(9, '\0')),
+                    "a.exr");
+  });
+  ExpectError(ErrorCode::kCorrupt, {"a.exr", "not an EXR"}, [&] {
+    ParseDepthImage(AsBytes("PFv/1"), "a.exr");
   });
 }
 

@@ -77,7 +77,7 @@ TEST(ConvertMaps, UsesTheIntrinsicsOfTheMapsSize) {
   // A slanted plane in a map of half the image's size.
   const Camera camera = TurnedCamera();
   const Intrinsics half = camera.Resized(4, 3).GetIntrinsics();
-  const Vec3f normal = Normalized(Vec3f{0.3f, 0.1f, -0.9f});
+  const Vec3f normal = Normalized(Vec3f{0.1f, 0.05f, -1.f});
   PriorMaps prior;
   prior.depth = Image<float>(4, 3);
   for (int y = 0; y < 3; ++y) {
