@@ -44,6 +44,12 @@ SparseModel ReadModel(const Path& root) {
     }
   }
   SparseModel model = ReadSparseModel(root / "sparse");
+  if (model.images.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      (root / "sparse").string(),
+                      "the sparse model holds no images",
+                      "make the workspace again with image_undistorter");
+  }
   for (const SparseModel::ModelImage& image : model.images) {
     // Every path of an image is made from its name.
     const Path name(image.name);
@@ -57,6 +63,14 @@ SparseModel ReadModel(const Path& root) {
     }
   }
   return model;
+}
+
+// Widens a range by another one; (0, 0) is none.
+void Widen(float near, float far, float* total_near, float* total_far) {
+  if (far > 0.f) {
+    *total_near = *total_far > 0.f ? std::min(*total_near, near) : near;
+    *total_far = std::max(*total_far, far);
+  }
 }
 
 // The folder stereo, made where it is missing; goes again if nothing comes in.
@@ -158,6 +172,7 @@ class Importer {
                  options_.depth_scale > 0.0 ? options_.depth_scale : 1.0);
     CheckNormalFrame();
     DecideScales();
+    NoteRanges();
     WriteMissingConfigs(root_, model_);
     WriteMaps();
     return std::move(summary_);
@@ -323,6 +338,26 @@ class Importer {
     }
   }
 
+  void NoteRanges() {
+    for (size_t i = 0; i < matched_.files.size(); ++i) {
+      const SparseComparison& comparison = comparisons_[i];
+      const auto factor = static_cast<float>(
+          options_.scale_to_sparse ? 1.0 / comparison.ratio : 1.0);
+      Widen(factor * comparison.near,
+            factor * comparison.far,
+            &summary_.near,
+            &summary_.far);
+      Widen(comparison.sparse_near,
+            comparison.sparse_far,
+            &summary_.sparse_near,
+            &summary_.sparse_far);
+      if (!(comparison.far > 0.f)) {
+        summary_.warnings.push_back(matched_.files[i].depth.string() +
+                                    ": no pixel has a depth");
+      }
+    }
+  }
+
   void WriteMaps() {
     ConvertOptions convert;
     convert.normals_in_world = AreNormalsInWorld();
@@ -395,6 +430,12 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
         << Text("%.3f", summary.scale.smallest) << " to "
         << Text("%.3f", summary.scale.largest) << " over "
         << summary.scale.num_images << " images)\n";
+  }
+  if (summary.far > 0.f && summary.sparse_far > 0.f) {
+    out << "Depths from " << Text("%.4g", summary.near) << " to "
+        << Text("%.4g", summary.far) << ", sparse points from "
+        << Text("%.4g", summary.sparse_near) << " to "
+        << Text("%.4g", summary.sparse_far) << "\n";
   }
   for (const std::string& warning : summary.warnings) {
     out << "WARNING: " << warning << "\n";

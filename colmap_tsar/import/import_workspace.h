@@ -54,6 +54,12 @@ struct ImportSummary {
   // Ratios of depths to those of the sparse points, before scale_to_sparse.
   ScaleVerdict scale;
   bool has_own_scales = false;  // By scale_to_sparse.
+  // The ranges of the written depths and of the sparse points in the images,
+  // without the nearest and the farthest 5 % of each image; 0 where none are.
+  float near = 0.f;
+  float far = 0.f;
+  float sparse_near = 0.f;
+  float sparse_far = 0.f;
   // Things to look at, one line each.
   std::vector<std::string> warnings;
 };

@@ -152,6 +152,8 @@ TEST_F(TsarImportTest, TakesOpenMvsMapsBitByBit) {
                 {"4 images: 4 imported, 0 without a map\n",
                  "Normals came with 4",
                  "Depth over that of the sparse points: median 1.00",
+                 "Depths from 4.995 to 5.005",
+                 ", sparse points from 5 to 5\n",
                  "Next: colmap_tsar tsar_refine --workspace_path " +
                      root_.string() + " --input_type geometric\n"});
   EXPECT_THAT(outcome.err, HasSubstr("Checking: [4/4]"));
@@ -403,7 +405,8 @@ TEST_F(TsarImportTest, ScalesEachImageToItsSparsePoints) {
                  "WARNING: v3.png: depths are 4 times those of its",
                  "--scale_to_sparse 1"});
   ExpectSuccess(Import("depth", {"--scale_to_sparse", "1"}),
-                {"Before scaling, depth over that of the sparse points"});
+                {"Before scaling, depth over that of the sparse points",
+                 "Depths from 4.995 to 5.005"});
   ExpectScene(0.01f, 2.f);
   for (const auto& entry :
        std::filesystem::directory_iterator(root_ / "sparse")) {
@@ -473,6 +476,15 @@ TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
   EXPECT_EQ(before.erase("stereo/depth_maps/v1.png.geometric.bin"), 1u);
   EXPECT_EQ(after.erase("stereo/depth_maps/v1.png.geometric.bin"), 1u);
   EXPECT_TRUE(after == before);
+}
+
+TEST_F(TsarImportTest, WarnsOfEmptyMaps) {
+  WriteText(other_ / "v0.pfm",
+            PfmBytes(96, 72, 1, std::vector<float>(96 * 72, NAN), true));
+  RemoveStereo(root_);
+  ExpectSuccess(Import("depth"),
+                {"Pixels with depth: 0.0 %", "v0.pfm: no pixel has a depth"});
+  EXPECT_EQ(ReadDepthMap(Paths(scene_[0]).depth)(9, 9), 0.f);
 }
 
 TEST_F(TsarImportTest, RefusesARefinedWorkspace) {
