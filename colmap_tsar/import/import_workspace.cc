@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/import/check_cameras.h"
 #include "colmap_tsar/import/import_store.h"
-#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/import/target_workspace.h"
 #include "colmap_tsar/workspace/sparse_model.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
@@ -32,39 +32,6 @@ std::string SizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-SparseModel ReadModel(const Path& root) {
-  std::error_code error;
-  for (const char* folder : {"images", "sparse"}) {
-    if (!std::filesystem::is_directory(root / folder, error)) {
-      throw Error::File(ErrorCode::kNotFound,
-                        (root / folder).string(),
-                        "no such folder, so this is not a dense workspace",
-                        "check --workspace_path, or make the workspace with "
-                        "image_undistorter");
-    }
-  }
-  SparseModel model = ReadSparseModel(root / "sparse");
-  if (model.images.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      (root / "sparse").string(),
-                      "the sparse model holds no images",
-                      "make the workspace again with image_undistorter");
-  }
-  for (const SparseModel::ModelImage& image : model.images) {
-    // Every path of an image is made from its name.
-    const Path name(image.name);
-    if (name.is_absolute() ||
-        std::find(name.begin(), name.end(), "..") != name.end()) {
-      throw Error::File(
-          ErrorCode::kUnsupported,
-          (root / "sparse").string(),
-          "the image name " + image.name + " leads out of the workspace",
-          "rename the image and make the workspace again");
-    }
-  }
-  return model;
-}
-
 // Widens a range by another one; (0, 0) is none.
 void Widen(float near, float far, float* total_near, float* total_far) {
   if (far > 0.f) {
@@ -72,29 +39,6 @@ void Widen(float near, float far, float* total_near, float* total_far) {
     *total_far = std::max(*total_far, far);
   }
 }
-
-// The folder stereo, made where it is missing; goes again if nothing comes in.
-class StereoFolder {
- public:
-  explicit StereoFolder(const Path& root) : path_(root / "stereo") {
-    std::error_code error;
-    is_new_ = !std::filesystem::exists(path_, error);
-    CreateFolders(path_);
-  }
-  ~StereoFolder() {
-    std::error_code error;
-    if (is_new_) {
-      // Fails, as it should, where something is in it.
-      std::filesystem::remove(path_, error);
-    }
-  }
-  StereoFolder(const StereoFolder&) = delete;
-  StereoFolder& operator=(const StereoFolder&) = delete;
-
- private:
-  Path path_;
-  bool is_new_ = false;
-};
 
 // Maps may be smaller or larger than their images, but not of another shape:
 // rounding each side costs less than a pixel.
@@ -118,37 +62,13 @@ void RequireShape(const Path& path,
   }
 }
 
-void WriteTextFile(const Path& path, const std::string& text) {
-  AtomicFile file(path);
-  file.Stream() << text;
-  file.Commit();
-}
-
-// As image_undistorter does.
-void WriteMissingConfigs(const Path& root, const SparseModel& model) {
-  std::string patch_match;
-  std::string fusion;
-  for (const SparseModel::ModelImage& image : model.images) {
-    patch_match += image.name + "\n__auto__, 20\n";
-    fusion += image.name + "\n";
-  }
-  std::error_code error;
-  const Path stereo = root / "stereo";
-  if (!std::filesystem::exists(stereo / "patch-match.cfg", error)) {
-    WriteTextFile(stereo / "patch-match.cfg", patch_match);
-  }
-  if (!std::filesystem::exists(stereo / "fusion.cfg", error)) {
-    WriteTextFile(stereo / "fusion.cfg", fusion);
-  }
-}
-
 class Importer {
  public:
   Importer(const ImportOptions& options, Progress& progress)
       : options_(options),
         progress_(progress),
         root_(options.workspace_path),
-        model_(ReadModel(root_)),
+        model_(ReadTargetModel(root_)),
         matched_(MatchImages(options.match, model_)) {
     summary_.workspace_path = root_;
     summary_.type = options.match.type;
@@ -301,10 +221,12 @@ class Importer {
           " sparse points on its depth, so nothing tells whether the units are "
           "right");
     }
+    bool is_any_off = false;
     for (size_t i = 0; i < matched_.files.size(); ++i) {
       const SparseComparison& comparison = comparisons_[i];
       if (comparison.num_points >= kMinSparsePoints &&
           IsOffScale(comparison.ratio)) {
+        is_any_off = true;
         summary_.warnings.push_back(
             NameOf(matched_.files[i]) + ": depths are " +
             Text("%.3g", comparison.ratio) + " times those of its " +
@@ -315,8 +237,7 @@ class Importer {
             Text("%.4g", comparison.sparse_far) + ")");
       }
     }
-    if (!scale.is_consistent && !summary_.warnings.empty() &&
-        scale.num_images > 0) {
+    if (!scale.is_consistent && is_any_off) {
       summary_.warnings.push_back(
           "the images' scales differ; --scale_to_sparse 1 gives each its own");
     }
@@ -400,49 +321,6 @@ class Importer {
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress) {
   return Importer(options, progress).Run();
-}
-
-void PrintSummary(const ImportSummary& summary, std::ostream& out) {
-  out << summary.num_images << " images: " << summary.num_imported
-      << " imported, " << summary.num_images - summary.num_imported
-      << " without a map\n";
-  if (summary.num_without_image > 0) {
-    out << summary.num_without_image
-        << " maps are of images that are not in the workspace\n";
-  }
-  out << "Normals came with " << summary.num_with_normals
-      << " of them, and are computed from depth otherwise\n";
-  if (summary.num_with_costs > 0) {
-    out << "Costs came with " << summary.num_with_costs << "\n";
-  }
-  const double share = summary.num_pixels > 0
-                           ? 100.0 *
-                                 static_cast<double>(summary.num_with_depth) /
-                                 static_cast<double>(summary.num_pixels)
-                           : 0.0;
-  out << "Pixels with depth: " << Text("%.1f", share) << " %\n";
-  if (summary.scale.num_images > 0) {
-    out << (summary.has_own_scales
-                ? "Before scaling, depth over that of the sparse points: "
-                  "median "
-                : "Depth over that of the sparse points: median ")
-        << Text("%.3f", summary.scale.median) << " ("
-        << Text("%.3f", summary.scale.smallest) << " to "
-        << Text("%.3f", summary.scale.largest) << " over "
-        << summary.scale.num_images << " images)\n";
-  }
-  if (summary.far > 0.f && summary.sparse_far > 0.f) {
-    out << "Depths from " << Text("%.4g", summary.near) << " to "
-        << Text("%.4g", summary.far) << ", sparse points from "
-        << Text("%.4g", summary.sparse_near) << " to "
-        << Text("%.4g", summary.sparse_far) << "\n";
-  }
-  for (const std::string& warning : summary.warnings) {
-    out << "WARNING: " << warning << "\n";
-  }
-  out << "Next: colmap_tsar tsar_refine --workspace_path "
-      << summary.workspace_path.string() << " --input_type "
-      << ToString(summary.type) << "\n";
 }
 
 }  // namespace tsar

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/import/import_summary.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_paths.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
@@ -476,6 +477,15 @@ TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
   EXPECT_EQ(before.erase("stereo/depth_maps/v1.png.geometric.bin"), 1u);
   EXPECT_EQ(after.erase("stereo/depth_maps/v1.png.geometric.bin"), 1u);
   EXPECT_TRUE(after == before);
+}
+
+TEST_F(TsarImportTest, PrintsTheFirstOfManyWarnings) {
+  ImportSummary summary;
+  summary.warnings.assign(30, "something");
+  std::ostringstream text;
+  PrintSummary(summary, text);
+  EXPECT_THAT(text.str(),
+              HasSubstr("WARNING: something\nWARNING: and 10 more"));
 }
 
 TEST_F(TsarImportTest, WarnsOfEmptyMaps) {
