@@ -46,7 +46,7 @@ bool HasThreeEqualChannels(const FloatMap& map) {
     return false;
   }
   for (size_t i = 0; i < map.values.size(); i += 3) {
-    // By bits of the order, so that NaN equals NaN.
+    // NaN, too, is the same as NaN.
     const auto same = [](float a, float b) {
       return a == b || (a != a && b != b);
     };
