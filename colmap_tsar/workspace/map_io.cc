@@ -289,6 +289,12 @@ uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
   return writer.Hash();
 }
 
+uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
+  MapWriter writer(map.width, map.height, map.channels, file);
+  writer.Write(map.values);
+  return writer.Hash();
+}
+
 uint64_t WriteDepthMap(const std::filesystem::path& path,
                        const Image<float>& depth) {
   AtomicFile file(path);
@@ -317,10 +323,9 @@ uint64_t WritePlanarMap(const std::filesystem::path& path,
                       "this is a mistake of the program, please report it");
   }
   AtomicFile file(path);
-  MapWriter writer(map.width, map.height, map.channels, &file);
-  writer.Write(map.values);
+  const uint64_t hash = PutPlanarMap(map, &file);
   file.Commit();
-  return writer.Hash();
+  return hash;
 }
 
 }  // namespace tsar

@@ -67,5 +67,6 @@ uint64_t WritePlanarMap(const std::filesystem::path& path,
 // The same, into a file that the caller commits.
 uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file);
 uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
+uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file);
 
 }  // namespace tsar

@@ -1,0 +1,91 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/import/match_images.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/import/match_formats.h"
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+namespace tsar {
+namespace {
+
+// Without "." and a slash at the end, so that it has a folder above.
+std::filesystem::path Normalized(const std::filesystem::path& path) {
+  const std::filesystem::path normal =
+      std::filesystem::absolute(path).lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> ListEntries(
+    const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> entries;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end;
+       !error && it != end;
+       it.increment(error)) {
+    entries.push_back(it->path());
+  }
+  // The order of a folder's entries is the file system's.
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+bool IsFolder(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+void RequireFolder(const std::filesystem::path& folder, const char* option) {
+  if (!IsFolder(folder)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "no such folder",
+                      std::string("check ") + option);
+  }
+}
+
+void MapCollector::Add(int image, PriorFiles files) {
+  files.image = image;
+  const auto [entry, is_new] = files_.emplace(image, files);
+  if (!is_new) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        files.depth.string(),
+        "is for the image " + model_.images[static_cast<size_t>(image)].name +
+            ", and so is " + entry->second.depth.string(),
+        "take one of the two away, or name the images in their order with "
+        "--image_list");
+  }
+}
+
+MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model) {
+  MatchOptions normal = options;
+  normal.input_path = Normalized(options.input_path);
+  RequireFolder(normal.input_path, "--input_path");
+  MapCollector collector(model);
+  MatchedMaps matched;
+  if (options.format == PriorFormat::kOpenMvs) {
+    matched.num_without_image = MatchDmaps(normal, model, &collector);
+  } else if (options.format == PriorFormat::kDepth) {
+    matched.num_without_image = MatchDepthImages(normal, model, &collector);
+  } else {
+    MatchNumberedFolders(normal, model, &collector);
+  }
+  for (const auto& [image, files] : collector.Files()) {
+    matched.files.push_back(files);
+  }
+  return matched;
+}
+
+}  // namespace tsar

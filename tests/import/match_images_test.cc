@@ -1,0 +1,195 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/import/match_images.h"
+
+#include "tests/import/prior_writers.h"
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+class MatchImagesTest : public testing::Test {
+ protected:
+  MatchImagesTest() {
+    for (const char* name : {"b.jpg", "sub/c.jpg", "a.jpg"}) {
+      SparseModel::ModelImage image;
+      image.name = name;
+      model_.images.push_back(image);
+    }
+    model_.IndexNames();
+    options_.input_path = folder_.Path() / "in";
+    std::filesystem::create_directories(options_.input_path);
+  }
+
+  void Write(const std::string& name, const std::string& text = "x") const {
+    WriteText(options_.input_path / name, text);
+  }
+
+  void WriteDmap(const std::string& name, const std::string& stored) const {
+    DmapContent content;
+    content.image_name = stored;
+    content.depth = Image<float>(2, 1, 1.f);
+    Write(name, DmapBytes(content));
+  }
+
+  // "IMAGE: DEPTH NORMAL COST CAMERA" with the files' last two names.
+  std::vector<std::string> Match() const {
+    std::vector<std::string> lines;
+    for (const PriorFiles& files : MatchImages(options_, model_).files) {
+      std::string line =
+          model_.images[static_cast<size_t>(files.image)].name + ":";
+      for (const auto* path :
+           {&files.depth, &files.normal, &files.cost, &files.camera}) {
+        if (!path->empty()) {
+          line += " " + path->parent_path().filename().string() + "/" +
+                  path->filename().string();
+        }
+      }
+      lines.push_back(line);
+    }
+    return lines;
+  }
+
+  void ExpectMismatch(const std::vector<std::string>& texts) const {
+    ExpectError(ErrorCode::kMismatch, texts, [&] { Match(); });
+  }
+
+  TemporaryFolder folder_;
+  SparseModel model_;
+  MatchOptions options_;
+};
+
+TEST_F(MatchImagesTest, FindsNumberedFolders) {
+  Write("ACMP/2333_00000000/depths.dmb");
+  Write("ACMP/2333_00000002/depths.dmb");
+  Write("ACMP/2333_00000002/depths_geom.dmb");
+  Write("ACMP/2333_00000002/normals.dmb");
+  Write("ACMP/2333_00000002/costs.dmb");
+  Write("ACMP/empty_00000001/other.txt");
+  Write("ACMP/ACMP_model.ply");
+  Write("cams/00000002_cam.txt");
+  Write("images/00000000.jpg");
+  Write("pair.txt");
+  EXPECT_THAT(
+      Match(),
+      testing::ElementsAre(
+          "b.jpg: 2333_00000000/depths.dmb",
+          "a.jpg: 2333_00000002/depths_geom.dmb 2333_00000002/normals.dmb "
+          "2333_00000002/costs.dmb cams/00000002_cam.txt"));
+  options_.index_order = IndexOrder::kName;
+  EXPECT_THAT(Match()[1], testing::StartsWith("a.jpg: 2333_00000000"));
+  EXPECT_THAT(Match()[0], testing::StartsWith("sub/c.jpg: 2333_00000002"));
+  options_.type = MapType::kPhotometric;
+  EXPECT_EQ(Match()[0],
+            "sub/c.jpg: 2333_00000002/depths.dmb cams/00000002_cam.txt");
+  options_.input_path = options_.input_path / "ACMP" / "." / "";
+  EXPECT_EQ(Match()[0],
+            "sub/c.jpg: 2333_00000002/depths.dmb cams/00000002_cam.txt");
+}
+
+TEST_F(MatchImagesTest, FindsGipumasNames) {
+  Write("2333__00000001/disp.dmb");
+  Write("2333__00000001/normals.dmb");
+  EXPECT_THAT(Match(),
+              testing::ElementsAre("sub/c.jpg: 2333__00000001/disp.dmb "
+                                   "2333__00000001/normals.dmb"));
+}
+
+TEST_F(MatchImagesTest, RefusesNumberedFoldersThatAreUnclear) {
+  ExpectError(ErrorCode::kNotFound, {"in:", "2333_00000000"}, [&] { Match(); });
+  Write("ACMM/2333_00000000/depths.dmb");
+  Write("ACMP/2333_00000000/depths.dmb");
+  ExpectMismatch({"ACMM", "ACMP", "--input_path"});
+  std::filesystem::remove_all(options_.input_path / "ACMP");
+  Write("ACMM/other_00000000/depths.dmb");
+  ExpectMismatch({"other_00000000", "b.jpg", "2333_00000000"});
+  std::filesystem::remove_all(options_.input_path / "ACMM/other_00000000");
+  Write("ACMM/2333_00000003/depths.dmb");
+  ExpectMismatch({"2333_00000003", "images 0 to 2", "--image_list"});
+}
+
+TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
+  options_.format = PriorFormat::kOpenMvs;
+  WriteDmap("depth0005.dmap", "C:\\work\\images\\sub\\c.jpg");
+  WriteDmap("depth0006.dmap", "undistorted/b.png");
+  WriteDmap("depth0007.dmap", "images/other.jpg");
+  WriteDmap("depth0008.dmap", "a.jpg");
+  Write("depth0008.geo.dmap", "not read");
+  Write("scene.mvs");
+  EXPECT_THAT(Match(),
+              testing::ElementsAre("b.jpg: in/depth0006.dmap",
+                                   "sub/c.jpg: in/depth0005.dmap",
+                                   "a.jpg: in/depth0008.dmap"));
+  EXPECT_EQ(MatchImages(options_, model_).num_without_image, 1);
+  WriteDmap("depth0009.dmap", "again/a.jpg");
+  ExpectMismatch({"depth0009.dmap", "a.jpg", "depth0008.dmap"});
+}
+
+TEST_F(MatchImagesTest, TellsOpenMvsNamesThatFitNoneOrSeveral) {
+  options_.format = PriorFormat::kOpenMvs;
+  WriteDmap("depth0001.dmap", "images/00001.jpg");
+  ExpectError(ErrorCode::kNotFound, {"images/00001.jpg", "--image_list"}, [&] {
+    Match();
+  });
+  options_.image_list = folder_.Path() / "list.txt";
+  WriteText(options_.image_list, "b.jpg\na.jpg\n");
+  EXPECT_THAT(Match(), testing::ElementsAre("a.jpg: in/depth0001.dmap"));
+  options_.image_list.clear();
+  SparseModel::ModelImage twin;
+  twin.name = "other/a.jpg";
+  model_.images.push_back(twin);
+  model_.IndexNames();
+  WriteDmap("depth0001.dmap", "a.png");
+  ExpectMismatch({"depth0001.dmap", "a.jpg", "other/a.jpg"});
+}
+
+TEST_F(MatchImagesTest, FindsDepthImagesByName) {
+  options_.format = PriorFormat::kDepth;
+  options_.normal_path = folder_.Path() / "normals";
+  Write("a.png");
+  Write("sub/c.jpg.npy");
+  Write("c.png");
+  Write("sub/b.png");
+  Write("b.jpg");
+  WriteText(options_.normal_path / "a.exr", "x");
+  EXPECT_THAT(Match(),
+              testing::ElementsAre("sub/c.jpg: sub/c.jpg.npy",
+                                   "a.jpg: in/a.png normals/a.exr"));
+  EXPECT_EQ(MatchImages(options_, model_).num_without_image, 2);
+  Write("a.jpg.pfm");
+  ExpectMismatch({"a.png", "a.jpg", "a.jpg.pfm"});
+}
+
+TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
+  options_.format = PriorFormat::kDepth;
+  Write("frame_00.tif");
+  Write("frame_01.tif");
+  ExpectError(ErrorCode::kNotFound, {"such as b.png", "--image_list"}, [&] {
+    Match();
+  });
+  options_.image_list = folder_.Path() / "list.txt";
+  WriteText(options_.image_list, "sub/c.jpg\nb.jpg\n");
+  EXPECT_THAT(Match(),
+              testing::ElementsAre("b.jpg: in/frame_01.tif",
+                                   "sub/c.jpg: in/frame_00.tif"));
+  options_.image_list = folder_.Path() / "none.txt";
+  ExpectError(
+      ErrorCode::kNotFound, {"none.txt", "--image_list"}, [&] { Match(); });
+}
+
+TEST_F(MatchImagesTest, RefusesStemsOfTwoImages) {
+  options_.format = PriorFormat::kDepth;
+  SparseModel::ModelImage twin;
+  twin.name = "a.png";
+  model_.images.push_back(twin);
+  model_.IndexNames();
+  Write("a.npy");
+  ExpectMismatch({"a.npy", "a.jpg", "a.png", "extension"});
+  std::filesystem::remove(options_.input_path / "a.npy");
+  Write("a.jpg.npy");
+  EXPECT_THAT(Match(), testing::ElementsAre("a.jpg: in/a.jpg.npy"));
+}
+
+}  // namespace
+}  // namespace tsar
