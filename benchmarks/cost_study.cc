@@ -5,7 +5,9 @@
 // write_cost_maps) equal those that tsar_refine computes? For each workspace
 // with exported costs, prints how c_min and c_sec of the same hypotheses
 // differ: with the window as tsar_refine samples it (every second row and
-// column), and with all 121 pixels of it, as COLMAP does.
+// column), with all 121 pixels of it, and with all pixels of images like those
+// that COLMAP reads (grey by Rec. 709, in whole numbers, black around the
+// image).
 //
 //   cost_study WORKSPACE [WORKSPACE ...]
 
@@ -28,11 +30,38 @@ namespace {
 // Of the pixels that are compared; all of them would take minutes.
 constexpr int kStride = 3;
 
+// The image as COLMAP reads it, in grey.
+Image<float> ColmapGray(const Image<Rgb>& color) {
+  Image<float> gray(color.Width(), color.Height());
+  std::transform(color.begin(), color.end(), gray.begin(), [](const Rgb& c) {
+    return std::floor(0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b + 0.5f);
+  });
+  return gray;
+}
+
+// Between pixels, with black around the image, as COLMAP's textures have it.
+float SampleInBlack(const ImageView<const float>& image, float x, float y) {
+  const auto at = [&](int u, int v) {
+    return u < 0 || v < 0 || u >= image.width || v >= image.height
+               ? 0.f
+               : image(u, v);
+  };
+  const int x0 = static_cast<int>(std::floor(x));
+  const int y0 = static_cast<int>(std::floor(y));
+  const float fx = x - static_cast<float>(x0);
+  const float fy = y - static_cast<float>(y0);
+  return (1.f - fy) * ((1.f - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
+         fy * ((1.f - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
+}
+
+using Sampler = float (*)(const ImageView<const float>&, float, float);
+
 // 1 - NCC with every pixel of the window, in double precision; undefined where
 // a window has no texture by COLMAP's bound (1e-5 of the squared range).
 double FullWindowCost(const ImageView<const float>& gray,
                       const ImageView<const float>& other,
                       const PlaneHomography& homography,
+                      Sampler sample,
                       int x,
                       int y) {
   constexpr double kMinVariance = 1e-5 * 255 * 255;
@@ -46,8 +75,8 @@ double FullWindowCost(const ImageView<const float>& gray,
       if (!homography.Map(x + dx, y + dy, &mapped_x, &mapped_y)) {
         return kUndefinedCost;
       }
-      const double a = SampleBilinear(gray, x + dx, y + dy);
-      const double b = SampleBilinear(other, mapped_x, mapped_y);
+      const double a = sample(gray, x + dx, y + dy);
+      const double b = sample(other, mapped_x, mapped_y);
       const double w =
           std::exp(-(dx * dx + dy * dy) /
                        (2. * kPatchSpatialSigma * kPatchSpatialSigma) -
@@ -141,10 +170,13 @@ void Study(const std::string& root, MapType type) {
   const Workspace workspace(root, type);
   const std::unique_ptr<Device> device = Device::CreateCpu(0);
   std::vector<ViewData> views;
+  std::vector<Image<float>> grays;
   for (size_t i = 0; i < workspace.Model().images.size(); ++i) {
     views.push_back(LoadView(workspace, static_cast<int>(i)));
+    grays.push_back(ColmapGray(views.back().color));
   }
-  Comparison sampled_first, sampled_second, full_first, full_second;
+  Comparison sampled_first, sampled_second, full_first, full_second,
+      alike_first, alike_second;
   for (const StereoProblem& problem : workspace.Problems()) {
     const ViewData& view = views[problem.reference];
     if (view.min_cost.Empty()) {
@@ -175,18 +207,27 @@ void Study(const std::string& root, MapType type) {
                                              view.depth(x, y),
                                              view.normal(x, y));
         TwoSmallest full;
-        for (const SourceView& source : source_views) {
-          full.Add(FullWindowCost(reference.gray,
-                                  source.gray,
-                                  PlaneHomography(reference.intrinsics,
-                                                  source.intrinsics,
-                                                  source.from_reference,
-                                                  plane),
-                                  x,
-                                  y));
+        TwoSmallest alike;
+        for (size_t i = 0; i < source_views.size(); ++i) {
+          const SourceView& source = source_views[i];
+          const PlaneHomography homography(reference.intrinsics,
+                                           source.intrinsics,
+                                           source.from_reference,
+                                           plane);
+          full.Add(FullWindowCost(
+              reference.gray, source.gray, homography, SampleBilinear, x, y));
+          alike.Add(FullWindowCost(
+              grays[static_cast<size_t>(problem.reference)].View(),
+              grays[static_cast<size_t>(problem.sources[i])].View(),
+              homography,
+              SampleInBlack,
+              x,
+              y));
         }
         full_first.Add(view.min_cost(x, y), full.first);
         full_second.Add(view.second_cost(x, y), full.second);
+        alike_first.Add(view.min_cost(x, y), alike.first);
+        alike_second.Add(view.second_cost(x, y), alike.second);
       }
     }
   }
@@ -205,6 +246,8 @@ void Study(const std::string& root, MapType type) {
   sampled_second.Print("c_sec, every 2nd row, column");
   full_first.Print("c_min, whole window");
   full_second.Print("c_sec, whole window");
+  alike_first.Print("c_min, and COLMAP's grey");
+  alike_second.Print("c_sec, and COLMAP's grey");
 }
 
 }  // namespace

@@ -10,6 +10,10 @@ target_include_directories(colmap_tsar PUBLIC
 target_include_directories(colmap_tsar SYSTEM PUBLIC
   "$<BUILD_INTERFACE:${OpenCV_INCLUDE_DIRS}>")
 target_compile_features(colmap_tsar PUBLIC cxx_std_20)
+# The Python module is a shared library and holds this one.
+if(TSAR_PYTHON)
+  set_target_properties(colmap_tsar PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endif()
 target_compile_definitions(colmap_tsar PRIVATE
   TSAR_VERSION="${PROJECT_VERSION}")
 target_link_libraries(colmap_tsar

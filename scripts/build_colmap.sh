@@ -188,6 +188,14 @@ step "COLMAP $version"
 cuda=OFF
 if command -v nvcc >/dev/null; then
   cuda=ON
+  release=$(nvcc --version | sed -n 's/.*release \([0-9]*\)\..*/\1/p')
+  # Its bundle adjustment on the GPU uses what CUDA 12 no longer has.
+  if [[ $(printf '%s\n' 3.9 "$version" | sort -V | head -1) != 3.9 ]] &&
+     ((release >= 12)); then
+    echo "COLMAP $version does not compile with CUDA $release: its own commands" \
+         "are built without CUDA; those of TSAR for COLMAP have it"
+    cuda=OFF
+  fi
 fi
 launcher=()
 if command -v ccache >/dev/null; then

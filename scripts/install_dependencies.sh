@@ -31,6 +31,11 @@ packages=(
   nlohmann-json3-dev
   # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.
   libbenchmark-dev
+  # The Python module, which -DTSAR_PYTHON=ON builds. python3-venv is for its
+  # tests, and for users: pip installs nothing outside of a virtual environment.
+  pybind11-dev
+  python3-dev
+  python3-venv
   # The sample scene and the comparison with COLMAP's own fusion.
   colmap
   python3

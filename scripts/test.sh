@@ -3,9 +3,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Installs what is missing, builds everything, and runs all tests twice:
-# optimised (with the benchmarks, with CUDA where nvcc is found, and warnings as
-# errors) and under the address and undefined sanitizers. The last line says how
-# many passed; the exit code is 0 only when all did.
+# optimised (with the benchmarks and the Python module, with CUDA where nvcc is
+# found, and warnings as errors) and under the address and undefined sanitizers.
+# The last line says how many passed; the exit code is 0 only when all did.
 #
 # With CI=true the CUDA part is compiled for one architecture alone, which is
 # enough to see that it compiles, and the distribution's COLMAP is built with
@@ -72,7 +72,8 @@ build_patched_colmap() {
   esac
 }
 
-release_options=(-DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON)
+release_options=(
+  -DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON -DTSAR_PYTHON=ON)
 if [[ ${CI:-} == true ]]; then
   export CUDA_ARCHITECTURES=90
   release_options+=(-DCMAKE_CUDA_ARCHITECTURES=$CUDA_ARCHITECTURES)

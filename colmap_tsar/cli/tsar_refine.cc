@@ -15,7 +15,6 @@
 #include <string>
 #include <variant>
 
-#include <opencv2/core.hpp>
 #include <unistd.h>
 
 namespace tsar {
@@ -159,9 +158,6 @@ int RunTsarRefine(int argc, char** argv) {
             ? MapType::kGeometric
             : MapType::kPhotometric;
   }
-  // Images are worked on side by side; OpenCV's own threads would only compete
-  // with them.
-  cv::setNumThreads(1);
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
   const RunSummary summary =

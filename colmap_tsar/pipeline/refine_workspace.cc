@@ -21,15 +21,44 @@
 #include <chrono>
 #include <exception>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include <glog/logging.h>
+#include <opencv2/core.hpp>
 
 namespace tsar {
 namespace {
+
+// While one of these lives, OpenCV uses no threads of its own: images are
+// worked on side by side, and its threads would only compete with them. The
+// number is the whole process's, so that the last one puts it back.
+class OpenCvWithoutThreads {
+ public:
+  OpenCvWithoutThreads() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (num_alive_++ == 0) {
+      num_threads_before_ = cv::getNumThreads();
+      cv::setNumThreads(1);
+    }
+  }
+  ~OpenCvWithoutThreads() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (--num_alive_ == 0) {
+      cv::setNumThreads(num_threads_before_);
+    }
+  }
+  OpenCvWithoutThreads(const OpenCvWithoutThreads&) = delete;
+  OpenCvWithoutThreads& operator=(const OpenCvWithoutThreads&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline int num_alive_ = 0;
+  static inline int num_threads_before_ = 0;
+};
 
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   Workspace workspace(options.workspace_path,
@@ -142,6 +171,7 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const std::function<bool()>& should_stop) {
   workspace_options.Check();
   refine_options.Check();
+  const OpenCvWithoutThreads opencv_without_threads;
   const auto start = std::chrono::steady_clock::now();
   Workspace workspace = OpenWorkspace(workspace_options);
   std::optional<WorkspaceLock> lock;

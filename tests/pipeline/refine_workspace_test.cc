@@ -7,6 +7,7 @@
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <limits>
@@ -305,6 +306,22 @@ double ShareOfScaledPixels(const std::filesystem::path& root,
     }
   }
   return static_cast<double>(num_same) / static_cast<double>(num_pixels);
+}
+
+TEST_F(RefineWorkspaceTest, GivesOpenCvItsThreadsBack) {
+  const int num_threads_before = cv::getNumThreads();
+  cv::setNumThreads(2);
+  std::atomic<int> num_threads_meanwhile = 0;
+  Refine(Options(root_), {}, [&] {
+    num_threads_meanwhile = cv::getNumThreads();
+    return false;
+  });
+  EXPECT_EQ(num_threads_meanwhile, 1);
+  EXPECT_EQ(cv::getNumThreads(), 2);
+  std::filesystem::remove_all(root_);
+  EXPECT_THROW(Refine(), Error);
+  EXPECT_EQ(cv::getNumThreads(), 2);
+  cv::setNumThreads(num_threads_before);
 }
 
 TEST_F(RefineWorkspaceTest, ScalingTheSceneScalesTheDepthsAndNothingElse) {

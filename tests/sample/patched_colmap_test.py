@@ -84,7 +84,7 @@ def maps(workspace):
 
 check(all(maps(by_module).values()), "all maps are written")
 check(maps(by_module) == maps(by_program), "colmap and colmap_tsar write the same bytes")
-after = score(args.colmap, args.colmap, by_module)
+after = score(args.colmap, args.colmap, by_module, sample)
 print("before", before)
 print("after ", after)
 check(after["f1"] > before["f1"] + 0.15, "F1 at 2 cm of its own fusion rises by over 0.15")

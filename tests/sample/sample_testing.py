@@ -68,15 +68,15 @@ def unpack(repository, workspace):
     )
 
 
-def score(colmap, program, workspace):
+def score(colmap, program, workspace, sample=None):
     """ETH3D's measure, at 2 cm, of the cloud that this COLMAP fuses now; program
-    has tsar_evaluate."""
+    has tsar_evaluate, sample the scans if the workspace is a copy."""
     cloud = os.path.join(workspace, "cloud.ply")
     # One thread, because COLMAP's result depends on the threads' order.
     run(colmap, "stereo_fusion", "--workspace_path", workspace, "--input_type",
         "geometric", "--output_path", cloud, "--StereoFusion.num_threads", 1)
     text = run(program, "tsar_evaluate", "cloud", "--input_path", cloud,
-               "--ground_truth_path", os.path.join(workspace, "scans", "scan_alignment.mlp"),
+               "--ground_truth_path", os.path.join(sample or workspace, "scans", "scan_alignment.mlp"),
                "--tolerances", "0.02", "--json", 1)
     os.remove(cloud)
     os.remove(cloud + ".vis")

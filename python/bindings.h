@@ -1,0 +1,43 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/workspace/map_paths.h"
+
+#include <string>
+
+#include <pybind11/pybind11.h>
+
+namespace tsar {
+
+// The C++ part of the Python package colmap_tsar. It takes and returns plain
+// Python values; the package, in colmap_tsar/*.py, makes its classes of them
+// and holds the documentation for users.
+
+// Has tsar::Error raised as the exceptions of colmap_tsar/_errors.py.
+void BindErrors(pybind11::module_* module);
+
+// The members of RefineOptions, and their checks.
+void BindRefineOptions(pybind11::module_* module);
+
+// RefineWorkspace and Restore.
+void BindRefine(pybind11::module_* module);
+
+// EvaluateDepthMaps and EvaluateCloudFile.
+void BindEvaluate(pybind11::module_* module);
+
+// Text with names of files, which need not be UTF-8: as Python's own functions
+// write them.
+pybind11::str ToText(const std::string& text);
+
+// From {name: value}. Raises TypeError for a value of another type; throws
+// kBadOption where it is outside the option's range. Unknown names are
+// KeyError.
+RefineOptions ToRefineOptions(const pybind11::dict& values);
+
+// "geometric" or "photometric"; throws kBadOption for anything else.
+MapType ToMapType(const std::string& input_type);
+
+}  // namespace tsar

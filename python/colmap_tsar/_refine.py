@@ -1,0 +1,172 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Refining a workspace, and taking it back."""
+import dataclasses
+import os
+import pathlib
+import sys
+from typing import Any, Callable, Dict, Mapping, Optional, Union
+
+from . import _core
+from ._options import RefineOptions
+
+_Path = Union[str, "os.PathLike[str]"]
+
+
+@dataclasses.dataclass(frozen=True)
+class RefineSummary:
+    """What a run of refine() did. str() of it is the account that the command
+    prints."""
+
+    workspace_path: pathlib.Path
+    """The workspace that was written: output_path where that was given."""
+    input_type: str
+    """The maps that were refined: "geometric" or "photometric"."""
+    device: str
+    """Where it was computed, in words."""
+    num_workers: int
+    """Images at a time."""
+    num_images: int
+    """All images of stereo/patch-match.cfg."""
+    num_refined: int
+    """Images that were refined now."""
+    num_skipped: int
+    """Images that had been refined before with the same options."""
+    kept: Dict[str, str]
+    """Images that keep COLMAP's maps: name and reason."""
+    num_sources_without_maps: int
+    """Source images, over all images, that were left out for want of maps."""
+    counts: Dict[str, int]
+    """Sums over the refined images, in pixels: "pixels", "depth_before",
+    "depth_after", "not_finite", and how many have each provenance."""
+    seconds: Dict[str, float]
+    """Time of each stage, summed over the refined images."""
+    wall_seconds: float
+    """Time from start to end."""
+    peak_gpu_memory: Dict[str, int]
+    """The most bytes held at a time on each GPU."""
+    text: str = dataclasses.field(repr=False)
+
+    def __str__(self) -> str:
+        return self.text
+
+    def todict(self) -> Dict[str, Any]:
+        return dataclasses.asdict(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class RestoreSummary:
+    """What restore() did."""
+
+    num_restored: int
+    """Maps of how many images and types were put back."""
+    num_newer: int
+    """Maps that patch_match_stereo has written since: left as they were."""
+
+    def todict(self) -> Dict[str, Any]:
+        return dataclasses.asdict(self)
+
+
+def _reporter(progress):
+    """A function that takes text as it is to be shown, or None, and whether that
+    goes to a terminal."""
+    if progress is True:
+        stream = sys.stderr
+        if stream is None:
+            return None, False
+
+        def write(text):
+            stream.write(text)
+            stream.flush()
+
+        return write, stream.isatty()
+    if not progress:
+        return None, False
+
+    def call(text):
+        for line in text.splitlines():
+            progress(line)
+
+    return call, False
+
+
+def refine(
+    workspace_path: _Path,
+    options: Union[RefineOptions, Mapping[str, Any], None] = None,
+    *,
+    output_path: Optional[_Path] = None,
+    input_type: Optional[str] = None,
+    device: str = "auto",
+    gpu_index: Union[str, int] = "-1",
+    num_threads: int = -1,
+    cache_size: float = 32.0,
+    progress: Union[bool, Callable[[str], None]] = True,
+) -> RefineSummary:
+    """Completes the depth and normal maps of a dense workspace.
+
+    Run it after patch_match_stereo and before stereo_fusion. It does what the
+    command `colmap_tsar tsar_refine` does, with the same results: the refined maps
+    take the names of COLMAP's, which are kept, so that restore() can put them back.
+    Images that were refined before with the same options are skipped.
+
+    Other Python threads go on meanwhile. Ctrl-C (in the main thread, as ever in
+    Python) raises KeyboardInterrupt once the images at work have come to an end;
+    pressing it again does not change that. The workspace is whole afterwards, and
+    the same call goes on where it stopped.
+
+    Args:
+        workspace_path: The dense workspace, as image_undistorter makes it and
+            patch_match_stereo fills it: images/, sparse/, stereo/.
+        options: RefineOptions, or a dict of some; None for the defaults.
+        output_path: Write a second workspace here, with links to the images, and
+            leave the first as it is. None: refine in place.
+        input_type: Which maps to refine, "geometric" or "photometric"; the others
+            serve as evidence where they exist. None: geometric, or photometric
+            where there are no geometric ones.
+        device: Where to compute: "auto" (on a GPU where there is one), "cuda" or
+            "cpu".
+        gpu_index: The GPUs to use, as numbers from 0 on with commas between them,
+            such as "0,1"; -1 takes every GPU of the machine.
+        num_threads: Number of CPU threads; -1: one for each core.
+        cache_size: Main memory for the images at work, in gigabytes (10^9 bytes).
+        progress: True: a line for each image, or now and then, on sys.stderr.
+            False: none. A function: called with each such line, from the thread
+            that called refine(), for instance logging.getLogger().info. What it
+            raises stops the work as Ctrl-C does, and is raised.
+
+    Returns:
+        What was done, and how long it took.
+
+    Raises:
+        Error: One of its subclasses; see there.
+        TypeError: An option does not exist or has a value of a wrong type.
+    """
+    if options is None:
+        options = RefineOptions()
+    elif not isinstance(options, RefineOptions):
+        options = RefineOptions(**options)
+    report, is_terminal = _reporter(progress)
+    return RefineSummary(
+        **_core.refine(
+            os.fspath(workspace_path),
+            options.todict(),
+            "" if output_path is None else os.fspath(output_path),
+            input_type,
+            device,
+            str(gpu_index),
+            num_threads,
+            cache_size,
+            report,
+            is_terminal,
+        )
+    )
+
+
+def restore(workspace_path: _Path) -> RestoreSummary:
+    """Puts COLMAP's maps back and removes all that refine() wrote.
+
+    Raises NotFoundError where there is nothing to restore, and UnsupportedError for
+    a workspace that refine() made as output_path: COLMAP's maps are in the other
+    one.
+    """
+    return RestoreSummary(**_core.restore(os.fspath(workspace_path)))

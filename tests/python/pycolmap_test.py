@@ -1,0 +1,135 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Together with the newest pycolmap of the package index: it reads and fuses what
+refine() writes, and refine() reads the workspaces that it makes.
+
+Runs in a virtual environment that is kept in the build folder. Skipped where
+pycolmap cannot be had."""
+import shutil
+import subprocess
+import sys
+import unittest
+
+import colmap_tsar
+from support import SKIPPED, WORK_FOLDER, SampleTest, results
+from virtual_environment import VirtualEnvironment
+
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
+if IS_INSIDE:
+    import numpy as np
+    import pycolmap
+
+
+def read_map(path):
+    """A file of COLMAP's, as height x width x channels."""
+    width, height, channels, body = path.read_bytes().split(b"&", 3)
+    shape = int(channels), int(height), int(width)
+    return np.frombuffer(body, "<f4").reshape(shape).transpose(1, 2, 0)
+
+
+def as_vectors(normal_map):
+    """Height x width x 3. The array of pycolmap 4.2 has this shape, but holds all x
+    first, then all y, then all z, as the file does: also for COLMAP's own maps."""
+    array = normal_map.to_array()
+    height, width, _ = array.shape
+    if np.allclose(np.linalg.norm(array, axis=-1).max(), 1.0, atol=1e-4):
+        return array
+    return array.reshape(3, height, width).transpose(1, 2, 0)
+
+
+class PycolmapTest(SampleTest):
+    num_images = 8
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.refined = cls.class_folder / "refined"
+        shutil.copytree(cls.sample, cls.refined)
+        colmap_tsar.refine(cls.refined, device="cpu", progress=False)
+
+    def test_reads_the_refined_maps(self):
+        stereo = self.refined / "stereo"
+        for i in range(self.num_images):
+            name = f"v{i:03d}.jpg.geometric.bin"
+            depth, normal = pycolmap.DepthMap(), pycolmap.NormalMap()
+            depth.read(stereo / "depth_maps" / name)
+            normal.read(stereo / "normal_maps" / name)
+            expected_depth = read_map(stereo / "depth_maps" / name)[..., 0]
+            expected_normal = read_map(stereo / "normal_maps" / name)
+            np.testing.assert_array_equal(depth.to_array(), expected_depth)
+            np.testing.assert_array_equal(as_vectors(normal), expected_normal)
+            self.assertEqual((depth.width, depth.height), (480, 360))
+            has_depth = depth.to_array() > 0
+            self.assertGreater(has_depth.mean(), 0.9)
+            # The colours are made of x, y and z, each as pycolmap understands it.
+            colors = 127.5 - 127.5 * expected_normal[has_depth]
+            colors[:, 2] = -255 * expected_normal[has_depth][:, 2]
+            np.testing.assert_allclose(
+                normal.to_bitmap().to_array()[has_depth],
+                np.clip(colors, 0, 255),
+                atol=1.0,
+            )
+
+    def fuse(self, workspace, name):
+        """F1 at 2 cm of what pycolmap fuses."""
+        cloud = self.folder / name
+        options = pycolmap.StereoFusionOptions()
+        options.num_threads = 1  # The result depends on the threads' order.
+        pycolmap.stereo_fusion(cloud, workspace, options=options, output_type="PLY")
+        scans = self.sample / "scans" / "scan_alignment.mlp"
+        evaluation = colmap_tsar.evaluate_cloud(cloud, scans, tolerances=[0.02])
+        print(name, evaluation)
+        return evaluation.scores[0]
+
+    def test_fuses_a_better_cloud(self):
+        before = self.fuse(self.sample, "before.ply")
+        after = self.fuse(self.refined, "after.ply")
+        self.assertGreater(after.f1, before.f1 + 0.15)
+        self.assertGreater(after.completeness, before.completeness + 0.15)
+        self.assertGreater(after.accuracy, before.accuracy - 0.05)
+
+    def test_workspaces_of_pycolmap_are_refined(self):
+        """The whole dense folder is pycolmap's own, but for the maps, which need a
+        GPU."""
+        dense = self.folder / "undistorted"
+        pycolmap.undistort_images(dense, self.sample / "sparse", self.sample / "images")
+        for name in ("rigs.bin", "frames.bin", "images.bin"):
+            self.assertTrue((dense / "sparse" / name).is_file(), name)
+        for kind in ("depth_maps", "normal_maps"):
+            for path in (self.sample / "stereo" / kind).iterdir():
+                shutil.copy(path, dense / "stereo" / kind)
+        for i in range(self.num_images):
+            name = f"images/v{i:03d}.jpg"
+            self.assertEqual(
+                (dense / name).read_bytes(), (self.sample / name).read_bytes()
+            )
+
+        summary = colmap_tsar.refine(dense, device="cpu", progress=False)
+        self.assertEqual(summary.num_refined, self.num_images)
+        self.assertEqual((summary.kept, summary.num_sources_without_maps), ({}, 0))
+        self.assertEqual(results(dense), results(self.refined))
+
+    def test_text_models_of_pycolmap_are_read(self):
+        reconstruction = pycolmap.Reconstruction(self.workspace / "sparse")
+        shutil.rmtree(self.workspace / "sparse")
+        (self.workspace / "sparse").mkdir()
+        reconstruction.write_text(self.workspace / "sparse")
+        for name in ("rigs.txt", "frames.txt", "images.txt"):
+            self.assertTrue((self.workspace / "sparse" / name).is_file(), name)
+        colmap_tsar.refine(self.workspace, device="cpu", progress=False)
+        self.assertEqual(results(self.workspace), results(self.refined))
+
+
+def run_in_environment():
+    environment = VirtualEnvironment(WORK_FOLDER / "pycolmap_environment")
+    if not environment.install("pycolmap", "numpy"):
+        print("skipped: pycolmap cannot be had from the package index")
+        return SKIPPED
+    return subprocess.run([environment.python, __file__, "--inside"]).returncode
+
+
+if __name__ == "__main__":
+    if IS_INSIDE:
+        print("pycolmap", pycolmap.__version__, "numpy", np.__version__)
+        unittest.main(argv=sys.argv[:1])
+    sys.exit(run_in_environment())

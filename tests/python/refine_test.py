@@ -1,0 +1,259 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""refine() and restore() on the sample scene."""
+import contextlib
+import io
+import json
+import os
+import threading
+import time
+import unittest
+
+import colmap_tsar
+from support import SampleTest, digests, results, run_program
+
+
+def refine(workspace, *arguments, **options):
+    options.setdefault("progress", False)
+    return colmap_tsar.refine(workspace, *arguments, device="cpu", **options)
+
+
+def manifest_of(workspace):
+    return json.loads((workspace / "stereo/tsar/manifest.json").read_text())
+
+
+class RefineTest(SampleTest):
+    # What does not show in the tests that use them, and takes most of the time.
+    quick = {"scene_planes": False, "segment": False, "num_iterations": 1}
+
+    def test_gives_the_same_bytes_as_the_program(self):
+        for preset, options in (
+            ("default", None),
+            ("paper", colmap_tsar.RefineOptions.paper()),
+        ):
+            with self.subTest(preset=preset):
+                other = self.new_workspace("by_program_" + preset)
+                run_program(
+                    "tsar_refine",
+                    "--workspace_path",
+                    other,
+                    "--TsarRefine.device",
+                    "cpu",
+                    "--TsarRefine.preset",
+                    preset,
+                )
+                summary = refine(self.workspace, options)
+                self.assertEqual(summary.num_refined, self.num_images)
+                self.assertNotEqual(results(self.workspace), results(self.sample))
+                self.assertEqual(results(self.workspace), results(other))
+                manifest, expected = manifest_of(self.workspace), manifest_of(other)
+                self.assertEqual(manifest["options"], expected["options"])
+                self.assertEqual(summary.counts, expected["counts"])
+
+    def test_summary_skipping_and_restore(self):
+        before = digests(self.workspace)
+        summary = refine(str(self.workspace), self.quick)
+        self.assertEqual(summary.workspace_path, self.workspace)
+        self.assertEqual(summary.input_type, "geometric")
+        self.assertIn("CPU", summary.device)
+        self.assertEqual(summary.num_images, self.num_images)
+        self.assertEqual(summary.num_refined, self.num_images)
+        self.assertEqual((summary.num_skipped, summary.kept), (0, {}))
+        self.assertEqual(summary.counts["pixels"], self.num_images * 480 * 360)
+        self.assertGreater(summary.seconds["matching"], 0.0)
+        self.assertGreater(summary.wall_seconds, 0.0)
+        self.assertIn(f"{self.num_images} images: {self.num_images} ref", str(summary))
+        self.assertEqual(summary.todict()["counts"], summary.counts)
+
+        again = refine(self.workspace, self.quick)
+        self.assertEqual((again.num_refined, again.num_skipped), (0, self.num_images))
+
+        self.assertEqual(
+            colmap_tsar.restore(self.workspace).todict(),
+            {"num_restored": self.num_images, "num_newer": 0},
+        )
+        self.assertEqual(digests(self.workspace), before)
+
+    def test_images_without_maps_are_kept_with_the_reason(self):
+        for kind in ("depth_maps", "normal_maps"):
+            for path in (self.workspace / "stereo" / kind).glob("v001.jpg.*"):
+                path.unlink()
+        summary = refine(self.workspace, self.quick)
+        self.assertEqual(list(summary.kept), ["v001.jpg"])
+        self.assertRegex(summary.kept["v001.jpg"], "map")
+        self.assertEqual(summary.num_refined, self.num_images - 1)
+        self.assertEqual(summary.num_sources_without_maps, self.num_images - 1)
+
+    def test_second_workspace(self):
+        before = digests(self.workspace)
+        output = self.folder / "out"
+        summary = refine(
+            self.workspace, self.quick, output_path=output, input_type="photometric"
+        )
+        self.assertEqual(summary.workspace_path, output)
+        self.assertEqual(summary.input_type, "photometric")
+        self.assertTrue((output / "stereo/depth_maps/v000.jpg.photometric.bin").exists())
+        self.assertEqual(digests(self.workspace), before)
+        with self.assertRaises(colmap_tsar.UnsupportedError):
+            colmap_tsar.restore(output)
+
+    def test_progress_goes_where_it_is_wanted(self):
+        lines = []
+        refine(self.workspace, self.quick, progress=lines.append)
+        self.assertEqual(len(lines), self.num_images)
+        self.assertTrue(lines[-1].startswith(f"[{self.num_images}/{self.num_images}]"))
+        for progress, expected in ((True, True), (False, False)):
+            colmap_tsar.restore(self.workspace)
+            with contextlib.redirect_stderr(io.StringIO()) as stream:
+                refine(self.workspace, self.quick, progress=progress)
+            self.assertEqual("[3/3]" in stream.getvalue(), expected)
+
+    def test_what_progress_raises_stops_the_work(self):
+        class Enough(Exception):
+            pass
+
+        def stop(line):
+            raise Enough(line)
+
+        with self.assertRaisesRegex(Enough, r"^\[1/3\]"):
+            refine(self.workspace, self.quick, num_threads=1, progress=stop)
+        # Nobody holds the workspace any more.
+        self.assertEqual(refine(self.workspace, self.quick).num_images, 3)
+
+    def test_other_python_threads_run_meanwhile(self):
+        num_ticks = 0
+        is_done = threading.Event()
+
+        def tick():
+            nonlocal num_ticks
+            while not is_done.is_set():
+                num_ticks += 1
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        try:
+            refine(self.workspace, self.quick)
+        finally:
+            is_done.set()
+            thread.join()
+        # With the GIL held there would be one for each waking at most.
+        self.assertGreater(num_ticks, 100)
+
+    def test_works_in_another_thread(self):
+        summaries = []
+        thread = threading.Thread(
+            target=lambda: summaries.append(refine(self.workspace, self.quick))
+        )
+        thread.start()
+        thread.join()
+        self.assertEqual([s.num_refined for s in summaries], [self.num_images])
+
+    def test_one_run_at_a_time(self):
+        errors = []
+
+        def refine_again(line):
+            try:
+                refine(self.workspace, self.quick)
+            except colmap_tsar.Error as error:
+                errors.append(error)
+
+        refine(self.workspace, self.quick, num_threads=1, progress=refine_again)
+        self.assertIsInstance(errors[0], colmap_tsar.UnsupportedError)
+        self.assertIn("another program is working", str(errors[0]))
+
+    def expect_error(self, kinds, texts, function, *arguments, **options):
+        """One line with these texts, of all these classes; no file changed."""
+        before = digests(self.folder)
+        with self.assertRaises(kinds[0]) as caught:
+            function(*arguments, **options)
+        for kind in (*kinds, colmap_tsar.Error, RuntimeError):
+            self.assertIsInstance(caught.exception, kind)
+        message = str(caught.exception)
+        for text in texts:
+            self.assertIn(text, message)
+        for text in ("\n", "--", "TsarRefine"):
+            self.assertNotIn(text, message)
+        self.assertEqual(digests(self.folder), before)
+
+    def test_errors_say_file_and_advice(self):
+        missing = self.folder / "missing"
+        not_found = (colmap_tsar.NotFoundError, FileNotFoundError)
+        bad_option = (colmap_tsar.BadOptionError, ValueError)
+        for kinds, texts, function, arguments, options in (
+            (not_found, [str(missing), "check workspace_path"], refine, [missing], {}),
+            (not_found, [str(missing)], colmap_tsar.restore, [missing], {}),
+            (
+                not_found,
+                [str(self.workspace), "nothing to restore"],
+                colmap_tsar.restore,
+                [self.workspace],
+                {},
+            ),
+            (bad_option, ["workspace_path is missing"], refine, [""], {}),
+            (bad_option, ["num_threads: "], refine, [self.workspace], {"num_threads": 0}),
+            (bad_option, ["cache_size: "], refine, [self.workspace], {"cache_size": 0}),
+            (
+                bad_option,
+                ["gpu_index: ", "-3"],
+                refine,
+                [self.workspace],
+                {"gpu_index": "0,-3"},
+            ),
+            (
+                bad_option,
+                ["input_type: 'normal'", "photometric"],
+                refine,
+                [self.workspace],
+                {"input_type": "normal"},
+            ),
+            (
+                (colmap_tsar.UnsupportedError,),
+                ["choose another output_path"],
+                refine,
+                [self.workspace],
+                {"output_path": self.workspace},
+            ),
+        ):
+            with self.subTest(texts=texts):
+                self.expect_error(kinds, texts, function, *arguments, **options)
+        self.expect_error(
+            bad_option, ["device: "], colmap_tsar.refine, self.workspace, device="gpu"
+        )
+
+        path = self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin"
+        path.write_bytes(path.read_bytes()[:-1])
+        self.expect_error(
+            (colmap_tsar.CorruptError,), [str(path)], refine, self.workspace
+        )
+        path = self.workspace / "images/v000.jpg"
+        path.unlink()
+        (self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin").unlink()
+        (self.workspace / "stereo/normal_maps/v000.jpg.geometric.bin").unlink()
+        (self.workspace / "images/v001.jpg").unlink()
+        self.expect_error(not_found, ["images/v001.jpg"], refine, self.workspace)
+
+    def test_names_need_not_be_utf8(self):
+        path = os.fsencode(self.folder) + b"/\xff"
+        with self.assertRaises(colmap_tsar.NotFoundError) as caught:
+            refine(path)
+        self.assertIn(os.fsdecode(path), str(caught.exception))
+        os.rename(self.workspace, path)
+        summary = refine(path, self.quick)
+        self.assertEqual(os.fsencode(summary.workspace_path), path)
+        self.assertIn(os.fsdecode(path), str(summary))
+
+    def test_gpus_that_are_not_there(self):
+        with self.assertRaises(colmap_tsar.DeviceError) as caught:
+            colmap_tsar.refine(self.workspace, device="cuda", gpu_index="4095")
+        self.assertEqual(caught.exception.code, "device")
+
+    def test_wrong_arguments_are_type_errors(self):
+        with self.assertRaisesRegex(TypeError, "num_iteration'.*num_iterations"):
+            refine(self.workspace, {"num_iteration": 3})
+        with self.assertRaisesRegex(TypeError, "not int"):
+            refine(3)
+
+
+if __name__ == "__main__":
+    unittest.main()
