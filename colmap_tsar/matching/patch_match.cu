@@ -262,10 +262,11 @@ struct SweepKernel {
     constexpr int kNumTrials = 6;
     for (int trial = 0; trial < kNumTrials; ++trial) {
       // Ever smaller changes, trial by trial and iteration by iteration.
+      const int round = options.num_past_iterations + iteration;
       const float share =
-          0.1f * exp2f(-2.f * static_cast<float>(iteration + trial / 2));
+          0.1f * exp2f(-static_cast<float>(round) - 0.5f * trial);
       const float angle =
-          0.5f * exp2f(-static_cast<float>(iteration) - 0.5f * trial);
+          0.5f * exp2f(-0.5f * static_cast<float>(round) - 0.25f * trial);
       const float depth = best->Depth(ray);
       Plane plane;
       switch (trial) {

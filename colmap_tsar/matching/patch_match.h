@@ -18,6 +18,9 @@ namespace tsar {
 
 struct PatchMatchOptions {
   int num_iterations = 4;  // Each updates all pixels once, in two halves.
+  // How often the planes were updated before: changes get smaller from one
+  // iteration to the next.
+  int num_past_iterations = 0;
   float window_radius = 5.f;  // In pixels; the window has 36 samples.
   // Depths between which planes are drawn, in units of the model.
   float depth_min = 0.f;
