@@ -2,7 +2,12 @@
 # host compiler. Sets TSAR_CUDA_ENABLED.
 
 set(TSAR_CUDA_ENABLED OFF)
-if(NOT TSAR_CUDA STREQUAL "OFF")
+# Where another project adds this one, AUTO follows it: a language that is
+# enabled in a subfolder alone is not known to the rest.
+get_property(tsar_languages GLOBAL PROPERTY ENABLED_LANGUAGES)
+if(TSAR_CUDA STREQUAL "ON" OR
+   (TSAR_CUDA STREQUAL "AUTO" AND
+    (PROJECT_IS_TOP_LEVEL OR "CUDA" IN_LIST tsar_languages)))
   include(CheckLanguage)
   check_language(CUDA)
   if(CMAKE_CUDA_COMPILER)
