@@ -1,10 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/matching/filter_hypotheses.h"
-
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/reprojection.h"
 
 #include <cmath>
@@ -63,13 +62,12 @@ struct FilterKernel {
           max_cos_angle * Norm(point) * Norm(to_source))) {
       return 0;
     }
-    const float cost =
-        PatchCost(patch,
-                  PlaneHomography(reference.intrinsics,
-                                  source.intrinsics,
-                                  source.from_reference,
-                                  plane),
-                  source.gray);
+    const float cost = PatchCost(patch,
+                                 PlaneHomography(reference.intrinsics,
+                                                 source.intrinsics,
+                                                 source.from_reference,
+                                                 plane),
+                                 source.gray);
     return cost != kUndefinedCost && cost <= 1.f - options.min_ncc ? 1 : 0;
   }
 };

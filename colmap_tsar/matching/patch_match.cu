@@ -1,10 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/matching/patch_match.h"
-
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_sampling.h"
 #include "colmap_tsar/matching/propagation_areas.h"
 #include "colmap_tsar/matching/reprojection.h"
@@ -18,12 +17,11 @@ namespace {
 // The cost of a window that a view does not see, or sees without texture.
 constexpr float kMaxCost = 2.f;
 
-// Draws of one pixel in one iteration never share a block of random numbers with
-// those of another.
+// Draws of one pixel in one iteration never share a block of random numbers
+// with those of another.
 TSAR_HD Philox PixelRandom(uint32_t stream, int64_t pixel, int iteration) {
-  return Philox(stream,
-                static_cast<uint32_t>(pixel),
-                static_cast<uint32_t>(iteration));
+  return Philox(
+      stream, static_cast<uint32_t>(pixel), static_cast<uint32_t>(iteration));
 }
 
 struct DrawKernel {
@@ -60,10 +58,24 @@ struct FromMapsKernel {
   ImageView<Plane> planes;
 
   TSAR_HD void operator()(int x, int y) const {
-    planes(x, y) = depth(x, y) > 0.f
-                       ? Plane::FromPoint(
-                             intrinsics.Ray(x, y), depth(x, y), normal(x, y))
-                       : Plane{};
+    planes(x, y) =
+        depth(x, y) > 0.f
+            ? Plane::FromPoint(intrinsics.Ray(x, y), depth(x, y), normal(x, y))
+            : Plane{};
+  }
+};
+
+struct ToMapsKernel {
+  Intrinsics intrinsics;
+  ImageView<const Plane> planes;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Plane& plane = planes(x, y);
+    const float z = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
+    depth(x, y) = z;
+    normal(x, y) = z > 0.f ? plane.normal : Vec3f{};
   }
 };
 
@@ -80,10 +92,8 @@ struct PixelCosts {
     if (!patch.HasTexture()) {
       return kMaxCost;
     }
-    const PlaneHomography homography(reference.intrinsics,
-                                     source.intrinsics,
-                                     source.from_reference,
-                                     plane);
+    const PlaneHomography homography(
+        reference.intrinsics, source.intrinsics, source.from_reference, plane);
     const float cost = PatchCost(patch, homography, source.gray);
     return cost == kUndefinedCost ? kMaxCost : cost;
   }
@@ -95,10 +105,8 @@ struct PixelCosts {
     }
     float error = options.max_geometric_error;
     SeenThroughSource seen;
-    if (LookThroughSource(reference.intrinsics,
-                          source,
-                          ray * plane.Depth(ray),
-                          &seen)) {
+    if (LookThroughSource(
+            reference.intrinsics, source, ray * plane.Depth(ray), &seen)) {
       const float dx = seen.x - patch.center_x;
       const float dy = seen.y - patch.center_y;
       error = fminf(error, sqrtf(dx * dx + dy * dy));
@@ -107,8 +115,8 @@ struct PixelCosts {
   }
 };
 
-// The cost of the pixels' own planes before views were selected: the mean of the
-// two sources where they are lowest.
+// The cost of the pixels' own planes before views were selected: the mean of
+// the two sources where they are lowest.
 struct FirstCostKernel {
   ReferenceView reference;
   const SourceView* sources;
@@ -232,7 +240,8 @@ struct SweepKernel {
     }
     const float scale =
         1.f / static_cast<float>(sum_weights == 0 ? num_sources : sum_weights);
-    *best_cost = kMaxCost + options.geometric_weight * options.max_geometric_error;
+    *best_cost =
+        kMaxCost + options.geometric_weight * options.max_geometric_error;
     for (int c = 0; c < num_candidates; ++c) {
       const float cost = scale * (sum_weights == 0 ? plain[c] : weighted[c]);
       if (c == 0 || cost < *best_cost) {
@@ -249,10 +258,8 @@ struct SweepKernel {
                       Plane* best,
                       float* best_cost) const {
     const DepthBounds bounds{options.depth_min, options.depth_max};
-    Philox random =
-        PixelRandom(stream,
-                    static_cast<int64_t>(y) * planes.width + x,
-                    iteration + 1);
+    Philox random = PixelRandom(
+        stream, static_cast<int64_t>(y) * planes.width + x, iteration + 1);
     int sum_weights = 0;
     for (int s = 0; s < num_sources; ++s) {
       sum_weights += Weight(s, x, y);
@@ -283,9 +290,7 @@ struct SweepKernel {
           break;
         case 3:
           plane = Plane::FromPoint(
-              ray,
-              depth,
-              DrawNormalAround(best->normal, angle, ray, &random));
+              ray, depth, DrawNormalAround(best->normal, angle, ray, &random));
           break;
         default:
           plane = Plane::FromPoint(
@@ -330,6 +335,19 @@ DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
                          stream,
                          planes.View()});
   return planes;
+}
+
+PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
+                         ImageView<const Plane> planes,
+                         Device& device) {
+  PlaneMaps maps{DeviceImage<float>(device, planes.width, planes.height),
+                 DeviceImage<Vec3f>(device, planes.width, planes.height)};
+  ParallelFor(
+      device,
+      planes.width,
+      planes.height,
+      ToMapsKernel{intrinsics, planes, maps.depth.View(), maps.normal.View()});
+  return maps;
 }
 
 DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,

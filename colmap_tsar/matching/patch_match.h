@@ -17,7 +17,8 @@
 namespace tsar {
 
 struct PatchMatchOptions {
-  int num_iterations = 4;  // Each updates all pixels once, in two halves.
+  int num_iterations =
+      4;  // Each updates all pixels, one colour after the other.
   // How often the planes were updated before: changes get smaller from one
   // iteration to the next.
   int num_past_iterations = 0;
@@ -57,7 +58,18 @@ DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
                               const PatchMatchOptions& options,
                               Device& device);
 
-// The planes of another size of the same image, as its pixels see them.
+// The depth and normal of the planes at their own pixels; 0 where there is
+// none.
+struct PlaneMaps {
+  DeviceImage<float> depth;
+  DeviceImage<Vec3f> normal;
+};
+PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
+                         ImageView<const Plane> planes,
+                         Device& device);
+
+// For another size of the same image: each pixel takes the plane of the one
+// that lies at its place.
 DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
                                 int width,
                                 int height,

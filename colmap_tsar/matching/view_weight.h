@@ -10,15 +10,15 @@
 namespace tsar {
 
 // How much a source view counts for a pixel: joint view selection from the
-// costs that the pixel's neighbouring planes have in that view (Xu and Tao, CVPR
-// 2019, section 3.3). A view that sees the surface has some low costs among them
-// and few high ones.
+// costs that the pixel's neighbouring planes have in that view (Xu and Tao,
+// CVPR 2019, section 3.3). A view that sees the surface has some low costs
+// among them and few high ones.
 class ViewWeight {
  public:
   // iteration counts from 0: what counts as a low cost falls.
   TSAR_HD explicit ViewWeight(int iteration)
-      : low_cost_(0.8f * expf(-static_cast<float>(iteration * iteration) /
-                              90.f)) {}
+      : low_cost_(0.8f *
+                  expf(-static_cast<float>(iteration * iteration) / 90.f)) {}
 
   // A cost of this view, in [0, 2].
   TSAR_HD void Add(float cost) {
