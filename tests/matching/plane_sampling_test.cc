@@ -97,8 +97,9 @@ TEST(DrawNormalAround, StaysNearAndFacesTheCamera) {
   Philox random(1, 2, 3);
   const Vec3f normal = Normalized(Vec3f{0.2f, 0.3f, -1.f});
   for (const float angle : {0.5f, 0.05f}) {
-    // A corner of the cube from which the steps come.
-    const float limit = std::atan(std::sqrt(3.f) * std::tan(angle)) * 57.3f;
+    // The steps fill a cube, whose corners lie this far off.
+    const float step = std::sqrt(3.f) * std::tan(angle);
+    const float limit = std::asin(std::min(step, 1.f)) * 57.29578f;
     float largest = 0.f;
     for (int i = 0; i < kNumDraws; ++i) {
       const Vec3f turned = DrawNormalAround(normal, angle, kRay, &random);
@@ -106,9 +107,8 @@ TEST(DrawNormalAround, StaysNearAndFacesTheCamera) {
       ASSERT_LT(Dot(turned, kRay), 0.f);
       largest = std::max(largest, AngleBetween(turned, normal));
     }
-    // The step may shorten the normal, which turns it a little farther.
-    EXPECT_LT(largest, 1.3f * limit) << angle;
-    EXPECT_GT(largest, 0.7f * angle * 57.3f) << angle;
+    EXPECT_LE(largest, limit + 0.01f) << angle;
+    EXPECT_GT(largest, 0.7f * limit) << angle;
   }
 }
 
