@@ -301,15 +301,18 @@ struct SweepKernel {
       if (!plane.Valid() || !bounds.Contains(plane.Depth(ray))) {
         continue;
       }
-      float cost = 0.f;
-      for (int s = 0; s < num_sources && cost < *best_cost; ++s) {
+      // Added up and scaled as in Propagate: planes that cost the same in every
+      // view, as without texture, must not win by rounding.
+      float sum = 0.f;
+      for (int s = 0; s < num_sources && scale * sum < *best_cost; ++s) {
         const int weight = Weight(s, x, y);
         if (weight > 0) {
-          cost += scale * static_cast<float>(weight) *
-                  (pixel.Photometric(sources[s], plane) +
-                   pixel.Geometric(sources[s], plane));
+          sum += static_cast<float>(weight) *
+                 (pixel.Photometric(sources[s], plane) +
+                  pixel.Geometric(sources[s], plane));
         }
       }
+      const float cost = scale * sum;
       if (cost < *best_cost) {
         *best_cost = cost;
         *best = plane;
@@ -389,6 +392,9 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               options,
                               hypotheses.planes.View(),
                               hypotheses.costs.View()});
+  if (num_sources == 0) {
+    return hypotheses;  // Nothing speaks for or against a plane.
+  }
   Buffer<uint8_t> weights(device,
                           static_cast<size_t>(num_sources) *
                               static_cast<size_t>(width) *
