@@ -115,6 +115,14 @@ struct PixelCosts {
   }
 };
 
+// Whether the plane gives the pixel a depth between the bounds.
+TSAR_HD bool IsUsable(const Plane& plane,
+                      const Vec3f& ray,
+                      const PatchMatchOptions& options) {
+  const DepthBounds bounds{options.depth_min, options.depth_max};
+  return plane.Valid() && bounds.Contains(plane.Depth(ray));
+}
+
 // The cost of the pixels' own planes before views were selected: the mean of
 // the two sources where they are lowest.
 struct FirstCostKernel {
@@ -134,7 +142,8 @@ struct FirstCostKernel {
     float first = worst;
     float second = worst;
     const Plane plane = planes(x, y);
-    for (int s = 0; s < num_sources && plane.Valid(); ++s) {
+    const bool is_usable = IsUsable(plane, pixel.ray, options);
+    for (int s = 0; s < num_sources && is_usable; ++s) {
       const float cost = pixel.Photometric(sources[s], plane) +
                          pixel.Geometric(sources[s], plane);
       if (cost < first) {
@@ -182,11 +191,18 @@ struct SweepKernel {
     const PixelCosts pixel{
         reference, options, patch, reference.intrinsics.Ray(x, y)};
     Plane best = planes(x, y);
+    if (!IsUsable(best, pixel.ray, options)) {
+      // None, or one that another pixel had at a smaller size.
+      Philox random = PixelRandom(stream,
+                                  static_cast<int64_t>(y) * planes.width + x,
+                                  /*iteration=*/0);
+      const DepthBounds bounds{options.depth_min, options.depth_max};
+      const float depth = bounds.Draw(&random);
+      best = Plane::FromPoint(pixel.ray, depth, DrawNormal(pixel.ray, &random));
+    }
     float best_cost = 0.f;
     Propagate(x, y, pixel, &best, &best_cost);
-    if (best.Valid()) {
-      Refine(x, y, pixel, &best, &best_cost);
-    }
+    Refine(x, y, pixel, &best, &best_cost);
     planes(x, y) = best;
     costs(x, y) = best_cost;
   }
@@ -197,18 +213,14 @@ struct SweepKernel {
                          const PixelCosts& pixel,
                          Plane* best,
                          float* best_cost) const {
-    const DepthBounds bounds{options.depth_min, options.depth_max};
     constexpr int kNumCandidates = kNumPropagationAreas + 1;
-    Plane candidates[kNumCandidates];
-    int num_candidates = 0;
-    if (best->Valid()) {
-      candidates[num_candidates++] = *best;
-    }
+    Plane candidates[kNumCandidates] = {*best};
+    int num_candidates = 1;
     for (int area = 0; area < kNumPropagationAreas; ++area) {
       PixelOffset from;
       if (BestOfArea(costs, x, y, area, &from)) {
         const Plane& plane = planes(from.x, from.y);
-        if (plane.Valid() && bounds.Contains(plane.Depth(pixel.ray))) {
+        if (IsUsable(plane, pixel.ray, options)) {
           candidates[num_candidates++] = plane;
         }
       }
@@ -298,7 +310,7 @@ struct SweepKernel {
               bounds.DrawAround(depth, share, &random),
               DrawNormalAround(best->normal, angle, ray, &random));
       }
-      if (!plane.Valid() || !bounds.Contains(plane.Depth(ray))) {
+      if (!IsUsable(plane, ray, options)) {
         continue;
       }
       // Added up and scaled as in Propagate: planes that cost the same in every

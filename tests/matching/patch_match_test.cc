@@ -392,15 +392,13 @@ TEST_F(PatchMatchTest, FillsPixelsWithoutAPlane) {
   EXPECT_EQ(Compare(scene, filled.planes).share, 1.f);
 }
 
-TEST_F(PatchMatchTest, StaysWithoutPlanesWhereThereAreNone) {
+TEST_F(PatchMatchTest, DrawsPlanesWhereThereAreNone) {
   TexturedPlane scene = Scene(kTilt);
-  const HostHypotheses none =
+  const HostHypotheses found =
       Run(scene,
           Images(scene),
           DeviceImage<Plane>(*device_, Image<Plane>(kWidth, kHeight)));
-  for (const Plane& plane : none.planes) {
-    ASSERT_FALSE(plane.Valid());
-  }
+  EXPECT_GT(Compare(scene, found.planes).share, 0.9f);
 }
 
 TEST_F(PatchMatchTest, TakesOnePixel) {
