@@ -429,8 +429,8 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
       summary.num_skipped = stereo.RunPass(pass) -
                             static_cast<int>(summary.without_sources.size());
     }
-    stereo.AllPasses().RemoveFilesBetween();
   }
+  stereo.AllPasses().RemoveFilesBetween();
   for (const RefineWorker& worker : devices.workers) {
     const size_t num_bytes = worker.device->PeakMemory();
     if (num_bytes > 0 && (summary.peak_gpu_memory.empty() ||
