@@ -38,6 +38,9 @@ int RunProgram(int argc, char** argv);
 // Refines the depth and normal maps of a dense workspace, or restores them.
 int RunTsarRefine(int argc, char** argv);
 
+// Makes the maps of a dense workspace from its images.
+int RunTsarStereo(int argc, char** argv);
+
 // Imports the maps of other programs into a dense workspace.
 int RunTsarImport(int argc, char** argv);
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/matching/agreement.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/reprojection.h"
 
 #include <cmath>
 
@@ -33,34 +34,13 @@ struct AgreementKernel {
                       const Vec3f& point,
                       int x,
                       int y) const {
-    const Vec3f source_point = source.from_reference * point;
-    if (!(source_point.z > 0.f)) {
+    SeenThroughSource seen;
+    if (!LookThroughSource(reference.intrinsics, source, point, &seen) ||
+        !(fabsf(seen.point.z - point.z) <= options.max_depth_error * point.z)) {
       return false;
     }
-    float u = 0.f;
-    float v = 0.f;
-    source.intrinsics.Project(source_point, &u, &v);
-    if (!(u >= -0.5f) || !(v >= -0.5f) || !(u < source.depth.width - 0.5f) ||
-        !(v < source.depth.height - 0.5f)) {
-      return false;
-    }
-    const int column = static_cast<int>(u + 0.5f);
-    const int row = static_cast<int>(v + 0.5f);
-    const float source_depth = source.depth(column, row);
-    if (!(source_depth > 0.f)) {
-      return false;
-    }
-    const RelativePose& pose = source.from_reference;
-    const Vec3f back = TransposeTimes(
-        pose.rotation,
-        source.intrinsics.Ray(column, row) * source_depth - pose.translation);
-    if (!(back.z > 0.f) ||
-        !(fabsf(back.z - point.z) <= options.max_depth_error * point.z)) {
-      return false;
-    }
-    reference.intrinsics.Project(back, &u, &v);
-    const float du = u - x;
-    const float dv = v - y;
+    const float du = seen.x - x;
+    const float dv = seen.y - y;
     return du * du + dv * dv <=
            options.max_reprojection_error * options.max_reprojection_error;
   }

@@ -16,8 +16,9 @@ namespace tsar {
 constexpr float kUndefinedCost = -1.f;
 
 // A window of 11 x 11 pixels of which every second row and column is sampled.
-constexpr int kPatchRadius = 5;
-constexpr int kPatchStride = 2;
+// Windows of another radius have as many samples, closer together or farther
+// apart.
+constexpr float kPatchRadius = 5.f;
 constexpr int kPatchSide = 6;
 constexpr int kPatchSize = kPatchSide * kPatchSide;
 
@@ -53,13 +54,22 @@ TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
 struct ReferencePatch {
   float center_x;
   float center_y;
+  float radius;
+  float step;  // Between samples.
   float value[kPatchSize];
   float weight[kPatchSize];
   float mean;
   float variance;
 
-  TSAR_HD ReferencePatch(const ImageView<const float>& gray, float x, float y)
-      : center_x(x), center_y(y) {
+  TSAR_HD ReferencePatch(const ImageView<const float>& gray,
+                         float x,
+                         float y,
+                         float window_radius = kPatchRadius)
+      : center_x(x),
+        center_y(y),
+        radius(window_radius),
+        step(2.f * window_radius / (kPatchSide - 1)) {
+    const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
     float sum_weight = 0.f;
     float sum = 0.f;
@@ -69,7 +79,7 @@ struct ReferencePatch {
       const float dy = OffsetY(i);
       const float difference = SampleBilinear(gray, x + dx, y + dy) - center;
       const float w = expf(-(dx * dx + dy * dy) /
-                               (2.f * kPatchSpatialSigma * kPatchSpatialSigma) -
+                               (2.f * spatial_sigma * spatial_sigma) -
                            difference * difference /
                                (2.f * kPatchColorSigma * kPatchColorSigma));
       value[i] = difference;
@@ -86,11 +96,11 @@ struct ReferencePatch {
     variance = sum_squares * inverse - mean * mean;
   }
 
-  TSAR_HD static float OffsetX(int i) {
-    return static_cast<float>(i % kPatchSide * kPatchStride - kPatchRadius);
+  TSAR_HD float OffsetX(int i) const {
+    return static_cast<float>(i % kPatchSide) * step - radius;
   }
-  TSAR_HD static float OffsetY(int i) {
-    return static_cast<float>(i / kPatchSide * kPatchStride - kPatchRadius);
+  TSAR_HD float OffsetY(int i) const {
+    return static_cast<float>(i / kPatchSide) * step - radius;
   }
   TSAR_HD bool HasTexture() const { return variance >= kMinPatchVariance; }
 };
@@ -158,8 +168,8 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
   float sum_squares = 0.f;
   float sum_products = 0.f;
   for (int i = 0; i < kPatchSize; ++i) {
-    if (!homography.Map(patch.center_x + ReferencePatch::OffsetX(i),
-                        patch.center_y + ReferencePatch::OffsetY(i),
+    if (!homography.Map(patch.center_x + patch.OffsetX(i),
+                        patch.center_y + patch.OffsetY(i),
                         &x,
                         &y)) {
       return kUndefinedCost;

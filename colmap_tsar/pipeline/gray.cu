@@ -16,6 +16,19 @@ struct GrayKernel {
   }
 };
 
+struct HalveKernel {
+  ImageView<const float> gray;
+  ImageView<float> half;
+  TSAR_HD void operator()(int x, int y) const {
+    const int x0 = 2 * x;
+    const int y0 = 2 * y;
+    const int x1 = x0 + 1 < gray.width ? x0 + 1 : x0;
+    const int y1 = y0 + 1 < gray.height ? y0 + 1 : y0;
+    half(x, y) =
+        0.25f * (gray(x0, y0) + gray(x1, y0) + gray(x0, y1) + gray(x1, y1));
+  }
+};
+
 }  // namespace
 
 void ComputeGray(ImageView<const Rgb> color,
@@ -29,6 +42,15 @@ DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
   DeviceImage<float> gray(device, color.width, color.height);
   ComputeGray(color, gray.View(), device);
   return gray;
+}
+
+DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device) {
+  DeviceImage<float> half(device,
+                          gray.width > 1 ? gray.width / 2 : 1,
+                          gray.height > 1 ? gray.height / 2 : 1);
+  ParallelFor(
+      device, half.Width(), half.Height(), HalveKernel{gray, half.View()});
+  return half;
 }
 
 }  // namespace tsar

@@ -14,4 +14,8 @@ void ComputeGray(ImageView<const Rgb> color,
                  Device& device);
 DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device);
 
+// Half as wide and high, rounded down, but at least one pixel: each pixel is
+// the mean of four.
+DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device);
+
 }  // namespace tsar

@@ -112,6 +112,73 @@ TEST(PatchCost, IsUndefinedOutsideTheOtherImage) {
   EXPECT_EQ(CostAt(gray, gray, 16, 16, -17.f), kUndefinedCost);
 }
 
+TEST(ReferencePatch, HasARadiusOfFiveByDefault) {
+  const Image<float> gray = DrawNoise(1);
+  const ReferencePatch by_default(gray.View(), 16, 12);
+  const ReferencePatch five(gray.View(), 16, 12, 5.f);
+  EXPECT_EQ(five.radius, kPatchRadius);
+  EXPECT_EQ(five.step, 2.f);
+  EXPECT_EQ(five.mean, by_default.mean);
+  EXPECT_EQ(five.variance, by_default.variance);
+  for (int i = 0; i < kPatchSize; ++i) {
+    ASSERT_EQ(five.OffsetX(i), by_default.OffsetX(i));
+    ASSERT_EQ(five.OffsetY(i), by_default.OffsetY(i));
+    ASSERT_EQ(five.value[i], by_default.value[i]);
+    ASSERT_EQ(five.weight[i], by_default.weight[i]);
+  }
+  // Every second pixel of 11 x 11.
+  EXPECT_EQ(five.OffsetX(0), -5.f);
+  EXPECT_EQ(five.OffsetX(1), -3.f);
+  EXPECT_EQ(five.OffsetY(kPatchSize - 1), 5.f);
+}
+
+// An image twice as large whose pixels of even column and row are those of the
+// other; the rest are noise.
+Image<float> SpreadOut(const Image<float>& gray) {
+  Image<float> spread(2 * kSize, 2 * kSize);
+  Philox random(9, 0, 0);
+  for (float& value : spread) {
+    value = 255.f * random.NextFloat();
+  }
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
+      spread(2 * x, 2 * y) = gray(x, y);
+    }
+  }
+  return spread;
+}
+
+TEST(ReferencePatch, SamplesTwiceAsFarWithTwiceTheRadius) {
+  const Image<float> gray = DrawNoise(1);
+  const Image<float> spread = SpreadOut(gray);
+  const ReferencePatch patch(gray.View(), 16, 12);
+  const ReferencePatch wide(spread.View(), 32, 24, 10.f);
+  EXPECT_EQ(wide.OffsetX(0), -10.f);
+  EXPECT_EQ(wide.OffsetY(kPatchSize - 1), 10.f);
+  for (int i = 0; i < kPatchSize; ++i) {
+    ASSERT_EQ(wide.OffsetX(i), 2.f * patch.OffsetX(i));
+    ASSERT_EQ(wide.OffsetY(i), 2.f * patch.OffsetY(i));
+    ASSERT_EQ(wide.value[i], patch.value[i]);
+    // The weights are spread like the samples.
+    ASSERT_FLOAT_EQ(wide.weight[i], patch.weight[i]);
+  }
+  EXPECT_FLOAT_EQ(wide.mean, patch.mean);
+  EXPECT_FLOAT_EQ(wide.variance, patch.variance);
+}
+
+TEST(PatchCost, MapsTheWindowOfThePatch) {
+  const Image<float> gray = DrawNoise(1);
+  const Image<float> other = DrawNoise(2);
+  const float cost = CostAt(gray, other, 16, 12, 1.f);
+  const Image<float> spread = SpreadOut(gray);
+  const Image<float> other_spread = SpreadOut(other);
+  const ReferencePatch wide(spread.View(), 32, 24, 10.f);
+  EXPECT_NEAR(PatchCost(wide, Shift(2.f), other_spread.View()), cost, 1e-3f);
+  const ReferencePatch narrow(spread.View(), 32, 24);
+  EXPECT_GT(std::abs(PatchCost(narrow, Shift(2.f), other_spread.View()) - cost),
+            1e-2f);
+}
+
 TEST(SampleBilinear, InterpolatesAndRepeatsTheBorder) {
   Image<float> gray(2, 2);
   gray(1, 0) = 10.f;

@@ -1,0 +1,433 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/plane_sampling.h"
+#include "colmap_tsar/matching/propagation_areas.h"
+#include "colmap_tsar/matching/reprojection.h"
+#include "colmap_tsar/matching/view_weight.h"
+
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+// The cost of a window that a view does not see, or sees without texture.
+constexpr float kMaxCost = 2.f;
+
+// Draws of one pixel in one iteration never share a block of random numbers
+// with those of another.
+TSAR_HD Philox PixelRandom(uint32_t stream, int64_t pixel, int iteration) {
+  return Philox(
+      stream, static_cast<uint32_t>(pixel), static_cast<uint32_t>(iteration));
+}
+
+struct DrawKernel {
+  Intrinsics intrinsics;
+  DepthBounds bounds;
+  uint32_t stream;
+  ImageView<Plane> planes;
+
+  TSAR_HD void operator()(int x, int y) const {
+    Philox random = PixelRandom(
+        stream, static_cast<int64_t>(y) * planes.width + x, /*iteration=*/0);
+    const Vec3f ray = intrinsics.Ray(x, y);
+    const float depth = bounds.Draw(&random);
+    planes(x, y) = Plane::FromPoint(ray, depth, DrawNormal(ray, &random));
+  }
+};
+
+struct ResizeKernel {
+  ImageView<const Plane> from;
+  ImageView<Plane> to;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const int u = static_cast<int>((x + 0.5f) * from.width / to.width);
+    const int v = static_cast<int>((y + 0.5f) * from.height / to.height);
+    to(x, y) = from(u < from.width ? u : from.width - 1,
+                    v < from.height ? v : from.height - 1);
+  }
+};
+
+struct FromMapsKernel {
+  Intrinsics intrinsics;
+  ImageView<const float> depth;
+  ImageView<const Vec3f> normal;
+  ImageView<Plane> planes;
+
+  TSAR_HD void operator()(int x, int y) const {
+    planes(x, y) =
+        depth(x, y) > 0.f
+            ? Plane::FromPoint(intrinsics.Ray(x, y), depth(x, y), normal(x, y))
+            : Plane{};
+  }
+};
+
+struct ToMapsKernel {
+  Intrinsics intrinsics;
+  ImageView<const Plane> planes;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Plane& plane = planes(x, y);
+    const float z = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
+    depth(x, y) = z;
+    normal(x, y) = z > 0.f ? plane.normal : Vec3f{};
+  }
+};
+
+// What planes cost at one pixel.
+struct PixelCosts {
+  const ReferenceView& reference;
+  const PatchMatchOptions& options;
+  const ReferencePatch& patch;
+  Vec3f ray;
+
+  // 1 - NCC in one view.
+  TSAR_HD float Photometric(const SourceView& source,
+                            const Plane& plane) const {
+    if (!patch.HasTexture()) {
+      return kMaxCost;
+    }
+    const PlaneHomography homography(
+        reference.intrinsics, source.intrinsics, source.from_reference, plane);
+    const float cost = PatchCost(patch, homography, source.gray);
+    return cost == kUndefinedCost ? kMaxCost : cost;
+  }
+
+  // The term by which the view's own depth map disagrees.
+  TSAR_HD float Geometric(const SourceView& source, const Plane& plane) const {
+    if (source.depth.width == 0) {
+      return 0.f;
+    }
+    float error = options.max_geometric_error;
+    SeenThroughSource seen;
+    if (LookThroughSource(
+            reference.intrinsics, source, ray * plane.Depth(ray), &seen)) {
+      const float dx = seen.x - patch.center_x;
+      const float dy = seen.y - patch.center_y;
+      error = fminf(error, sqrtf(dx * dx + dy * dy));
+    }
+    return options.geometric_weight * error;
+  }
+};
+
+// Whether the plane gives the pixel a depth between the bounds.
+TSAR_HD bool IsUsable(const Plane& plane,
+                      const Vec3f& ray,
+                      const PatchMatchOptions& options) {
+  const DepthBounds bounds{options.depth_min, options.depth_max};
+  return plane.Valid() && bounds.Contains(plane.Depth(ray));
+}
+
+// The cost of the pixels' own planes before views were selected: the mean of
+// the two sources where they are lowest.
+struct FirstCostKernel {
+  ReferenceView reference;
+  const SourceView* sources;
+  int num_sources;
+  PatchMatchOptions options;
+  ImageView<const Plane> planes;
+  ImageView<float> costs;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
+    const PixelCosts pixel{
+        reference, options, patch, reference.intrinsics.Ray(x, y)};
+    const float worst =
+        kMaxCost + options.geometric_weight * options.max_geometric_error;
+    float first = worst;
+    float second = worst;
+    const Plane plane = planes(x, y);
+    const bool is_usable = IsUsable(plane, pixel.ray, options);
+    for (int s = 0; s < num_sources && is_usable; ++s) {
+      const float cost = pixel.Photometric(sources[s], plane) +
+                         pixel.Geometric(sources[s], plane);
+      if (cost < first) {
+        second = first;
+        first = cost;
+      } else if (cost < second) {
+        second = cost;
+      }
+    }
+    costs(x, y) = 0.5f * (first + second);
+  }
+};
+
+// Updates the pixels of one colour of the checkerboard.
+struct SweepKernel {
+  ReferenceView reference;
+  const SourceView* sources;
+  int num_sources;
+  PatchMatchOptions options;
+  uint32_t stream;
+  int iteration;
+  int color;
+  ImageView<Plane> planes;
+  ImageView<float> costs;
+  // By view and pixel.
+  uint8_t* weights;
+
+  TSAR_HD void operator()(int64_t i) const {
+    const int half_width = (planes.width + 1) / 2;
+    const int y = static_cast<int>(i / half_width);
+    const int x = 2 * static_cast<int>(i % half_width) + ((y + color) & 1);
+    if (x < planes.width) {
+      Update(x, y);
+    }
+  }
+
+  TSAR_HD uint8_t& Weight(int view, int x, int y) const {
+    return weights[(static_cast<int64_t>(view) * planes.height + y) *
+                       planes.width +
+                   x];
+  }
+
+  TSAR_HD void Update(int x, int y) const {
+    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
+    const PixelCosts pixel{
+        reference, options, patch, reference.intrinsics.Ray(x, y)};
+    Plane best = planes(x, y);
+    if (!IsUsable(best, pixel.ray, options)) {
+      // None, or one that another pixel had at a smaller size.
+      Philox random = PixelRandom(stream,
+                                  static_cast<int64_t>(y) * planes.width + x,
+                                  /*iteration=*/0);
+      const DepthBounds bounds{options.depth_min, options.depth_max};
+      const float depth = bounds.Draw(&random);
+      best = Plane::FromPoint(pixel.ray, depth, DrawNormal(pixel.ray, &random));
+    }
+    float best_cost = 0.f;
+    Propagate(x, y, pixel, &best, &best_cost);
+    Refine(x, y, pixel, &best, &best_cost);
+    planes(x, y) = best;
+    costs(x, y) = best_cost;
+  }
+
+  // The best of the pixel's own plane and those of its neighbours.
+  TSAR_HD void Propagate(int x,
+                         int y,
+                         const PixelCosts& pixel,
+                         Plane* best,
+                         float* best_cost) const {
+    constexpr int kNumCandidates = kNumPropagationAreas + 1;
+    Plane candidates[kNumCandidates] = {*best};
+    int num_candidates = 1;
+    for (int area = 0; area < kNumPropagationAreas; ++area) {
+      PixelOffset from;
+      if (BestOfArea(costs, x, y, area, &from)) {
+        const Plane& plane = planes(from.x, from.y);
+        if (IsUsable(plane, pixel.ray, options)) {
+          candidates[num_candidates++] = plane;
+        }
+      }
+    }
+    float weighted[kNumCandidates] = {};
+    float plain[kNumCandidates] = {};
+    int sum_weights = 0;
+    for (int s = 0; s < num_sources; ++s) {
+      float cost[kNumCandidates];
+      ViewWeight view(iteration);
+      for (int c = 0; c < num_candidates; ++c) {
+        cost[c] = pixel.Photometric(sources[s], candidates[c]);
+        view.Add(cost[c]);
+        cost[c] += pixel.Geometric(sources[s], candidates[c]);
+      }
+      const int weight = view.Get();
+      sum_weights += weight;
+      Weight(s, x, y) = static_cast<uint8_t>(weight);
+      for (int c = 0; c < num_candidates; ++c) {
+        weighted[c] += static_cast<float>(weight) * cost[c];
+        plain[c] += cost[c];
+      }
+    }
+    if (sum_weights == 0) {
+      // No view stands out; they all count the same.
+      for (int s = 0; s < num_sources; ++s) {
+        Weight(s, x, y) = 1;
+      }
+    }
+    const float scale =
+        1.f / static_cast<float>(sum_weights == 0 ? num_sources : sum_weights);
+    *best_cost =
+        kMaxCost + options.geometric_weight * options.max_geometric_error;
+    for (int c = 0; c < num_candidates; ++c) {
+      const float cost = scale * (sum_weights == 0 ? plain[c] : weighted[c]);
+      if (c == 0 || cost < *best_cost) {
+        *best_cost = cost;
+        *best = candidates[c];
+      }
+    }
+  }
+
+  // The best of the plane and of changed ones: a little, and altogether.
+  TSAR_HD void Refine(int x,
+                      int y,
+                      const PixelCosts& pixel,
+                      Plane* best,
+                      float* best_cost) const {
+    const DepthBounds bounds{options.depth_min, options.depth_max};
+    Philox random = PixelRandom(
+        stream, static_cast<int64_t>(y) * planes.width + x, iteration + 1);
+    int sum_weights = 0;
+    for (int s = 0; s < num_sources; ++s) {
+      sum_weights += Weight(s, x, y);
+    }
+    const float scale = 1.f / static_cast<float>(sum_weights);
+    const Vec3f& ray = pixel.ray;
+    constexpr int kNumTrials = 6;
+    for (int trial = 0; trial < kNumTrials; ++trial) {
+      // Ever smaller changes, trial by trial and iteration by iteration.
+      const int round = options.num_past_iterations + iteration;
+      const float share =
+          0.1f * exp2f(-static_cast<float>(round) - 0.5f * trial);
+      const float angle =
+          0.5f * exp2f(-0.5f * static_cast<float>(round) - 0.25f * trial);
+      const float depth = best->Depth(ray);
+      Plane plane;
+      switch (trial) {
+        case 0:
+          plane = Plane::FromPoint(
+              ray, bounds.Draw(&random), DrawNormal(ray, &random));
+          break;
+        case 1:
+          plane = Plane::FromPoint(ray, depth, DrawNormal(ray, &random));
+          break;
+        case 2:
+          plane = Plane::FromPoint(
+              ray, bounds.DrawAround(depth, share, &random), best->normal);
+          break;
+        case 3:
+          plane = Plane::FromPoint(
+              ray, depth, DrawNormalAround(best->normal, angle, ray, &random));
+          break;
+        default:
+          plane = Plane::FromPoint(
+              ray,
+              bounds.DrawAround(depth, share, &random),
+              DrawNormalAround(best->normal, angle, ray, &random));
+      }
+      if (!IsUsable(plane, ray, options)) {
+        continue;
+      }
+      // Added up and scaled as in Propagate: planes that cost the same in every
+      // view, as without texture, must not win by rounding.
+      float sum = 0.f;
+      for (int s = 0; s < num_sources && scale * sum < *best_cost; ++s) {
+        const int weight = Weight(s, x, y);
+        if (weight > 0) {
+          sum += static_cast<float>(weight) *
+                 (pixel.Photometric(sources[s], plane) +
+                  pixel.Geometric(sources[s], plane));
+        }
+      }
+      const float cost = scale * sum;
+      if (cost < *best_cost) {
+        *best_cost = cost;
+        *best = plane;
+      }
+    }
+  }
+};
+
+}  // namespace
+
+DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
+                              int width,
+                              int height,
+                              uint32_t stream,
+                              const PatchMatchOptions& options,
+                              Device& device) {
+  DeviceImage<Plane> planes(device, width, height);
+  ParallelFor(device,
+              width,
+              height,
+              DrawKernel{intrinsics,
+                         {options.depth_min, options.depth_max},
+                         stream,
+                         planes.View()});
+  return planes;
+}
+
+PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
+                         ImageView<const Plane> planes,
+                         Device& device) {
+  PlaneMaps maps{DeviceImage<float>(device, planes.width, planes.height),
+                 DeviceImage<Vec3f>(device, planes.width, planes.height)};
+  ParallelFor(
+      device,
+      planes.width,
+      planes.height,
+      ToMapsKernel{intrinsics, planes, maps.depth.View(), maps.normal.View()});
+  return maps;
+}
+
+DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
+                                int width,
+                                int height,
+                                Device& device) {
+  DeviceImage<Plane> resized(device, width, height);
+  ParallelFor(device, width, height, ResizeKernel{planes, resized.View()});
+  return resized;
+}
+
+DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
+                                  ImageView<const float> depth,
+                                  ImageView<const Vec3f> normal,
+                                  Device& device) {
+  DeviceImage<Plane> planes(device, depth.width, depth.height);
+  ParallelFor(device,
+              depth.width,
+              depth.height,
+              FromMapsKernel{intrinsics, depth, normal, planes.View()});
+  return planes;
+}
+
+PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
+                              DeviceImage<Plane> planes,
+                              const PatchMatchOptions& options,
+                              Device& device) {
+  const int width = planes.Width();
+  const int height = planes.Height();
+  const int num_sources = static_cast<int>(inputs.sources.Size());
+  PlaneHypotheses hypotheses{std::move(planes),
+                             DeviceImage<float>(device, width, height)};
+  ParallelFor(device,
+              width,
+              height,
+              FirstCostKernel{inputs.reference,
+                              inputs.sources.Data(),
+                              num_sources,
+                              options,
+                              hypotheses.planes.View(),
+                              hypotheses.costs.View()});
+  if (num_sources == 0) {
+    return hypotheses;  // Nothing speaks for or against a plane.
+  }
+  Buffer<uint8_t> weights(device,
+                          static_cast<size_t>(num_sources) *
+                              static_cast<size_t>(width) *
+                              static_cast<size_t>(height));
+  for (int iteration = 0; iteration < options.num_iterations; ++iteration) {
+    for (int color = 0; color < 2; ++color) {
+      ParallelFor(device,
+                  static_cast<int64_t>((width + 1) / 2) * height,
+                  SweepKernel{inputs.reference,
+                              inputs.sources.Data(),
+                              num_sources,
+                              options,
+                              inputs.stream,
+                              iteration,
+                              color,
+                              hypotheses.planes.View(),
+                              hypotheses.costs.View(),
+                              weights.Data()});
+    }
+  }
+  return hypotheses;
+}
+
+}  // namespace tsar

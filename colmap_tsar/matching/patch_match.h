@@ -1,0 +1,90 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+// PatchMatch stereo with adaptive checkerboard propagation and joint view
+// selection (Xu and Tao, "Multi-Scale Geometric Consistency Guided Multi-View
+// Stereo", CVPR 2019), the prior of the paper: every pixel keeps one plane, and
+// takes over that of another pixel, or a changed one, where it matches better.
+
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/views.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+struct PatchMatchOptions {
+  int num_iterations =
+      4;  // Each updates all pixels, one colour after the other.
+  // How often the planes were updated before: changes get smaller from one
+  // iteration to the next.
+  int num_past_iterations = 0;
+  float window_radius = 5.f;  // In pixels; the window has 36 samples.
+  // Depths between which planes are drawn, in units of the model.
+  float depth_min = 0.f;
+  float depth_max = 0.f;
+  // Weight of the geometric term, per pixel of reprojection error, and the
+  // error from which on it stays the same.
+  float geometric_weight = 0.2f;
+  float max_geometric_error = 3.f;
+};
+
+// A plane for every pixel and its cost: the mean over the selected sources of
+// 1 - NCC plus the geometric term, in [0, 2 + geometric_weight *
+// max_geometric_error].
+struct PlaneHypotheses {
+  DeviceImage<Plane> planes;
+  DeviceImage<float> costs;
+};
+
+// What a run of PatchMatch reads; reference.depth and reference.normal are not.
+// Where the sources have depth, costs have the geometric term.
+struct PatchMatchInputs {
+  ReferenceView reference;
+  const Buffer<SourceView>& sources;
+  // Key of the random numbers: the same stream gives the same result.
+  uint32_t stream = 0;
+};
+
+// Planes through random points of the rays, with uniform inverse depth between
+// the bounds and any normal that faces the camera.
+DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
+                              int width,
+                              int height,
+                              uint32_t stream,
+                              const PatchMatchOptions& options,
+                              Device& device);
+
+// The depth and normal of the planes at their own pixels; 0 where there is
+// none.
+struct PlaneMaps {
+  DeviceImage<float> depth;
+  DeviceImage<Vec3f> normal;
+};
+PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
+                         ImageView<const Plane> planes,
+                         Device& device);
+
+// For another size of the same image: each pixel takes the plane of the one
+// that lies at its place.
+DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
+                                int width,
+                                int height,
+                                Device& device);
+
+// Planes through the depths, for pixels that have one.
+DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
+                                  ImageView<const float> depth,
+                                  ImageView<const Vec3f> normal,
+                                  Device& device);
+
+// Improves the planes.
+PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
+                              DeviceImage<Plane> planes,
+                              const PatchMatchOptions& options,
+                              Device& device);
+
+}  // namespace tsar

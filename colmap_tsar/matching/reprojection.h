@@ -1,0 +1,52 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/matching/views.h"
+
+namespace tsar {
+
+// A point of the reference's frame, seen through the depth map of a source: the
+// surface point that the source has where it sees the given one, in the
+// reference's frame, with the pixel that it projects to there.
+struct SeenThroughSource {
+  Vec3f point;
+  float x = 0.f;
+  float y = 0.f;
+};
+
+// False where the source does not see the point, or has no depth there.
+TSAR_HD inline bool LookThroughSource(const Intrinsics& reference,
+                                      const SourceView& source,
+                                      const Vec3f& point,
+                                      SeenThroughSource* seen) {
+  const RelativePose& pose = source.from_reference;
+  const Vec3f source_point = pose * point;
+  if (!(source_point.z > 0.f)) {
+    return false;
+  }
+  float u = 0.f;
+  float v = 0.f;
+  source.intrinsics.Project(source_point, &u, &v);
+  if (!(u >= -0.5f) || !(v >= -0.5f) || !(u < source.depth.width - 0.5f) ||
+      !(v < source.depth.height - 0.5f)) {
+    return false;
+  }
+  const int column = static_cast<int>(u + 0.5f);
+  const int row = static_cast<int>(v + 0.5f);
+  const float source_depth = source.depth(column, row);
+  if (!(source_depth > 0.f)) {
+    return false;
+  }
+  seen->point = TransposeTimes(
+      pose.rotation,
+      source.intrinsics.Ray(column, row) * source_depth - pose.translation);
+  if (!(seen->point.z > 0.f)) {
+    return false;
+  }
+  reference.Project(seen->point, &seen->x, &seen->y);
+  return true;
+}
+
+}  // namespace tsar

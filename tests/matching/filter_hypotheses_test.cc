@@ -1,0 +1,247 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/matching/filter_hypotheses.h"
+
+#include <limits>
+
+#include "tests/matching/textured_plane.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+
+// At each scale a plane three units off.
+class FilterHypothesesTest : public testing::TestWithParam<float> {
+ protected:
+  FilterHypothesesTest()
+      : device_(Device::CreateCpu(2)),
+        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera_, *device_) {}
+
+  // Half a unit is an angle of 9 degrees.
+  void AddSource(double x, double y) {
+    scene_.AddSource(SourceCamera(camera_, {x, y, 0.0}, -0.3 * x));
+  }
+  void AddThreeSources() {
+    AddSource(0.5, 0.05);
+    AddSource(-0.5, 0.05);
+    AddSource(0.3, 0.4);
+  }
+  void ScaleDepth(float factor) {
+    for (float& depth : scene_.Depth()) {
+      depth *= factor;
+    }
+  }
+
+  // The scene in units of 1 / GetParam(), with what the filter leaves of it in
+  // units of 1.
+  Image<float> Filter() {
+    const float scale = GetParam();
+    std::vector<SourceView> sources = scene_.Sources().ToHost();
+    std::vector<Image<float>> source_depths;
+    for (SourceView& source : sources) {
+      source.from_reference.translation =
+          source.from_reference.translation * scale;
+      Image<float> scaled(source.depth.width, source.depth.height);
+      for (size_t i = 0; i < scaled.NumPixels(); ++i) {
+        scaled.Data()[i] = scale * source.depth.data[i];
+      }
+      source_depths.push_back(std::move(scaled));
+    }
+    for (size_t i = 0; i < sources.size(); ++i) {
+      sources[i].depth = std::as_const(source_depths[i]).View();
+    }
+    Image<float> depth = scene_.Depth();
+    for (float& value : depth) {
+      value *= scale;
+    }
+    ReferenceView reference = scene_.Reference();
+    reference.depth = std::as_const(depth).View();
+    if (!normal_.Empty()) {
+      reference.normal = std::as_const(normal_).View();
+    }
+    Image<float> filtered =
+        FilterHypotheses(reference,
+                         Buffer<SourceView>(*device_, sources),
+                         options_,
+                         *device_)
+            .ToHost();
+    for (size_t i = 0; i < filtered.NumPixels(); ++i) {
+      // What stays does not change.
+      if (filtered.Data()[i] != 0.f) {
+        EXPECT_EQ(filtered.Data()[i], depth.Data()[i]);
+      }
+    }
+    return filtered;
+  }
+  // Of the pixels in the middle, which all sources see, the share that stay.
+  float ShareKept() {
+    const Image<float> filtered = Filter();
+    int num_kept = 0;
+    int num_all = 0;
+    for (int y = 16; y < 32; ++y) {
+      for (int x = 22; x < 42; ++x) {
+        num_kept += filtered(x, y) > 0.f ? 1 : 0;
+        ++num_all;
+      }
+    }
+    return static_cast<float>(num_kept) / num_all;
+  }
+
+  std::unique_ptr<Device> device_;
+  Camera camera_;
+  TexturedPlane scene_;
+  Image<Vec3f> normal_;  // Instead of the truth.
+  HypothesisFilterOptions options_;
+};
+
+TEST_P(FilterHypothesesTest, KeepsTheTruth) {
+  AddThreeSources();
+  EXPECT_EQ(ShareKept(), 1.f);
+}
+
+TEST_P(FilterHypothesesTest, RemovesWrongDepths) {
+  AddThreeSources();
+  // A tenth of the disparity, 17 pixels, is more than one.
+  ScaleDepth(1.1f);
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, RemovesOnlyWrongDepths) {
+  AddThreeSources();
+  scene_.Depth()(30, 20) *= 0.9f;
+  const Image<float> filtered = Filter();
+  EXPECT_EQ(filtered(30, 20), 0.f);
+  EXPECT_GT(filtered(31, 20), 0.f);
+  EXPECT_GT(filtered(30, 21), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, NeedsEnoughConsistentSources) {
+  AddThreeSources();
+  options_.min_num_consistent = 3;
+  EXPECT_EQ(ShareKept(), 1.f);
+  options_.min_num_consistent = 4;
+  EXPECT_EQ(ShareKept(), 0.f);
+  // One that looks away is no fourth.
+  scene_.AddSource(SourceCamera(camera_, {0.5, 0.0, 0.0}, 3.14159265));
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, NeedsTheDepthsOfTheSources) {
+  AddThreeSources();
+  for (float& depth : scene_.SourceDepth(0)) {
+    depth *= 1.15f;
+  }
+  EXPECT_EQ(ShareKept(), 1.f);
+  scene_.SourceDepth(1) = Image<float>(kWidth, kHeight, 0.f);
+  EXPECT_EQ(ShareKept(), 0.f);
+  options_.min_num_consistent = 1;
+  EXPECT_EQ(ShareKept(), 1.f);
+  scene_.SourceDepth(2) = Image<float>();
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, LimitsTheReprojectionError) {
+  AddThreeSources();
+  options_.geom_consistency_max_cost = 3.f;
+  ScaleDepth(1.1f);
+  options_.min_ncc = -1.f;
+  EXPECT_EQ(ShareKept(), 1.f);
+  options_.geom_consistency_max_cost = 0.5f;
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, NeedsAnAngleBetweenTheViews) {
+  // About 2 degrees.
+  AddSource(0.1, 0.0);
+  AddSource(-0.1, 0.0);
+  EXPECT_EQ(ShareKept(), 0.f);
+  options_.min_triangulation_angle = 1.5f;
+  EXPECT_EQ(ShareKept(), 1.f);
+  options_.min_triangulation_angle = 2.5f;
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, TakesTheReferenceItselfForNoView) {
+  AddSource(0.0, 0.0);
+  AddSource(0.0, 0.0);
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, NeedsImagesThatMatch) {
+  AddThreeSources();
+  for (int i = 0; i < 2; ++i) {
+    for (float& value : scene_.SourceGray(i)) {
+      value = 255.f - value;
+    }
+  }
+  EXPECT_EQ(ShareKept(), 0.f);
+  // Negatives have an NCC of -1.
+  options_.min_ncc = -1.f;
+  EXPECT_EQ(ShareKept(), 1.f);
+}
+
+TEST_P(FilterHypothesesTest, MatchesUnderThePlane) {
+  AddThreeSources();
+  options_.min_ncc = 0.9f;
+  EXPECT_EQ(ShareKept(), 1.f);
+  // Seen from the side the window is squeezed to a line.
+  normal_ = Image<Vec3f>(kWidth, kHeight, Normalized(Vec3f{1.f, 0.f, -0.15f}));
+  EXPECT_LT(ShareKept(), 0.1f);
+}
+
+TEST_P(FilterHypothesesTest, NeedsTexture) {
+  AddThreeSources();
+  scene_.Gray() = Image<float>(kWidth, kHeight, 128.f);
+  EXPECT_EQ(ShareKept(), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, LooksAtAWindowOfTheGivenRadius) {
+  AddThreeSources();
+  Image<float>& gray = scene_.Gray();
+  for (int y = 16; y < 32; ++y) {
+    for (int x = 22; x < 42; ++x) {
+      gray(x, y) = 128.f;
+    }
+  }
+  // In the middle no window of this radius has texture.
+  const Image<float> narrow = Filter();
+  EXPECT_EQ(narrow(32, 24), 0.f);
+  options_.window_radius = 12.f;
+  options_.min_ncc = -1.f;
+  const Image<float> wide = Filter();
+  EXPECT_GT(wide(32, 24), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, RemovesPixelsWithoutHypothesis) {
+  AddThreeSources();
+  scene_.Depth()(30, 20) = 0.f;
+  scene_.Depth()(31, 20) = -1.f;
+  scene_.Depth()(32, 20) = std::numeric_limits<float>::quiet_NaN();
+  normal_ = Image<Vec3f>(kWidth, kHeight, Normalized(Vec3f{0.3f, -0.2f, -1.f}));
+  normal_(33, 20) = {};
+  normal_(34, 20) = {0.f, 0.f, 1.f};
+  const Image<float> filtered = Filter();
+  for (int x = 30; x < 35; ++x) {
+    EXPECT_EQ(filtered(x, 20), 0.f) << x;
+  }
+  EXPECT_GT(filtered(35, 20), 0.f);
+  EXPECT_GT(filtered(29, 20), 0.f);
+}
+
+TEST_P(FilterHypothesesTest, RemovesAllWithoutSources) {
+  EXPECT_EQ(ShareKept(), 0.f);
+  options_.min_num_consistent = 0;
+  EXPECT_EQ(ShareKept(), 1.f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales,
+                         FilterHypothesesTest,
+                         testing::Values(1e-3f, 1.f, 1e3f));
+
+}  // namespace
+}  // namespace tsar

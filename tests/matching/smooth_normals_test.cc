@@ -1,0 +1,180 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/matching/smooth_normals.h"
+
+#include "colmap_tsar/base/random.h"
+
+#include <cmath>
+#include <utility>
+
+#include "tests/base/drawn_scene.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 48;
+constexpr int kHeight = 36;
+constexpr Vec3f kTilt = {0.3f, -0.2f, -1.f};
+
+class SmoothNormalsTest : public testing::Test {
+ protected:
+  SmoothNormalsTest()
+      : device_(Device::CreateCpu(2)),
+        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        depth_(DrawDepth(DrawnPlane(kTilt, 3.f), camera_)),
+        normal_(kWidth, kHeight, Normalized(kTilt)) {}
+
+  // Turns every normal by up to about ten degrees.
+  void AddNoise() {
+    Philox random(1, 0, 0);
+    const auto draw = [&] { return 0.2f * (2.f * random.NextFloat() - 1.f); };
+    for (Vec3f& normal : normal_) {
+      normal = Normalized(normal + Vec3f{draw(), draw(), draw()});
+    }
+  }
+  Image<Vec3f> Smooth() {
+    return SmoothNormals(camera_.GetIntrinsics(),
+                         std::as_const(depth_).View(),
+                         std::as_const(normal_).View(),
+                         options_,
+                         *device_)
+        .ToHost();
+  }
+  static float MeanError(const Image<Vec3f>& normals, const Vec3f& truth) {
+    float sum = 0.f;
+    for (const Vec3f& normal : normals) {
+      sum += AngleBetween(normal, truth);
+    }
+    return sum / normals.NumPixels();
+  }
+
+  std::unique_ptr<Device> device_;
+  Camera camera_;
+  Image<float> depth_;
+  Image<Vec3f> normal_;
+  SmoothNormalsOptions options_;
+};
+
+TEST_F(SmoothNormalsTest, ComesNearerToTheTruth) {
+  AddNoise();
+  const Vec3f truth = Normalized(kTilt);
+  const float before = MeanError(normal_, truth);
+  ASSERT_GT(before, 5.f);
+  const Image<Vec3f> smoothed = Smooth();
+  // The mean of 25 has a fifth of the error.
+  EXPECT_LT(MeanError(smoothed, truth), before / 3.5f);
+  for (const Vec3f& normal : smoothed) {
+    ASSERT_NEAR(Norm(normal), 1.f, 1e-5f);
+  }
+  options_.radius = 4;
+  EXPECT_LT(MeanError(Smooth(), truth), before / 5.f);
+  options_.radius = 0;
+  EXPECT_NEAR(MeanError(Smooth(), truth), before, 1e-3f);
+}
+
+TEST_F(SmoothNormalsTest, KeepsThoseOfAPlane) {
+  for (const Vec3f& normal : Smooth()) {
+    ASSERT_LT(AngleBetween(normal, Normalized(kTilt)), 0.05f);
+  }
+}
+
+TEST_F(SmoothNormalsTest, IsTheMeanOfTheWindow) {
+  // Both are within reach of (20, 20), but only one of (22, 20).
+  const Vec3f turned = Normalized(kTilt + Vec3f{0.2f, 0.f, 0.f});
+  normal_(19, 20) = turned;
+  normal_(21, 21) = turned;
+  const Image<Vec3f> smoothed = Smooth();
+  const auto mean = [&](int num_turned) {
+    return Normalized((25.f - num_turned) * Normalized(kTilt) +
+                      static_cast<float>(num_turned) * turned);
+  };
+  EXPECT_LT(AngleBetween(smoothed(20, 20), mean(2)), 0.02f);
+  EXPECT_LT(AngleBetween(smoothed(22, 20), mean(1)), 0.02f);
+  EXPECT_LT(AngleBetween(smoothed(24, 24), mean(0)), 0.02f);
+}
+
+TEST_F(SmoothNormalsTest, DoesNotBlurAnEdgeBetweenTwoPlanes) {
+  // A roof: the planes meet in the middle column and are 80 degrees apart.
+  const Vec3f left = Normalized(Vec3f{-0.84f, 0.f, -1.f});
+  const Vec3f right = Normalized(Vec3f{0.84f, 0.f, -1.f});
+  const Image<float> left_depth = DrawDepth(DrawnPlane(left, 3.f), camera_);
+  const Image<float> right_depth = DrawDepth(DrawnPlane(right, 3.f), camera_);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const bool is_left = x < kWidth / 2;
+      depth_(x, y) = is_left ? left_depth(x, y) : right_depth(x, y);
+      normal_(x, y) = is_left ? left : right;
+    }
+  }
+  const Image<Vec3f> smoothed = Smooth();
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      ASSERT_LT(AngleBetween(smoothed(x, y), normal_(x, y)), 0.05f)
+          << x << ", " << y;
+    }
+  }
+  // Without the bound it is blurred.
+  options_.min_cos_angle = -1.f;
+  options_.max_depth_error = 1.f;
+  EXPECT_GT(AngleBetween(Smooth()(kWidth / 2, 10), right), 10.f);
+}
+
+TEST_F(SmoothNormalsTest, DoesNotBlurAStepInDepth) {
+  // Alike in direction, but the right one lies behind.
+  const Vec3f other = Normalized(kTilt + Vec3f{0.2f, 0.f, 0.f});
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 2; x < kWidth; ++x) {
+      depth_(x, y) *= 1.1f;
+      normal_(x, y) = other;
+    }
+  }
+  const Image<Vec3f> smoothed = Smooth();
+  EXPECT_LT(AngleBetween(smoothed(kWidth / 2 - 1, 10), Normalized(kTilt)),
+            0.05f);
+  EXPECT_LT(AngleBetween(smoothed(kWidth / 2, 10), other), 0.05f);
+  options_.max_depth_error = 0.5f;
+  const Image<Vec3f> blurred = Smooth();
+  EXPECT_GT(AngleBetween(blurred(kWidth / 2, 10), other), 1.f);
+}
+
+TEST_F(SmoothNormalsTest, KeepsThoseWithoutDepthAndDoesNotUseThem) {
+  const Vec3f turned = Normalized(kTilt + Vec3f{0.3f, 0.f, 0.f});
+  depth_(20, 20) = 0.f;
+  normal_(20, 20) = turned;
+  depth_(21, 20) = 0.f;
+  normal_(21, 20) = {};
+  const Image<Vec3f> smoothed = Smooth();
+  EXPECT_EQ(smoothed(20, 20), turned);
+  EXPECT_EQ(smoothed(21, 20), Vec3f{});
+  EXPECT_LT(AngleBetween(smoothed(19, 20), Normalized(kTilt)), 0.05f);
+}
+
+TEST_F(SmoothNormalsTest, StaysTurnedToTheCamera) {
+  // At this pixel the normal nearly faces away, and those around it, which are
+  // turned a little more, do.
+  const Vec3f ray = camera_.GetIntrinsics().Ray(20.f, 20.f);
+  const Vec3f across = Normalized(Cross(ray, {0.f, 1.f, 0.f}));
+  options_.max_depth_error = 10.f;
+  depth_ = Image<float>(kWidth, kHeight, 3.f);
+  normal_ = Image<Vec3f>(kWidth, kHeight, Normalized(across + 0.1f * ray));
+  normal_(20, 20) = Normalized(across - 0.01f * ray);
+  const Image<Vec3f> smoothed = Smooth();
+  EXPECT_EQ(smoothed(20, 20), normal_(20, 20));
+}
+
+TEST_F(SmoothNormalsTest, DoesNotDependOnTheUnitOfLength) {
+  AddNoise();
+  const Image<Vec3f> expected = Smooth();
+  for (float& depth : depth_) {
+    depth *= 1024.f;
+  }
+  const Image<Vec3f> scaled = Smooth();
+  for (size_t i = 0; i < scaled.NumPixels(); ++i) {
+    ASSERT_EQ(scaled.Data()[i], expected.Data()[i]);
+  }
+}
+
+}  // namespace
+}  // namespace tsar
