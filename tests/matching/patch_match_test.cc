@@ -459,6 +459,22 @@ TEST_F(PatchMatchTest, FindsThePlaneFarFromThoseItHas) {
   EXPECT_LT(Compare(scene, found.planes).median_depth_error, 0.02f);
 }
 
+TEST_F(PatchMatchTest, FindsNormalsFarFromThoseItHas) {
+  TexturedPlane scene = Scene(kTilt);
+  options_.num_past_iterations = 100;
+  const Image<Vec3f> wrong(
+      kWidth, kHeight, Normalized(Vec3f{-1.f, 0.5f, -0.6f}));
+  const DeviceImage<Vec3f> normal(*device_, wrong);
+  const HostHypotheses found =
+      Run(scene,
+          Images(scene),
+          PlanesFromMaps(
+              intrinsics_, scene.Reference().depth, normal.View(), *device_));
+  const Accuracy accuracy = Compare(scene, found.planes);
+  EXPECT_LT(accuracy.median_normal_error, 10.f);
+  EXPECT_LT(accuracy.median_depth_error, 1e-3f);
+}
+
 TEST_F(PatchMatchTest, LooksAtAWindowOfTheGivenRadius) {
   TexturedPlane scene = Scene(kTilt);
   for (int y = 16; y < 32; ++y) {
