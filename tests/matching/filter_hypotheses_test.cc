@@ -166,6 +166,17 @@ TEST_P(FilterHypothesesTest, NeedsAnAngleBetweenTheViews) {
   EXPECT_EQ(ShareKept(), 0.f);
 }
 
+TEST_P(FilterHypothesesTest, MeasuresTheAngleWhateverTheSourcesTurn) {
+  // In front of the reference, so that both see the point the same way but for
+  // a degree; the turn of 11 degrees does not count.
+  scene_.AddSource(SourceCamera(camera_, {0.0, 0.0, 1.0}, 0.2));
+  options_.min_num_consistent = 1;
+  options_.min_triangulation_angle = 0.3f;
+  EXPECT_GT(Filter()(36, 24), 0.f);
+  options_.min_triangulation_angle = 3.f;
+  EXPECT_EQ(Filter()(36, 24), 0.f);
+}
+
 TEST_P(FilterHypothesesTest, TakesTheReferenceItselfForNoView) {
   AddSource(0.0, 0.0);
   AddSource(0.0, 0.0);

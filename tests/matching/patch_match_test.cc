@@ -409,6 +409,89 @@ TEST_F(PatchMatchTest, TakesOnePixel) {
   EXPECT_TRUE(found.planes(0, 0).Valid());
 }
 
+TEST_F(PatchMatchTest, StartsWithTheTwoSourcesThatMatchBest) {
+  options_.num_iterations = 0;
+  TexturedPlane scene = Scene(kTilt);
+  // Two negatives and two that look away.
+  for (int i = 0; i < 2; ++i) {
+    scene.AddSource(SourceCamera(camera_, {0.1, 0.0, 0.0}, 3.14159265));
+    for (float& value : scene.SourceGray(i)) {
+      value = 255.f - value;
+    }
+  }
+  const Image<float> costs = Run(scene, Images(scene), TruePlanes(scene)).costs;
+  // The middle is seen by both of the others.
+  for (int y = 18; y < 30; ++y) {
+    for (int x = 22; x < 42; ++x) {
+      ASSERT_LT(costs(x, y), 0.1f) << x << ", " << y;
+    }
+  }
+}
+
+TEST_F(PatchMatchTest, KeepsPlanesBetweenTheBounds) {
+  TexturedPlane scene = Scene(kSlant);
+  // Of the plane only a strip lies between them.
+  options_.depth_min = 2.9f;
+  options_.depth_max = 3.1f;
+  const HostHypotheses found = Run(scene, Images(scene), Draw());
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const float depth = found.planes(x, y).Depth(intrinsics_.Ray(x, y));
+      ASSERT_GT(depth, 2.9f * (1.f - 1e-4f)) << x << ", " << y;
+      ASSERT_LT(depth, 3.1f * (1.f + 1e-4f)) << x << ", " << y;
+    }
+  }
+}
+
+TEST_F(PatchMatchTest, FindsThePlaneFarFromThoseItHas) {
+  TexturedPlane scene = Scene(kTilt);
+  // Small steps do not lead anywhere; planes have to be drawn anew.
+  options_.num_past_iterations = 100;
+  const Image<float> far(kWidth, kHeight, 5.8f);
+  const DeviceImage<float> depth(*device_, far);
+  const HostHypotheses found =
+      Run(scene,
+          Images(scene),
+          PlanesFromMaps(
+              intrinsics_, depth.View(), scene.Reference().normal, *device_));
+  EXPECT_LT(Compare(scene, found.planes).median_depth_error, 0.02f);
+}
+
+TEST_F(PatchMatchTest, FindsNormalsFarFromThoseItHas) {
+  TexturedPlane scene = Scene(kTilt);
+  options_.num_past_iterations = 100;
+  const Image<Vec3f> wrong(
+      kWidth, kHeight, Normalized(Vec3f{-1.f, 0.5f, -0.6f}));
+  const DeviceImage<Vec3f> normal(*device_, wrong);
+  const HostHypotheses found =
+      Run(scene,
+          Images(scene),
+          PlanesFromMaps(
+              intrinsics_, scene.Reference().depth, normal.View(), *device_));
+  const Accuracy accuracy = Compare(scene, found.planes);
+  EXPECT_LT(accuracy.median_normal_error, 10.f);
+  EXPECT_LT(accuracy.median_depth_error, 1e-3f);
+}
+
+TEST_F(PatchMatchTest, LooksAtAWindowOfTheGivenRadius) {
+  TexturedPlane scene = Scene(kTilt);
+  for (int y = 16; y < 32; ++y) {
+    for (int x = 22; x < 42; ++x) {
+      scene.Gray()(x, y) = 128.f;
+    }
+  }
+  // In the middle only wide windows have texture.
+  for (const int num_iterations : {0, 1}) {
+    options_.num_iterations = num_iterations;
+    const auto cost = [&](float radius) {
+      options_.window_radius = radius;
+      return Run(scene, Images(scene), TruePlanes(scene)).costs(32, 24);
+    };
+    EXPECT_EQ(cost(5.f), kMaxCost) << num_iterations;
+    EXPECT_LT(cost(12.f), kMaxCost - 0.1f) << num_iterations;
+  }
+}
+
 TEST_F(PatchMatchTest, FollowsTheDepthsOfSourcesWithoutTexture) {
   TexturedPlane scene = Scene(kTilt);
   Image<float> depth = scene.Depth();
