@@ -116,8 +116,8 @@ fetch_source() {  # sets version and source
   done | sort -u >"$apt/sources.list"
   [[ -s $apt/sources.list ]] ||
     fail "apt knows no suite of Debian or Ubuntu; run apt-get update" 3
-  # Without a network the lists of an earlier run will do. To apt-get a list that
-  # cannot be fetched is no error unless told so.
+  # Without a network the lists of an earlier run will do. Lists that cannot be
+  # fetched are no error to apt-get unless it is told so.
   apt_sources apt-get update -o APT::Update::Error-Mode=any ||
     echo "build_colmap: going on with the package lists that are here" >&2
   # Every version with the upstream part of it, the newest last.
