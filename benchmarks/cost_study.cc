@@ -9,6 +9,8 @@
 // that COLMAP reads (grey by Rec. 709, in whole numbers, black around the
 // image).
 //
+// Types of maps without exported costs are passed over.
+//
 //   cost_study WORKSPACE [WORKSPACE ...]
 
 #include "colmap_tsar/matching/bilateral_ncc.h"
@@ -20,6 +22,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -166,8 +169,20 @@ class Comparison {
   long only_computed_ = 0;
 };
 
+bool HasExportedCosts(const Workspace& workspace, MapType type) {
+  const std::vector<StereoProblem>& problems = workspace.Problems();
+  return std::any_of(
+      problems.begin(), problems.end(), [&](const StereoProblem& problem) {
+        return std::filesystem::exists(
+            workspace.CostPath(problem.reference, type));
+      });
+}
+
 void Study(const std::string& root, MapType type) {
   const Workspace workspace(root, type);
+  if (!HasExportedCosts(workspace, type)) {
+    return;
+  }
   const std::unique_ptr<Device> device = Device::CreateCpu(0);
   std::vector<ViewData> views;
   std::vector<Image<float>> grays;
@@ -254,6 +269,10 @@ void Study(const std::string& root, MapType type) {
 }  // namespace tsar
 
 int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: cost_study WORKSPACE [WORKSPACE ...]\n");
+    return 2;
+  }
   try {
     for (int i = 1; i < argc; ++i) {
       for (const tsar::MapType type :

@@ -17,14 +17,25 @@ if(TSAR_CUDA STREQUAL "ON" OR
       set(CMAKE_CUDA_ARCHITECTURES all-major)
     endif()
     enable_language(CUDA)
-    # CMake 3.25 does not know that nvcc has C++20 since 12.0.
-    if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
-      set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
-      set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
+    if(CMAKE_CUDA_COMPILER_ID STREQUAL "NVIDIA" AND
+       CMAKE_CUDA_COMPILER_VERSION VERSION_LESS 12)
+      set(tsar_old_nvcc
+        "nvcc ${CMAKE_CUDA_COMPILER_VERSION} has no C++20, which CUDA 12 has")
+      if(TSAR_CUDA STREQUAL "ON")
+        message(FATAL_ERROR "TSAR_CUDA=ON, but ${tsar_old_nvcc}; set "
+          "CMAKE_CUDA_COMPILER to a newer one, or TSAR_CUDA=OFF")
+      endif()
+      message(STATUS "${tsar_old_nvcc}: built for the CPU alone")
+    else()
+      # CMake 3.25 does not know that nvcc has C++20 since 12.0.
+      if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)
+        set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
+        set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
+      endif()
+      set(CMAKE_CUDA_STANDARD 20)
+      set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+      set(TSAR_CUDA_ENABLED ON)
     endif()
-    set(CMAKE_CUDA_STANDARD 20)
-    set(CMAKE_CUDA_STANDARD_REQUIRED ON)
-    set(TSAR_CUDA_ENABLED ON)
   elseif(TSAR_CUDA STREQUAL "ON")
     message(FATAL_ERROR
       "TSAR_CUDA=ON, but no CUDA compiler was found; put nvcc on the PATH or "

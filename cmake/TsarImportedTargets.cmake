@@ -1,32 +1,48 @@
 # Targets of the libraries that come without a CMake package on some
-# distributions. Part of the installed package too.
+# distributions. Part of the installed package too, which must not end the
+# projects that only ask for it: sets tsar_missing to what was not found, or to
+# nothing.
+set(tsar_missing "")
 
 if(NOT TARGET ColmapTsar::glog)
-  add_library(ColmapTsar::glog INTERFACE IMPORTED)
   # COLMAP's own build may have found it before us; there must be only one.
   if(NOT TARGET glog::glog)
     find_package(glog CONFIG QUIET)
   endif()
-  if(TARGET glog::glog)
-    target_link_libraries(ColmapTsar::glog INTERFACE glog::glog)
+  set(tsar_glog glog::glog)
+  if(NOT TARGET glog::glog)
+    set(tsar_glog PkgConfig::TSAR_GLOG)
+    find_package(PkgConfig QUIET)
+    if(PkgConfig_FOUND)
+      pkg_check_modules(TSAR_GLOG QUIET IMPORTED_TARGET libglog)
+    endif()
+  endif()
+  if(TARGET ${tsar_glog})
+    add_library(ColmapTsar::glog INTERFACE IMPORTED)
+    target_link_libraries(ColmapTsar::glog INTERFACE ${tsar_glog})
   else()
-    find_package(PkgConfig REQUIRED)
-    pkg_check_modules(TSAR_GLOG REQUIRED IMPORTED_TARGET libglog)
-    target_link_libraries(ColmapTsar::glog INTERFACE PkgConfig::TSAR_GLOG)
+    list(APPEND tsar_missing "glog")
   endif()
 endif()
 
 # FLANN's own package file also lists what only its tools need (HDF5, MPI). Its
 # headers need LZ4.
 if(NOT TARGET ColmapTsar::flann)
-  find_path(TSAR_FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)
-  find_library(TSAR_FLANN_LIBRARY flann_cpp REQUIRED)
-  find_library(TSAR_LZ4_LIBRARY lz4 REQUIRED)
+  find_path(TSAR_FLANN_INCLUDE_DIR flann/flann.hpp)
+  find_library(TSAR_FLANN_LIBRARY flann_cpp)
+  find_library(TSAR_LZ4_LIBRARY lz4)
   mark_as_advanced(
     TSAR_FLANN_INCLUDE_DIR TSAR_FLANN_LIBRARY TSAR_LZ4_LIBRARY)
-  add_library(ColmapTsar::flann INTERFACE IMPORTED)
-  target_include_directories(ColmapTsar::flann SYSTEM INTERFACE
-    ${TSAR_FLANN_INCLUDE_DIR})
-  target_link_libraries(ColmapTsar::flann INTERFACE
-    ${TSAR_FLANN_LIBRARY} ${TSAR_LZ4_LIBRARY})
+  if(NOT TSAR_FLANN_INCLUDE_DIR OR NOT TSAR_FLANN_LIBRARY)
+    list(APPEND tsar_missing "FLANN (flann/flann.hpp, flann_cpp)")
+  elseif(NOT TSAR_LZ4_LIBRARY)
+    list(APPEND tsar_missing "LZ4")
+  else()
+    add_library(ColmapTsar::flann INTERFACE IMPORTED)
+    target_include_directories(ColmapTsar::flann SYSTEM INTERFACE
+      ${TSAR_FLANN_INCLUDE_DIR})
+    target_link_libraries(ColmapTsar::flann INTERFACE
+      ${TSAR_FLANN_LIBRARY} ${TSAR_LZ4_LIBRARY})
+  endif()
 endif()
+list(JOIN tsar_missing ", " tsar_missing)

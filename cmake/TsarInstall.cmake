@@ -6,13 +6,17 @@ set(TSAR_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ColmapTsar)
 
 install(TARGETS colmap_tsar_program)
 install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
-# Without those that need OpenCV's or CUDA's headers: only this project's own
-# sources include them.
+# For C++ sources: without the headers that need OpenCV or, where nvcc reads
+# them, this project's CUDA part. Only its own sources include those.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
   PATTERN "report/canvas.h" EXCLUDE
-  PATTERN "device/cuda_*.h" EXCLUDE)
+  PATTERN "device/connected_components.h" EXCLUDE
+  PATTERN "device/copy.h" EXCLUDE
+  PATTERN "device/cuda_*.h" EXCLUDE
+  PATTERN "device/fill.h" EXCLUDE
+  PATTERN "device/parallel_for*.h" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT ColmapTsarTargets

@@ -13,13 +13,14 @@
 #   VERSION          the version to build; by default the one that the
 #                    distribution has (3.8 on Debian 12, 3.9.1 on Ubuntu 24.04)
 #   --source DIR     take COLMAP's source from DIR, a release or a checkout of
-#                    VERSION, instead of the distribution; DIR is not changed
+#                    VERSION (3.8 to 3.10), instead of the distribution; DIR is
+#                    copied every time and not changed
 #   --prefix DIR     where to install; by default install/ in this repository
 #   --skip-install   do not look for missing packages (and need no root rights)
 #
-# The variable CUDA_ARCHITECTURES, in CMake's words, overrides the choice of GPUs.
-# The system's lists of package sources stay as they are. Exit code 3: the
-# source package cannot be had; everything else that goes wrong gives 1.
+# The variable CUDA_ARCHITECTURES, in CMake's words, overrides the choice of
+# GPUs. The system's lists of package sources stay as they are. Exit code 3: the
+# source package cannot be had; any other code but 0: something else went wrong.
 set -euo pipefail
 
 # The text above.
@@ -33,7 +34,9 @@ while (($#)); do
   case $1 in
     --prefix | --source)
       (($# > 1)) || { usage >&2; exit 2; }
-      printf -v "${1#--}" %s "$(realpath -m "$2")"
+      # On a line of its own, so that an empty DIR ends the script.
+      value=$(realpath -m -- "$2")
+      printf -v "${1#--}" %s "$value"
       shift ;;
     --skip-install) install=0 ;;
     -h | --help) usage; exit 0 ;;
@@ -52,21 +55,17 @@ source scripts/apt.sh
 fail() { echo "build_colmap: $1" >&2; exit "${2:-1}"; }
 step() { printf '\n== %s\n' "$*"; }
 
+# What COLMAP needs beside the packages of install_dependencies.sh.
 packages=(
   dpkg-dev
   libboost-filesystem-dev
   libboost-graph-dev
-  libboost-program-options-dev
   libboost-system-dev
   libboost-test-dev
   libceres-dev
   libcgal-dev
-  libeigen3-dev
-  libflann-dev
   libfreeimage-dev
   libglew-dev
-  libgoogle-glog-dev
-  liblz4-dev
   libmetis-dev
   libsqlite3-dev
   patch
@@ -90,18 +89,20 @@ find_patch() {  # find_patch VERSION
   fail "no patch for COLMAP $1; there is $(cd patches && echo *.patch)"
 }
 
-# apt-get with entries for source packages of the configured suites, kept in the
-# folder `apt` and nowhere else.
+# apt-get with entries for source packages of the configured suites. These, the
+# lists and the cache are kept in the folder `apt` and nowhere else.
 work=$repository/build-colmap
 apt=$work/apt
 apt_sources() {
-  "$@" -qq -o APT::Sandbox::User=root -o Dir::Etc::sourcelist="$apt/sources.list" \
-    -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$apt/lists"
+  "$@" -qq -o APT::Sandbox::User=root \
+    -o Dir::Etc::sourcelist="$apt/sources.list" \
+    -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$apt/lists" \
+    -o Dir::Cache="$apt/cache"
 }
 
 fetch_source() {  # sets version and source
-  local keys=() keyring all chosen
-  mkdir -p "$apt/lists/partial"
+  local keys=() keyring origin all chosen
+  mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial"
   for keyring in debian ubuntu; do
     if [[ -f /usr/share/keyrings/$keyring-archive-keyring.gpg ]]; then
       keys+=("/usr/share/keyrings/$keyring-archive-keyring.gpg")
@@ -115,11 +116,15 @@ fetch_source() {  # sets version and source
   done | sort -u >"$apt/sources.list"
   [[ -s $apt/sources.list ]] ||
     fail "apt knows no suite of Debian or Ubuntu; run apt-get update" 3
-  apt_sources apt-get update || fail "apt-get update failed, see above" 3
+  # Without a network the lists of an earlier run will do. Lists that cannot be
+  # fetched are no error to apt-get unless it is told so.
+  apt_sources apt-get update -o APT::Update::Error-Mode=any ||
+    echo "build_colmap: going on with the package lists that are here" >&2
   # Every version with the upstream part of it, the newest last.
-  all=$(apt_sources apt-cache showsrc colmap | sed -n 's/^Version: //p' |
-        sort -Vu)
+  all=$({ apt_sources apt-cache showsrc colmap || true; } |
+        sed -n 's/^Version: //p' | sort -Vu)
   chosen=$(while read -r full; do
+             [[ -n $full ]] || continue
              upstream=${full#*:}
              upstream=${upstream%-*}
              upstream=${upstream%%[+~]*}
@@ -128,8 +133,9 @@ fetch_source() {  # sets version and source
              fi
            done <<<"$all" | tail -1)
   if [[ -z $chosen ]]; then
-    fail "the distribution has no source of COLMAP $version (it has: \
-${all//$'\n'/ }); get it and name its folder by --source" 3
+    all=${all//$'\n'/ }
+    fail "the distribution has no source of COLMAP${version:+ $version} (it \
+has: ${all:-none}); get it and name its folder by --source" 3
   fi
   version=${chosen#* }
   source=$work/$version/distribution
@@ -151,19 +157,25 @@ if [[ -z $source ]]; then
 else
   [[ -n $version ]] || fail "--source needs the VERSION that it holds"
   [[ -f $source/CMakeLists.txt ]] || fail "$source: holds no CMakeLists.txt"
+  [[ $source/ != "$work"/* ]] || fail "--source must not lie in $work"
 fi
 patch=$(find_patch "$version")
 echo "COLMAP $version from $source, with $(basename "$patch")"
 
-# A copy is patched, anew when the patch is another one.
+# A copy is patched. With another folder or patch nothing stays of what was
+# built; a folder of the user's is copied always, since it may have been edited.
 step "Patch"
 patched=$work/$version/source
-digest=$(sha256sum <"$patch")
+digest=$({ echo "$source" && cat "$patch"; } | sha256sum)
 if [[ $(cat "$patched/patched" 2>/dev/null) != "$digest" ]]; then
+  rm -rf "$patched" "$work/$version/build"
+fi
+if [[ ! -d $patched || $source/ != "$work"/* ]]; then
   rm -rf "$patched"
+  mkdir -p "$work/$version"
   cp -a "$source" "$patched"
   patch -s -p1 --fuzz=0 --no-backup-if-mismatch -d "$patched" <"$patch" ||
-    fail "$(basename "$patch") does not fit; does the folder hold COLMAP $version?"
+    fail "$(basename "$patch") does not fit; is it COLMAP $version?"
   echo "$digest" >"$patched/patched"
 fi
 echo "$patched"
@@ -173,14 +185,21 @@ architectures=all-major
 if command -v nvidia-smi >/dev/null && nvidia-smi -L >/dev/null 2>&1; then
   architectures=native
 fi
-: "${CUDA_ARCHITECTURES:=$architectures}"
 
-# What is built already, by scripts/test.sh for one, is taken as it is.
+# The preset undoes the TSAR_CUDA=OFF of an earlier build. The other options of
+# a folder that is in use stay: scripts/test.sh has just built it, has named the
+# GPUs, and goes on with it.
 step "TSAR for COLMAP"
-if [[ ! -f build/CMakeCache.txt ]]; then
-  cmake --preset release -DTSAR_TESTS=OFF \
-    -DCMAKE_CUDA_ARCHITECTURES="$CUDA_ARCHITECTURES"
+options=()
+if [[ ! -f build/build.ninja ]]; then
+  options+=(-DTSAR_TESTS=OFF)
+  : "${CUDA_ARCHITECTURES:=$architectures}"
 fi
+if [[ -n ${CUDA_ARCHITECTURES:-} ]]; then
+  options+=(-DCMAKE_CUDA_ARCHITECTURES="$CUDA_ARCHITECTURES")
+fi
+: "${CUDA_ARCHITECTURES:=$architectures}"
+cmake --preset release "${options[@]}"
 cmake --build --preset release --target colmap_tsar_program
 cmake --install build --prefix "$prefix" >/dev/null
 
@@ -192,8 +211,8 @@ if command -v nvcc >/dev/null; then
   # Its bundle adjustment on the GPU uses what CUDA 12 no longer has.
   if [[ $(printf '%s\n' 3.9 "$version" | sort -V | head -1) != 3.9 ]] &&
      ((release >= 12)); then
-    echo "COLMAP $version does not compile with CUDA $release: its own commands" \
-         "are built without CUDA; those of TSAR for COLMAP have it"
+    echo "COLMAP $version does not compile with CUDA $release: its own" \
+         "commands are built without CUDA; those of TSAR for COLMAP have it"
     cuda=OFF
   fi
 fi
@@ -205,7 +224,8 @@ if command -v ccache >/dev/null; then
             -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
             -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache)
 fi
-cmake -G Ninja -S "$patched" -B "$work/$version/build" \
+# Without what was found before: the prefix may be another one.
+cmake -G Ninja -S "$patched" -B "$work/$version/build" -UColmapTsar_DIR \
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
   -DCMAKE_PREFIX_PATH="$prefix" -DGUI_ENABLED=OFF -DTESTS_ENABLED=OFF \
   -DCUDA_ENABLED="$cuda" -DCMAKE_CUDA_ARCHITECTURES="$CUDA_ARCHITECTURES" \

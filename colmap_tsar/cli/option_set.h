@@ -48,9 +48,9 @@ class OptionSet {
 
   // Reads the arguments after argv[0], the program, into the targets. Returns
   // false, without touching any target, when help was asked for and has been
-  // printed. Throws
-  // kBadOption for a wrong or missing option and kNotFound, kCorrupt or kIo for
-  // an ini file that cannot be read; the message is one line.
+  // printed. Throws kBadOption for a wrong or missing option and kNotFound,
+  // kCorrupt or kIo for an ini file that cannot be read; the message is one
+  // line.
   bool Parse(int argc, const char* const* argv) const;
 
   // All options and their present values as text, e.g. for a manifest; without

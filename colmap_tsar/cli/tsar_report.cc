@@ -25,8 +25,7 @@ int RunTsarReport(int argc, char** argv) {
       "tsar_report",
       "Draws a picture (PNG) that shows, for some images of a refined "
       "workspace, depth and normals before and after and where each depth "
-      "comes "
-      "from.",
+      "comes from.",
       "tsar_report --workspace_path dense --output_path comparison.png");
   options.AddRequired(
       "workspace_path", &workspace_path, "The refined dense workspace.");

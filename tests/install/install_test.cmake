@@ -34,12 +34,20 @@ set(flags "")
 if(SANITIZE)
   set(flags "-fsanitize=address,undefined")
 endif()
+# What this project's dependencies were found by, they are found by again.
+set(prefix_path ${prefix} ${PREFIX_PATH})
+list(JOIN prefix_path "\\;" prefix_path)
+set(options "")
+if(CUDA_BIN_DIR)
+  cmake_path(GET CUDA_BIN_DIR PARENT_PATH root)
+  list(APPEND options -DCUDAToolkit_ROOT=${root})
+endif()
 function(build project)
   cmake_path(GET project FILENAME name)
-  run(0 ${CMAKE_COMMAND} -G Ninja -S ${project} -B ${FOLDER}/${name}
-    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
+  run(0 ${CMAKE_COMMAND} -G ${GENERATOR} -S ${project} -B ${FOLDER}/${name}
+    "-DCMAKE_PREFIX_PATH=${prefix_path}" -DCMAKE_BUILD_TYPE=${BUILD_TYPE}
     -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${flags}
-    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} ${options})
   run(0 ${CMAKE_COMMAND} --build ${FOLDER}/${name})
 endfunction()
 

@@ -10,7 +10,8 @@ import time
 import unittest
 
 import colmap_tsar
-from support import SampleTest, digests, results, run_program
+from sample_testing import digests
+from support import SampleTest, results, run_program
 
 
 def refine(workspace, *arguments, **options):

@@ -1,14 +1,13 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tests of the Python module share. CMake says where things are."""
-import hashlib
 import os
 import pathlib
 import shutil
-import subprocess
-import sys
 import tempfile
 import unittest
+
+from sample_testing import digests, run, unpack
 
 PROGRAM = os.environ["TSAR_PROGRAM"]
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
@@ -16,60 +15,14 @@ WORK_FOLDER = pathlib.Path(os.environ["TSAR_WORK_FOLDER"])
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE.
 
 
-def run(*command, **options):
-    """The standard output of a command that must succeed."""
-    result = subprocess.run(
-        [str(part) for part in command],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        **options,
-    )
-    if result.returncode != 0:
-        raise AssertionError(
-            f"failed: {' '.join(map(str, command))}\n{result.stdout}{result.stderr}"
-        )
-    return result.stdout
-
-
 def run_program(*arguments):
     return run(PROGRAM, *arguments)
-
-
-def python_with_numpy():
-    for python in (sys.executable, "/usr/bin/python3"):
-        if subprocess.run(
-            [python, "-c", "import numpy"], stderr=subprocess.DEVNULL
-        ).returncode == 0:
-            return python
-    raise AssertionError("no python3 with numpy: install python3-numpy")
-
-
-def unpack_sample(folder):
-    run(
-        python_with_numpy(),
-        REPOSITORY / "scripts" / "sample_scene.py",
-        "unpack",
-        REPOSITORY / "data" / "sample",
-        folder,
-    )
 
 
 def keep_images(workspace, count):
     """Has only the first images of the sample refined; the rest are sources."""
     text = "".join(f"v{i:03d}.jpg\n__auto__, 20\n" for i in range(count))
     (workspace / "stereo" / "patch-match.cfg").write_text(text)
-
-
-def digests(folder):
-    """The content of every file below a folder, by relative path."""
-    return {
-        path.relative_to(folder).as_posix(): hashlib.sha256(
-            path.read_bytes()
-        ).hexdigest()
-        for path in sorted(pathlib.Path(folder).rglob("*"))
-        if path.is_file()
-    }
 
 
 def results(workspace):
@@ -92,7 +45,7 @@ class SampleTest(unittest.TestCase):
         cls.class_folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
         cls.addClassCleanup(shutil.rmtree, cls.class_folder)
         cls.sample = cls.class_folder / "sample"
-        unpack_sample(cls.sample)
+        unpack(REPOSITORY, cls.sample)
         keep_images(cls.sample, cls.num_images)
 
     def setUp(self):

@@ -5,15 +5,17 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 
-# What pip says where there is no network, no index, or no package for this Python.
-# Anything else that goes wrong is a failure, not a reason to skip a test.
-UNAVAILABLE = re.compile(
-    r"No matching distribution found|Could not find a version"
-    r"|ConnectionError|Max retries exceeded|Connection broken|Read timed out"
+# What pip says where there is no network or no index, and what it says there if it
+# was told to do without. Anything else that goes wrong is a failure, not a reason
+# to skip a test.
+UNREACHABLE = re.compile(
+    r"ConnectionError|Max retries exceeded|Connection broken|Read timed out"
     r"|ReadTimeoutError|Temporary failure in name resolution|ProxyError|SSLError"
     r"|HTTP error 5\d\d|HTTPError: 5\d\d"
 )
+NOTHING_FOUND = re.compile(r"No matching distribution found")
 
 
 class VirtualEnvironment:
@@ -43,6 +45,11 @@ class VirtualEnvironment:
         )
         return result.returncode, result.stdout
 
+    def reaches_index(self):
+        """Whether pip gets from it what every index has."""
+        with tempfile.TemporaryDirectory() as folder:
+            return self.pip("download", "--no-deps", "--dest", folder, "pip")[0] == 0
+
     def install(self, *packages):
         """The newest versions, or those that are there where the index cannot be
         reached. False where that leaves a package missing."""
@@ -52,6 +59,9 @@ class VirtualEnvironment:
         if status == 0:
             return True
         print(output)
-        if not UNAVAILABLE.search(output):
+        unreachable = UNREACHABLE.search(output) or (
+            NOTHING_FOUND.search(output) and not self.reaches_index()
+        )
+        if not unreachable:
             raise AssertionError("pip install failed, see above")
         return self.pip("install", "--no-index", *packages)[0] == 0

@@ -13,7 +13,8 @@ import sys
 import tempfile
 import zipfile
 
-from support import REPOSITORY, SKIPPED, WORK_FOLDER, run, unpack_sample
+from sample_testing import check, run, unpack
+from support import REPOSITORY, SKIPPED, WORK_FOLDER
 from virtual_environment import VirtualEnvironment
 
 USE = """
@@ -35,12 +36,6 @@ def build_requirements():
     """As pyproject.toml has them; Python knows TOML from 3.11 on only."""
     text = (REPOSITORY / "pyproject.toml").read_text()
     return re.findall(r'"([^"]+)"', re.search(r"requires = \[(.*)\]", text)[1])
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit("FAILED: " + message)
-    print("ok:", message)
 
 
 def main(build_folder, definitions):
@@ -77,7 +72,7 @@ def main(build_folder, definitions):
         status, output = user.pip("install", "--no-index", wheels[0])
         if status != 0:
             sys.exit(f"FAILED: pip install\n{output}")
-        unpack_sample(folder / "dense")
+        unpack(REPOSITORY, folder / "dense")
         environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
         printed = run(user.python, "-I", "-c", USE, folder / "dense", env=environment)
         check(f'["{version}", ' in printed, f"works when installed: {printed.strip()}")

@@ -5,6 +5,7 @@
 of the stand-alone program, that they do the same, that it reads its options as
 COLMAP's commands do, and that its own fusion takes the result."""
 import argparse
+import configparser
 import json
 import os
 import shutil
@@ -63,6 +64,20 @@ fails_with_one_line("--workspace_path", sample, "--TsarRefine.num_iterations", "
 # A project file of COLMAP's own, with a section more.
 project = path("project.ini")
 run(args.colmap, "project_generator", "--output_path", project, "--quality", "medium")
+configuration = configparser.ConfigParser()
+with open(project, encoding="utf-8") as file:
+    configuration.read_string("[General]\n" + file.read())
+check(
+    configuration["PatchMatchStereo"].get("write_cost_maps") in ("0", "false"),
+    "colmap's project files have write_cost_maps, off",
+)
+result = call(args.colmap, "patch_match_stereo", "-h")
+stereo_help = result.stdout + result.stderr
+if "requires CUDA" not in stereo_help:  # Without it, this command has no help.
+    check(
+        "PatchMatchStereo.write_cost_maps" in stereo_help,
+        "patch_match_stereo lists write_cost_maps",
+    )
 with open(project, "a", encoding="utf-8") as file:
     file.write("[TsarRefine]\nnum_iterations=3\ndevice=cpu\n")
 before = score(args.colmap, args.colmap, sample)

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests on the sample scene share."""
+"""What the tests on the sample scene and of the Python module share."""
 import hashlib
 import json
 import os
@@ -9,22 +9,22 @@ import subprocess
 import sys
 
 
-def call(*command):
+def call(*command, env=os.environ):
     """The ended process, with its output and errors as text."""
     return subprocess.run(
         [str(part) for part in command],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=dict(os.environ, QT_QPA_PLATFORM="offscreen"),
+        env=dict(env, QT_QPA_PLATFORM="offscreen"),
     )
 
 
-def run(*command):
+def run(*command, env=os.environ):
     """What a command prints that has to succeed."""
-    result = call(*command)
+    result = call(*command, env=env)
     if result.returncode != 0:
-        sys.exit(
+        raise AssertionError(
             f"failed: {' '.join(map(str, command))}\n{result.stdout}{result.stderr}"
         )
     return result.stdout
@@ -53,7 +53,7 @@ def find_python_with_numpy():
     for python in (sys.executable, "/usr/bin/python3"):
         if subprocess.run([python, "-c", "import numpy"], stderr=subprocess.DEVNULL).returncode == 0:
             return python
-    sys.exit("no python3 with numpy: install python3-numpy")
+    raise AssertionError("no python3 with numpy: install python3-numpy")
 
 
 def unpack(repository, workspace):
