@@ -6,16 +6,21 @@
 # changed. Everything is written below the repository: build/ and sample/ (which
 # is made anew every time).
 #
-#   scripts/quickstart.sh [--skip-install]
+#   scripts/quickstart.sh [--skip-install] [--from-images]
 #
 #   --skip-install   do not look for missing packages (and need no root rights)
+#   --from-images    make the depth maps from the images by tsar_stereo, instead
+#                    of taking those of COLMAP; some minutes without a GPU
 set -euo pipefail
 
 install=1
+from_images=0
 for argument in "$@"; do
   case $argument in
     --skip-install) install=0 ;;
-    *) echo "usage: scripts/quickstart.sh [--skip-install]" >&2; exit 2 ;;
+    --from-images) from_images=1 ;;
+    *) echo "usage: scripts/quickstart.sh [--skip-install] [--from-images]" >&2
+       exit 2 ;;
   esac
 done
 
@@ -73,7 +78,12 @@ rm -rf "$sample"
 "$python" scripts/sample_scene.py unpack data/sample "$sample"
 echo "$sample: 8 views of a room with the depth maps of COLMAP 3.10"
 
-step "Fusion of COLMAP's maps"
+if ((from_images)); then
+  step "Stereo, in place of COLMAP's"
+  "$program" tsar_stereo --workspace_path "$sample" --overwrite 1
+fi
+
+step "Fusion of the maps before refinement"
 fuse "$sample/before.ply"
 echo "$sample/before.ply"
 
@@ -96,11 +106,12 @@ cat <<END
 Look at $sample/comparison.png, and at $sample/before.ply and after.ply in a
 viewer of point clouds.
 
-With a dense workspace of your own, after colmap patch_match_stereo:
+With a dense workspace of your own, after colmap patch_match_stereo (or, without
+an NVIDIA card, $program tsar_stereo):
 
   $PWD/$program tsar_refine --workspace_path DENSE
   colmap stereo_fusion --workspace_path DENSE --output_path DENSE/fused.ply
 
-The maps that COLMAP wrote are kept; tsar_refine --workspace_path DENSE
+The maps from before are kept; tsar_refine --workspace_path DENSE
 --restore 1 puts them back.
 END
