@@ -96,7 +96,7 @@ class StereoViews {
 };
 
 PatchMatchOptions SearchOptions(const StereoOptions& options,
-                                const DepthRange& range) {
+                                const DepthInterval& range) {
   PatchMatchOptions search;
   search.num_iterations = options.num_iterations;
   search.window_radius = static_cast<float>(options.window_radius);
@@ -156,7 +156,7 @@ int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
 
 StereoMaps MatchImage(const ViewData& reference,
                       const std::vector<const ViewData*>& sources,
-                      const DepthRange& range,
+                      const DepthInterval& range,
                       uint32_t stream,
                       const StereoOptions& options,
                       Device& device) {
@@ -192,7 +192,7 @@ StereoMaps MatchImage(const ViewData& reference,
 
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
-                                   const DepthRange& range,
+                                   const DepthInterval& range,
                                    uint32_t stream,
                                    int pass,
                                    const StereoOptions& options,

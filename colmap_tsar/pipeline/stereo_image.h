@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/pipeline/depth_range.h"
+#include "colmap_tsar/pipeline/depth_interval.h"
 #include "colmap_tsar/pipeline/stereo_options.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
@@ -27,7 +27,7 @@ struct StereoMaps {
 // the random numbers.
 StereoMaps MatchImage(const ViewData& reference,
                       const std::vector<const ViewData*>& sources,
-                      const DepthRange& range,
+                      const DepthInterval& range,
                       uint32_t stream,
                       const StereoOptions& options,
                       Device& device);
@@ -37,7 +37,7 @@ StereoMaps MatchImage(const ViewData& reference,
 // filters: depths that too few sources confirm become 0, with their normals.
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
-                                   const DepthRange& range,
+                                   const DepthInterval& range,
                                    uint32_t stream,
                                    int pass,
                                    const StereoOptions& options,

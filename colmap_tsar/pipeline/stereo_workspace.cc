@@ -197,12 +197,12 @@ class StereoRun {
     return sources;
   }
 
-  DepthRange RangeOf(int image) const {
+  DepthInterval RangeOf(int image) const {
     if (options_.depth_min > 0.0) {
       return {options_.depth_min, options_.depth_max};
     }
-    const std::optional<DepthRange> range =
-        SparseDepthRange(workspace_.Model(), image);
+    const std::optional<DepthInterval> range =
+        SparseDepthInterval(workspace_.Model(), image);
     if (!range) {
       throw Error::File(ErrorCode::kNotFound,
                         workspace_.ImagePath(image).string(),
@@ -306,7 +306,7 @@ class StereoRun {
       views.push_back(&lease.Get(source));
     }
     const ViewData& reference = lease.Get(problem.reference);
-    const DepthRange range = RangeOf(problem.reference);
+    const DepthInterval range = RangeOf(problem.reference);
     const uint32_t stream = HashImageName(
         workspace_.Model().images[static_cast<size_t>(problem.reference)].name);
     const StereoMaps maps =

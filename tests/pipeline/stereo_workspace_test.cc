@@ -4,7 +4,7 @@
 #include "colmap_tsar/pipeline/stereo_workspace.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/pipeline/depth_range.h"
+#include "colmap_tsar/pipeline/depth_interval.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/workspace.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kDepth = DrawnWorkspace::kDepth;
 
-TEST(SparseDepthRange, IsThatOfThePointsInFrontWidened) {
+TEST(SparseDepthInterval, IsThatOfThePointsInFrontWidened) {
   SparseModel model;
   model.images.resize(2);
   model.images[0].camera.translation = {0, 0, 1};
@@ -30,12 +30,12 @@ TEST(SparseDepthRange, IsThatOfThePointsInFrontWidened) {
   }
   model.points.push_back({0, 0, -50});
   model.images[0].point_indices.push_back(101);
-  const std::optional<DepthRange> range = SparseDepthRange(model, 0);
+  const std::optional<DepthInterval> range = SparseDepthInterval(model, 0);
   ASSERT_TRUE(range);
   // Depths 2 to 102; one of a hundred is left out at either end.
   EXPECT_DOUBLE_EQ(range->min, 3 * 0.75);
   EXPECT_DOUBLE_EQ(range->max, 101 * 1.25);
-  EXPECT_FALSE(SparseDepthRange(model, 1));
+  EXPECT_FALSE(SparseDepthInterval(model, 1));
 }
 
 class StereoWorkspaceTest : public testing::Test {

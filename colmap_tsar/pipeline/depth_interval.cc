@@ -1,15 +1,15 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/depth_range.h"
+#include "colmap_tsar/pipeline/depth_interval.h"
 
 #include <algorithm>
 #include <vector>
 
 namespace tsar {
 
-std::optional<DepthRange> SparseDepthRange(const SparseModel& model,
-                                           int image) {
+std::optional<DepthInterval> SparseDepthInterval(const SparseModel& model,
+                                                 int image) {
   constexpr double kPercentile = 0.01;
   constexpr double kStretch = 0.25;
   const SparseModel::ModelImage& view =
@@ -29,7 +29,7 @@ std::optional<DepthRange> SparseDepthRange(const SparseModel& model,
   }
   std::sort(depths.begin(), depths.end());
   const double last = static_cast<double>(depths.size() - 1);
-  return DepthRange{
+  return DepthInterval{
       depths[static_cast<size_t>(kPercentile * last)] * (1.0 - kStretch),
       depths[static_cast<size_t>((1.0 - kPercentile) * last)] *
           (1.0 + kStretch)};

@@ -9,7 +9,7 @@
 
 namespace tsar {
 
-struct DepthRange {
+struct DepthInterval {
   double min = 0.0;
   double max = 0.0;
 };
@@ -17,6 +17,7 @@ struct DepthRange {
 // The depths between which an image's surfaces lie, as COLMAP estimates them:
 // from the first to the 99th percentile of its sparse points in front of it,
 // widened by a quarter. Nothing where the image has none.
-std::optional<DepthRange> SparseDepthRange(const SparseModel& model, int image);
+std::optional<DepthInterval> SparseDepthInterval(const SparseModel& model,
+                                                 int image);
 
 }  // namespace tsar
