@@ -4,6 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/device_options.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
@@ -78,14 +79,7 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      {"default", "paper"},
                      "Values for the options below that are not given: what "
                      "measures best, or the published method as it is.");
-  options->AddChoice(group + "device",
-                     &command->workspace.device,
-                     {"auto", "cuda", "cpu"},
-                     "Where to compute; auto: on a GPU where there is one.");
-  options->Add(group + "gpu_index",
-               &command->workspace.gpu_index,
-               "The GPUs to use, as numbers from 0 on with commas between "
-               "them, such as 0,1; -1 takes every GPU of the machine.");
+  AddDeviceOptions(group, &command->workspace, options);
   options->Add(
       group + "num_threads",
       &command->workspace.num_threads,
@@ -93,11 +87,6 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "that compute; a few more read and write files. With GPUs, two "
       "fifths of them read files and as many write, at most ten per GPU.",
       {-1, 4096});
-  options->Add(group + "cache_size",
-               &command->workspace.cache_size,
-               "Main memory for the images at work, in gigabytes. Fewer images "
-               "are worked on at a time where it does not suffice.",
-               {0.001, 1e6});
 }
 
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/device_options.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/pipeline/stereo_workspace.h"
@@ -34,7 +35,6 @@ struct StereoCommand {
 };
 
 void AddRunOptions(StereoCommand* command, OptionSet* options) {
-  const std::string group = "TsarStereo.";
   options->AddRequired("workspace_path",
                        &command->workspace_path,
                        "The dense workspace, as image_undistorter makes it.");
@@ -46,22 +46,11 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
                "other options.");
-  options->AddChoice(group + "device",
-                     &command->run.device,
-                     {"auto", "cuda", "cpu"},
-                     "Where to compute; auto: on a GPU where there is one.");
-  options->Add(group + "gpu_index",
-               &command->run.gpu_index,
-               "The GPUs to use, as numbers from 0 on with commas between "
-               "them, such as 0,1; -1 takes every GPU of the machine.");
-  options->Add(group + "num_threads",
+  AddDeviceOptions("TsarStereo.", &command->run, options);
+  options->Add("TsarStereo.num_threads",
                &command->run.num_threads,
                "Number of CPU threads; -1: one for each core.",
                {-1, 4096});
-  options->Add(group + "cache_size",
-               &command->run.cache_size,
-               "Main memory for the images at work, in gigabytes.",
-               {0.001, 1e6});
 }
 
 void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {

@@ -386,4 +386,15 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
   return result;
 }
 
+std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {
+  std::vector<RunSummary::GpuMemory> peaks;
+  for (const RefineWorker& worker : devices.workers) {
+    const size_t num_bytes = worker.device->PeakMemory();
+    if (num_bytes > 0 && (peaks.empty() || peaks.back().gpu != worker.name)) {
+      peaks.push_back({worker.name, num_bytes});
+    }
+  }
+  return peaks;
+}
+
 }  // namespace tsar

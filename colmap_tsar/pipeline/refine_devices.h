@@ -68,4 +68,7 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
                                   int num_images,
                                   const GpuSystem& gpus = GpuSystem::Cuda());
 
+// The most that each GPU held so far; nothing for the CPU.
+std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);
+
 }  // namespace tsar

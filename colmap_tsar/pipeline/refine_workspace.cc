@@ -118,18 +118,6 @@ void MarkFailures(const ImagePipeline& pipeline,
   }
 }
 
-// The most that each GPU held; nothing for the CPU.
-std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {
-  std::vector<RunSummary::GpuMemory> peaks;
-  for (const RefineWorker& worker : devices.workers) {
-    const size_t num_bytes = worker.device->PeakMemory();
-    if (num_bytes > 0 && (peaks.empty() || peaks.back().gpu != worker.name)) {
-      peaks.push_back({worker.name, num_bytes});
-    }
-  }
-  return peaks;
-}
-
 std::map<std::string, std::string> RuntimeText(
     const WorkspaceRefineOptions& options, const RefineDevices& devices) {
   std::ostringstream cache_size;

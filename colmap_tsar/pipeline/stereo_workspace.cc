@@ -431,13 +431,7 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
     }
   }
   stereo.AllPasses().RemoveFilesBetween();
-  for (const RefineWorker& worker : devices.workers) {
-    const size_t num_bytes = worker.device->PeakMemory();
-    if (num_bytes > 0 && (summary.peak_gpu_memory.empty() ||
-                          summary.peak_gpu_memory.back().gpu != worker.name)) {
-      summary.peak_gpu_memory.push_back({worker.name, num_bytes});
-    }
-  }
+  summary.peak_gpu_memory = PeakGpuMemory(devices);
   summary.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
           .count();
