@@ -119,26 +119,30 @@ Image<float> WithoutUndefined(Image<float> costs) {
   return costs;
 }
 
-StereoMaps ToHost(ReferenceView reference,
-                  const Buffer<SourceView>& sources,
-                  const DeviceImage<float>& depth,
-                  const DeviceImage<Vec3f>& normal,
-                  Device& device) {
-  reference.depth = depth.View();
-  reference.normal = normal.View();
-  const MatchingCosts costs = ComputeMatchingCosts(reference, sources, device);
-  StereoMaps maps;
-  maps.depth = depth.ToHost();
-  maps.normal = normal.ToHost();
-  maps.min_cost = WithoutUndefined(costs.min_cost.ToHost());
-  maps.second_cost = WithoutUndefined(costs.second_cost.ToHost());
-  for (size_t i = 0; i < maps.depth.NumPixels(); ++i) {
-    if (!(maps.depth.Data()[i] > 0.f)) {
-      maps.depth.Data()[i] = 0.f;
-      maps.normal.Data()[i] = {};
+StereoMaps ToHost(const PlaneMaps& maps) {
+  StereoMaps host;
+  host.depth = maps.depth.ToHost();
+  host.normal = maps.normal.ToHost();
+  for (size_t i = 0; i < host.depth.NumPixels(); ++i) {
+    if (!(host.depth.Data()[i] > 0.f)) {
+      host.depth.Data()[i] = 0.f;
+      host.normal.Data()[i] = {};
     }
   }
-  return maps;
+  return host;
+}
+
+StereoMaps ToHostWithCosts(ReferenceView reference,
+                           const Buffer<SourceView>& sources,
+                           const PlaneMaps& maps,
+                           Device& device) {
+  reference.depth = maps.depth.View();
+  reference.normal = maps.normal.View();
+  const MatchingCosts costs = ComputeMatchingCosts(reference, sources, device);
+  StereoMaps host = ToHost(maps);
+  host.min_cost = WithoutUndefined(costs.min_cost.ToHost());
+  host.second_cost = WithoutUndefined(costs.second_cost.ToHost());
+  return host;
 }
 
 // As many as leave the smaller side of the image room for a window.
@@ -187,7 +191,7 @@ StereoMaps MatchImage(const ViewData& reference,
   const ReferenceView view = views.Reference(0);
   const PlaneMaps maps =
       MapsFromPlanes(view.intrinsics, std::as_const(planes).View(), device);
-  return ToHost(view, views.Sources(0), maps.depth, maps.normal, device);
+  return ToHostWithCosts(view, views.Sources(0), maps, device);
 }
 
 StereoMaps MatchImageGeometrically(const ViewData& reference,
@@ -215,28 +219,29 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
         device);
     maps = MapsFromPlanes(view.intrinsics, found.planes.View(), device);
   }
-  if (pass + 1 == options.num_geometric_passes) {
-    HypothesisFilterOptions filter;
-    filter.min_ncc = static_cast<float>(options.filter_min_ncc);
-    filter.min_triangulation_angle =
-        static_cast<float>(options.filter_min_triangulation_angle);
-    filter.min_num_consistent = std::min(options.filter_min_num_consistent,
-                                         static_cast<int>(sources.size()));
-    filter.geom_consistency_max_cost =
-        static_cast<float>(options.filter_geom_consistency_max_cost);
-    filter.window_radius = search.window_radius;
-    view.depth = std::as_const(maps.depth).View();
-    view.normal = std::as_const(maps.normal).View();
-    maps.depth = FilterHypotheses(view, level_sources, filter, device);
-    if (options.smooth_normals) {
-      maps.normal = SmoothNormals(view.intrinsics,
-                                  std::as_const(maps.depth).View(),
-                                  std::as_const(maps.normal).View(),
-                                  {},
-                                  device);
-    }
+  if (pass + 1 < options.num_geometric_passes) {
+    return ToHost(maps);
   }
-  return ToHost(view, level_sources, maps.depth, maps.normal, device);
+  HypothesisFilterOptions filter;
+  filter.min_ncc = static_cast<float>(options.filter_min_ncc);
+  filter.min_triangulation_angle =
+      static_cast<float>(options.filter_min_triangulation_angle);
+  filter.min_num_consistent = std::min(options.filter_min_num_consistent,
+                                       static_cast<int>(sources.size()));
+  filter.geom_consistency_max_cost =
+      static_cast<float>(options.filter_geom_consistency_max_cost);
+  filter.window_radius = search.window_radius;
+  view.depth = std::as_const(maps.depth).View();
+  view.normal = std::as_const(maps.normal).View();
+  maps.depth = FilterHypotheses(view, level_sources, filter, device);
+  if (options.smooth_normals) {
+    maps.normal = SmoothNormals(view.intrinsics,
+                                std::as_const(maps.depth).View(),
+                                std::as_const(maps.normal).View(),
+                                {},
+                                device);
+  }
+  return ToHostWithCosts(view, level_sources, maps, device);
 }
 
 }  // namespace tsar

@@ -14,7 +14,8 @@
 namespace tsar {
 
 // The maps of one image. Costs are 1 - NCC, in [0, 2], as COLMAP's patch writes
-// them: 2 where there is no evidence.
+// them: 2 where there is no evidence. Geometric passes but the last leave them
+// empty.
 struct StereoMaps {
   Image<float> depth;
   Image<Vec3f> normal;

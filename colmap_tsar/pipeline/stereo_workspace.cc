@@ -124,6 +124,8 @@ void ClaimMaps(const Workspace& workspace,
   const fs::path state_path = OwnFolder(workspace) / "options.txt";
   const bool is_ours =
       fs::exists(state_path) && ReadText(state_path) == options.Text();
+  // All of it is looked at before the first file goes.
+  std::vector<fs::path> foreign;
   for (const StereoProblem& problem : workspace.Problems()) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
@@ -134,19 +136,21 @@ void ClaimMaps(const Workspace& workspace,
                           "run tsar_refine with --restore 1 first");
       }
       for (const fs::path& path : {paths.depth, paths.normal, paths.cost}) {
-        if (is_ours || !fs::exists(path)) {
-          continue;
+        if (!is_ours && fs::exists(path)) {
+          foreign.push_back(path);
         }
-        if (!overwrite) {
-          throw Error::File(
-              ErrorCode::kUnsupported,
-              path.string(),
-              "is of another program, or was made with other options",
-              "give --overwrite 1 to replace all maps, or work on a copy");
-        }
-        fs::remove(path);
       }
     }
+  }
+  if (!foreign.empty() && !overwrite) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        foreign.front().string(),
+        "is of another program, or was made with other options",
+        "give --overwrite 1 to replace all maps, or work on a copy");
+  }
+  for (const fs::path& path : foreign) {
+    fs::remove(path);
   }
   if (!is_ours) {
     std::error_code ignored;

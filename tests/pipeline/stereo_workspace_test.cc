@@ -83,6 +83,9 @@ class StereoWorkspaceTest : public testing::Test {
   std::map<std::string, std::string> Maps() const {
     std::map<std::string, std::string> maps;
     for (const char* folder : {"depth_maps", "normal_maps", "cost_maps"}) {
+      if (!std::filesystem::exists(root_ / "stereo" / folder)) {
+        continue;
+      }
       for (auto& [name, content] : ReadTree(root_ / "stereo" / folder)) {
         maps[std::string(folder) + "/" + name] = std::move(content);
       }
@@ -243,6 +246,18 @@ TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
   ExpectError(
       ErrorCode::kUnsupported, "--restore 1", [&] { Run(/*overwrite=*/true); });
   EXPECT_TRUE(ReadTree(root_) == before);
+}
+
+TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
+  DrawWorkspace(root_);
+  const Workspace workspace(root_, MapType::kGeometric);
+  const MapPaths paths = workspace.Paths(3, MapType::kGeometric);
+  std::filesystem::create_directories(paths.original_depth.parent_path());
+  std::filesystem::copy_file(paths.depth, paths.original_depth);
+  const auto before = Maps();
+  ExpectError(
+      ErrorCode::kUnsupported, "--restore 1", [&] { Run(/*overwrite=*/true); });
+  EXPECT_TRUE(Maps() == before);
 }
 
 TEST_F(StereoWorkspaceTest, NeedsDepthsToLookFor) {
