@@ -5,7 +5,13 @@
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/smooth_normals.h"
 
+#include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
+
 #include "tests/cuda/cuda_test.h"
+#include "tests/matching/textured_plane.h"
 
 namespace tsar {
 namespace {
@@ -62,29 +68,108 @@ TEST_F(CudaTest, DrawPlanesAndConvertThem) {
       });
 }
 
-// A choice that rounding turns leads a pixel, and those that take its plane
-// over, along another way to the same surface. So pixels may differ, but nearly
-// all of them by less than what their image tells of depth.
-TEST_F(CudaTest, RunPatchMatch) {
+// The costs that planes start with.
+TEST_F(CudaTest, FirstCostsOfPatchMatch) {
   for (const bool with_depth : {false, true}) {
-    ExpectAlike(
-        with_depth ? "RunPatchMatch with depths" : "RunPatchMatch",
-        {{SceneKind::kWall, 97, 61}, {SceneKind::kWall, 1201, 37}},
-        [&](StageInputs& inputs, Device& device, StageResult* result) {
-          ReferenceView reference = inputs.views.Reference();
-          const PatchMatchOptions options = BoundsAroundTheWall();
-          const PlaneHypotheses found =
-              RunPatchMatch({reference, Sources(inputs, with_depth, device), 1},
-                            PlanesOfTheMaps(inputs, device),
-                            options,
-                            device);
-          result->Add(
-              "depth",
-              {2e-3, 0.0, 0.02},
-              MapsFromPlanes(reference.intrinsics, found.planes.View(), device)
-                  .depth);
-          result->Add("costs", {0.0, 0.01, 0.01}, found.costs);
-        });
+    ExpectAlike(with_depth ? "first costs with depths" : "first costs",
+                AllScenesAndWide(),
+                [&](StageInputs& inputs, Device& device, StageResult* result) {
+                  PatchMatchOptions options = BoundsAroundTheWall();
+                  options.num_iterations = 0;
+                  const PlaneHypotheses found =
+                      RunPatchMatch({inputs.views.Reference(),
+                                     Sources(inputs, with_depth, device),
+                                     1},
+                                    PlanesOfTheMaps(inputs, device),
+                                    options,
+                                    device);
+                  result->Add("costs", {1e-3, 1e-3, 2e-3}, found.costs);
+                });
+  }
+}
+
+constexpr int kWidth = 97;
+constexpr int kHeight = 61;
+
+// A drawn plane and four sources that see it, in the host's memory.
+TexturedPlane DrawTexturedPlane(Device& cpu) {
+  const Camera camera = DrawnCamera(kWidth, kHeight, 120.0);
+  TexturedPlane scene(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera, cpu);
+  for (const double sign : {-1.0, 1.0}) {
+    scene.AddSource(SourceCamera(camera, {0.5 * sign, 0.0, 0.0}, -0.15 * sign));
+    scene.AddSource(SourceCamera(camera, {0.1, 0.4 * sign, 0.0}, 0.0));
+  }
+  return scene;
+}
+
+struct FoundMaps {
+  Image<float> depth;
+  Image<float> costs;
+};
+
+// From random planes to the plane of the scene.
+FoundMaps FindThePlane(TexturedPlane& scene, bool with_depth, Device& device) {
+  PatchMatchOptions options;
+  options.depth_min = 1.5f;
+  options.depth_max = 6.f;
+  const DeviceImage<float> gray(device, scene.Gray());
+  std::vector<SourceView> sources = scene.Sources().ToHost();
+  std::vector<DeviceImage<float>> rasters;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    rasters.emplace_back(device, scene.SourceGray(static_cast<int>(i)));
+    sources[i].gray = std::as_const(rasters.back()).View();
+    sources[i].depth = {};
+    if (with_depth) {
+      rasters.emplace_back(device, scene.SourceDepth(static_cast<int>(i)));
+      sources[i].depth = std::as_const(rasters.back()).View();
+    }
+  }
+  const Intrinsics intrinsics = scene.Reference().intrinsics;
+  const PlaneHypotheses found =
+      RunPatchMatch({{intrinsics, gray.View(), {}, {}},
+                     Buffer<SourceView>(device, sources),
+                     1},
+                    DrawPlanes(intrinsics, kWidth, kHeight, 1, options, device),
+                    options,
+                    device);
+  return {
+      MapsFromPlanes(intrinsics, found.planes.View(), device).depth.ToHost(),
+      found.costs.ToHost()};
+}
+
+// The share of pixels where the depths are within the given fraction of each
+// other.
+double ShareAlike(const Image<float>& a,
+                  const Image<float>& b,
+                  float tolerance) {
+  size_t num_alike = 0;
+  for (size_t i = 0; i < a.NumPixels(); ++i) {
+    num_alike += std::abs(a.Data()[i] / b.Data()[i] - 1.f) < tolerance ? 1 : 0;
+  }
+  return static_cast<double>(num_alike) / static_cast<double>(a.NumPixels());
+}
+
+double Mean(const Image<float>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) /
+         static_cast<double>(values.NumPixels());
+}
+
+// A choice that rounding turns leads a pixel, and those that take its plane
+// over, along another way to the same surface, so that planes agree only as far
+// as the images tell them.
+TEST_F(CudaTest, RunPatchMatchFindsTheSameSurface) {
+  TexturedPlane scene = DrawTexturedPlane(*cpu_);
+  for (const bool with_depth : {false, true}) {
+    const FoundMaps on_cpu = FindThePlane(scene, with_depth, *cpu_);
+    const FoundMaps on_cuda = FindThePlane(scene, with_depth, *cuda_);
+    EXPECT_GT(ShareAlike(on_cpu.depth, scene.Depth(), 0.005f), 0.9);
+    EXPECT_GT(ShareAlike(on_cuda.depth, scene.Depth(), 0.005f), 0.9);
+    EXPECT_GT(ShareAlike(on_cpu.depth, on_cuda.depth, 0.005f), 0.95);
+    EXPECT_NEAR(Mean(on_cpu.costs), Mean(on_cuda.costs), 2e-3);
+    EXPECT_EQ(ShareAlike(FindThePlane(scene, with_depth, *cuda_).depth,
+                         on_cuda.depth,
+                         1e-12f),
+              1.0);
   }
 }
 
