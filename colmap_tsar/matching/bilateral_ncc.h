@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/matching/bilinear.h"
 
 #include <cmath>
 
@@ -31,23 +32,6 @@ constexpr float kPatchColorSigma = 51.f;
 // texture; below it, 8-bit quantisation is all there is.
 constexpr float kMinPatchVariance = 0.65f;
 
-// Grey level at a position between pixels; positions outside take the border's.
-TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
-                                    float x,
-                                    float y) {
-  x = fminf(fmaxf(x, 0.f), static_cast<float>(image.width - 1));
-  y = fminf(fmaxf(y, 0.f), static_cast<float>(image.height - 1));
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const int x1 = x0 + 1 < image.width ? x0 + 1 : x0;
-  const int y1 = y0 + 1 < image.height ? y0 + 1 : y0;
-  const float fx = x - x0;
-  const float fy = y - y0;
-  const float top = image(x0, y0) + fx * (image(x1, y0) - image(x0, y0));
-  const float bottom = image(x0, y1) + fx * (image(x1, y1) - image(x0, y1));
-  return top + fy * (bottom - top);
-}
-
 // The reference's window with its bilateral weights, gathered once and compared
 // with every source. Values are relative to the centre, which keeps the sums of
 // squares small.
@@ -71,17 +55,18 @@ struct ReferencePatch {
         step(2.f * window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
+    Sample(gray);
     float sum_weight = 0.f;
     float sum = 0.f;
     float sum_squares = 0.f;
     for (int i = 0; i < kPatchSize; ++i) {
       const float dx = OffsetX(i);
       const float dy = OffsetY(i);
-      const float difference = SampleBilinear(gray, x + dx, y + dy) - center;
-      const float w = expf(-(dx * dx + dy * dy) /
-                               (2.f * spatial_sigma * spatial_sigma) -
-                           difference * difference /
-                               (2.f * kPatchColorSigma * kPatchColorSigma));
+      const float difference = value[i] - center;
+      const float w =
+          expf(-(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
+               difference * difference /
+                   (2.f * kPatchColorSigma * kPatchColorSigma));
       value[i] = difference;
       weight[i] = w;
       sum_weight += w;
@@ -103,6 +88,25 @@ struct ReferencePatch {
     return static_cast<float>(i / kPatchSide) * step - radius;
   }
   TSAR_HD bool HasTexture() const { return variance >= kMinPatchVariance; }
+
+ private:
+  // Grey levels of the samples as values.
+  TSAR_HD void Sample(const ImageView<const float>& gray) {
+#ifdef __CUDA_ARCH__
+    for (int i = 0; i < kPatchSize; ++i) {
+      value[i] =
+          SampleBilinear(gray, center_x + OffsetX(i), center_y + OffsetY(i));
+    }
+#else
+    float x[kPatchSize];
+    float y[kPatchSize];
+    for (int i = 0; i < kPatchSize; ++i) {
+      x[i] = center_x + OffsetX(i);
+      y[i] = center_y + OffsetY(i);
+    }
+    SampleBilinear(gray, x, y, value);
+#endif
+  }
 };
 
 // The homography by which a plane of the first camera's frame maps the first
@@ -146,27 +150,50 @@ struct PlaneHomography {
   }
 };
 
-// 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
-// kUndefinedCost.
-TSAR_HD inline float PatchCost(const ReferencePatch& patch,
-                               const PlaneHomography& homography,
-                               const ImageView<const float>& other) {
-  if (!patch.HasTexture()) {
-    return kUndefinedCost;
-  }
-  float x = 0.f;
-  float y = 0.f;
+// Where the centre of the patch is mapped to; false where it leaves the image,
+// or the patch has no texture, so that there is no cost.
+TSAR_HD inline bool MapCenter(const ReferencePatch& patch,
+                              const PlaneHomography& homography,
+                              const ImageView<const float>& other,
+                              float* x,
+                              float* y) {
   // Half a pixel of grace: a pixel on the border that is mapped forth and back
   // may come out a rounding error beside itself.
-  if (!homography.Map(patch.center_x, patch.center_y, &x, &y) ||
-      !(x >= -0.5f) || !(y >= -0.5f) || !(x <= other.width - 0.5f) ||
-      !(y <= other.height - 0.5f)) {
+  return patch.HasTexture() &&
+         homography.Map(patch.center_x, patch.center_y, x, y) && *x >= -0.5f &&
+         *y >= -0.5f && *x <= other.width - 0.5f && *y <= other.height - 0.5f;
+}
+
+// What PatchCost adds up over the samples of the other window, whose values are
+// relative to its centre, too.
+struct PatchSums {
+  float values = 0.f;
+  float squares = 0.f;
+  float products = 0.f;
+
+  TSAR_HD float Cost(const ReferencePatch& patch) const {
+    const float variance = squares - values * values;
+    if (!(variance >= kMinPatchVariance)) {
+      return kUndefinedCost;
+    }
+    const float covariance = products - values * patch.mean;
+    const float ncc = covariance / sqrtf(variance * patch.variance);
+    return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
+  }
+};
+
+// PatchCost, one sample after the other. The form for a GPU, where each thread
+// has a patch and keeps what it needs in registers.
+TSAR_HD inline float PatchCostBySamples(const ReferencePatch& patch,
+                                        const PlaneHomography& homography,
+                                        const ImageView<const float>& other) {
+  float x = 0.f;
+  float y = 0.f;
+  if (!MapCenter(patch, homography, other, &x, &y)) {
     return kUndefinedCost;
   }
   const float center = SampleBilinear(other, x, y);
-  float sum = 0.f;
-  float sum_squares = 0.f;
-  float sum_products = 0.f;
+  PatchSums sums;
   for (int i = 0; i < kPatchSize; ++i) {
     if (!homography.Map(patch.center_x + patch.OffsetX(i),
                         patch.center_y + patch.OffsetY(i),
@@ -176,17 +203,73 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
     }
     const float difference = SampleBilinear(other, x, y) - center;
     const float weighted = patch.weight[i] * difference;
-    sum += weighted;
-    sum_squares += weighted * difference;
-    sum_products += weighted * patch.value[i];
+    sums.values += weighted;
+    sums.squares += weighted * difference;
+    sums.products += weighted * patch.value[i];
   }
-  const float variance = sum_squares - sum * sum;
-  if (!(variance >= kMinPatchVariance)) {
+  return sums.Cost(patch);
+}
+
+// PatchCost, one step after the other, each for all samples: the form for a
+// CPU, whose compiler makes vector instructions of the loops. The arithmetic of
+// each sample and the order of the sums are the same, and so is every bit of
+// the result.
+inline float PatchCostBySteps(const ReferencePatch& patch,
+                              const PlaneHomography& homography,
+                              const ImageView<const float>& other) {
+  float x[kPatchSize];
+  float y[kPatchSize];
+  if (!MapCenter(patch, homography, other, x, y)) {
     return kUndefinedCost;
   }
-  const float covariance = sum_products - sum * patch.mean;
-  const float ncc = covariance / sqrtf(variance * patch.variance);
-  return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
+  const float center = SampleBilinear(other, x[0], y[0]);
+  const float* h = homography.h;
+  float z[kPatchSize];
+  for (int i = 0; i < kPatchSize; ++i) {
+    const float u = patch.center_x + patch.OffsetX(i);
+    const float v = patch.center_y + patch.OffsetY(i);
+    z[i] = h[6] * u + h[7] * v + h[8];
+    const float inverse = 1.f / z[i];
+    x[i] = (h[0] * u + h[1] * v + h[2]) * inverse;
+    y[i] = (h[3] * u + h[4] * v + h[5]) * inverse;
+  }
+  // Rounding keeps the order of numbers, so that z is smallest in a corner.
+  for (const int corner :
+       {0, kPatchSide - 1, kPatchSize - kPatchSide, kPatchSize - 1}) {
+    if (!(z[corner] > 0.f)) {
+      return kUndefinedCost;
+    }
+  }
+  float value[kPatchSize];
+  SampleBilinear(other, x, y, value);
+  float weighted[kPatchSize];
+  float square[kPatchSize];
+  float product[kPatchSize];
+  for (int i = 0; i < kPatchSize; ++i) {
+    const float difference = value[i] - center;
+    weighted[i] = patch.weight[i] * difference;
+    square[i] = weighted[i] * difference;
+    product[i] = weighted[i] * patch.value[i];
+  }
+  PatchSums sums;
+  for (int i = 0; i < kPatchSize; ++i) {
+    sums.values += weighted[i];
+    sums.squares += square[i];
+    sums.products += product[i];
+  }
+  return sums.Cost(patch);
+}
+
+// 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
+// kUndefinedCost.
+TSAR_HD inline float PatchCost(const ReferencePatch& patch,
+                               const PlaneHomography& homography,
+                               const ImageView<const float>& other) {
+#ifdef __CUDA_ARCH__
+  return PatchCostBySamples(patch, homography, other);
+#else
+  return PatchCostBySteps(patch, homography, other);
+#endif
 }
 
 }  // namespace tsar
