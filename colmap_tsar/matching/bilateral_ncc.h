@@ -55,14 +55,20 @@ struct ReferencePatch {
         step(2.f * window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
-    Sample(gray);
+#ifndef __CUDA_ARCH__
+    ReadSamples(gray);
+#endif
     float sum_weight = 0.f;
     float sum = 0.f;
     float sum_squares = 0.f;
     for (int i = 0; i < kPatchSize; ++i) {
       const float dx = OffsetX(i);
       const float dy = OffsetY(i);
+#ifdef __CUDA_ARCH__
+      const float difference = SampleBilinear(gray, x + dx, y + dy) - center;
+#else
       const float difference = value[i] - center;
+#endif
       const float w =
           expf(-(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
                difference * difference /
@@ -90,22 +96,15 @@ struct ReferencePatch {
   TSAR_HD bool HasTexture() const { return variance >= kMinPatchVariance; }
 
  private:
-  // Grey levels of the samples as values.
-  TSAR_HD void Sample(const ImageView<const float>& gray) {
-#ifdef __CUDA_ARCH__
-    for (int i = 0; i < kPatchSize; ++i) {
-      value[i] =
-          SampleBilinear(gray, center_x + OffsetX(i), center_y + OffsetY(i));
-    }
-#else
+  // Sets the values to grey levels.
+  void ReadSamples(const ImageView<const float>& gray) {
     float x[kPatchSize];
     float y[kPatchSize];
     for (int i = 0; i < kPatchSize; ++i) {
       x[i] = center_x + OffsetX(i);
       y[i] = center_y + OffsetY(i);
     }
-    SampleBilinear(gray, x, y, value);
-#endif
+    SampleBilinearBySteps(gray, x, y, value);
   }
 };
 
@@ -150,80 +149,55 @@ struct PlaneHomography {
   }
 };
 
-// Where the centre of the patch is mapped to; false where it leaves the image,
-// or the patch has no texture, so that there is no cost.
-TSAR_HD inline bool MapCenter(const ReferencePatch& patch,
-                              const PlaneHomography& homography,
-                              const ImageView<const float>& other,
-                              float* x,
-                              float* y) {
-  // Half a pixel of grace: a pixel on the border that is mapped forth and back
-  // may come out a rounding error beside itself.
-  return patch.HasTexture() &&
-         homography.Map(patch.center_x, patch.center_y, x, y) && *x >= -0.5f &&
-         *y >= -0.5f && *x <= other.width - 0.5f && *y <= other.height - 0.5f;
-}
-
-// What PatchCost adds up over the samples of the other window, whose values are
-// relative to its centre, too.
+// What is added up over the samples of a patch in another image, whose values
+// are relative to the centre there.
 struct PatchSums {
   float values = 0.f;
   float squares = 0.f;
-  float products = 0.f;
+  float products = 0.f;  // With the patch's own values.
 
-  TSAR_HD float Cost(const ReferencePatch& patch) const {
-    const float variance = squares - values * values;
-    if (!(variance >= kMinPatchVariance)) {
-      return kUndefinedCost;
-    }
-    const float covariance = products - values * patch.mean;
-    const float ncc = covariance / sqrtf(variance * patch.variance);
-    return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
+  TSAR_HD void Add(float weighted, float square, float product) {
+    values += weighted;
+    squares += square;
+    products += product;
   }
 };
 
-// PatchCost, one sample after the other. The form for a GPU, where each thread
-// has a patch and keeps what it needs in registers.
-TSAR_HD inline float PatchCostBySamples(const ReferencePatch& patch,
-                                        const PlaneHomography& homography,
-                                        const ImageView<const float>& other) {
-  float x = 0.f;
-  float y = 0.f;
-  if (!MapCenter(patch, homography, other, &x, &y)) {
-    return kUndefinedCost;
-  }
-  const float center = SampleBilinear(other, x, y);
-  PatchSums sums;
+// Adds up one sample after the other: the form for a GPU, where each thread has
+// a patch and keeps a sample in registers. False where the plane reaches behind
+// the other camera.
+TSAR_HD inline bool AddUpBySamples(const ReferencePatch& patch,
+                                   const PlaneHomography& homography,
+                                   const ImageView<const float>& other,
+                                   float center,
+                                   PatchSums* sums) {
   for (int i = 0; i < kPatchSize; ++i) {
+    float x = 0.f;
+    float y = 0.f;
     if (!homography.Map(patch.center_x + patch.OffsetX(i),
                         patch.center_y + patch.OffsetY(i),
                         &x,
                         &y)) {
-      return kUndefinedCost;
+      return false;
     }
     const float difference = SampleBilinear(other, x, y) - center;
     const float weighted = patch.weight[i] * difference;
-    sums.values += weighted;
-    sums.squares += weighted * difference;
-    sums.products += weighted * patch.value[i];
+    sums->Add(weighted, weighted * difference, weighted * patch.value[i]);
   }
-  return sums.Cost(patch);
+  return true;
 }
 
-// PatchCost, one step after the other, each for all samples: the form for a
+// The same by one step after the other, each for all samples: the form for a
 // CPU, whose compiler makes vector instructions of the loops. The arithmetic of
-// each sample and the order of the sums are the same, and so is every bit of
-// the result.
-inline float PatchCostBySteps(const ReferencePatch& patch,
-                              const PlaneHomography& homography,
-                              const ImageView<const float>& other) {
+// each sample and the order of the sums are the same, and so is every bit.
+inline bool AddUpBySteps(const ReferencePatch& patch,
+                         const PlaneHomography& homography,
+                         const ImageView<const float>& other,
+                         float center,
+                         PatchSums* sums) {
+  const float* h = homography.h;
   float x[kPatchSize];
   float y[kPatchSize];
-  if (!MapCenter(patch, homography, other, x, y)) {
-    return kUndefinedCost;
-  }
-  const float center = SampleBilinear(other, x[0], y[0]);
-  const float* h = homography.h;
   float z[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
     const float u = patch.center_x + patch.OffsetX(i);
@@ -237,11 +211,11 @@ inline float PatchCostBySteps(const ReferencePatch& patch,
   for (const int corner :
        {0, kPatchSide - 1, kPatchSize - kPatchSide, kPatchSize - 1}) {
     if (!(z[corner] > 0.f)) {
-      return kUndefinedCost;
+      return false;
     }
   }
   float value[kPatchSize];
-  SampleBilinear(other, x, y, value);
+  SampleBilinearBySteps(other, x, y, value);
   float weighted[kPatchSize];
   float square[kPatchSize];
   float product[kPatchSize];
@@ -251,13 +225,10 @@ inline float PatchCostBySteps(const ReferencePatch& patch,
     square[i] = weighted[i] * difference;
     product[i] = weighted[i] * patch.value[i];
   }
-  PatchSums sums;
   for (int i = 0; i < kPatchSize; ++i) {
-    sums.values += weighted[i];
-    sums.squares += square[i];
-    sums.products += product[i];
+    sums->Add(weighted[i], square[i], product[i]);
   }
-  return sums.Cost(patch);
+  return true;
 }
 
 // 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
@@ -265,11 +236,35 @@ inline float PatchCostBySteps(const ReferencePatch& patch,
 TSAR_HD inline float PatchCost(const ReferencePatch& patch,
                                const PlaneHomography& homography,
                                const ImageView<const float>& other) {
+  if (!patch.HasTexture()) {
+    return kUndefinedCost;
+  }
+  float x = 0.f;
+  float y = 0.f;
+  // Half a pixel of grace: a pixel on the border that is mapped forth and back
+  // may come out a rounding error beside itself.
+  if (!homography.Map(patch.center_x, patch.center_y, &x, &y) ||
+      !(x >= -0.5f) || !(y >= -0.5f) || !(x <= other.width - 0.5f) ||
+      !(y <= other.height - 0.5f)) {
+    return kUndefinedCost;
+  }
+  const float center = SampleBilinear(other, x, y);
+  PatchSums sums;
 #ifdef __CUDA_ARCH__
-  return PatchCostBySamples(patch, homography, other);
+  const bool is_seen = AddUpBySamples(patch, homography, other, center, &sums);
 #else
-  return PatchCostBySteps(patch, homography, other);
+  const bool is_seen = AddUpBySteps(patch, homography, other, center, &sums);
 #endif
+  if (!is_seen) {
+    return kUndefinedCost;
+  }
+  const float variance = sums.squares - sums.values * sums.values;
+  if (!(variance >= kMinPatchVariance)) {
+    return kUndefinedCost;
+  }
+  const float covariance = sums.products - sums.values * patch.mean;
+  const float ncc = covariance / sqrtf(variance * patch.variance);
+  return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
 }
 
 }  // namespace tsar

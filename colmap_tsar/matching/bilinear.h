@@ -31,10 +31,10 @@ TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
 // is taken for all positions before the next one, in loops that compilers turn
 // into vector instructions. Positions that are no numbers count as 0, as above.
 template <int kCount>
-void SampleBilinear(const ImageView<const float>& image,
-                    const float (&x)[kCount],
-                    const float (&y)[kCount],
-                    float (&values)[kCount]) {
+void SampleBilinearBySteps(const ImageView<const float>& image,
+                           const float (&x)[kCount],
+                           const float (&y)[kCount],
+                           float (&values)[kCount]) {
   const int last_x = image.width - 1;
   const int last_y = image.height - 1;
   const float max_x = static_cast<float>(last_x);
