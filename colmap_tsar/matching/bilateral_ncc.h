@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/matching/bilinear.h"
 
 #include <cmath>
 
@@ -31,23 +32,6 @@ constexpr float kPatchColorSigma = 51.f;
 // texture; below it, 8-bit quantisation is all there is.
 constexpr float kMinPatchVariance = 0.65f;
 
-// Grey level at a position between pixels; positions outside take the border's.
-TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
-                                    float x,
-                                    float y) {
-  x = fminf(fmaxf(x, 0.f), static_cast<float>(image.width - 1));
-  y = fminf(fmaxf(y, 0.f), static_cast<float>(image.height - 1));
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const int x1 = x0 + 1 < image.width ? x0 + 1 : x0;
-  const int y1 = y0 + 1 < image.height ? y0 + 1 : y0;
-  const float fx = x - x0;
-  const float fy = y - y0;
-  const float top = image(x0, y0) + fx * (image(x1, y0) - image(x0, y0));
-  const float bottom = image(x0, y1) + fx * (image(x1, y1) - image(x0, y1));
-  return top + fy * (bottom - top);
-}
-
 // The reference's window with its bilateral weights, gathered once and compared
 // with every source. Values are relative to the centre, which keeps the sums of
 // squares small.
@@ -71,17 +55,24 @@ struct ReferencePatch {
         step(2.f * window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
+#ifndef __CUDA_ARCH__
+    ReadSamples(gray);
+#endif
     float sum_weight = 0.f;
     float sum = 0.f;
     float sum_squares = 0.f;
     for (int i = 0; i < kPatchSize; ++i) {
       const float dx = OffsetX(i);
       const float dy = OffsetY(i);
+#ifdef __CUDA_ARCH__
       const float difference = SampleBilinear(gray, x + dx, y + dy) - center;
-      const float w = expf(-(dx * dx + dy * dy) /
-                               (2.f * spatial_sigma * spatial_sigma) -
-                           difference * difference /
-                               (2.f * kPatchColorSigma * kPatchColorSigma));
+#else
+      const float difference = value[i] - center;
+#endif
+      const float w =
+          expf(-(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
+               difference * difference /
+                   (2.f * kPatchColorSigma * kPatchColorSigma));
       value[i] = difference;
       weight[i] = w;
       sum_weight += w;
@@ -103,6 +94,18 @@ struct ReferencePatch {
     return static_cast<float>(i / kPatchSide) * step - radius;
   }
   TSAR_HD bool HasTexture() const { return variance >= kMinPatchVariance; }
+
+ private:
+  // Sets the values to grey levels.
+  void ReadSamples(const ImageView<const float>& gray) {
+    float x[kPatchSize];
+    float y[kPatchSize];
+    for (int i = 0; i < kPatchSize; ++i) {
+      x[i] = center_x + OffsetX(i);
+      y[i] = center_y + OffsetY(i);
+    }
+    SampleBilinearBySteps(gray, x, y, value);
+  }
 };
 
 // The homography by which a plane of the first camera's frame maps the first
@@ -146,6 +149,88 @@ struct PlaneHomography {
   }
 };
 
+// What is added up over the samples of a patch in another image, whose values
+// are relative to the centre there.
+struct PatchSums {
+  float values = 0.f;
+  float squares = 0.f;
+  float products = 0.f;  // With the patch's own values.
+
+  TSAR_HD void Add(float weighted, float square, float product) {
+    values += weighted;
+    squares += square;
+    products += product;
+  }
+};
+
+// Adds up one sample after the other: the form for a GPU, where each thread has
+// a patch and keeps a sample in registers. False where the plane reaches behind
+// the other camera.
+TSAR_HD inline bool AddUpBySamples(const ReferencePatch& patch,
+                                   const PlaneHomography& homography,
+                                   const ImageView<const float>& other,
+                                   float center,
+                                   PatchSums* sums) {
+  for (int i = 0; i < kPatchSize; ++i) {
+    float x = 0.f;
+    float y = 0.f;
+    if (!homography.Map(patch.center_x + patch.OffsetX(i),
+                        patch.center_y + patch.OffsetY(i),
+                        &x,
+                        &y)) {
+      return false;
+    }
+    const float difference = SampleBilinear(other, x, y) - center;
+    const float weighted = patch.weight[i] * difference;
+    sums->Add(weighted, weighted * difference, weighted * patch.value[i]);
+  }
+  return true;
+}
+
+// The same by one step after the other, each for all samples: the form for a
+// CPU, whose compiler makes vector instructions of the loops. The arithmetic of
+// each sample and the order of the sums are the same, and so is every bit.
+inline bool AddUpBySteps(const ReferencePatch& patch,
+                         const PlaneHomography& homography,
+                         const ImageView<const float>& other,
+                         float center,
+                         PatchSums* sums) {
+  const float* h = homography.h;
+  float x[kPatchSize];
+  float y[kPatchSize];
+  float z[kPatchSize];
+  for (int i = 0; i < kPatchSize; ++i) {
+    const float u = patch.center_x + patch.OffsetX(i);
+    const float v = patch.center_y + patch.OffsetY(i);
+    z[i] = h[6] * u + h[7] * v + h[8];
+    const float inverse = 1.f / z[i];
+    x[i] = (h[0] * u + h[1] * v + h[2]) * inverse;
+    y[i] = (h[3] * u + h[4] * v + h[5]) * inverse;
+  }
+  // Rounding keeps the order of numbers, so that z is smallest in a corner.
+  for (const int corner :
+       {0, kPatchSide - 1, kPatchSize - kPatchSide, kPatchSize - 1}) {
+    if (!(z[corner] > 0.f)) {
+      return false;
+    }
+  }
+  float value[kPatchSize];
+  SampleBilinearBySteps(other, x, y, value);
+  float weighted[kPatchSize];
+  float square[kPatchSize];
+  float product[kPatchSize];
+  for (int i = 0; i < kPatchSize; ++i) {
+    const float difference = value[i] - center;
+    weighted[i] = patch.weight[i] * difference;
+    square[i] = weighted[i] * difference;
+    product[i] = weighted[i] * patch.value[i];
+  }
+  for (int i = 0; i < kPatchSize; ++i) {
+    sums->Add(weighted[i], square[i], product[i]);
+  }
+  return true;
+}
+
 // 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
 // kUndefinedCost.
 TSAR_HD inline float PatchCost(const ReferencePatch& patch,
@@ -164,27 +249,20 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
     return kUndefinedCost;
   }
   const float center = SampleBilinear(other, x, y);
-  float sum = 0.f;
-  float sum_squares = 0.f;
-  float sum_products = 0.f;
-  for (int i = 0; i < kPatchSize; ++i) {
-    if (!homography.Map(patch.center_x + patch.OffsetX(i),
-                        patch.center_y + patch.OffsetY(i),
-                        &x,
-                        &y)) {
-      return kUndefinedCost;
-    }
-    const float difference = SampleBilinear(other, x, y) - center;
-    const float weighted = patch.weight[i] * difference;
-    sum += weighted;
-    sum_squares += weighted * difference;
-    sum_products += weighted * patch.value[i];
+  PatchSums sums;
+#ifdef __CUDA_ARCH__
+  const bool is_seen = AddUpBySamples(patch, homography, other, center, &sums);
+#else
+  const bool is_seen = AddUpBySteps(patch, homography, other, center, &sums);
+#endif
+  if (!is_seen) {
+    return kUndefinedCost;
   }
-  const float variance = sum_squares - sum * sum;
+  const float variance = sums.squares - sums.values * sums.values;
   if (!(variance >= kMinPatchVariance)) {
     return kUndefinedCost;
   }
-  const float covariance = sum_products - sum * patch.mean;
+  const float covariance = sums.products - sums.values * patch.mean;
   const float ncc = covariance / sqrtf(variance * patch.variance);
   return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
 }

@@ -5,6 +5,9 @@
 
 #include "colmap_tsar/base/random.h"
 
+#include <cmath>
+#include <limits>
+
 #include "tests/base/drawn_scene.h"
 #include <gtest/gtest.h>
 
@@ -179,16 +182,157 @@ TEST(PatchCost, MapsTheWindowOfThePatch) {
             1e-2f);
 }
 
-TEST(SampleBilinear, InterpolatesAndRepeatsTheBorder) {
-  Image<float> gray(2, 2);
-  gray(1, 0) = 10.f;
-  gray(0, 1) = 20.f;
-  gray(1, 1) = 30.f;
-  const ImageView<const float> view = std::as_const(gray).View();
-  EXPECT_FLOAT_EQ(SampleBilinear(view, 0.5f, 0.f), 5.f);
-  EXPECT_FLOAT_EQ(SampleBilinear(view, 0.5f, 0.5f), 15.f);
-  EXPECT_FLOAT_EQ(SampleBilinear(view, 1.f, 1.f), 30.f);
-  EXPECT_FLOAT_EQ(SampleBilinear(view, -3.f, 9.f), 20.f);
+TEST(ReferencePatch, HoldsTheSamplesOfTheWindow) {
+  const Image<float> gray = DrawNoise(1);
+  const ImageView<const float> view = gray.View();
+  for (const float x : {0.f, 4.25f, 16.f, 31.f}) {
+    for (const float y : {0.f, 15.7f, 30.f}) {
+      for (const float radius : {5.f, 8.f}) {
+        const ReferencePatch patch(view, x, y, radius);
+        const float center = SampleBilinear(view, x, y);
+        for (int i = 0; i < kPatchSize; ++i) {
+          ASSERT_EQ(
+              patch.value[i],
+              SampleBilinear(view, x + patch.OffsetX(i), y + patch.OffsetY(i)) -
+                  center)
+              << x << ", " << y << ", " << radius << ", " << i;
+        }
+      }
+    }
+  }
+}
+
+// How often AddUpBySteps met what it treats in a way of its own.
+struct Met {
+  int num_inside = 0;
+  int num_on_border = 0;
+  int num_behind = 0;
+};
+
+// Both forms of the sum, which must not differ in a bit.
+void ExpectSameSums(const ReferencePatch& patch,
+                    const PlaneHomography& homography,
+                    const ImageView<const float>& other,
+                    Met* met) {
+  PatchSums by_samples;
+  PatchSums by_steps;
+  const bool is_seen =
+      AddUpBySamples(patch, homography, other, 100.f, &by_samples);
+  ASSERT_EQ(AddUpBySteps(patch, homography, other, 100.f, &by_steps), is_seen);
+  if (!is_seen) {
+    ++met->num_behind;
+    return;
+  }
+  ASSERT_TRUE(std::isfinite(by_samples.squares));
+  ASSERT_EQ(by_steps.values, by_samples.values);
+  ASSERT_EQ(by_steps.squares, by_samples.squares);
+  ASSERT_EQ(by_steps.products, by_samples.products);
+  bool is_inside = true;
+  for (int i = 0; i < kPatchSize; ++i) {
+    float x = 0.f;
+    float y = 0.f;
+    homography.Map(patch.center_x + patch.OffsetX(i),
+                   patch.center_y + patch.OffsetY(i),
+                   &x,
+                   &y);
+    is_inside &=
+        x >= 0.f && y >= 0.f && x < other.width - 1.f && y < other.height - 1.f;
+  }
+  ++(is_inside ? met->num_inside : met->num_on_border);
+}
+
+TEST(AddUpBySteps, GivesTheSumsOfAddUpBySamples) {
+  const Image<float> gray = DrawNoise(1);
+  const Image<float> other = DrawNoise(2);
+  const Intrinsics intrinsics{50.f, 50.f, 16.f, 16.f};
+  Philox random(3, 0, 0);
+  const auto draw = [&](float scale) {
+    return scale * (2.f * random.NextFloat() - 1.f);
+  };
+  Met met;
+  for (int i = 0; i < 3000; ++i) {
+    const int x = static_cast<int>(random.NextBelow(kSize));
+    const int y = static_cast<int>(random.NextBelow(kSize));
+    const ReferencePatch patch(gray.View(), x, y, i % 3 == 0 ? 8.f : 5.f);
+    // From planes seen from the front to those seen along their surface, a part
+    // of which lies behind the cameras.
+    const Vec3f ray = intrinsics.Ray(x, y);
+    Vec3f normal = Normalized({draw(1.f), draw(1.f), draw(i % 2)});
+    if (Dot(normal, ray) > 0.f) {
+      normal = -normal;
+    }
+    const float angle = draw(0.3f);
+    RelativePose pose;
+    pose.rotation = {{std::cos(angle), 0.f, -std::sin(angle)},
+                     {0.f, 1.f, 0.f},
+                     {std::sin(angle), 0.f, std::cos(angle)}};
+    pose.translation = {draw(0.3f), draw(0.3f), draw(0.3f)};
+    const PlaneHomography homography(
+        intrinsics,
+        intrinsics,
+        pose,
+        Plane::FromPoint(ray, 1.5f + draw(0.5f), normal));
+    ASSERT_NO_FATAL_FAILURE(
+        ExpectSameSums(patch, homography, other.View(), &met));
+  }
+  EXPECT_GT(met.num_inside, 100);
+  EXPECT_GT(met.num_on_border, 1000);
+  EXPECT_GT(met.num_behind, 50);
+}
+
+TEST(AddUpBySteps, TakesAnyNumbersForAHomography) {
+  const Image<float> gray = DrawNoise(1);
+  const Image<float> other = DrawNoise(2);
+  const Image<float> small(1, 1, 70.f);
+  const Image<float> column(1, kSize, 70.f);
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float hostile[] = {0.f,
+                           1e-42f,
+                           1e30f,
+                           -1e30f,
+                           infinity,
+                           -infinity,
+                           std::numeric_limits<float>::quiet_NaN()};
+  Met met;
+  for (const int x : {0, 16}) {
+    const ReferencePatch patch(gray.View(), x, 16);
+    for (int element = 0; element < 9; ++element) {
+      for (const float value : hostile) {
+        PlaneHomography homography = Shift(1.f);
+        homography.h[element] = value;
+        for (const Image<float>* image : {&other, &small, &column}) {
+          ASSERT_NO_FATAL_FAILURE(
+              ExpectSameSums(patch, homography, image->View(), &met))
+              << element << ", " << value;
+        }
+      }
+    }
+  }
+  EXPECT_GT(met.num_inside, 0);
+  EXPECT_GT(met.num_on_border, 0);
+  EXPECT_GT(met.num_behind, 0);
+}
+
+// A window of which the plane's horizon cuts off one sample alone.
+TEST(AddUpBySteps, SeesEveryCornerBehindTheCamera) {
+  const Image<float> gray = DrawNoise(1);
+  const ReferencePatch patch(gray.View(), 16, 16);
+  for (const float sign_x : {-1.f, 1.f}) {
+    for (const float sign_y : {-1.f, 1.f}) {
+      PlaneHomography homography = Shift(0.f);
+      homography.h[6] = sign_x;
+      homography.h[7] = sign_y;
+      for (const bool is_seen : {false, true}) {
+        // z is 0 in that corner, or barely not.
+        homography.h[8] = 10.f - 16.f * (sign_x + sign_y) + (is_seen ? 1 : 0);
+        PatchSums sums;
+        EXPECT_EQ(AddUpBySteps(patch, homography, gray.View(), 100.f, &sums),
+                  is_seen);
+        EXPECT_EQ(AddUpBySamples(patch, homography, gray.View(), 100.f, &sums),
+                  is_seen);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace tsar {
+
+// Grey level at a position between pixels; positions outside take the border's.
+TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
+                                    float x,
+                                    float y) {
+  x = fminf(fmaxf(x, 0.f), static_cast<float>(image.width - 1));
+  y = fminf(fmaxf(y, 0.f), static_cast<float>(image.height - 1));
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const int x1 = x0 + 1 < image.width ? x0 + 1 : x0;
+  const int y1 = y0 + 1 < image.height ? y0 + 1 : y0;
+  const float fx = x - x0;
+  const float fy = y - y0;
+  const float top = image(x0, y0) + fx * (image(x1, y0) - image(x0, y0));
+  const float bottom = image(x0, y1) + fx * (image(x1, y1) - image(x0, y1));
+  return top + fy * (bottom - top);
+}
+
+// The same for many positions at once, to the last bit, on the CPU: each step
+// is taken for all positions before the next one, in loops that compilers turn
+// into vector instructions. Positions that are no numbers count as 0, as above.
+template <int kCount>
+void SampleBilinearBySteps(const ImageView<const float>& image,
+                           const float (&x)[kCount],
+                           const float (&y)[kCount],
+                           float (&values)[kCount]) {
+  const int last_x = image.width - 1;
+  const int last_y = image.height - 1;
+  const float max_x = static_cast<float>(last_x);
+  const float max_y = static_cast<float>(last_y);
+  int x0[kCount];
+  int y0[kCount];
+  float fx[kCount];
+  float fy[kCount];
+  // Negative as soon as a position lies in the last column or row.
+  int room = 0;
+  for (int i = 0; i < kCount; ++i) {
+    // Comparisons, because fminf and fmaxf are calls.
+    const float from_x = x[i] > 0.f ? x[i] : 0.f;
+    const float from_y = y[i] > 0.f ? y[i] : 0.f;
+    const float inside_x = from_x < max_x ? from_x : max_x;
+    const float inside_y = from_y < max_y ? from_y : max_y;
+    x0[i] = static_cast<int>(inside_x);
+    y0[i] = static_cast<int>(inside_y);
+    fx[i] = inside_x - x0[i];
+    fy[i] = inside_y - y0[i];
+    room |= (last_x - 1 - x0[i]) | (last_y - 1 - y0[i]);
+  }
+  struct Neighbors {
+    float left;
+    float right;
+  };
+  Neighbors top[kCount];
+  Neighbors bottom[kCount];
+  if (room >= 0) {
+    for (int i = 0; i < kCount; ++i) {
+      const float* pixel = image.data + image.Index(x0[i], y0[i]);
+      std::memcpy(&top[i], pixel, sizeof(Neighbors));
+      std::memcpy(&bottom[i], pixel + image.width, sizeof(Neighbors));
+    }
+  } else {
+    for (int i = 0; i < kCount; ++i) {
+      const int x1 = x0[i] < last_x ? x0[i] + 1 : x0[i];
+      const int y1 = y0[i] < last_y ? y0[i] + 1 : y0[i];
+      top[i] = {image(x0[i], y0[i]), image(x1, y0[i])};
+      bottom[i] = {image(x0[i], y1), image(x1, y1)};
+    }
+  }
+  for (int i = 0; i < kCount; ++i) {
+    const float t = top[i].left + fx[i] * (top[i].right - top[i].left);
+    const float b = bottom[i].left + fx[i] * (bottom[i].right - bottom[i].left);
+    values[i] = t + fy[i] * (b - t);
+  }
+}
+
+}  // namespace tsar
