@@ -162,7 +162,7 @@ TEST_F(OptionSetTest, GivingAnOptionTwiceIsAnError) {
 
 TEST_F(OptionSetTest, MissingRequiredOptionIsNamed) {
   const std::string expected =
-      "--workspace_path is missing; give it as --workspace_path TEXT, or see "
+      "--workspace_path is missing; give it as --workspace_path PATH, or see "
       "tsar_test --help";
   EXPECT_EQ(Failure({}), expected);
   EXPECT_EQ(Failure({"--workspace_path="}).find("--workspace_path "), 0u);
@@ -203,9 +203,9 @@ TEST_F(OptionSetTest, HelpWinsOverEverythingAndTouchesNothing) {
     const std::string text = testing::internal::GetCapturedStdout();
     EXPECT_EQ(iterations_, 4);
     for (const char* part : {"Tests options.",
-                             "colmap tsar_test --workspace_path TEXT [options]",
+                             "colmap tsar_test --workspace_path PATH [options]",
                              "Example:\n  colmap tsar_test --x\n",
-                             "--workspace_path TEXT (required)",
+                             "--workspace_path PATH (required)",
                              "--TsarTest.iterations INT (default: 4)",
                              "--TsarTest.device auto|cpu|cuda (default: auto)",
                              "--TsarTest.filter 0|1 (default: 1)",
