@@ -7,8 +7,8 @@ endif()
 
 set(source ${CMAKE_CURRENT_LIST_DIR}/..)
 file(READ ${source}/LICENSE licence)
-string(REGEX MATCH "Copyright[^\n]*" owner "${licence}")
-string(REGEX REPLACE "^Copyright (\\(c\\) )?" "" owner "${owner}")
+string(REGEX MATCH "Copyright \\(c\\) ([^\n]*[^\n.])" owner "${licence}")
+set(owner "${CMAKE_MATCH_1}")
 string(REGEX REPLACE "^.*Redistribution and use" "Redistribution and use"
   terms "${licence}")
 string(STRIP "${terms}" terms)

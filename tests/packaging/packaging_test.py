@@ -155,7 +155,7 @@ def test_debian_packages():
     with open(os.path.join(usr, "share/doc/colmap-tsar/copyright")) as file:
         text = file.read()
     check(
-        "License: BSD-3-Clause" in text and "authors\n" in text
+        "License: BSD-3-Clause" in text and "Copyright: 2026, the TSAR for COLMAP authors\n" in text
         and "THIS SOFTWARE IS PROVIDED" in text,
         "the copyright file has owner and licence",
     )
