@@ -6,6 +6,7 @@ option, choice and default is in them, the pages are clean troff, and bash and
 fish really complete. What needs a shell or formatter that is not installed is
 skipped by a line that says so."""
 import argparse
+import functools
 import gzip
 import os
 import re
@@ -21,21 +22,25 @@ ANY_VALUE = ("PATH", "TEXT", "INT", "NUMBER", "")
 OPTION = re.compile(r"^  (?:-h, )?--(\S+)(?: (\S+))?( \(.*\))?$")
 
 
+@functools.lru_cache(None)
 def commands():
     """The commands that --help lists."""
     text = run(args.program, "--help")
     return re.findall(r"^  (tsar_\w+) ", text, re.MULTILINE)
 
 
+@functools.lru_cache(None)
 def calls():
     """Each way to call a command, as words: some need a word more."""
+    found = []
     for command in commands():
         text = run(args.program, command, "--help")
         forms = re.findall(rf"^  {command} (\w+) \[options\]", text, re.MULTILINE)
-        for form in forms or [None]:
-            yield [command] + ([form] if form else [])
+        found += [(command, form) for form in forms] or [(command,)]
+    return found
 
 
+@functools.lru_cache(None)
 def options(words):
     """What --help tells: name -> (value, remark, description)."""
     found = {}
@@ -131,7 +136,7 @@ def test_bash():
     check(bash_completes("colmap_tsar", "tsar_ref") == ["tsar_refine"], "bash: one command")
     check(bash_completes("colmap_tsar", "nothing", "--") == [], "bash: an unknown command")
     for words in calls():
-        line = ["colmap_tsar"] + words
+        line = ["colmap_tsar", *words]
         known = options(words)
         check(
             sorted(bash_completes(*line, "--")) == sorted("--" + name for name in known),
@@ -173,7 +178,7 @@ def test_fish():
     check(completes("colmap_tsar tsar_") == set(commands()), "fish: all commands")
     for words in calls():
         known = options(words)
-        line = " ".join(["colmap_tsar"] + words)
+        line = " ".join(["colmap_tsar", *words])
         check(
             completes(line + " --") == {"--" + name for name in known},
             f"fish: the options of {' '.join(words)}",
@@ -203,7 +208,7 @@ def test_zsh():
 
 shutil.rmtree(args.folder, ignore_errors=True)
 os.makedirs(os.path.join(args.folder, "a b folder"))
-check(len(commands()) > 3 and len(list(calls())) > len(commands()), "--help lists commands")
+check(len(commands()) > 3 and len(calls()) > len(commands()), "--help lists commands")
 test_pages()
 test_troff()
 test_bash()
