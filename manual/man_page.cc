@@ -15,7 +15,8 @@ std::string PageName(const ProgramDescription& program,
   return program.name + "-" + command.name;
 }
 
-// No date: the same sources give the same pages.
+// No date: the same sources give the same pages. Words stay whole, and lines
+// ragged, since names are long.
 std::string Head(const ProgramDescription& program,
                  const std::string& page,
                  const std::string& title) {
@@ -25,7 +26,8 @@ std::string Head(const ProgramDescription& program,
   });
   std::ostringstream text;
   text << ".TH " << TroffText(name) << " 1 \"\" \"TSAR for COLMAP "
-       << program.version << "\" \"TSAR for COLMAP\"\n.SH NAME\n"
+       << program.version << "\" \"TSAR for COLMAP\"\n"
+       << ".nh\n.ad l\n.SH NAME\n"
        << TroffText(page) << " \\- " << TroffText(title) << "\n";
   return text.str();
 }

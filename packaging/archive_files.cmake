@@ -51,7 +51,7 @@ The program needs these shared libraries, in these versions:
 
     ${needed}
 
-On the system it was built on they are those of
+On the system it was built on they are those of its C library and of
 
     apt-get install ${packages}
 
