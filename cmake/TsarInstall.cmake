@@ -1,10 +1,16 @@
-# The library with its headers, a package config by which other projects find
-# it (find_package(ColmapTsar)), the program and the licence.
+# Component "runtime": the program, its manual pages and completions, and the
+# licence. Component "development": the library with its headers, and a package
+# config by which other projects find it (find_package(ColmapTsar)).
 include(CMakePackageConfigHelpers)
 
 set(TSAR_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ColmapTsar)
 
-install(TARGETS colmap_tsar_program)
+install(TARGETS colmap_tsar_program COMPONENT runtime)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/colmap-tsar COMPONENT runtime)
+
+# From here on all is for development.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
 # For C++ sources: without the headers that need OpenCV or, where nvcc reads
 # them, this project's CUDA part. Only its own sources include those.
@@ -17,7 +23,6 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   PATTERN "device/cuda_*.h" EXCLUDE
   PATTERN "device/fill.h" EXCLUDE
   PATTERN "device/parallel_for*.h" EXCLUDE)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT ColmapTsarTargets
   NAMESPACE ColmapTsar:: DESTINATION ${TSAR_PACKAGE_DIR})

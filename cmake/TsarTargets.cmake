@@ -76,3 +76,7 @@ function(tsar_add_sources)
 endfunction()
 
 tsar_configure_target(colmap_tsar)
+# glog tells its macros' files at run time: without the folder they were built
+# in.
+target_compile_options(colmap_tsar PRIVATE
+  "$<$<COMPILE_LANGUAGE:CXX>:-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=>")

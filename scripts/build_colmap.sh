@@ -200,7 +200,7 @@ if [[ -n ${CUDA_ARCHITECTURES:-} ]]; then
 fi
 : "${CUDA_ARCHITECTURES:=$architectures}"
 cmake --preset release "${options[@]}"
-cmake --build --preset release --target colmap_tsar_program
+cmake --build --preset release --target colmap_tsar_program tsar_manual
 cmake --install build --prefix "$prefix" >/dev/null
 
 step "COLMAP $version"

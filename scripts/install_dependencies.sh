@@ -36,6 +36,10 @@ packages=(
   pybind11-dev
   python3-dev
   python3-venv
+  # Packages by cpack, and the tests of the manual pages.
+  dpkg-dev
+  file
+  groff-base
   # The sample scene and the comparison with COLMAP's own fusion.
   colmap
   python3

@@ -13,6 +13,8 @@
 #include <iostream>
 #include <new>
 
+#include <nlohmann/json.hpp>
+
 namespace tsar {
 namespace {
 
@@ -28,10 +30,13 @@ int Reported(int argc, char** argv) {
   return RunCommand(kFunction, argc, argv);
 }
 
+const char kSummary[] =
+    "Completes the depth maps of COLMAP's dense stage on surfaces without "
+    "texture.";
+
 void PrintProgramHelp() {
-  std::cout << "Completes the depth maps of COLMAP's dense stage on surfaces "
-               "without texture.\n\nUsage:\n  colmap_tsar COMMAND [options]\n\n"
-               "Commands:\n";
+  std::cout << kSummary
+            << "\n\nUsage:\n  colmap_tsar COMMAND [options]\n\nCommands:\n";
   size_t width = 0;
   for (const Command& command : Commands()) {
     width = std::max(width, command.name.size());
@@ -41,7 +46,22 @@ void PrintProgramHelp() {
               << command.name << command.summary << "\n";
   }
   std::cout << "\ncolmap_tsar COMMAND --help explains a command; colmap_tsar "
-               "--version prints the version.\n";
+               "--version prints the version, --help_json "
+               "these lines as JSON.\n";
+}
+
+// As JSON, for programs: the "summary", the "version" and the "commands", each
+// with "name" and "summary".
+void PrintProgramHelpJson() {
+  nlohmann::ordered_json json;
+  json["summary"] = kSummary;
+  json["version"] = TSAR_VERSION;
+  json["commands"] = nlohmann::ordered_json::array();
+  for (const Command& command : Commands()) {
+    json["commands"].push_back(
+        {{"name", command.name}, {"summary", command.summary}});
+  }
+  std::cout << json.dump(2) << "\n";
 }
 
 void PrintUnknownCommand(const std::string& written) {
@@ -99,6 +119,10 @@ int RunProgram(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "help";
   if (name == "help" || name == "-h" || name == "--help") {
     PrintProgramHelp();
+    return 0;
+  }
+  if (name == "--help_json") {
+    PrintProgramHelpJson();
     return 0;
   }
   if (name == "--version") {

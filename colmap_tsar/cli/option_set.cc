@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
 #include <utility>
 
 #include <boost/program_options.hpp>
@@ -32,25 +31,9 @@ std::string Group(const std::string& name) {
   return dot == std::string::npos ? std::string() : name.substr(0, dot);
 }
 
-// Breaks a text into lines of at most 79 letters with this indentation.
-std::string Wrap(const std::string& text, size_t indentation) {
-  const std::string indent(indentation, ' ');
-  std::istringstream words(text);
-  std::string wrapped;
-  std::string line = indent;
-  for (std::string word; words >> word;) {
-    if (line.size() > indentation && line.size() + 1 + word.size() > 79) {
-      wrapped += line + "\n";
-      line = indent;
-    }
-    line += (line.size() > indentation ? " " : "") + word;
-  }
-  return wrapped + line + "\n";
-}
-
-bool AsksForHelp(int argc, const char* const* argv) {
-  return std::any_of(argv + std::min(argc, 1), argv + argc, [](const char* a) {
-    return std::string(a) == "-h" || std::string(a) == "--help";
+bool HasArgument(int argc, const char* const* argv, const std::string& name) {
+  return std::any_of(argv + std::min(argc, 1), argv + argc, [&](const char* a) {
+    return a == name;
   });
 }
 
@@ -84,8 +67,13 @@ void OptionSet::AddChoice(const std::string& name,
 }
 
 bool OptionSet::Parse(int argc, const char* const* argv) const {
-  if (AsksForHelp(argc, argv)) {
-    PrintHelp(std::filesystem::path(argv[0]).filename().string(), std::cout);
+  if (HasArgument(argc, argv, "--help_json")) {
+    PrintHelpJson(Help(), std::cout);
+    return false;
+  }
+  if (HasArgument(argc, argv, "-h") || HasArgument(argc, argv, "--help")) {
+    PrintHelp(
+        Help(), std::filesystem::path(argv[0]).filename().string(), std::cout);
     return false;
   }
   const std::map<std::string, std::string> given = ReadCommandLine(argc, argv);
@@ -114,27 +102,13 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
   return true;
 }
 
-void OptionSet::PrintHelp(const std::string& program, std::ostream& out) const {
-  std::string usage = program + " " + command_;
-  for (const Option& option : options_) {
-    if (option.required) {
-      usage += " --" + option.name + " " + option.ValueHint();
-    }
-  }
-  out << Wrap(summary_, 0) << "\nUsage:\n  " << usage
-      << " [options]\n\nExample:\n  " << program << " " << example_
-      << "\n\nOptions:\n";
-  for (const Option& option : options_) {
-    const std::string text = option.Text();
-    out << "  --" << option.name << " " << option.ValueHint()
-        << (option.required ? " (required)"
-            : text.empty()  ? ""
-                            : " (default: " + text + ")")
-        << "\n"
-        << Wrap(option.description, 6);
-  }
-  out << "  --" << kProjectPath << " TEXT\n"
-      << Wrap(kProjectPathHelp, 6) << "  -h, --help\n      Print this text.\n";
+CommandHelp OptionSet::Help() const {
+  // Its value is read by Parse and not kept.
+  static std::string no_project_path;
+  CommandHelp help{command_, summary_, example_, options_};
+  help.options.push_back(
+      {kProjectPath, kProjectPathHelp, &no_project_path, {}, {}, false});
+  return help;
 }
 
 std::map<std::string, std::string> OptionSet::Values() const {
@@ -154,7 +128,7 @@ const Option* OptionSet::Find(const std::string& name) const {
 }
 
 std::string OptionSet::Advice(const std::string& written) const {
-  std::vector<std::string> names = {kProjectPath, "help"};
+  std::vector<std::string> names = {kProjectPath, "help", "help_json"};
   for (const Option& option : options_) {
     names.push_back(option.name);
   }

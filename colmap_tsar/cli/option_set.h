@@ -3,9 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/cli/option_help.h"
 #include "colmap_tsar/cli/option_value.h"
 
-#include <iosfwd>
 #include <map>
 #include <set>
 #include <string>
@@ -16,7 +16,7 @@ namespace tsar {
 // The options of one command, in the manner of COLMAP's commands: top-level
 // options ("--workspace_path DIR"), groups ("--TsarRefine.device cpu"), an ini
 // file given by --project_path whose values the command line overrides, and
-// -h/--help.
+// -h/--help, or --help_json.
 //
 // The ini file may be the project.ini of a COLMAP project: sections other than
 // the groups of this command are ignored, and so are top-level keys that are
@@ -29,7 +29,9 @@ class OptionSet {
   OptionSet(std::string command, std::string summary, std::string example);
 
   // Adds an option; the value that the target has now is the default. Names
-  // must be unique; the target must outlive this object.
+  // must be unique; the target must outlive this object. A text whose name ends
+  // in "_path" or "_list" is a file or a folder to the help and to the shells
+  // that complete it.
   void Add(const std::string& name,
            OptionTarget target,
            const std::string& description,
@@ -58,7 +60,7 @@ class OptionSet {
   std::map<std::string, std::string> Values() const;
 
  private:
-  void PrintHelp(const std::string& program, std::ostream& out) const;
+  CommandHelp Help() const;
   const Option* Find(const std::string& name) const;
   std::string Advice(const std::string& written) const;
   std::map<std::string, std::string> ReadCommandLine(

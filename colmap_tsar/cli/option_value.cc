@@ -116,6 +116,11 @@ std::string Option::Text() const {
       target);
 }
 
+bool Option::IsPath() const {
+  return std::holds_alternative<std::string*>(target) && choices.empty() &&
+         (name.ends_with("_path") || name.ends_with("_list"));
+}
+
 std::string Option::ValueHint() const {
   if (!choices.empty()) {
     return JoinChoices(choices, "|");
@@ -124,7 +129,7 @@ std::string Option::ValueHint() const {
     return "0|1";
   }
   if (std::holds_alternative<std::string*>(target)) {
-    return "TEXT";
+    return IsPath() ? "PATH" : "TEXT";
   }
   const bool is_integer = std::holds_alternative<int*>(target) ||
                           std::holds_alternative<int64_t*>(target);

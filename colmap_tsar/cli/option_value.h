@@ -39,8 +39,12 @@ struct Option {
   // The target's present value as Set would read it. Numbers keep every bit.
   std::string Text() const;
 
-  // What kind of value to give, for the help: INT, NUMBER, 0|1, TEXT or the
-  // choices.
+  // Whether the value is a file or a folder: a text, not one of choices, whose
+  // name ends in "_path" or "_list".
+  bool IsPath() const;
+
+  // What kind of value to give, for the help: INT, NUMBER, 0|1, PATH, TEXT or
+  // the choices.
   std::string ValueHint() const;
 };
 

@@ -26,6 +26,18 @@ const char kHelp[] =
     "tsar_evaluate depth --help and tsar_evaluate cloud --help explain the "
     "options.\n";
 
+// As --help_json of the other commands, with "forms" in place of options.
+void PrintFormsJson() {
+  const Json json = {
+      {"command", "tsar_evaluate"},
+      {"summary", "Scores a reconstruction against ground truth."},
+      {"forms",
+       {{{"name", "depth"}, {"summary", "Depth maps, pixel by pixel"}},
+        {{"name", "cloud"},
+         {"summary", "A fused cloud, by the ETH3D measure"}}}}};
+  std::cout << json.dump(2) << "\n";
+}
+
 // Prints the numbers of all rows in columns; numbers are given as text.
 void PrintRow(const std::vector<std::string>& cells) {
   for (size_t i = 0; i < cells.size(); ++i) {
@@ -206,6 +218,10 @@ int RunTsarEvaluate(int argc, char** argv) {
   }
   if (what == "-h" || what == "--help") {
     std::cout << kHelp;
+    return 0;
+  }
+  if (what == "--help_json") {
+    PrintFormsJson();
     return 0;
   }
   throw Error(ErrorCode::kBadOption,

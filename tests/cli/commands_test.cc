@@ -51,6 +51,30 @@ TEST(RunProgram, HelpListsAllCommands) {
   }
 }
 
+// What the manual pages and completions are made of.
+TEST(RunProgram, HelpAsJsonOfTheProgramAndOfEveryCommand) {
+  const nlohmann::json json =
+      nlohmann::json::parse(RunWith({"--help_json"}).out);
+  ASSERT_EQ(json.at("commands").size(), Commands().size());
+  for (size_t i = 0; i < Commands().size(); ++i) {
+    const std::string& name = Commands()[i].name;
+    EXPECT_EQ(json.at("commands")[i].at("name"), name);
+    const Outcome outcome = RunWith({name, "--help_json"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    const nlohmann::json command = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(command.at("command"), name);
+    if (!command.contains("forms")) {
+      EXPECT_FALSE(command.at("options").empty());
+      continue;
+    }
+    for (const nlohmann::json& form : command.at("forms")) {
+      const nlohmann::json told = nlohmann::json::parse(
+          RunWith({name, form.at("name"), "--help_json"}).out);
+      EXPECT_FALSE(told.at("options").empty());
+    }
+  }
+}
+
 TEST(RunProgram, VersionSaysWhetherCudaIsBuiltIn) {
   const Outcome outcome = RunWith({"--version"});
   EXPECT_EQ(outcome.exit_code, 0);

@@ -7,9 +7,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace tsar {
@@ -162,7 +164,7 @@ TEST_F(OptionSetTest, GivingAnOptionTwiceIsAnError) {
 
 TEST_F(OptionSetTest, MissingRequiredOptionIsNamed) {
   const std::string expected =
-      "--workspace_path is missing; give it as --workspace_path TEXT, or see "
+      "--workspace_path is missing; give it as --workspace_path PATH, or see "
       "tsar_test --help";
   EXPECT_EQ(Failure({}), expected);
   EXPECT_EQ(Failure({"--workspace_path="}).find("--workspace_path "), 0u);
@@ -203,9 +205,9 @@ TEST_F(OptionSetTest, HelpWinsOverEverythingAndTouchesNothing) {
     const std::string text = testing::internal::GetCapturedStdout();
     EXPECT_EQ(iterations_, 4);
     for (const char* part : {"Tests options.",
-                             "colmap tsar_test --workspace_path TEXT [options]",
+                             "colmap tsar_test --workspace_path PATH [options]",
                              "Example:\n  colmap tsar_test --x\n",
-                             "--workspace_path TEXT (required)",
+                             "--workspace_path PATH (required)",
                              "--TsarTest.iterations INT (default: 4)",
                              "--TsarTest.device auto|cpu|cuda (default: auto)",
                              "--TsarTest.filter 0|1 (default: 1)",
@@ -214,6 +216,36 @@ TEST_F(OptionSetTest, HelpWinsOverEverythingAndTouchesNothing) {
       EXPECT_NE(text.find(part), std::string::npos) << part;
     }
   }
+}
+
+TEST_F(OptionSetTest, HelpAsJsonTellsTheSameToPrograms) {
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(Parse({"--TsarTest.iterations", "9", "--wrong", "--help_json"}));
+  const nlohmann::json json =
+      nlohmann::json::parse(testing::internal::GetCapturedStdout());
+  EXPECT_EQ(iterations_, 4);
+  EXPECT_EQ(json.at("command"), "tsar_test");
+  EXPECT_EQ(json.at("summary"), "Tests options.");
+  std::map<std::string, nlohmann::json> options;
+  for (const nlohmann::json& option : json.at("options")) {
+    options[option.at("name")] = option;
+  }
+  EXPECT_EQ(options.size(), 9u);
+  EXPECT_EQ(options.at("workspace_path"),
+            nlohmann::json({{"name", "workspace_path"},
+                            {"value", "PATH"},
+                            {"choices", nlohmann::json::array()},
+                            {"is_path", true},
+                            {"required", true},
+                            {"default", ""},
+                            {"description", "The workspace."}}));
+  EXPECT_EQ(options.at("TsarTest.device").at("choices"),
+            nlohmann::json({"auto", "cpu", "cuda"}));
+  EXPECT_EQ(options.at("TsarTest.device").at("is_path"), false);
+  EXPECT_EQ(options.at("TsarTest.filter").at("choices"),
+            nlohmann::json({"0", "1"}));
+  EXPECT_EQ(options.at("TsarTest.iterations").at("default"), "4");
+  EXPECT_EQ(options.at("project_path").at("is_path"), true);
 }
 
 TEST_F(OptionSetTest, IniFillsInWhatTheCommandLineLeavesOut) {

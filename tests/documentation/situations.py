@@ -1,0 +1,132 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""What goes wrong in docs/troubleshooting.md, made for real: for each heading
+there, a function that spoils "dense", a fresh copy of the sample scene's
+workspace, in the current folder. Its files are hard links: they are replaced,
+never written into."""
+import contextlib
+import fcntl
+import os
+import struct
+import zlib
+
+
+def write(path, content):
+    """Replaces a file; its other links keep the former content."""
+    with contextlib.suppress(FileNotFoundError):
+        os.remove(path)
+    os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+    with open(path, "wb") as file:
+        file.write(content if isinstance(content, bytes) else content.encode())
+
+
+def read(path):
+    with open(path) as file:
+        return file.read()
+
+
+def remove_maps(*kinds):
+    for folder in ("depth_maps", "normal_maps"):
+        for name in os.listdir(f"dense/stereo/{folder}"):
+            if any(f".{kind}." in name for kind in kinds):
+                os.remove(f"dense/stereo/{folder}/{name}")
+
+
+def edit(path, old, new):
+    text = read(path)
+    assert old in text, (path, old)
+    write(path, text.replace(old, new, 1))
+
+
+def truncate_a_map():
+    path = "dense/stereo/depth_maps/v003.jpg.geometric.bin"
+    with open(path, "rb") as file:
+        content = file.read()
+    write(path, content[: len(content) // 2])
+
+
+def lock():
+    """Held as long as the file is open: until the folder goes."""
+    os.makedirs("dense/stereo/tsar")
+    file = open("dense/stereo/tsar/lock", "w")
+    fcntl.flock(file, fcntl.LOCK_EX)
+    return file
+
+
+def png(bits, width, height):
+    """A grey picture of zeros."""
+    def chunk(kind, data):
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    rows = b"".join(b"\0" + bytes(width * bits // 8) for _ in range(height))
+    return (b"\x89PNG\r\n\x1a\n"
+            + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def depth_images_of_8_bits():
+    remove_maps("geometric", "photometric")
+    write("depth/v000.png", png(8, 480, 360))
+
+
+def depth_images_of_other_names():
+    remove_maps("geometric", "photometric")
+    write("depth/frame-17.png", png(16, 480, 360))
+
+
+def depth_images_over_maps():
+    write("depth/v000.png", png(16, 480, 360))
+
+
+def depth_in_other_units():
+    """COLMAP's own depth, as floats in millimetres."""
+    os.makedirs("depth")
+    for name in sorted(os.listdir("dense/images")):
+        with open(f"dense/stereo/depth_maps/{name}.photometric.bin", "rb") as file:
+            content = file.read()
+        header, values = content.split(b"&1&", 1)
+        width, height = (int(n) for n in header.split(b"&"))
+        depth = struct.unpack(f"<{width * height}f", values)
+        rows = [depth[row * width:(row + 1) * width] for row in range(height)]
+        floats = [1000 * value for row in reversed(rows) for value in row]
+        write("depth/" + name.replace(".jpg", ".pfm"),
+              f"Pf\n{width} {height}\n-1.0\n".encode()
+              + struct.pack(f"<{len(floats)}f", *floats))
+    remove_maps("geometric", "photometric")
+
+
+SITUATIONS = {
+    "The path is wrong": lambda: None,
+    "The folder is not a dense workspace":
+        lambda: (os.mkdir("project"), os.rename("dense/sparse", "project/sparse")),
+    "The sparse model lies elsewhere":
+        lambda: (os.rename("dense/sparse", "model"), os.mkdir("dense/sparse"),
+                 os.rename("model", "dense/sparse/0")),
+    "The images are not undistorted": lambda: edit(
+        "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "OPENCV 640 480 0 0 0 0 "),
+    "The images were changed": lambda: edit(
+        "dense/sparse/cameras.txt", "640 480", "1280 960"),
+    "There are no maps yet": lambda: remove_maps("geometric", "photometric"),
+    "The maps are of the other type": lambda: remove_maps("geometric"),
+    "A map is cut off": truncate_a_map,
+    "A map has no partner":
+        lambda: os.remove("dense/stereo/normal_maps/v003.jpg.geometric.bin"),
+    "An image is gone": lambda: os.remove("dense/images/v003.jpg"),
+    "patch-match.cfg names an unknown image": lambda: edit(
+        "dense/stereo/patch-match.cfg", "v001.jpg", "v001.png"),
+    "Another program works there": lock,
+    "A name is misspelt": lambda: None,
+    "A value is wrong": lambda: None,
+    "A value was forgotten": lambda: None,
+    "A project file has an unknown key": lambda: write(
+        "project.ini", "workspace_path=dense\n[TsarRefine]\nscene_plane=0\n"),
+    "There is nothing to restore": lambda: None,
+    "The output folder is in use": lambda: write("refined/notes.txt", "mine\n"),
+    "The report comes before the refinement": lambda: None,
+    "tsar_stereo finds maps of COLMAP": lambda: None,
+    "tsar_import finds maps of COLMAP": depth_images_over_maps,
+    "The depth images are pictures": depth_images_of_8_bits,
+    "The depth images have other names": depth_images_of_other_names,
+    "The depth is in other units": depth_in_other_units,
+}
