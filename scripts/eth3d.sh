@@ -9,4 +9,5 @@
 #   scripts/eth3d.sh SCENE --output_path OUTPUT [options]
 set -euo pipefail
 
-exec "$(dirname "${BASH_SOURCE[0]}")/datasets/run.sh" eth3d "$@"
+folder=$(dirname "${BASH_SOURCE[0]}")/datasets
+exec "$folder/run.sh" "$folder/eth3d.py" "$@"

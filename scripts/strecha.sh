@@ -9,4 +9,5 @@
 #   scripts/strecha.sh SCENE --output_path OUTPUT [options]
 set -euo pipefail
 
-exec "$(dirname "${BASH_SOURCE[0]}")/datasets/run.sh" strecha "$@"
+folder=$(dirname "${BASH_SOURCE[0]}")/datasets
+exec "$folder/run.sh" "$folder/strecha.py" "$@"

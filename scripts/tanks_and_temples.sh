@@ -9,4 +9,5 @@
 #   scripts/tanks_and_temples.sh SCENE --output_path OUTPUT [options]
 set -euo pipefail
 
-exec "$(dirname "${BASH_SOURCE[0]}")/datasets/run.sh" tanks_and_temples "$@"
+folder=$(dirname "${BASH_SOURCE[0]}")/datasets
+exec "$folder/run.sh" "$folder/tanks_and_temples.py" "$@"

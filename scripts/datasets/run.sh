@@ -2,15 +2,11 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Starts NAME.py of this folder by a Python that has numpy: what the scripts of
-# the data sets have in common.
+# Starts a Python script by a Python that has numpy: what the scripts of the data
+# sets and their tests have in common.
 #
-#   scripts/datasets/run.sh NAME [ARGUMENT...]
+#   scripts/datasets/run.sh SCRIPT.py [ARGUMENT...]
 set -euo pipefail
-
-folder=$(dirname "${BASH_SOURCE[0]}")
-name=$1
-shift
 
 # The python3 of the packages has numpy; another that comes first may not.
 python=python3
@@ -23,4 +19,4 @@ if ! "$python" -c "import numpy" 2>/dev/null; then
   fi
 fi
 export PYTHONDONTWRITEBYTECODE=1
-exec "$python" "$folder/$name.py" "$@"
+exec "$python" "$@"

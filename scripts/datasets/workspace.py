@@ -61,7 +61,7 @@ def write_workspace(workspace, model_folder, image_folder):
     cameras = read_cameras(part / "sparse" / "cameras.txt")
     images = read_images(part / "sparse" / "images.txt")
     check_model(cameras, images, image_folder, model_folder)
-    names = [image.name for image in images]
+    names = sorted(image.name for image in images)
     for name in names:
         link = part / "images" / name
         link.parent.mkdir(parents=True, exist_ok=True)

@@ -251,6 +251,11 @@ class VirtualScanTest(FolderTest):
         far = points[~near]
         self.assertTrue((np.abs(far[:, :2]).max(1) > 0.5 / 2 * 5 - 2 * 5 / 70).all())
 
+    def test_the_nearer_one_is_seen_in_any_order(self):
+        walls = square(4, 8.0), square(2, 4.0)  # Both cover the same pixels.
+        for first, second in (walls, walls[::-1]):
+            np.testing.assert_allclose(self.scan(first, second)[:, 2], 4, atol=1e-12)
+
     def test_nothing_behind_the_camera(self):
         self.assertEqual(len(self.scan(square(10, -5.0))), 0)
 
