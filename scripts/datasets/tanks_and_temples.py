@@ -25,8 +25,8 @@ ground truth before and after refinement.
   SCENE/SCENE_COLMAP_SfM.log, or SCENE/SCENE.log: camera poses (may be missing)
   SCENE/SCENE.ply, SCENE_trans.txt, SCENE.json: ground truth of training scenes
 
-The poses come without a calibration. The focal length is found from matches, and
-refined together with the distortion while the poses stay fixed.
+The poses come without a calibration. The focal length is found from matches, then
+refined with principal point and distortion while the poses stay fixed.
 
 What comes out:
 
@@ -80,8 +80,8 @@ def read_scene(path, args):
 
 
 def triangulate_with_poses(step, programs, path, size, poses, output):
-    """The sparse model with given poses: focal length, points, distortion, and
-    points anew."""
+    """The sparse model with given poses: focal length, points, the rest of the
+    calibration, and points anew."""
     image_folder = image_folder_of(path)
     width, height = size
     focal = estimate_focal_length(read_matches(step.scene.folder / DATABASE), poses, width,
@@ -93,11 +93,11 @@ def triangulate_with_poses(step, programs, path, size, poses, output):
     fixed = programs.colmap_option("bundle_adjuster", "BundleAdjustment.refine_extrinsics",
                                    "BundleAdjustment.refine_rig_from_world")
     step.run(programs.colmap, "bundle_adjuster", "--input_path", first, "--output_path", first,
-             fixed, 0)
+             fixed, 0, "--BundleAdjustment.refine_principal_point", 1)
     to_text(step, programs, first)
     (camera,) = read_cameras(first / "cameras.txt").values()
-    step.scene.say(f"calibrated: focal length {camera.params[0]:.1f} pixels, distortion "
-                   f"{camera.params[3]:.4f}")
+    step.scene.say("calibrated: focal length {:.1f}, principal point {:.1f} {:.1f}, "
+                   "distortion {:.4f}".format(*camera.params))
     triangulate(step, programs, image_folder, dict.fromkeys(poses, camera), poses, output)
     shutil.rmtree(first)
 
