@@ -7,6 +7,10 @@ import json
 import os
 import pathlib
 import shutil
+import signal
+import subprocess
+import sys
+import time
 import unittest
 
 from dataset_testing import PROGRAM, COLMAP  # First: it sets the path.
@@ -422,6 +426,28 @@ class StepsTest(FolderTest):
         self.run_steps()
         self.scene.record_path("first").write_text("{")
         self.assertEqual(self.run_steps(), ["first", "second"])
+
+    def test_the_program_ends_with_the_script(self):
+        pid_file = FOLDER / "pid"
+        script = self.write("script.py", f'''
+import dense
+def run(args, programs):
+    scene = dense.open_scene(args, "sleeper")
+    scene.step("sleep", lambda step: step.run(
+        "sh", "-c", "echo $$ > {pid_file}.part; mv {pid_file}.part {pid_file}; exec sleep 9999"),
+        outputs=[])
+dense.run_main(dense.make_parser("test", "", ""), run)
+''')
+        process = subprocess.Popen(
+            [sys.executable, script, "scene", "--output_path", FOLDER / "out2", "--colmap",
+             COLMAP, "--colmap_tsar", PROGRAM], stdout=subprocess.DEVNULL,
+            env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)))
+        while process.poll() is None and not pid_file.exists():
+            time.sleep(0.02)
+        pid = int(pid_file.read_text())
+        process.terminate()
+        self.assertEqual(process.wait(), 128 + signal.SIGTERM)
+        self.assertRaises(ProcessLookupError, os.kill, pid, 0)
 
     def test_one_run_at_a_time(self):
         self.rejects("another run", Scene, "scene", FOLDER / "out")
