@@ -3,13 +3,14 @@
 """From a dense workspace to clouds before and after refinement, and what the
 scripts' command lines have in common."""
 import argparse
+import json
 import os
 import pathlib
 import shutil
 import signal
 import sys
 
-from files import DatasetError
+from files import DatasetError, write_text
 from programs import REPOSITORY, Programs, output_of
 from steps import Scene, remove
 from workspace import image_names, make_map_folders, maps_of, remove_partial_maps
@@ -63,7 +64,8 @@ def run_main(parser, run):
     except DatasetError as error:
         sys.exit(f"ERROR: {error}")
     except OSError as error:
-        sys.exit(f"ERROR: {error.filename}: {error.strerror}")
+        sys.exit(f"ERROR: {error.filename}: {error.strerror}" if error.filename
+                 else f"ERROR: {error}")
     except KeyboardInterrupt:
         sys.exit("stopped; the same command goes on from here")
 
@@ -169,10 +171,10 @@ def evaluate(step, programs, cloud, project, output, options):
     for name, value in options.items():
         command += [f"--{name}", value]
     step.run(*command)
-    # The log ends with what the program printed.
+    # The log has what the program printed last.
     text = step.log.read_text(encoding="utf-8")
-    output.parent.mkdir(parents=True, exist_ok=True)
-    output.write_text(text[text.rindex("\n{") + 1:], encoding="utf-8")
+    result, _ = json.JSONDecoder().raw_decode(text, text.rindex("\n{") + 1)
+    write_text(output, json.dumps(result, indent=1) + "\n")
 
 
 def score(scene, programs, project, options, inputs=(), after=()):

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tanks and Temples; see scripts/tanks_and_temples.sh."""
 import os
-import pathlib
 import shutil
 
 import dense
@@ -163,6 +162,14 @@ def submit(scene, names, sparse):
               "have poses)")
 
 
+def score_threshold(path, args):
+    threshold = args.threshold or THRESHOLDS.get(path.name)
+    if threshold is None or not threshold > 0:
+        raise DatasetError(f"{path}: has ground truth, but is no training scene of the "
+                           "benchmark; give the threshold of its score by --threshold")
+    return threshold
+
+
 def score_scene(scene, path, args, programs, given_poses):
     truth = read_truth(path)
     if truth is None:
@@ -171,11 +178,7 @@ def score_scene(scene, path, args, programs, given_poses):
         scene.say("not scored: without given poses the cloud is not in the frame of the "
                   "ground truth; the benchmark's own toolbox aligns it by the .log file")
     else:
-        threshold = args.threshold or THRESHOLDS.get(scene.name)
-        if threshold is None:
-            raise DatasetError(f"{scene.name}: is no training scene of the benchmark; give "
-                               "the threshold of its score by --threshold")
-        score(scene, programs, truth, threshold)
+        score(scene, programs, truth, score_threshold(path, args))
 
 
 def main():
@@ -194,8 +197,9 @@ def main():
     def run(args, programs):
         scenes = find_scenes(args.scene, is_scene, "images, in itself or in images/")
         for path in scenes:
-            read_scene(path, args)
-            read_truth(path)
+            _, _, poses = read_scene(path, args)
+            if read_truth(path) and poses is not None:
+                score_threshold(path, args)
         for path in scenes:
             reconstruct(path, args, programs)
 

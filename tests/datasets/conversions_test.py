@@ -1,60 +1,26 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The parts of the scripts for data sets, each alone, on small inputs with known
-answers."""
-import json
-import os
-import pathlib
-import shutil
-import signal
-import subprocess
-import sys
-import time
+"""What the scripts for data sets read and write, on small files with known contents."""
 import unittest
 
-from dataset_testing import PROGRAM, COLMAP  # First: it sets the path.
+from dataset_testing import FolderTest  # First: it sets the path.
 
 import numpy as np
 
 import strecha
-from files import DatasetError, find_scenes, image_size
-from focal_length import estimate_focal_length
+from files import find_scenes, image_size
 from model import (Camera, Image, Pose, quaternion, read_cameras, read_images,
                    rotation_matrix, write_model)
-from ply import Ply, read_ply, write_points
-from programs import Programs
-from steps import Scene
-from tanks_and_temples_score import Crop, Truth, read_crop, score, thin_out
+from ply import read_ply
 from trajectory import read_trajectory, write_trajectory
-from virtual_scans import scan_from, scan_mesh
 from workspace import remove_partial_maps
-
-FOLDER = pathlib.Path(os.environ["TSAR_WORK_FOLDER"]) / "conversions"
 
 
 def random_poses(count, seed=1):
     rng = np.random.default_rng(seed)
     return [Pose(rotation_matrix(rng.normal(size=4)), rng.normal(size=3) * 5)
             for _ in range(count)]
-
-
-class FolderTest(unittest.TestCase):
-    def setUp(self):
-        shutil.rmtree(FOLDER, ignore_errors=True)
-        FOLDER.mkdir(parents=True)
-
-    def write(self, name, text):
-        path = FOLDER / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        return path
-
-    def rejects(self, text, function, *arguments):
-        with self.assertRaises(DatasetError) as caught:
-            function(*arguments)
-        self.assertIn(text, str(caught.exception))
-        self.assertNotIn("\n", str(caught.exception))
 
 
 class ModelTest(FolderTest):
@@ -75,9 +41,9 @@ class ModelTest(FolderTest):
         cameras = {3: Camera("PINHOLE", 64, 48, [50.1, 50.2, 31.9, 24.3])}
         images = [Image(i + 1, 3, f"folder/a b{i}.jpg", pose)
                   for i, pose in enumerate(random_poses(20))]
-        write_model(FOLDER, cameras, images)
-        self.assertEqual(read_cameras(FOLDER / "cameras.txt"), cameras)
-        again = read_images(FOLDER / "images.txt")
+        write_model(self.root, cameras, images)
+        self.assertEqual(read_cameras(self.root / "cameras.txt"), cameras)
+        again = read_images(self.root / "images.txt")
         for old, new in zip(images, again, strict=True):
             self.assertEqual((old.image_id, old.camera_id, old.name),
                              (new.image_id, new.camera_id, new.name))
@@ -91,7 +57,7 @@ class ModelTest(FolderTest):
         self.rejects("not finite", read_images, self.write("i", "1 1 0 0 nan 0 0 0 1 a.jpg\n\n"))
         self.rejects("quaternion", read_images, self.write("i", "1 0 0 0 0 0 0 0 1 a.jpg\n\n"))
         self.rejects("line 1", read_images, self.write("i", "1 1 0 0 0 0 0 0 1\n\n"))
-        self.rejects("not found", read_images, FOLDER / "nothing")
+        self.rejects("not found", read_images, self.root / "nothing")
 
 
 class TrajectoryTest(FolderTest):
@@ -100,7 +66,7 @@ class TrajectoryTest(FolderTest):
     def test_poses_go_there_and_back(self):
         poses = dict(zip(self.names, random_poses(4)))
         del poses["002.jpg"]
-        path = FOLDER / "scene.log"
+        path = self.root / "scene.log"
         write_trajectory(path, self.names, poses)
         lines = path.read_text().splitlines()
         self.assertEqual(lines[::5], ["0 0 0", "1 1 0", "2 -1 0", "3 3 0"])
@@ -155,7 +121,7 @@ class StrechaCameraTest(FolderTest):
 class FilesTest(FolderTest):
     def test_image_sizes(self):
         def chunked(*parts):
-            path = FOLDER / "image"
+            path = self.root / "image"
             path.write_bytes(b"".join(parts))
             return path
 
@@ -166,115 +132,28 @@ class FilesTest(FolderTest):
             b"\x89PNG\r\n\x1a\n", b"\0\0\0\rIHDR", b"\0\0\0\x40", b"\0\0\0\x30")), (64, 48))
         self.rejects("cannot be read", image_size, chunked(b"\xff\xd8", tables))
         self.rejects("cannot be read", image_size, chunked(b"GIF89a"))
-        self.rejects("not found", image_size, FOLDER / "nothing.jpg")
+        self.rejects("not found", image_size, self.root / "nothing.jpg")
 
     def test_scenes(self):
         for name in ("b", "a", "other"):
-            (FOLDER / name).mkdir()
+            (self.root / name).mkdir()
         for name in ("a", "b"):
             self.write(f"{name}/mark", "")
         is_scene = lambda path: (path / "mark").exists()
-        self.assertEqual(find_scenes(FOLDER / "a", is_scene, ""), [FOLDER / "a"])
-        self.assertEqual(find_scenes(FOLDER, is_scene, ""), [FOLDER / "a", FOLDER / "b"])
-        self.rejects("a scene has marks", find_scenes, FOLDER / "other", is_scene, "marks")
-        self.rejects("not a folder", find_scenes, FOLDER / "nothing", is_scene, "marks")
+        self.assertEqual(find_scenes(self.root / "a", is_scene, ""), [self.root / "a"])
+        self.assertEqual(find_scenes(self.root, is_scene, ""), [self.root / "a", self.root / "b"])
+        self.rejects("a scene has marks", find_scenes, self.root / "other", is_scene, "marks")
+        self.rejects("not a folder", find_scenes, self.root / "nothing", is_scene, "marks")
 
     def test_half_written_maps_are_removed(self):
         whole = b"2&1&1&" + bytes(8)
         for name, content in (("whole", whole), ("half", whole[:-1]), ("header", b"2&1"),
                               ("empty", b"")):
-            path = FOLDER / "stereo" / "depth_maps" / f"{name}.bin"
+            path = self.root / "stereo" / "depth_maps" / f"{name}.bin"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
-        remove_partial_maps(FOLDER)
-        self.assertEqual([p.stem for p in FOLDER.rglob("*.bin")], ["whole"])
-
-
-class FocalLengthTest(FolderTest):
-    def matches(self, poses, focal, seed=5):
-        """Projections of random points in front of all cameras."""
-        rng = np.random.default_rng(seed)
-        points = rng.uniform(-1, 1, (200, 3)) + [0, 0, 5]
-        pixels = {}
-        for name, pose in poses.items():
-            local = points @ pose.rotation.T + pose.translation
-            pixels[name] = focal * local[:, :2] / local[:, 2:] + [320, 240]
-        names = sorted(poses)
-        for i, a in enumerate(names):
-            for b in names[i + 1:]:
-                wrong = rng.uniform(0, 480, (20, 2))  # A tenth is wrong.
-                yield a, b, pixels[a], np.concatenate([pixels[b][:180], wrong])
-
-    def poses(self):
-        angles = [(0.2, 0.0, 0.0), (-0.1, 0.2, 0.1), (0.0, -0.2, 0.0), (0.1, 0.1, -0.2)]
-        return {str(i): Pose(rotation_matrix([1, *a]), np.array([i - 1.5, 0.3 * i * i, 0]))
-                for i, a in enumerate(angles)}
-
-    def test_it_is_found_without_a_first_guess(self):
-        for focal in (300.0, 700.0, 1500.0):
-            found = estimate_focal_length(self.matches(self.poses(), focal), self.poses(),
-                                          640, 480, "log")
-            self.assertAlmostEqual(found / focal, 1, delta=2e-3)
-
-    def test_wrong_poses_are_noticed(self):
-        poses = self.poses()
-        shuffled = dict(zip(sorted(poses), [poses[k] for k in ("2", "0", "3", "1")]))
-        self.rejects("do not fit", estimate_focal_length, self.matches(poses, 700.0),
-                     shuffled, 640, 480, "log")
-        self.rejects("no two images", estimate_focal_length, [], poses, 640, 480, "log")
-
-
-def square(half, z):
-    points = np.array([[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]])
-    return points, np.array([[0, 1, 2], [0, 2, 3]])
-
-
-class VirtualScanTest(FolderTest):
-    camera = Camera("PINHOLE", 80, 60, [70.0, 70.0, 40.0, 30.0])
-    pose = Pose(np.eye(3), np.zeros(3))
-
-    def scan(self, *squares, pose=None):
-        points, faces = [], []
-        for p, f in squares:
-            faces.append(f + 4 * len(points))
-            points.append(p)
-        return scan_from(np.concatenate(points), np.concatenate(faces), self.camera,
-                         pose or self.pose, (80, 60))
-
-    def test_a_wall_fills_the_view(self):
-        points = self.scan(square(10, 5.0))
-        self.assertEqual(len(points), 80 * 60)  # One point per pixel, without gaps.
-        np.testing.assert_allclose(points[:, 2], 5, atol=1e-12)
-
-    def test_what_stands_in_front_hides(self):
-        points = self.scan(square(10, 5.0), square(0.5, 2.0))
-        near = points[:, 2] < 3
-        # 0.5 / 2 * 70 is 17.5 pixels to each side.
-        self.assertAlmostEqual(near.sum(), 35 * 35, delta=72)
-        self.assertTrue((np.abs(points[near, :2]) <= 0.5 + 1e-9).all())
-        far = points[~near]
-        self.assertTrue((np.abs(far[:, :2]).max(1) > 0.5 / 2 * 5 - 2 * 5 / 70).all())
-
-    def test_the_nearer_one_is_seen_in_any_order(self):
-        walls = square(4, 8.0), square(2, 4.0)  # Both cover the same pixels.
-        for first, second in (walls, walls[::-1]):
-            np.testing.assert_allclose(self.scan(first, second)[:, 2], 4, atol=1e-12)
-
-    def test_nothing_behind_the_camera(self):
-        self.assertEqual(len(self.scan(square(10, -5.0))), 0)
-
-    def test_the_frame_is_the_cameras(self):
-        pose = Pose(np.diag([1.0, -1, -1]), np.array([0, 0, 7.0]))  # Looks from z = 7 down.
-        np.testing.assert_allclose(self.scan(square(20, 1.0), pose=pose)[:, 2], 6, atol=1e-12)
-
-    def test_files(self):
-        points, faces = square(10, 5.0)
-        scan_mesh(Ply(points, faces), {"a": self.camera}, {"a": self.pose}, FOLDER / "scans")
-        self.assertEqual(len(read_ply(FOLDER / "scans" / "a.ply").points), 80 * 60)
-        angle = float((FOLDER / "scans" / "beam_angle.txt").read_text())
-        self.assertAlmostEqual(angle, np.degrees(np.arctan(0.5 / 70)), places=4)
-        self.rejects("no camera sees", scan_mesh, Ply(-points, faces), {"a": self.camera},
-                     {"a": self.pose}, FOLDER / "empty")
+        remove_partial_maps(self.root)
+        self.assertEqual([p.stem for p in self.root.rglob("*.bin")], ["whole"])
 
 
 class PlyTest(FolderTest):
@@ -287,7 +166,7 @@ class PlyTest(FolderTest):
                           "0 1 2 255\n3 4 5 0\n6 7 8 9\n3 0 1 2\n")
         kind = np.dtype([("x", "<f8"), ("y", "<f4"), ("z", "<f4"), ("r", "u1")])
         rows = np.array([(0, 1, 2, 255), (3, 4, 5, 0), (6, 7, 8, 9)], kind)
-        binary = FOLDER / "b.ply"
+        binary = self.root / "b.ply"
         binary.write_bytes(self.header.format("binary_little_endian 1.0").encode() +
                            rows.tobytes() + b"\3" + np.arange(3, dtype="<i4").tobytes())
         for path in (text, binary):
@@ -306,151 +185,6 @@ class PlyTest(FolderTest):
         self.rejects("not finite", read, "3 4 5", "nan 4 5")
         self.rejects("header", read, "end_header\n", "")
         self.rejects("not a PLY", read, "ply\n", "plx\n")
-
-
-class ScoreTest(FolderTest):
-    threshold = 0.05
-
-    def test_crop_of_a_bent_polygon(self):
-        bent = [[0, 0, 9], [4, 0, 9], [4, 1, 9], [1, 1, 9], [1, 4, 9], [0, 4, 9]]
-        path = self.write("a.json", json.dumps(
-            {"axis_min": 0, "axis_max": 2, "orthogonal_axis": "Z", "bounding_polygon": bent}))
-        inside = read_crop(path).contains(np.array(
-            [[0.5, 0.5, 1], [3, 0.5, 1], [0.5, 3, 1], [2, 2, 1], [-1, 0.5, 1], [5, 0.5, 1],
-             [0.5, 0.5, 3], [0.5, 0.5, -1]]))
-        self.assertEqual(inside.tolist(), [True] * 3 + [False] * 5)
-        self.rejects("is not a volume", read_crop, self.write("a.json", "{}"))
-        self.rejects("is not a volume", read_crop, self.write("a.json", "["))
-
-    def test_crop_along_y(self):
-        crop = Crop(1, 0, 1, np.array([[0, 0], [2, 0], [2, 3], [0, 3]]))  # x and z.
-        inside = crop.contains(np.array([[1, 0.5, 2.5], [2.5, 0.5, 1], [1, 2, 1]]))
-        self.assertEqual(inside.tolist(), [True, False, False])
-
-    def test_thinning(self):
-        points = np.array([[0.1, 0, 0], [0.3, 0, 0], [-0.1, 0, 0], [1.1, 0, 0]])
-        thin = thin_out(points, 1.0)
-        np.testing.assert_allclose(np.sort(thin[:, 0]), [-0.1, 0.2, 1.1])
-
-    def scores(self, name, before, after):
-        """precision, recall, F of two clouds against a grid on the unit square."""
-        scene = Scene(name, FOLDER / name)
-        x, y = np.meshgrid(np.arange(40) / 40 + 0.01, np.arange(40) / 40 + 0.01)
-        grid = np.stack([x.ravel(), y.ravel(), 0.01 + 0 * x.ravel()], 1)
-        write_points(FOLDER / "truth.ply", grid)
-        # Clouds are in a frame of half the size, and moved.
-        transform = np.diag([2.0, 2, 2, 1])
-        transform[:3, 3] = [1, 2, 3]
-        for name, cloud in (("before", before(grid)), ("after", after(grid))):
-            write_points(scene.folder / f"{name}.ply", (cloud - transform[:3, 3]) / 2)
-        crop = Crop(2, -1, 1, np.array([[-1, -1], [3, -1], [3, 3], [-1, 3]]))
-        truth = Truth(FOLDER / "truth.ply", [FOLDER / "truth.ply"], transform, crop)
-        score(scene, Programs(COLMAP, PROGRAM), truth, self.threshold)
-        results = [json.loads((scene.folder / "scores" / f"{name}.json").read_text())
-                   for name in ("before", "after")]
-        return [(r["precision"], r["recall"], r["f_score"]) for r in results]
-
-    def test_known_scores(self):
-        half = lambda grid: grid[grid[:, 0] < 0.5]
-        shifted = lambda grid: grid + [0, 0, 2 * self.threshold]
-        with_wrong = lambda grid: np.concatenate([grid, shifted(grid)])
-        same, part = self.scores("1", lambda grid: grid, half)
-        np.testing.assert_allclose(same, [1, 1, 1])
-        precision, recall, f = part
-        self.assertEqual(precision, 1)
-        self.assertAlmostEqual(recall, 0.5, delta=0.06)  # And a rim of the threshold.
-        self.assertAlmostEqual(f, 2 * recall / (1 + recall), places=6)
-        double, off = self.scores("2", with_wrong, shifted)
-        self.assertAlmostEqual(double[0], 0.5, delta=0.02)
-        self.assertEqual(double[1], 1)
-        np.testing.assert_allclose(off, [0, 0, 0])
-
-
-class StepsTest(FolderTest):
-    def setUp(self):
-        super().setUp()
-        self.ran = []
-        self.input = self.write("input", "1")
-        self.scene = Scene("scene", FOLDER / "out")
-
-    def run_steps(self, option=1, fail=False):
-        """Two steps, the second after the first; returns the names of those run."""
-        self.ran = []
-
-        def first(step):
-            self.ran.append("first goes on" if step.continued else "first")
-            path = self.scene.folder / "a"
-            path.write_text(path.read_text() + "+" if path.exists() else "a")
-            step.run("sh", "-c", "exit 3" if fail else "exit 0")
-
-        def second(_):
-            self.ran.append("second")
-            (self.scene.folder / "b").write_text("b")
-
-        self.scene.step("first", first, ["a"], {"option": option}, [self.input], resumes=True)
-        self.scene.step("second", second, ["b"], after=["first"])
-        return self.ran
-
-    def test_done_is_done(self):
-        self.assertEqual(self.run_steps(), ["first", "second"])
-        self.assertEqual(self.run_steps(), [])
-
-    def test_what_changed_is_done_again_with_what_follows(self):
-        self.run_steps()
-        self.assertEqual(self.run_steps(option=2), ["first", "second"])
-        self.input.write_text("12")
-        self.assertEqual(self.run_steps(option=2), ["first", "second"])
-        (self.scene.folder / "b").unlink()
-        self.assertEqual(self.run_steps(option=2), ["second"])
-        (self.scene.folder / "a").unlink()
-        self.assertEqual(self.run_steps(option=2), ["first", "second"])
-        self.assertEqual((self.scene.folder / "a").read_text(), "a")
-
-    def test_what_failed_goes_on_and_keeps_its_seconds(self):
-        with self.assertRaisesRegex(DatasetError, "scene: first failed.*first.log"):
-            self.run_steps(fail=True)
-        record = self.scene.record("first")
-        self.scene.write_record("first", {**record, "seconds": 100.0})
-        self.assertEqual(self.run_steps(), ["first goes on", "second"])
-        self.assertEqual((self.scene.folder / "a").read_text(), "a+")
-        self.assertGreaterEqual(self.scene.seconds("first"), 100)
-        self.assertLess(self.scene.seconds("second"), 100)
-
-    def test_what_failed_with_other_options_starts_anew(self):
-        with self.assertRaises(DatasetError):
-            self.run_steps(fail=True)
-        self.assertEqual(self.run_steps(option=2), ["first", "second"])
-        self.assertEqual((self.scene.folder / "a").read_text(), "a")
-
-    def test_a_damaged_record_is_as_none(self):
-        self.run_steps()
-        self.scene.record_path("first").write_text("{")
-        self.assertEqual(self.run_steps(), ["first", "second"])
-
-    def test_the_program_ends_with_the_script(self):
-        pid_file = FOLDER / "pid"
-        script = self.write("script.py", f'''
-import dense
-def run(args, programs):
-    scene = dense.open_scene(args, "sleeper")
-    scene.step("sleep", lambda step: step.run(
-        "sh", "-c", "echo $$ > {pid_file}.part; mv {pid_file}.part {pid_file}; exec sleep 9999"),
-        outputs=[])
-dense.run_main(dense.make_parser("test", "", ""), run)
-''')
-        process = subprocess.Popen(
-            [sys.executable, script, "scene", "--output_path", FOLDER / "out2", "--colmap",
-             COLMAP, "--colmap_tsar", PROGRAM], stdout=subprocess.DEVNULL,
-            env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)))
-        while process.poll() is None and not pid_file.exists():
-            time.sleep(0.02)
-        pid = int(pid_file.read_text())
-        process.terminate()
-        self.assertEqual(process.wait(), 128 + signal.SIGTERM)
-        self.assertRaises(ProcessLookupError, os.kill, pid, 0)
-
-    def test_one_run_at_a_time(self):
-        self.rejects("another run", Scene, "scene", FOLDER / "out")
 
 
 if __name__ == "__main__":

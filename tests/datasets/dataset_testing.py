@@ -18,6 +18,7 @@ sys.path[:0] = [str(REPOSITORY / "scripts" / "datasets"), str(REPOSITORY / "scri
                 str(REPOSITORY / "tests" / "sample")]
 
 import numpy as np  # pylint: disable=wrong-import-position
+from files import DatasetError  # pylint: disable=wrong-import-position
 from model import read_cameras, read_images  # pylint: disable=wrong-import-position
 from ply import read_ply, write_points  # pylint: disable=wrong-import-position
 from sample_testing import digests, unpack  # pylint: disable=wrong-import-position
@@ -126,6 +127,28 @@ def make_tanks_and_temples(sample, scene, with_poses=True, truth_from_world=None
         (scene / f"{scene.name}.json").write_text(json.dumps(
             {"axis_max": high[2], "axis_min": low[2], "bounding_polygon": polygon,
              "class_name": "SelectionPolygonVolume", "orthogonal_axis": "Z"}))
+
+
+class FolderTest(unittest.TestCase):
+    """Has a folder of its own, empty before each test."""
+
+    def setUp(self):
+        self.root = pathlib.Path(os.environ["TSAR_WORK_FOLDER"]) / type(self).__name__
+        shutil.rmtree(self.root, ignore_errors=True)
+        self.root.mkdir(parents=True)
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        return path
+
+    def rejects(self, text, function, *arguments):
+        """Is refused by one line that has this text in it."""
+        with self.assertRaises(DatasetError) as caught:
+            function(*arguments)
+        self.assertIn(text, str(caught.exception))
+        self.assertNotIn("\n", str(caught.exception))
 
 
 class DatasetTest(unittest.TestCase):

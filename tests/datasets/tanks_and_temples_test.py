@@ -95,7 +95,7 @@ class TanksAndTemplesTest(DatasetTest):
             np.testing.assert_allclose(found[1], true[1], atol=0.03)
 
     def test_mistakes(self):
-        output = ("--output_path", self.folder / "nothing")
+        output = ("--output_path", self.folder / "nothing", "--threshold", 0.1)
 
         def changed(name, change):
             scene = self.copy_of(self.room, name)
@@ -123,6 +123,8 @@ class TanksAndTemplesTest(DatasetTest):
                 (edit("Room.json", "axis_min", "axis"), "Room.json: is not a volume"),
                 (unlink("Room_trans.txt"), "Room_trans.txt: not found"))):
             self.fails(changed(f"damaged{number}", change), *output, text=text)
+        self.fails(self.room, *output[:2], text="give the threshold")
+        self.fails(self.room, *output, "--threshold", -1, text="give the threshold")
         no_poses = changed("no_poses", unlink(log))
         self.fails(no_poses, *output, "--poses", "log", text=f"{log}: not found")
         self.assertFalse((self.folder / "nothing").exists())
@@ -135,7 +137,8 @@ class TanksAndTemplesTest(DatasetTest):
 
         scene = self.copy_of(self.room, "swapped")
         swap(scene)
-        self.fails(scene, "--output_path", self.folder / "swapped_out", text="do not fit")
+        self.fails(scene, "--output_path", self.folder / "swapped_out",
+                   "--threshold", 0.1, text="do not fit")
 
     def test_help(self):
         self.assertIn("submission/SCENE.ply", self.run_well("--help"))
