@@ -70,5 +70,4 @@ class Programs:
 
     def gpu_option(self, command, *names):
         """The option for features by GPU or CPU, with its value."""
-        with_gpu = self.has_gpu and self.colmap_has_stereo
-        return [self.colmap_option(command, *names), int(with_gpu)]
+        return [self.colmap_option(command, *names), int(self.colmap_has_stereo)]

@@ -12,7 +12,6 @@ from model import Camera, read_cameras, read_images
 from tanks_and_temples_score import THRESHOLDS, read_truth, score
 from trajectory import read_trajectory, write_trajectory
 from triangulation import DATABASE, check, match, to_text, triangulate
-from workspace import MAX_SOURCES
 
 DESCRIPTION = f"""\
 Reconstructs scenes of Tanks and Temples: camera poses (by COLMAP from the images,
@@ -126,8 +125,7 @@ def undistort(step, programs, path, sparse):
     part = workspace.with_name("dense.part")
     shutil.rmtree(part, ignore_errors=True)
     step.run(programs.colmap, "image_undistorter", "--image_path", image_folder_of(path),
-             "--input_path", sparse, "--output_path", part,
-             "--num_patch_match_src_images", MAX_SOURCES)
+             "--input_path", sparse, "--output_path", part)
     os.replace(part, workspace)
 
 

@@ -24,7 +24,7 @@ from ply import read_ply, write_points  # pylint: disable=wrong-import-position
 from sample_testing import digests, unpack  # pylint: disable=wrong-import-position
 
 # Long side of the maps: stereo on two cores takes a few seconds.
-MAP_SIZE = 96
+MAP_SIZE = 80
 NUM_IMAGES = 5
 
 
