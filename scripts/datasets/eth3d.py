@@ -1,0 +1,103 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""ETH3D's high-resolution multi-view benchmark; see scripts/eth3d.sh."""
+import pathlib
+
+import dense
+from files import DatasetError, find_scenes, write_text
+from model import read_cameras, read_images
+from workspace import check_model, write_workspace
+
+CALIBRATION = "dslr_calibration_undistorted"
+SCANS = pathlib.Path("dslr_scan_eval", "scan_alignment.mlp")
+TOLERANCES = "0.01,0.02,0.05,0.1,0.2,0.5"  # Metres; those of the benchmark.
+
+DESCRIPTION = """\
+Reconstructs scenes of ETH3D's high-resolution multi-view benchmark: a COLMAP dense
+workspace, depth maps (by COLMAP or tsar_stereo), tsar_refine, stereo_fusion. Makes
+a submission of them, and scores the scenes that come with laser scans before and
+after refinement.
+
+Unpack the archives SCENE_dslr_undistorted.7z, and for training scenes
+SCENE_scan_eval.7z too, into one folder, so that there are
+
+  SCENE/images/dslr_images_undistorted/*.JPG
+  SCENE/dslr_calibration_undistorted/{cameras,images,points3D}.txt
+  SCENE/dslr_scan_eval/scan_alignment.mlp and its PLY files (training scenes)
+
+What comes out:
+
+  OUTPUT/SCENE/dense/       the workspace with the depth maps before refinement
+  OUTPUT/SCENE/refined/     the same with refined maps
+  OUTPUT/SCENE/before.ply, after.ply
+  OUTPUT/SCENE/scores/      before.json and after.json (training scenes)
+  OUTPUT/SCENE/logs/        what the programs printed, one file per step
+  OUTPUT/submission/high_res_multi_view/SCENE.ply and SCENE.txt (the seconds from
+                            the workspace to the refined cloud)
+
+Every scene is reconstructed with the same parameters."""
+
+
+def is_scene(path):
+    return (path / CALIBRATION).is_dir()
+
+
+def check_scene(path):
+    """That a scene is whole, before any of them is worked on."""
+    calibration = path / CALIBRATION
+    for name in ("images.txt", "cameras.txt", "points3D.txt"):
+        if not (calibration / name).is_file():
+            raise DatasetError(f"{calibration / name}: not found; unpack the undistorted "
+                               "images' archive of the scene again")
+    check_model(read_cameras(calibration / "cameras.txt"),
+                read_images(calibration / "images.txt"), path / "images", calibration)
+    if SCANS.parent.name in [p.name for p in path.iterdir()] and not (path / SCANS).is_file():
+        raise DatasetError(f"{path / SCANS}: not found beside the scans; unpack their "
+                           "archive again")
+
+
+def reconstruct(path, args, programs):
+    scene = dense.open_scene(args, path.name)
+    calibration = path / CALIBRATION
+    dense.make_workspace(
+        scene, lambda step: write_workspace(scene.folder / dense.WORKSPACE,
+                                            calibration, path / "images"),
+        inputs=[calibration, path / "images"])
+    dense.reconstruct(scene, args, programs)
+    if (path / SCANS).is_file():
+        dense.score(scene, programs, path / SCANS, {"tolerances": TOLERANCES},
+                    inputs=[(path / SCANS).parent])
+    submit(scene, args)
+
+
+def submit(scene, args):
+    """The scene's two files of a submission. The runtime is that of depth maps,
+    refinement and fusion; what comes before is given by the benchmark."""
+    folder = scene.folder.parent / "submission" / "high_res_multi_view"
+    dense.put_into(folder, scene.folder / "after.ply", f"{scene.name}.ply")
+    if args.stereo == "none":
+        (folder / f"{scene.name}.txt").unlink(missing_ok=True)
+        scene.say(f"{folder / scene.name}.txt: not written, since it is not known how "
+                  "long the depth maps took; a submission needs it")
+        return
+    seconds = scene.seconds(*dense.TIMED_STEPS)
+    write_text(folder / f"{scene.name}.txt", f"runtime {seconds:.3f}\n")
+    scene.say(f"{folder / scene.name}.ply and .txt ({seconds:.1f} s)")
+
+
+def main():
+    parser = dense.make_parser(
+        "eth3d", DESCRIPTION, "a scene's folder, or a folder of such folders")
+
+    def run(args, programs):
+        scenes = find_scenes(args.scene, is_scene, f"a folder {CALIBRATION}")
+        for path in scenes:
+            check_scene(path)
+        for path in scenes:
+            reconstruct(path, args, programs)
+
+    dense.run_main(parser, run)
+
+
+if __name__ == "__main__":
+    main()

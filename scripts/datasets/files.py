@@ -1,0 +1,96 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files as data sets hold them: errors that name them, numbers, image sizes."""
+import os
+import pathlib
+import struct
+
+IMAGE_ENDINGS = (".jpg", ".jpeg", ".png")
+
+
+class DatasetError(Exception):
+    """Bad input: one line that names the file, what is wrong and what to do."""
+
+
+def read_lines(path, what):
+    """The lines of a text file without their ends; what says in an error which
+    file of the data set it is."""
+    try:
+        return pathlib.Path(path).read_text(encoding="utf-8").splitlines()
+    except FileNotFoundError:
+        raise DatasetError(f"{path}: not found; it should hold {what}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DatasetError(f"{path}: cannot be read: {error}") from None
+
+
+def parse_numbers(line, count, place, kind=float):
+    """Exactly count finite numbers of a line; place names file and line."""
+    try:
+        values = [kind(word) for word in line.split()]
+    except ValueError:
+        raise DatasetError(f"{place}: '{line[:60]}' are not numbers") from None
+    if len(values) != count:
+        raise DatasetError(f"{place}: {len(values)} numbers instead of {count}")
+    if any(value - value != 0 for value in values):
+        raise DatasetError(f"{place}: a number that is not finite")
+    return values
+
+
+def write_text(path, text):
+    """Writes a whole file or none."""
+    part = pathlib.Path(f"{path}.part")
+    part.parent.mkdir(parents=True, exist_ok=True)
+    part.write_text(text, encoding="utf-8")
+    os.replace(part, path)
+
+
+def jpeg_size(file):
+    """Width and height from the frame header of a JPEG file."""
+    file.seek(2)
+    while True:
+        marker, code, length = struct.unpack(">BBH", file.read(4))
+        if marker != 0xFF:
+            raise ValueError
+        # Frame headers, without the codes in between for tables.
+        if 0xC0 <= code <= 0xCF and code not in (0xC4, 0xC8, 0xCC):
+            height, width = struct.unpack(">xHH", file.read(5))
+            return width, height
+        file.seek(length - 2, os.SEEK_CUR)
+
+
+def image_size(path):
+    """Width and height of a JPEG or PNG file, from its header alone."""
+    try:
+        with open(path, "rb") as file:
+            start = file.read(24)
+            if start[:8] == b"\x89PNG\r\n\x1a\n":
+                return struct.unpack(">II", start[16:24])
+            if start[:2] == b"\xff\xd8":
+                return jpeg_size(file)
+    except FileNotFoundError:
+        raise DatasetError(f"{path}: not found; the data set lists this image") from None
+    except (OSError, ValueError, struct.error):
+        pass
+    raise DatasetError(f"{path}: cannot be read as a JPEG or PNG image")
+
+
+def list_images(folder):
+    """The images right in a folder, sorted by name."""
+    return sorted(p for p in pathlib.Path(folder).iterdir()
+                  if p.suffix.lower() in IMAGE_ENDINGS and p.is_file())
+
+
+def find_scenes(path, is_scene, what):
+    """The folder itself if it is a scene, or else the scenes right in it; a scene
+    is what is_scene(folder) says, and what describes one in the error."""
+    path = pathlib.Path(path)
+    if not path.is_dir():
+        raise DatasetError(f"{path}: is not a folder; name a scene, or a folder of scenes")
+    path = path.resolve()
+    if is_scene(path):
+        return [path]
+    scenes = sorted(p for p in path.iterdir() if p.is_dir() and is_scene(p))
+    if not scenes:
+        raise DatasetError(f"{path}: is neither a scene nor a folder of scenes; "
+                           f"a scene has {what}")
+    return scenes

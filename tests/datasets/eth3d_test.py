@@ -1,0 +1,168 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/eth3d.sh on the sample scene in the layout of ETH3D: from images to a
+submission and scores, stopped in the middle and taken up again."""
+import fcntl
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from dataset_testing import DatasetTest, make_eth3d, vertex_count
+
+from model import read_images
+
+PREFIX = "dslr_images_undistorted/"
+
+
+class Eth3dTest(DatasetTest):
+    script = "eth3d"
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        make_eth3d(cls.sample, cls.folder / "scenes" / "room")
+        cls.scenes = cls.folder / "scenes"
+        cls.output = cls.folder / "out"
+
+    def kill_in_stereo(self):
+        """Starts the script, and kills it and its program without warning when the
+        first depth map is there."""
+        maps = self.output / "room" / "dense" / "stereo" / "depth_maps"
+        process = subprocess.Popen(self.command(self.scenes, "--output_path", self.output),
+                                   stdout=subprocess.DEVNULL, start_new_session=True)
+        while process.poll() is None and not (maps.exists() and list(maps.rglob("*.bin"))):
+            time.sleep(0.05)
+        self.assertIsNone(process.poll(), "it is at work when the first map appears")
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+    def test_from_images_to_submission(self):
+        self.kill_in_stereo()
+        self.assertFalse((self.output / "submission").exists())
+        text = self.run_well(self.scenes, "--output_path", self.output)
+        self.assertIn("workspace: done before", text)
+        self.assertIn("stereo goes on", text)
+
+        scene = self.output / "room"
+        for workspace in ("dense", "refined"):
+            self.check_workspace(scene / workspace, PREFIX)
+        self.check_poses(read_images(scene / "dense" / "sparse" / "images.txt"), 1e-12, PREFIX)
+        self.check_submission(scene)
+        self.check_scores(scene, text)
+        self.check_that_it_rests(text)
+        self.check_other_options()
+
+    def check_submission(self, scene):
+        folder = self.output / "submission"
+        self.assertEqual(sorted(str(p.relative_to(folder)) for p in folder.rglob("*.*")),
+                         ["high_res_multi_view/room.ply", "high_res_multi_view/room.txt"])
+        folder = folder / "high_res_multi_view"
+        self.assertEqual((folder / "room.ply").read_bytes(), (scene / "after.ply").read_bytes())
+        self.assertGreater(vertex_count(folder / "room.ply"), 100)
+        runtime = re.fullmatch(r"runtime (\d+\.\d+)\n", (folder / "room.txt").read_text())
+        records = [json.loads((scene / "steps" / f"{name}.json").read_text())
+                   for name in ("stereo", "refinement", "fusion_after")]
+        self.assertAlmostEqual(float(runtime[1]), sum(r["seconds"] for r in records), delta=1e-2)
+
+    def check_scores(self, scene, text):
+        before, after = (json.loads((scene / "scores" / f"{name}.json").read_text())
+                         for name in ("before", "after"))
+        self.assertEqual(before["num_points"], vertex_count(scene / "before.ply"))
+        self.assertEqual(after["num_points"], vertex_count(scene / "after.ply"))
+        self.assertEqual([s["tolerance"] for s in after["scores"]],
+                         [0.01, 0.02, 0.05, 0.1, 0.2, 0.5])
+        self.assertGreater(after["scores"][3]["completeness"],
+                           before["scores"][3]["completeness"])
+        self.assertIn(f"{after['scores'][1]['f1']:.3f}", text)
+
+    def check_that_it_rests(self, text):
+        files = self.files_of(self.output / "room")
+        again = self.run_well(self.scenes / "room", "--output_path", self.output)
+        self.assertEqual(self.files_of(self.output / "room"), files)
+        self.assertEqual(again.count("done before"), 6)  # All steps there are.
+        self.assertEqual([l for l in again.splitlines() if l[0] != "["],
+                         [l for l in text.splitlines() if l[0] != "["])  # The scores.
+
+    def check_other_options(self):
+        """Maps given by hand in place of stereo, for a scene without scans."""
+        make_eth3d(self.sample, self.folder / "test" / "hall", with_scans=False)
+        hall = self.folder / "test" / "hall"
+        none = ("--output_path", self.output, "--stereo", "none")
+        self.fails(hall, *none, text="has no depth maps")
+        for kind in ("depth_maps", "normal_maps"):
+            shutil.copytree(self.output / "room" / "dense" / "stereo" / kind,
+                            self.output / "hall" / "dense" / "stereo" / kind,
+                            dirs_exist_ok=True)
+        text = self.run_well(hall, *none)
+        self.assertIn("not known how long", text)
+        self.assertFalse((self.output / "hall" / "scores").exists())
+        folder = self.output / "submission" / "high_res_multi_view"
+        self.assertEqual(sorted(p.name for p in folder.iterdir()),
+                         ["hall.ply", "room.ply", "room.txt"])
+        refined = (self.output / name / "refined" / "stereo" / "depth_maps" / PREFIX /
+                   "v000.jpg.geometric.bin" for name in ("room", "hall"))
+        self.assertEqual(*(path.read_bytes() for path in refined))
+        # Maps that were put there are not lost to other inputs or options.
+        maps = self.files_of(self.output / "hall" / "dense" / "stereo")
+        self.fails(hall, "--output_path", self.output, "--stereo", "tsar",
+                   text="were not made by this script")
+        calibration = hall / "dslr_calibration_undistorted" / "cameras.txt"
+        calibration.write_text(calibration.read_text().replace("532.56", "532.57"))
+        self.fails(hall, *none, text="was made from other inputs")
+        self.assertEqual(self.files_of(self.output / "hall" / "dense" / "stereo"), maps)
+        self.fails(self.scenes / "room", *none, text="made by this script")
+
+    def test_mistakes(self):
+        room = self.scenes / "room"
+        output = ("--output_path", self.folder / "nothing")
+        calibration = "dslr_calibration_undistorted"
+        self.fails(self.folder / "nowhere", *output, text="nowhere: is not a folder")
+        self.fails(self.folder / "sample", *output, text="neither a scene nor")
+        self.fails(room, *output, "--max_image_size", 4, text="--max_image_size 4")
+        self.fails(room, *output, "--colmap", "/bin/nocolmap", text="/bin/nocolmap")
+        self.fails(room, *output, "--colmap_tsar", "/bin/notsar", text="/bin/notsar")
+        if not shutil.which("nvidia-smi"):
+            self.fails(room, *output, "--stereo", "colmap", text="--stereo colmap")
+
+        def damage(name, file, old=None, new=None):
+            scene = self.copy_of(room, name)
+            if old is None:
+                (scene / file).unlink()
+            else:
+                text = (scene / file).read_text()
+                self.assertIn(old, text)
+                (scene / file).write_text(text.replace(old, new, 1))
+            return scene
+
+        for number, (file, old, new, text) in enumerate((
+                (f"{calibration}/images.txt", None, None, "images.txt: not found"),
+                (f"{calibration}/points3D.txt", None, None, "points3D.txt: not found"),
+                (f"images/{PREFIX}v001.jpg", None, None, "v001.jpg: not found"),
+                ("dslr_scan_eval/scan_alignment.mlp", None, None, "scan_alignment.mlp"),
+                (f"{calibration}/cameras.txt", "PINHOLE 640", "PINHOLE 320", "is 640 x 480"),
+                (f"{calibration}/cameras.txt", "PINHOLE", "THIN_PRISM_FISHEYE", "line 2"),
+                (f"{calibration}/cameras.txt", "1 PINHOLE", "7 PINHOLE", "camera 1"),
+                (f"{calibration}/images.txt", "v001.jpg", "../../x.jpg", "leaves"),
+                (f"{calibration}/images.txt", " 1 dslr", " one dslr", "not numbers"))):
+            self.fails(damage(f"damaged{number}", file, old, new), *output, text=text)
+        self.assertFalse((self.folder / "nothing").exists())
+
+    def test_two_runs_at_once(self):
+        folder = self.folder / "locked" / "room"
+        folder.mkdir(parents=True)
+        with open(folder / "lock", "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.fails(self.scenes, "--output_path", folder.parent, text="another run")
+
+    def test_help(self):
+        self.assertIn("high_res_multi_view/SCENE.ply", self.run_well("--help"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/strecha.sh on the sample scene in the layout of Strecha's data."""
+import json
+import shutil
+import unittest
+
+from dataset_testing import DatasetTest, make_strecha
+
+import numpy as np
+
+from model import read_cameras, read_images
+from sample_scene import read_map
+
+
+def write_mesh(path, sample):
+    """The surface that each view sees, from the true depth: a mesh of every fourth
+    pixel without the triangles that jump from one surface to another."""
+    points, faces, step = [], [], 4
+    for image in sample.images:
+        camera = sample.camera(image)
+        depth = read_map(sample.folder / "ground_truth" / "depth" / f"{image.name}.bin")[0]
+        scale = camera.width / depth.shape[1]
+        depth = depth[::step, ::step]
+        row, column = np.indices(depth.shape)
+        fx, fy, cx, cy = camera.params
+        local = np.stack([(column * step * scale - cx) / fx, (row * step * scale - cy) / fy,
+                          np.ones(depth.shape)], -1) * depth[..., None]
+        index = sum(map(len, points)) + np.arange(depth.size).reshape(depth.shape)
+        points.append((local.reshape(-1, 3) - image.pose.translation) @ image.pose.rotation)
+        a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+        corners = np.stack([depth[:-1, :-1], depth[:-1, 1:], depth[1:, 1:], depth[1:, :-1]])
+        smooth = (corners.min(0) > 0) & (corners.max(0) < 1.05 * corners.min(0))
+        for triangle in ((a, b, c), (a, c, d)):
+            faces.append(np.stack([corner[smooth] for corner in triangle], 1))
+    points, faces = np.concatenate(points), np.concatenate(faces)
+    rows = np.zeros(len(faces), [("count", "u1"), ("vertices", "<i4", 3)])
+    rows["count"], rows["vertices"] = 3, faces
+    path.write_bytes(
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\n"
+        "end_header\n".encode() + points.astype("<f4").tobytes() + rows.tobytes())
+
+
+class StrechaTest(DatasetTest):
+    script = "strecha"
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.scene = cls.folder / "room-P5"
+        make_strecha(cls.sample, cls.scene)
+        cls.mesh = cls.folder / "mesh.ply"
+        write_mesh(cls.mesh, cls.sample)
+
+    def scores(self, output):
+        return [json.loads((output / "scores" / f"{name}.json").read_text())
+                for name in ("before", "after")]
+
+    def test_from_images_to_scores(self):
+        output = self.folder / "out" / "room-P5"
+        command = (self.scene, "--output_path", output.parent)
+        self.assertIn("not scored", self.run_well(*command))
+        for workspace in ("dense", "refined"):
+            self.check_workspace(output / workspace)
+        self.check_poses(read_images(output / "dense" / "sparse" / "images.txt"), 1e-12)
+        cameras = read_cameras(output / "dense" / "sparse" / "cameras.txt")
+        self.assertEqual([c.params for c in cameras.values()],
+                         [self.sample.camera(i).params for i in self.sample.images])
+
+        # Scored later, and by a mesh as by the scans of the same room.
+        text = self.run_well(*command, "--ground_truth", self.mesh)
+        self.assertIn("fusion_after: done before", text)
+        by_mesh = self.scores(output)
+        self.run_well(*command, "--ground_truth",
+                      self.sample.folder / "scans" / "scan_alignment.mlp")
+        by_scans = self.scores(output)
+        for mesh, scans in zip(by_mesh, by_scans):
+            self.assertGreater(mesh["num_scan_points"], 0)
+            for share, tolerance in (("accuracy", 0.15), ("completeness", 0.15)):
+                self.assertAlmostEqual(mesh["scores"][3][share], scans["scores"][3][share],
+                                       delta=tolerance)
+        for before, after in (by_mesh, by_scans):
+            self.assertGreater(after["scores"][3]["f1"], before["scores"][3]["f1"])
+        files = self.files_of(output)
+        self.run_well(*command, "--ground_truth",
+                      self.sample.folder / "scans" / "scan_alignment.mlp")
+        self.assertEqual(self.files_of(output), files)
+
+    def test_mistakes(self):
+        output = ("--output_path", self.folder / "nothing")
+        camera = "gt_dense_cameras/v001.jpg.camera"
+
+        def changed(name, change):
+            scene = self.copy_of(self.scene, name)
+            change(scene)
+            return scene
+
+        def edit(old, new):
+            def change(scene):
+                text = (scene / camera).read_text()
+                self.assertIn(old, text)
+                (scene / camera).write_text(text.replace(old, new, 1))
+            return change
+
+        def move(scene):
+            shutil.move(scene / "images" / "v002.jpg", scene / "v002.jpg")
+
+        for number, (change, text) in enumerate((
+                (edit("640 480", ""), "v001.jpg.camera: 8 lines"),
+                (edit("640 480", "320 240"), "is 640 x 480"),
+                (edit("0.0 0.0 1.0", "0.0 0.0 x"), "line 3"),
+                (lambda scene: (scene / "images" / "v003.jpg").unlink(), "no image v003.jpg"),
+                (move, "several folders"),
+                (lambda scene: [p.unlink() for p in sorted(
+                    (scene / "gt_dense_cameras").iterdir())[1:]], "1 images with cameras"))):
+            self.fails(changed(f"damaged{number}", change), *output, text=text)
+        self.fails(self.scene, *output, "--ground_truth", "no.ply", text="no.ply: not found")
+        several = self.folder / "several"
+        for name in ("a", "b"):
+            shutil.copytree(self.scene, several / name)
+        self.fails(several, *output, "--ground_truth", self.mesh, text="one scene")
+        self.assertFalse((self.folder / "nothing").exists())
+
+    def test_help(self):
+        self.assertIn(".camera", self.run_well("--help"))
+
+
+if __name__ == "__main__":
+    unittest.main()
