@@ -122,7 +122,7 @@ void RemoveEmptyFolders(std::filesystem::path folder,
 void UndoImage(const std::filesystem::path& root,
                const std::string& key,
                UndoResult* result) {
-  const Record record = ReadImportRecord(RecordPath(root, key));
+  Record record = ReadImportRecord(RecordPath(root, key));
   bool is_newer = false;
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     const std::filesystem::path current = CurrentPath(root, kind, key);
@@ -135,8 +135,12 @@ void UndoImage(const std::filesystem::path& root,
       is_newer = true;
       RemoveFile(former);
     } else if (Exists(former)) {
-      CreateFolders(current.parent_path());
-      RenameFile(former, current);
+      LinkOrCopyFile(former, current);
+      // An import may have written the same bytes. Where this is interrupted
+      // after the last step, the map must not be taken for an imported one.
+      record[kind].clear();
+      WriteImportRecord(RecordPath(root, key), record);
+      RemoveFile(former);
     } else if (Exists(current)) {
       RemoveFile(current);
     }
