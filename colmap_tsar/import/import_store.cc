@@ -135,12 +135,15 @@ void UndoImage(const std::filesystem::path& root,
       is_newer = true;
       RemoveFile(former);
     } else if (Exists(former)) {
-      LinkOrCopyFile(former, current);
-      // An import may have written the same bytes. Where this is interrupted
-      // after the last step, the map must not be taken for an imported one.
-      record[kind].clear();
-      WriteImportRecord(RecordPath(root, key), record);
-      RemoveFile(former);
+      if (Contains(record[kind], HashFile(former))) {
+        // An import wrote the same bytes. Were the next step the last one, the
+        // map would then be taken for an imported one.
+        record[kind].clear();
+        LinkOrCopyFile(former, current);
+        WriteImportRecord(RecordPath(root, key), record);
+      }
+      CreateFolders(current.parent_path());
+      RenameFile(former, current);
     } else if (Exists(current)) {
       RemoveFile(current);
     }
