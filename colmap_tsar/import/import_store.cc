@@ -127,6 +127,8 @@ void UndoImage(const std::filesystem::path& root,
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     const std::filesystem::path current = CurrentPath(root, kind, key);
     const std::filesystem::path former = FormerPath(root, kind, key);
+    std::filesystem::path temporary = current;
+    RemoveFile(temporary += AtomicFile::kTemporarySuffix);
     // A former map of the same bytes is the link that an interrupted import
     // made before it changed anything.
     const bool is_unchanged = Exists(current) && Exists(former) &&

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstdarg>
 #include <cstdlib>
 #include <string>
@@ -23,8 +24,6 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
-
-#include <csignal>
 
 namespace {
 
@@ -53,8 +52,8 @@ void Log(const std::string& line) {
   if (path == nullptr) {
     return;
   }
-  static const auto log = static_cast<int>(syscall(
-      SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_APPEND, 0666));
+  static const auto log = static_cast<int>(
+      syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_APPEND, 0666));
   const std::string text = line + "\n";
   syscall(SYS_write, log, text.data(), text.size());
 }
