@@ -40,6 +40,25 @@ std::string ReadText(ByteReader* reader) {
   return text;
 }
 
+// Looks at the numbers inside an attribute of EXR for which OpenEXR would take
+// memory.
+void RequirePossibleCounts(const std::string& type,
+                           std::span<const uint8_t> value,
+                           const std::string& name) {
+  ByteReader reader(value, name);
+  if (type == "preview") {
+    const uint64_t width = reader.Read<uint32_t>();
+    const uint64_t height = reader.Read<uint32_t>();
+    if (width * height != reader.NumLeft() / sizeof(uint32_t)) {
+      throw reader.Corrupt("the EXR header has a preview of another size");
+    }
+  } else if (type == "stringvector") {
+    while (reader.NumLeft() > 0) {
+      reader.Take(reader.Read<uint32_t>());
+    }
+  }
+}
+
 // Numbers in the byte order of a TIFF file.
 class TiffReader {
  public:
@@ -148,14 +167,26 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
   if (reader.Read<uint32_t>() != kMagic) {
     throw reader.Corrupt("not an EXR file");
   }
-  reader.Read<uint32_t>();  // Version and flags.
-  for (;;) {
+  constexpr uint32_t kHasParts = 0x1000;
+  const bool has_parts = (reader.Read<uint32_t>() & kHasParts) != 0;
+  bool has_size = false;
+  // A header ends in an empty name; those of several parts end in an empty one.
+  for (bool at_start = true;;) {
     const std::string attribute = ReadText(&reader);
     if (attribute.empty()) {
-      throw reader.Corrupt("the EXR header has no dataWindow");
+      if (!has_size) {
+        throw reader.Corrupt("the EXR header has no dataWindow");
+      }
+      if (at_start || !has_parts) {
+        return;
+      }
+      at_start = true;
+      continue;
     }
-    ReadText(&reader);  // Its type.
+    at_start = false;
+    const std::string type = ReadText(&reader);
     const std::span<const uint8_t> value = reader.Take(reader.Read<uint32_t>());
+    RequirePossibleCounts(type, value, name);
     if (attribute == "dataWindow") {
       ByteReader box(value, name);
       const auto corners = box.Read<std::array<int32_t, 4>>();
@@ -163,7 +194,7 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
                           int64_t{corners[2]} - corners[0] + 1,
                           int64_t{corners[3]} - corners[1] + 1,
                           bytes.size());
-      return;
+      has_size = true;
     }
   }
 }
