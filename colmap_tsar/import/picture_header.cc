@@ -7,6 +7,8 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -40,13 +42,37 @@ std::string ReadText(ByteReader* reader) {
   return text;
 }
 
-// Looks at the numbers inside an attribute of EXR for which OpenEXR would take
-// memory.
-void RequirePossibleCounts(const std::string& type,
-                           std::span<const uint8_t> value,
-                           const std::string& name) {
+// The types of EXR's attributes that always have the same number of bytes.
+constexpr std::pair<std::string_view, size_t> kExrSizes[] = {
+    {"box2i", 16},   {"box2f", 16},    {"chromaticities", 32},
+    {"double", 8},   {"envmap", 1},    {"compression", 1},
+    {"float", 4},    {"int", 4},       {"deepImageState", 1},
+    {"keycode", 28}, {"lineOrder", 1}, {"m33f", 36},
+    {"m33d", 72},    {"m44f", 64},     {"m44d", 128},
+    {"rational", 8}, {"tiledesc", 9},  {"timecode", 8},
+    {"v2i", 8},      {"v2f", 8},       {"v2d", 16},
+    {"v3i", 12},     {"v3f", 12},      {"v3d", 24}};
+
+// Looks into an attribute of EXR where OpenEXR takes memory for what it says,
+// or reads on behind it for what it does not say.
+void CheckExrAttribute(const std::string& type,
+                       std::span<const uint8_t> value,
+                       const std::string& name) {
   ByteReader reader(value, name);
-  if (type == "preview") {
+  for (const auto& [known, size] : kExrSizes) {
+    if (type == known && value.size() != size) {
+      throw reader.Corrupt("the EXR header has an attribute of another size");
+    }
+  }
+  if (type == "chlist") {
+    constexpr size_t kChannelSize = 16;
+    while (!ReadText(&reader).empty()) {
+      reader.Take(kChannelSize);
+    }
+    if (reader.NumLeft() > 0) {
+      throw reader.Corrupt("the EXR header has channels of another size");
+    }
+  } else if (type == "preview") {
     const uint64_t width = reader.Read<uint32_t>();
     const uint64_t height = reader.Read<uint32_t>();
     if (width * height != reader.NumLeft() / sizeof(uint32_t)) {
@@ -186,7 +212,7 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
     at_start = false;
     const std::string type = ReadText(&reader);
     const std::span<const uint8_t> value = reader.Take(reader.Read<uint32_t>());
-    RequirePossibleCounts(type, value, name);
+    CheckExrAttribute(type, value, name);
     if (attribute == "dataWindow") {
       ByteReader box(value, name);
       const auto corners = box.Read<std::array<int32_t, 4>>();

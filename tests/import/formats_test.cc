@@ -603,6 +603,9 @@ TEST(DepthImage, RefusesExrHeadersThatNoFileCanHold) {
   for (const std::string& more :
        {attribute("unknown", 0x646e6957),
         attribute("stringvector", 4) + "\xff\xff\xff\x7f",
+        attribute("float", 3) + "abc",
+        attribute("chlist", 22) + std::string("name\0", 5) +
+            std::string(16, 'a') + "b",
         attribute("preview", 8) + "\xff\xff\xff\x01\xff\xff\xff\x01"}) {
     ExpectError(ErrorCode::kCorrupt, {"a.exr"}, [&] {
       CheckExr(AsBytes(header(5) + more + std::string(99, '\0')), "a.exr");

@@ -79,7 +79,9 @@ for name, text in NAMES.items():
         if case == "import" and not text:
             continue  # The arrays of that name are not there.
         fails(f"{case} of {name[:40]}", command, texts=[text] if text else [])
-        check_same(read_tree(work), before, f"{case} of {name[:40]}")
+        tree = read_tree(work)
+        tree.pop("stereo/tsar/manifest.json", None)  # Lists what failed.
+        check_same(tree, before, f"{case} of {name[:40]}")
         num_cases += 1
     copy(refined, work)
     rename_image(work, name)
@@ -89,7 +91,7 @@ for name, text in NAMES.items():
 
 # A name for which there is a map, but no temporary file beside it.
 copy(mapped, work)
-name = "y" * 236 + ".png"
+name = "y" * 232 + ".png"
 for parent, _, files in list(os.walk(work)):
     for file in files:
         if file.startswith("v0.png"):
@@ -168,7 +170,9 @@ for case in ("refine", "import"):
 # An output workspace leads to its input by design; tsar_stereo must not follow.
 shutil.rmtree(work)
 copy(mapped, outside)
-drawn_workspace.write(os.path.join(outside, "stereo", "cost_maps", "v0.png.geometric.bin"), b"costs")
+nothing = [2.0] * (drawn_workspace.WIDTH * drawn_workspace.HEIGHT)
+drawn_workspace.write(os.path.join(outside, "stereo", "cost_maps", "v0.png.geometric.bin"),
+                      drawn_workspace.map_file([nothing, nothing]))
 before = read_tree(outside)
 program.run("tsar_refine", outside, "--output_path", work)
 for case in ("refine", "stereo", "import"):
