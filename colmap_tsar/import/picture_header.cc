@@ -110,7 +110,7 @@ class TiffReader {
 
 }  // namespace
 
-void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
+PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name) {
   constexpr std::array<uint8_t, 8> kSignature = {
       0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr uint32_t kHeaderLength = 13;
@@ -123,24 +123,33 @@ void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
   }
   const int64_t width = ReadBigEndian(&reader);
   const int64_t height = ReadBigEndian(&reader);
-  const auto num_bits = reader.Read<uint8_t>();
-  const auto color = reader.Read<uint8_t>();
+  PngKind kind;
+  kind.num_bits = reader.Read<uint8_t>();
+  kind.is_gray = reader.Read<uint8_t>() == 0;
   reader.Take(3 + 4);  // The rest of the header and its checksum.
-  if (num_bits != 16 || color != 0) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      name,
-                      "a picture of " + std::to_string(num_bits) + " bits" +
-                          (color == 0 ? "" : " in colours") +
-                          ", not a depth map",
-                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
-                      "PFM or NPY");
-  }
   RequirePossibleSize(reader, width, height, bytes.size());
   for (bool at_end = false; !at_end;) {
     const uint32_t length = ReadBigEndian(&reader);
-    at_end = reader.Read<std::array<char, 4>>() ==
-             std::array<char, 4>{'I', 'E', 'N', 'D'};
+    const auto type = reader.Read<std::array<char, 4>>();
+    if (type == std::array<char, 4>{'I', 'H', 'D', 'R'}) {
+      throw reader.Corrupt("the PNG file has two headers");
+    }
+    at_end = type == std::array<char, 4>{'I', 'E', 'N', 'D'};
     reader.Take(size_t{length} + 4);
+  }
+  return kind;
+}
+
+void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
+  const PngKind kind = CheckPngFrame(bytes, name);
+  if (kind.num_bits != 16 || !kind.is_gray) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name,
+                      "a picture of " + std::to_string(kind.num_bits) +
+                          " bits" + (kind.is_gray ? "" : " in colours") +
+                          ", not a depth map",
+                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
+                      "PFM or NPY");
   }
 }
 

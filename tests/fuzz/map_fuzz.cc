@@ -1,7 +1,6 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/workspace/content_hash.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include "tests/fuzz/fuzz_target.h"
@@ -15,7 +14,6 @@ void Read(std::span<const uint8_t> input) {
   Accepts([&] { ReadDepthMap(path); });
   Accepts([&] { ReadNormalMap(path); });
   Accepts([&] { ReadPlanarMap(path); });
-  Accepts([&] { HashFile(path); });
 }
 
 std::vector<std::string> MakeSeeds() {

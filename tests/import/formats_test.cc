@@ -508,6 +508,10 @@ TEST(DepthImage, RefusesPngHeadersThatNoFileCanHold) {
   ExpectError(ErrorCode::kCorrupt, {"a.png", "1048576 x 2"}, [&] {
     ParseDepthImage(AsBytes(bytes), "a.png");
   });
+  bytes[24] = 8;  // Bits; the provenance maps have so many.
+  ExpectError(ErrorCode::kCorrupt, {"a.png", "1048576 x 2"}, [&] {
+    CheckPngFrame(AsBytes(bytes), "a.png");
+  });
 }
 
 TEST(DepthImage, RefusesTiffHeadersThatNoFileCanHold) {
