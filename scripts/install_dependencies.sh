@@ -29,6 +29,9 @@ packages=(
   liblz4-dev
   libopencv-dev
   nlohmann-json3-dev
+  # The fuzzers, which the preset fuzz builds.
+  clang
+  libclang-rt-dev
   # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.
   libbenchmark-dev
   # The Python module, which -DTSAR_PYTHON=ON builds. python3-venv is for its

@@ -4,7 +4,8 @@
 #
 # Installs what is missing, builds everything, and runs all tests twice:
 # optimised (with the benchmarks and the Python module, with CUDA where nvcc is
-# found, and warnings as errors) and under the address and undefined sanitizers.
+# found, and warnings as errors) and under the address and undefined sanitizers;
+# then feeds the readers with hostile input (libFuzzer, by Clang).
 # The last line says how many passed, failed and were skipped (those that need
 # what is not there, such as a network); the exit code is 0 only if none failed.
 #
@@ -94,6 +95,11 @@ run_tests release
 # (-Wrestrict inside std::string, for one).
 build debug -DTSAR_WARNINGS_AS_ERRORS=OFF
 run_tests debug
+# The readers alone, by Clang, fed with a bounded number of hostile inputs.
+printf '\n== fuzz: build\n'
+cmake --preset fuzz
+cmake --build --preset fuzz --parallel "$jobs"
+run_tests fuzz
 
 printf '\n%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
 ((failed == 0))

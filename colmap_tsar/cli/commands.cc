@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <new>
@@ -18,9 +19,14 @@
 namespace tsar {
 namespace {
 
-// Errors of libraries may span lines; the user gets one.
+// Errors of libraries may span lines, and names in files may hold what a
+// terminal obeys; the user gets one line.
 void PrintError(std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::replace_if(
+      message.begin(),
+      message.end(),
+      [](unsigned char c) { return c < 0x20 || c == 0x7f; },
+      ' ');
   std::cerr << "ERROR: " << message << std::endl;
 }
 
@@ -109,6 +115,9 @@ int RunCommand(CommandFunction function, int argc, char** argv) {
     PrintError(error.what());
   } catch (const std::bad_alloc&) {
     PrintError("out of memory; close other programs or work on smaller images");
+  } catch (const std::filesystem::filesystem_error& error) {
+    PrintError(error.path1().string() + ": " + error.code().message() +
+               "; check the path and its permissions");
   } catch (const std::exception& error) {
     PrintError(std::string("unexpected failure: ") + error.what());
   }

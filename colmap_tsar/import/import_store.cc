@@ -122,11 +122,13 @@ void RemoveEmptyFolders(std::filesystem::path folder,
 void UndoImage(const std::filesystem::path& root,
                const std::string& key,
                UndoResult* result) {
-  const Record record = ReadImportRecord(RecordPath(root, key));
+  Record record = ReadImportRecord(RecordPath(root, key));
   bool is_newer = false;
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     const std::filesystem::path current = CurrentPath(root, kind, key);
     const std::filesystem::path former = FormerPath(root, kind, key);
+    std::filesystem::path temporary = current;
+    RemoveFile(temporary += AtomicFile::kTemporarySuffix);
     // A former map of the same bytes is the link that an interrupted import
     // made before it changed anything.
     const bool is_unchanged = Exists(current) && Exists(former) &&
@@ -135,6 +137,13 @@ void UndoImage(const std::filesystem::path& root,
       is_newer = true;
       RemoveFile(former);
     } else if (Exists(former)) {
+      if (Contains(record[kind], HashFile(former))) {
+        // An import wrote the same bytes. Were the next step the last one, the
+        // map would then be taken for an imported one.
+        record[kind].clear();
+        LinkOrCopyFile(former, current);
+        WriteImportRecord(RecordPath(root, key), record);
+      }
       CreateFolders(current.parent_path());
       RenameFile(former, current);
     } else if (Exists(current)) {

@@ -7,6 +7,8 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -40,6 +42,49 @@ std::string ReadText(ByteReader* reader) {
   return text;
 }
 
+// The types of EXR's attributes that always have the same number of bytes.
+constexpr std::pair<std::string_view, size_t> kExrSizes[] = {
+    {"box2i", 16},   {"box2f", 16},    {"chromaticities", 32},
+    {"double", 8},   {"envmap", 1},    {"compression", 1},
+    {"float", 4},    {"int", 4},       {"deepImageState", 1},
+    {"keycode", 28}, {"lineOrder", 1}, {"m33f", 36},
+    {"m33d", 72},    {"m44f", 64},     {"m44d", 128},
+    {"rational", 8}, {"tiledesc", 9},  {"timecode", 8},
+    {"v2i", 8},      {"v2f", 8},       {"v2d", 16},
+    {"v3i", 12},     {"v3f", 12},      {"v3d", 24}};
+
+// Looks into an attribute of EXR where OpenEXR takes memory for what it says,
+// or reads on behind it for what it does not say.
+void CheckExrAttribute(const std::string& type,
+                       std::span<const uint8_t> value,
+                       const std::string& name) {
+  ByteReader reader(value, name);
+  for (const auto& [known, size] : kExrSizes) {
+    if (type == known && value.size() != size) {
+      throw reader.Corrupt("the EXR header has an attribute of another size");
+    }
+  }
+  if (type == "chlist") {
+    constexpr size_t kChannelSize = 16;
+    while (!ReadText(&reader).empty()) {
+      reader.Take(kChannelSize);
+    }
+    if (reader.NumLeft() > 0) {
+      throw reader.Corrupt("the EXR header has channels of another size");
+    }
+  } else if (type == "preview") {
+    const uint64_t width = reader.Read<uint32_t>();
+    const uint64_t height = reader.Read<uint32_t>();
+    if (width * height != reader.NumLeft() / sizeof(uint32_t)) {
+      throw reader.Corrupt("the EXR header has a preview of another size");
+    }
+  } else if (type == "stringvector") {
+    while (reader.NumLeft() > 0) {
+      reader.Take(reader.Read<uint32_t>());
+    }
+  }
+}
+
 // Numbers in the byte order of a TIFF file.
 class TiffReader {
  public:
@@ -65,7 +110,7 @@ class TiffReader {
 
 }  // namespace
 
-void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
+PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name) {
   constexpr std::array<uint8_t, 8> kSignature = {
       0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   constexpr uint32_t kHeaderLength = 13;
@@ -78,24 +123,33 @@ void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
   }
   const int64_t width = ReadBigEndian(&reader);
   const int64_t height = ReadBigEndian(&reader);
-  const auto num_bits = reader.Read<uint8_t>();
-  const auto color = reader.Read<uint8_t>();
+  PngKind kind;
+  kind.num_bits = reader.Read<uint8_t>();
+  kind.is_gray = reader.Read<uint8_t>() == 0;
   reader.Take(3 + 4);  // The rest of the header and its checksum.
-  if (num_bits != 16 || color != 0) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      name,
-                      "a picture of " + std::to_string(num_bits) + " bits" +
-                          (color == 0 ? "" : " in colours") +
-                          ", not a depth map",
-                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
-                      "PFM or NPY");
-  }
   RequirePossibleSize(reader, width, height, bytes.size());
   for (bool at_end = false; !at_end;) {
     const uint32_t length = ReadBigEndian(&reader);
-    at_end = reader.Read<std::array<char, 4>>() ==
-             std::array<char, 4>{'I', 'E', 'N', 'D'};
+    const auto type = reader.Read<std::array<char, 4>>();
+    if (type == std::array<char, 4>{'I', 'H', 'D', 'R'}) {
+      throw reader.Corrupt("the PNG file has two headers");
+    }
+    at_end = type == std::array<char, 4>{'I', 'E', 'N', 'D'};
     reader.Take(size_t{length} + 4);
+  }
+  return kind;
+}
+
+void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
+  const PngKind kind = CheckPngFrame(bytes, name);
+  if (kind.num_bits != 16 || !kind.is_gray) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name,
+                      "a picture of " + std::to_string(kind.num_bits) +
+                          " bits" + (kind.is_gray ? "" : " in colours") +
+                          ", not a depth map",
+                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
+                      "PFM or NPY");
   }
 }
 
@@ -148,14 +202,26 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
   if (reader.Read<uint32_t>() != kMagic) {
     throw reader.Corrupt("not an EXR file");
   }
-  reader.Read<uint32_t>();  // Version and flags.
-  for (;;) {
+  constexpr uint32_t kHasParts = 0x1000;
+  const bool has_parts = (reader.Read<uint32_t>() & kHasParts) != 0;
+  bool has_size = false;
+  // A header ends in an empty name; those of several parts end in an empty one.
+  for (bool at_start = true;;) {
     const std::string attribute = ReadText(&reader);
     if (attribute.empty()) {
-      throw reader.Corrupt("the EXR header has no dataWindow");
+      if (!has_size) {
+        throw reader.Corrupt("the EXR header has no dataWindow");
+      }
+      if (at_start || !has_parts) {
+        return;
+      }
+      at_start = true;
+      continue;
     }
-    ReadText(&reader);  // Its type.
+    at_start = false;
+    const std::string type = ReadText(&reader);
     const std::span<const uint8_t> value = reader.Take(reader.Read<uint32_t>());
+    CheckExrAttribute(type, value, name);
     if (attribute == "dataWindow") {
       ByteReader box(value, name);
       const auto corners = box.Read<std::array<int32_t, 4>>();
@@ -163,7 +229,7 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
                           int64_t{corners[2]} - corners[0] + 1,
                           int64_t{corners[3]} - corners[1] + 1,
                           bytes.size());
-      return;
+      has_size = true;
     }
   }
 }

@@ -15,7 +15,15 @@ namespace tsar {
 // them. All throw Error kCorrupt, naming the file, and kUnsupported for what
 // cannot be depth.
 
-// PNG of 16 bits in grey; also makes sure that the file is not cut off.
+struct PngKind {
+  int num_bits = 0;  // Of a channel.
+  bool is_gray = false;
+};
+
+// Any PNG; also makes sure that the file is not cut off.
+PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name);
+
+// The same, of 16 bits in grey.
 void CheckPng(std::span<const uint8_t> bytes, const std::string& name);
 
 // TIFF, of either byte order; not BigTIFF.

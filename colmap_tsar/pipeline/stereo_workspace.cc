@@ -10,7 +10,9 @@
 #include "colmap_tsar/pipeline/stereo_image.h"
 #include "colmap_tsar/pipeline/view_cache.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/output_workspace.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
@@ -150,7 +152,7 @@ void ClaimMaps(const Workspace& workspace,
         "give --overwrite 1 to replace all maps, or work on a copy");
   }
   for (const fs::path& path : foreign) {
-    fs::remove(path);
+    RemoveFile(path);
   }
   if (!is_ours) {
     std::error_code ignored;
@@ -378,6 +380,14 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
   run.Check();
   options.Check();
   const auto start = std::chrono::steady_clock::now();
+  if (const auto source = ReadOutputMarker(run.workspace_path)) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        run.workspace_path.string(),
+        "tsar_refine made this workspace from " + source->string(),
+        "make the maps of that one");
+  }
+  RequireFoldersInside(run.workspace_path);
   // image_undistorter makes them, but who has deleted maps may have deleted the
   // folders.
   for (const char* folder : {"depth_maps", "normal_maps"}) {

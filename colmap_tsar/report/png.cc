@@ -4,6 +4,8 @@
 #include "colmap_tsar/report/png.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/import/byte_reader.h"
+#include "colmap_tsar/import/picture_header.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include <vector>
@@ -38,9 +40,15 @@ Image<uint8_t> ReadGrayPng(const std::filesystem::path& path) {
                       "there is no such file",
                       "refine the workspace first");
   }
+  std::vector<uint8_t> bytes = ReadFileBytes(path);
   cv::Mat pixels;
   try {
-    pixels = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+    const PngKind kind = CheckPngFrame(bytes, path.string());
+    if (kind.num_bits == 8 && kind.is_gray) {
+      pixels = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    }
+  } catch (const Error&) {
+    // The header breaks the format.
   } catch (const cv::Exception&) {
     pixels.release();
   }

@@ -49,6 +49,15 @@ void FlushFolderOf(const std::filesystem::path& path) {
   }
 }
 
+// Other programs may leave what they write to the system's memory.
+void FlushFile(const std::filesystem::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+}
+
 // Buffered writing to a file descriptor that remembers the system's error.
 class DescriptorBuffer : public std::streambuf {
  public:
@@ -187,9 +196,19 @@ void AtomicFile::Commit() {
 
 void CreateFolders(const std::filesystem::path& path) {
   std::error_code error;
+  std::vector<std::filesystem::path> missing;
+  for (std::filesystem::path folder = path;
+       !folder.empty() && !std::filesystem::exists(folder, error);
+       folder = folder.parent_path()) {
+    missing.push_back(folder);
+  }
   std::filesystem::create_directories(path, error);
   if (error) {
     throw SystemError(path, "the folder cannot be created", error.value());
+  }
+  // From the outermost on, so that what is on the disk is always to be found.
+  for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
+    FlushFolderOf(*folder);
   }
 }
 
@@ -203,6 +222,7 @@ void LinkOrCopyFile(const std::filesystem::path& source,
              AT_FDCWD,
              temporary.c_str(),
              AT_SYMLINK_FOLLOW) == 0) {
+    FlushFile(temporary);
     RenameFile(temporary, path);
     return;
   }

@@ -43,7 +43,8 @@ class AtomicFile {
   std::unique_ptr<State> state_;
 };
 
-// Creates a folder and those above it; Error kIo with the system's reason.
+// Creates a folder and those above it, and flushes the new names to the disk;
+// Error kIo with the system's reason.
 void CreateFolders(const std::filesystem::path& path);
 
 // Gives `path` the content of `source` in one step: as a hard link where the

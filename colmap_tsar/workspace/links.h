@@ -20,4 +20,11 @@ void LinkMap(OriginalState state,
              const std::filesystem::path& original,
              const std::filesystem::path& link);
 
+// Throws Error kUnsupported where a folder of `stereo`, or that itself, is a
+// link that leads out of the workspace: what is written and removed there would
+// be somebody else's. Folders that are never written to may be such links:
+// consistency_graphs and, in an output workspace, cost_maps. Links that are
+// files are replaced, never written through.
+void RequireFoldersInside(const std::filesystem::path& root);
+
 }  // namespace tsar

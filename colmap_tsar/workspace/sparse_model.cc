@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <unordered_set>
 
 #include <Eigen/Geometry>
 
@@ -131,6 +132,16 @@ void AddImages(SparseModelFiles* files, SparseModel* model) {
       throw CorruptModel(
           files->images_path,
           "the name " + model->images[i].name + " is there more than once");
+    }
+  }
+  // "./a.png" and "a.png" differ, but not their maps.
+  std::unordered_set<std::string> paths;
+  for (const SparseModel::ModelImage& image : model->images) {
+    const std::filesystem::path path(image.name);
+    if (!paths.insert(path.lexically_normal().string()).second) {
+      throw CorruptModel(files->images_path,
+                         "the name " + image.name +
+                             " stands for the same file as another one");
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <cerrno>
@@ -58,6 +59,9 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
                       (root / "stereo").string(),
                       "no such folder, so this is not a dense workspace",
                       "check --workspace_path");
+  }
+  if (mode == Mode::kExclusive) {
+    RequireFoldersInside(root);
   }
   // Some folders can never be made.
   constexpr int kMaxMissing = 100;

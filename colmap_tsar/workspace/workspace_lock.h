@@ -11,7 +11,8 @@ namespace tsar {
 // shared, while programs read one that must not change meanwhile. The system
 // releases the lock also where the program is killed. Throws Error:
 // kUnsupported, naming the file, where another program holds it; kNotFound
-// where there is no stereo folder; kIo. On file systems without locks it only
+// where there is no stereo folder; kIo; for writing also what
+// RequireFoldersInside throws. On file systems without locks it only
 // warns, and a shared lock also where the file cannot be written.
 class WorkspaceLock {
  public:

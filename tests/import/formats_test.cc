@@ -7,6 +7,7 @@
 #include "colmap_tsar/import/dmb.h"
 #include "colmap_tsar/import/npy.h"
 #include "colmap_tsar/import/pfm.h"
+#include "colmap_tsar/import/picture_header.h"
 
 #include <algorithm>
 #include <array>
@@ -507,6 +508,10 @@ TEST(DepthImage, RefusesPngHeadersThatNoFileCanHold) {
   ExpectError(ErrorCode::kCorrupt, {"a.png", "1048576 x 2"}, [&] {
     ParseDepthImage(AsBytes(bytes), "a.png");
   });
+  bytes[24] = 8;  // Bits; the provenance maps have so many.
+  ExpectError(ErrorCode::kCorrupt, {"a.png", "1048576 x 2"}, [&] {
+    CheckPngFrame(AsBytes(bytes), "a.png");
+  });
 }
 
 TEST(DepthImage, RefusesTiffHeadersThatNoFileCanHold) {
@@ -593,6 +598,24 @@ TEST(DepthImage, RefusesExrHeadersThatNoFileCanHold) {
     ParseDepthImage(AsBytes(header(5).substr(0, 29) + std::string(9, '\0')),
                     "a.exr");
   });
+  // What comes after the size, too, is longer than the file.
+  const auto attribute = [](const std::string& type, uint32_t size) {
+    std::string bytes = std::string("some\0", 5) + type + '\0';
+    Append(size, &bytes);
+    return bytes;
+  };
+  for (const std::string& more :
+       {attribute("unknown", 0x646e6957),
+        attribute("stringvector", 4) + "\xff\xff\xff\x7f",
+        attribute("float", 3) + "abc",
+        attribute("chlist", 22) + std::string("name\0", 5) +
+            std::string(16, 'a') + "b",
+        attribute("preview", 8) + "\xff\xff\xff\x01\xff\xff\xff\x01"}) {
+    ExpectError(ErrorCode::kCorrupt, {"a.exr"}, [&] {
+      CheckExr(AsBytes(header(5) + more + std::string(99, '\0')), "a.exr");
+    });
+  }
+  CheckExr(AsBytes(header(5) + attribute("unknown", 2) + "ab" + '\0'), "a.exr");
   ExpectError(ErrorCode::kCorrupt, {"a.exr", "not an EXR"}, [&] {
     ParseDepthImage(AsBytes("PFv/1"), "a.exr");
   });

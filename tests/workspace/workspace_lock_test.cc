@@ -82,6 +82,29 @@ TEST(WorkspaceLockTest, TakesOverAFileThatAKilledProgramLeft) {
       std::filesystem::exists(folder.Path() / "stereo/tsar/manifest.json"));
 }
 
+TEST(WorkspaceLockTest, WritersRefuseFoldersThatAreLinksOut) {
+  const TemporaryFolder folder;
+  const auto root = folder.Path() / "dense";
+  const auto link = root / "stereo/depth_maps/left";
+  std::filesystem::create_directories(folder.Path() / "dense_2/left");
+  std::filesystem::create_directories(root / "stereo/depth_maps");
+  std::filesystem::create_directory_symlink(folder.Path() / "dense_2/left",
+                                            link);
+  ExpectError(ErrorCode::kUnsupported, {link.string(), "dense_2"}, [&] {
+    WorkspaceLock lock(root);
+  });
+  EXPECT_FALSE(std::filesystem::exists(root / "stereo/tsar"));
+  { const WorkspaceLock lock(root, WorkspaceLock::Mode::kShared); }
+  // Links that stay inside, and those to files, are nobody else's.
+  std::filesystem::remove(link);
+  std::filesystem::create_directories(root / "stereo/elsewhere");
+  std::filesystem::create_directory_symlink(root / "stereo/elsewhere", link);
+  WriteText(folder.Path() / "map", "");
+  std::filesystem::create_symlink(folder.Path() / "map",
+                                  root / "stereo/depth_maps/a.bin");
+  const WorkspaceLock lock(root);
+}
+
 TEST(WorkspaceLockTest, NeedsAWorkspace) {
   const TemporaryFolder folder;
   ExpectError(ErrorCode::kNotFound, {(folder.Path() / "stereo").string()}, [&] {

@@ -75,6 +75,16 @@ TEST_F(WorkspaceTest, RefusesNamesThatLeadOut) {
   }
 }
 
+TEST_F(WorkspaceTest, RefusesTwoNamesOfOneFile) {
+  for (const char* name : {"left//b.png", "./left/b.png", "left/./b.png"}) {
+    MakeTestWorkspace(root_);
+    ReplaceText("sparse/images.txt", "a.png", name);
+    ExpectError(ErrorCode::kCorrupt, {"images.txt", "same file"}, [&] {
+      Workspace(root_, kGeometric);
+    });
+  }
+}
+
 TEST_F(WorkspaceTest, ReadsMaps) {
   const Workspace workspace(root_, kGeometric);
   EXPECT_TRUE(workspace.HasMaps(1, kPhotometric));

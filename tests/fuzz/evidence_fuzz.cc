@@ -1,0 +1,110 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/content_hash.h"
+#include "colmap_tsar/workspace/evidence_file.h"
+
+#include <cstring>
+
+#include "tests/fuzz/fuzz_target.h"
+
+namespace tsar {
+namespace {
+
+// Of the header, see evidence_file.cc.
+constexpr size_t kHeaderSize = 96;
+constexpr size_t kNeighbourFingerprint = 72;
+constexpr size_t kOwnFingerprint = 80;
+constexpr size_t kHeaderFingerprint = 88;
+
+template <typename T>
+T ValueAt(const std::vector<uint8_t>& bytes, size_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+void PutFingerprint(const ContentHash& hash,
+                    size_t offset,
+                    std::vector<uint8_t>* bytes) {
+  const uint64_t value = hash.Value();
+  std::memcpy(bytes->data() + offset, &value, sizeof(value));
+}
+
+// Makes the fingerprints right, behind which no mutation would get otherwise.
+std::vector<uint8_t> Signed(std::span<const uint8_t> input) {
+  std::vector<uint8_t> bytes(input.begin(), input.end());
+  if (bytes.size() < kHeaderSize ||
+      ValueAt<uint32_t>(bytes, 12) > bytes.size() - kHeaderSize) {
+    return bytes;
+  }
+  const size_t begin = kHeaderSize + ValueAt<uint32_t>(bytes, 12);
+  // The arrays that neighbours read come first; where the numbers are absurd,
+  // any length will do.
+  const size_t num_pixels = static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
+                            ValueAt<uint16_t>(bytes, 20);
+  const size_t length = 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 40) + 4 +
+                        16 * ValueAt<uint16_t>(bytes, 48) +
+                        16 * ValueAt<uint16_t>(bytes, 56);
+  const size_t end = std::min(begin + length, bytes.size());
+  ContentHash neighbours;
+  neighbours.Update(bytes.data() + begin, end - begin);
+  PutFingerprint(neighbours, kNeighbourFingerprint, &bytes);
+  ContentHash own;
+  own.Update(bytes.data() + end, bytes.size() - end);
+  PutFingerprint(own, kOwnFingerprint, &bytes);
+  ContentHash header;
+  header.Update(bytes.data(), kHeaderFingerprint);
+  header.Update(bytes.data() + kHeaderSize, begin - kHeaderSize);
+  PutFingerprint(header, kHeaderFingerprint, &bytes);
+  return bytes;
+}
+
+bool ReadBoth(std::span<const uint8_t> input) {
+  const std::filesystem::path path = PutFile("evidence.bin", input);
+  ReadEvidenceHash(path);
+  Accepts([&] { ReadEvidence(path, EvidenceParts::kForNeighbours); });
+  return Accepts([&] { ReadEvidence(path, EvidenceParts::kAll); });
+}
+
+void Read(std::span<const uint8_t> input) {
+  ReadBoth(input);
+  ReadBoth(Signed(input));
+}
+
+std::vector<std::string> MakeSeeds() {
+  ViewEvidence evidence;
+  evidence.width = 3;
+  evidence.height = 2;
+  evidence.error_per_depth = 0.01f;
+  evidence.noise = 0.3f;
+  evidence.superpixels = Image<uint16_t>(3, 2, 1);
+  evidence.strong_depth = Image<float>(3, 2, 2.f);
+  evidence.mass = {1.f, 2.f};
+  evidence.first_observation = {0, 0, 1};
+  evidence.observations.resize(1);
+  evidence.observations[0].sample = {0.f, 0.f, 2.f};
+  evidence.observations[0].quality = 0.5f;
+  evidence.candidates.resize(1);
+  evidence.candidates[0] = {Vec3f{0.f, 0.f, -1.f}, 2.f};
+  evidence.borders.resize(1);
+  evidence.borders[0].first = 0;
+  evidence.borders[0].second = 1;
+  evidence.region_planes = Image<uint16_t>(3, 2, 1);
+  evidence.trust = Image<uint8_t>(6, 4, 1);
+  WriteEvidence(FuzzFolder() / "evidence.bin", "options", evidence);
+  const std::string seed = TakeFile("evidence.bin");
+  // The layout above is that of the file, or this target would test nothing.
+  std::string changed = seed;
+  changed[kHeaderSize - 1] ^= 1;
+  if (!ReadBoth(Signed(BytesOf(changed)))) {
+    throw std::logic_error("evidence_fuzz.cc knows another layout");
+  }
+  return {seed};
+}
+
+}  // namespace
+
+const FuzzTarget kEvidenceTarget = {"evidence", &Read, &MakeSeeds};
+
+}  // namespace tsar

@@ -1,0 +1,74 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/import/import_store.h"
+#include "colmap_tsar/workspace/output_workspace.h"
+#include "colmap_tsar/workspace/record.h"
+
+#include <sstream>
+
+#include "tests/fuzz/fuzz_target.h"
+
+namespace tsar {
+namespace {
+
+void ReadRecordFile(std::span<const uint8_t> input) {
+  const std::filesystem::path path = PutFile("record.json", input);
+  Accepts([&] { ReadRecord(path); });
+}
+
+std::vector<std::string> MakeRecordSeeds() {
+  ImageRecord record;
+  record.version = "0.1.0";
+  record.image = "left/b.png";
+  record.type = "geometric";
+  record.status = ImageStatus::kDone;
+  record.options_hash = "0123456789abcdef";
+  record.depth_hashes = {1, ~uint64_t{0}};
+  record.normal_hashes = {2};
+  record.counts["measured"] = 12;
+  record.seconds["read"] = 0.5;
+  WriteRecord(FuzzFolder() / "record.json", record);
+  return {TakeFile("record.json")};
+}
+
+// A workspace into which was imported, with a record that may be anything.
+void ReadImportRecordFile(std::span<const uint8_t> input) {
+  const std::filesystem::path root = FuzzFolder() / "imported";
+  const std::string map = "imported/stereo/depth_maps/a.png.geometric.bin";
+  const std::string former =
+      "imported/stereo/tsar_import/former/depth_maps/a.png.geometric.bin";
+  const std::string record =
+      "imported/stereo/tsar_import/records/a.png.geometric.json";
+  for (const std::string& file : {map, former, record}) {
+    std::filesystem::create_directories((FuzzFolder() / file).parent_path());
+  }
+  PutFile(map, BytesOf("imported"));
+  PutFile(former, BytesOf("former"));
+  PutFile(record, input);
+  Accepts([&] { UndoImport(root); });
+}
+
+std::vector<std::string> MakeImportRecordSeeds() {
+  return {R"({"depth_maps": [1, 2], "normal_maps": [], "cost_maps": []})"};
+}
+
+void ReadMarker(std::span<const uint8_t> input) {
+  std::filesystem::create_directories(FuzzFolder() / "output/stereo/tsar");
+  PutFile("output/stereo/tsar/output_of.json", input);
+  Accepts([&] { ReadOutputMarker(FuzzFolder() / "output"); });
+}
+
+std::vector<std::string> MakeMarkerSeeds() {
+  return {R"({"input": "/home/user/dense", "version": "0.1.0"})"};
+}
+
+}  // namespace
+
+const FuzzTarget kRecordTarget = {"record", &ReadRecordFile, &MakeRecordSeeds};
+const FuzzTarget kImportRecordTarget = {
+    "import_record", &ReadImportRecordFile, &MakeImportRecordSeeds};
+const FuzzTarget kOutputMarkerTarget = {
+    "output_marker", &ReadMarker, &MakeMarkerSeeds};
+
+}  // namespace tsar

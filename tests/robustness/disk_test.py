@@ -1,0 +1,132 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fills a small disk to many levels, and makes it read-only: each command stops
+with one clear line, loses nothing, and does its work once that is over. Needs
+the right to mount, in a name space of its own; is skipped without."""
+import os
+import subprocess
+import sys
+import tempfile
+
+import drawn_workspace
+from robustness import (SKIPPED, Program, check, check_same, copy, maps_of, parse_arguments,
+                        read_tree, without_accounts)
+
+NUM_IMAGES = 2
+NUM_LEVELS = 24
+DISK_BYTES = 4 << 20
+IN_NAME_SPACE = "TSAR_IN_NAME_SPACE"
+
+args = parse_arguments()
+if IN_NAME_SPACE not in os.environ:
+    # Its mounts go when the program ends.
+    probe = subprocess.run(
+        ["unshare", "--mount", "sh", "-c", "mount -t tmpfs tmpfs /mnt"],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if probe.returncode != 0:
+        print("SKIPPED: mounting is not permitted here")
+        sys.exit(SKIPPED)
+    os.environ[IN_NAME_SPACE] = "1"
+    os.execvp("unshare", ["unshare", "--mount", sys.executable, *sys.argv])
+
+os.makedirs(args.folder, exist_ok=True)
+folder = tempfile.TemporaryDirectory(dir=args.folder)
+disk = os.path.join(folder.name, "disk")
+os.makedirs(disk)
+program = Program(args.program)
+work, filler = os.path.join(disk, "work"), os.path.join(disk, "filler")
+bare, mapped, refined, imported, prior = (
+    os.path.join(folder.name, name) for name in ("bare", "mapped", "refined", "imported", "prior"))
+IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
+STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
+          for word in ("--TsarStereo." + name, 1)]
+# The command, and from what workspace.
+CASES = {
+    "refine": (["tsar_refine", work], mapped),
+    "restore": (["tsar_refine", work, "--restore", 1], refined),
+    "import": (["tsar_import", work, *IMPORT], mapped),
+    "undo": (["tsar_import", work, "--restore", 1], imported),
+    "stereo": (["tsar_stereo", work, *STEREO], bare),
+}
+
+
+def mount(options):
+    subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", disk], check=True)
+
+
+def free_bytes():
+    state = os.statvfs(disk)
+    return state.f_bavail * state.f_bsize
+
+
+def fill(num_left):
+    with open(filler, "wb", buffering=0) as file:
+        file.write(b"\0" * max(0, free_bytes() - num_left))
+
+
+def check_kept(tree, first, last, case):
+    """Maps are of before or of after, and what was before is there."""
+    stored = {"refine": "stereo/tsar/original/", "import": "stereo/tsar_import/former/"}
+    for path, content in maps_of(first).items():
+        check(tree.get(path) in (content, last.get(path)), f"{path} is neither")
+        if case in stored:
+            kept = tree.get(stored[case] + path[len("stereo/"):])
+            check(content in (tree[path], kept), f"{path} is lost")
+    for path, content in maps_of(tree).items():
+        check(content in (first.get(path), last.get(path)), f"{path} is not complete")
+    for path in first.keys() - maps_of(first).keys():
+        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/provenance")):
+            check(tree.get(path) == first[path], f"{path} changed")
+
+
+drawn_workspace.draw(bare, NUM_IMAGES, with_maps=False)
+drawn_workspace.draw(mapped, NUM_IMAGES)
+drawn_workspace.draw_prior(prior, NUM_IMAGES)
+copy(mapped, refined)
+program.run("tsar_refine", refined)
+copy(mapped, imported)
+program.run("tsar_import", imported, *IMPORT)
+
+mount(f"size={DISK_BYTES}")
+num_full = {}
+for case, (command, source) in CASES.items():
+    copy(source, work)
+    start = free_bytes()
+    first = read_tree(work)
+    program.run(*command)
+    last = without_accounts(read_tree(work))
+    # What is needed on the way may be more than what stays.
+    most = max(start - free_bytes(), 0) + (256 << 10)
+    num_full[case] = 0
+    for level in range(NUM_LEVELS if case in ("refine", "import") else NUM_LEVELS // 3):
+        copy(source, work)
+        fill(most * level // NUM_LEVELS)
+        code, errors = program.call(*command)
+        if code == 0:
+            os.remove(filler)
+            check_same(without_accounts(read_tree(work)), last, f"{case} on a nearly full disk")
+            continue
+        num_full[case] += 1
+        lines = [line for line in errors.splitlines() if line.startswith("ERROR: ")]
+        check(code == 1 and len(lines) == 1 and "No space left" in lines[0],
+              f"{case} on a full disk ended with {code}: {errors}")
+        check(disk in lines[0], f"{case}: no file is named: {lines[0]}")
+        check_kept(read_tree(work), first, last, case)
+        os.remove(filler)
+        program.run(*command)
+        check_same(without_accounts(read_tree(work)), last, f"{case}, with space again")
+check(min(num_full["refine"], num_full["import"], num_full["stereo"]) > 2,
+      f"the disk was hardly ever full: {num_full}")
+print("stopped by a full disk:", num_full)
+
+for case, (command, source) in CASES.items():
+    copy(source, work)
+    first = read_tree(work)
+    subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+    line = program.fails_with_one_line(*command, texts=["Read-only file system", work])
+    check_same(read_tree(work), first, f"{case} in a read-only folder")
+    subprocess.run(["mount", "-o", "remount,rw", disk], check=True)
+    program.run(*command)
+    print(f"read-only, {case}: {line}")
+subprocess.run(["umount", disk], check=True)

@@ -1,0 +1,180 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// A library for LD_PRELOAD that counts the calls by which a program changes
+// files, and ends or stops the program at one of them:
+//
+//   TSAR_FAULT_LOG=FILE      appends a line for every call, in their order
+//   TSAR_FAULT_KILL_AT=K     SIGKILL before call number K (from 1 on); where
+//                            that is a write, after half of it
+//   TSAR_FAULT_STOP_AT=K     SIGSTOP before call number K
+//
+// Calls on descriptors count where these stand for files and folders, not for
+// terminals and pipes.
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdarg>
+#include <cstdlib>
+#include <string>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace {
+
+std::atomic<long> num_calls = 0;
+
+long NumberOf(const char* variable) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? 0 : std::atol(text);
+}
+
+bool IsOnDisk(int descriptor) {
+  struct stat state;
+  return fstat(descriptor, &state) == 0 &&
+         (S_ISREG(state.st_mode) || S_ISDIR(state.st_mode));
+}
+
+std::string PathOf(int descriptor) {
+  char path[4096];
+  const std::string link = "/proc/self/fd/" + std::to_string(descriptor);
+  const ssize_t length = readlink(link.c_str(), path, sizeof(path));
+  return std::string(path, static_cast<size_t>(std::max<ssize_t>(length, 0)));
+}
+
+void Log(const std::string& line) {
+  static const char* const path = std::getenv("TSAR_FAULT_LOG");
+  if (path == nullptr) {
+    return;
+  }
+  static const auto log = static_cast<int>(
+      syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_APPEND, 0666));
+  const std::string text = line + "\n";
+  syscall(SYS_write, log, text.data(), text.size());
+}
+
+// Counts a call; whether the program is to end at it.
+bool IsLast(const std::string& name,
+            const std::string& first,
+            const std::string& second = "") {
+  static const long kill_at = NumberOf("TSAR_FAULT_KILL_AT");
+  static const long stop_at = NumberOf("TSAR_FAULT_STOP_AT");
+  const long number = ++num_calls;
+  Log(name + "\t" + first + "\t" + second);
+  if (number == stop_at) {
+    raise(SIGSTOP);
+  }
+  return number == kill_at;
+}
+
+void Note(const std::string& name,
+          const std::string& first,
+          const std::string& second = "") {
+  if (IsLast(name, first, second)) {
+    raise(SIGKILL);
+  }
+}
+
+template <typename Function>
+Function Next(const char* name) {
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+int Open(const char* name, const char* path, int flags, mode_t mode) {
+  if ((flags & O_CREAT) != 0) {
+    Note("create", path);
+  }
+  return Next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
+}
+
+mode_t ModeOf(int flags, va_list arguments) {
+  return (flags & O_CREAT) != 0 ? va_arg(arguments, mode_t) : 0;
+}
+
+}  // namespace
+
+extern "C" {
+
+int open(const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return Open("open", path, flags, mode);
+}
+
+int open64(const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return Open("open64", path, flags, mode);
+}
+
+ssize_t write(int descriptor, const void* data, size_t size) {
+  const auto next = Next<ssize_t (*)(int, const void*, size_t)>("write");
+  if (IsOnDisk(descriptor) && IsLast("write", PathOf(descriptor))) {
+    next(descriptor, data, size / 2);
+    raise(SIGKILL);
+  }
+  return next(descriptor, data, size);
+}
+
+int fsync(int descriptor) {
+  if (IsOnDisk(descriptor)) {
+    Note("fsync", PathOf(descriptor));
+  }
+  return Next<int (*)(int)>("fsync")(descriptor);
+}
+
+int rename(const char* from, const char* to) noexcept {
+  Note("rename", from, to);
+  return Next<int (*)(const char*, const char*)>("rename")(from, to);
+}
+
+int linkat(int from_folder,
+           const char* from,
+           int to_folder,
+           const char* to,
+           int flags) noexcept {
+  Note("link", from, to);
+  return Next<int (*)(int, const char*, int, const char*, int)>("linkat")(
+      from_folder, from, to_folder, to, flags);
+}
+
+int symlink(const char* target, const char* link) noexcept {
+  Note("symlink", target, link);
+  return Next<int (*)(const char*, const char*)>("symlink")(target, link);
+}
+
+int unlink(const char* path) noexcept {
+  Note("unlink", path);
+  return Next<int (*)(const char*)>("unlink")(path);
+}
+
+int unlinkat(int folder, const char* path, int flags) noexcept {
+  Note("unlink", path);
+  return Next<int (*)(int, const char*, int)>("unlinkat")(folder, path, flags);
+}
+
+int remove(const char* path) noexcept {
+  Note("unlink", path);
+  return Next<int (*)(const char*)>("remove")(path);
+}
+
+int rmdir(const char* path) noexcept {
+  Note("rmdir", path);
+  return Next<int (*)(const char*)>("rmdir")(path);
+}
+
+int mkdir(const char* path, mode_t mode) noexcept {
+  Note("mkdir", path);
+  return Next<int (*)(const char*, mode_t)>("mkdir")(path, mode);
+}
+
+}  // extern "C"

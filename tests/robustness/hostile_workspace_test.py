@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gives every command workspaces whose names and links lead elsewhere. Nothing
+outside of the workspace is written or removed, whatever they do; and what is
+harmless, such as maps that are links to files that may not change, works."""
+import os
+import shutil
+
+import drawn_workspace
+from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
+
+NUM_IMAGES = 2
+
+args = parse_arguments()
+program = Program(args.program)
+folder = make_folder(args.folder)
+work, outside, prior, bare, mapped, refined, imported = (
+    os.path.join(folder.name, name)
+    for name in ("work", "outside", "prior", "bare", "mapped", "refined", "imported"))
+IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
+STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
+          for word in ("--TsarStereo." + name, 1)]
+COMMANDS = {
+    "refine": (["tsar_refine", work], mapped),
+    "restore": (["tsar_refine", work, "--restore", 1], refined),
+    "import": (["tsar_import", work, *IMPORT], mapped),
+    "undo": (["tsar_import", work, "--restore", 1], imported),
+    "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], bare),
+}
+REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png")]
+
+
+def rename_image(root, name):
+    """Gives the first image another name in the model and the lists alone."""
+    for file in ("sparse/images.txt", "stereo/patch-match.cfg", "stereo/fusion.cfg"):
+        path = os.path.join(root, file)
+        with open(path, "rb") as stream:
+            content = stream.read()
+        drawn_workspace.write(path, content.replace(b"v0.png", name))
+
+
+def fails(case, command, **expected):
+    """That a command fails on `work` and changes nothing outside."""
+    before = read_tree(outside)
+    line = program.fails_with_one_line(*command, **expected)
+    check(not any(ord(letter) < 0x20 for letter in line), f"{case}: {line!r}")
+    check_same(read_tree(outside), before, case)
+
+
+drawn_workspace.draw(bare, NUM_IMAGES, with_maps=False)
+drawn_workspace.draw(mapped, NUM_IMAGES)
+drawn_workspace.draw_prior(prior, NUM_IMAGES)
+copy(mapped, refined)
+program.run("tsar_refine", refined)
+copy(mapped, imported)
+program.run("tsar_import", imported, *IMPORT)
+drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+num_cases = 0
+
+# Names. Undoing goes by the files that are there and needs no names.
+LONG = b"x" * 300 + b".png"
+NAMES = {
+    b"../../outside/v0.png": "leads out",
+    os.path.join(outside, "v0.png").encode(): "leads out",
+    b"left/../../v0.png": "leads out",
+    b"v\x1b[2J0.png": "no usable name",
+    b"v\x000.png": "no usable name",
+    b"./left//v1.png": "same file",
+    LONG: "",
+    b"x/" * 3000 + b"v0.png": "",
+}
+for name, text in NAMES.items():
+    for case in ("refine", "import", "stereo"):
+        command, source = COMMANDS[case]
+        copy(source, work)
+        rename_image(work, name)
+        before = read_tree(work)
+        if case == "import" and not text:
+            continue  # The arrays of that name are not there.
+        fails(f"{case} of {name[:40]}", command, texts=[text] if text else [])
+        tree = read_tree(work)
+        tree.pop("stereo/tsar/manifest.json", None)  # Lists what failed.
+        check_same(tree, before, f"{case} of {name[:40]}")
+        num_cases += 1
+    copy(refined, work)
+    rename_image(work, name)
+    if text:
+        fails(f"report of {name[:40]}", REPORT, texts=[text])
+    num_cases += 1
+
+# A name for which there is a map, but no temporary file beside it.
+copy(mapped, work)
+name = "y" * 232 + ".png"
+for parent, _, files in list(os.walk(work)):
+    for file in files:
+        if file.startswith("v0.png"):
+            os.rename(os.path.join(parent, file), os.path.join(parent, file.replace("v0.png", name)))
+rename_image(work, name.encode())
+before = read_tree(os.path.join(work, "stereo", "depth_maps"))
+fails("refine of a long name", COMMANDS["refine"][0], texts=["File name too long"])
+check_same(read_tree(os.path.join(work, "stereo", "depth_maps")), before, "maps of a long name")
+
+# Folders that are links to others, which hold what a command would replace.
+LINKS = ("stereo", "stereo/depth_maps", "stereo/normal_maps/left", "stereo/confidence_maps",
+         "stereo/provenance_maps/left", "stereo/cost_maps", "stereo/tsar", "stereo/tsar/records",
+         "stereo/tsar/original", "stereo/tsar/original/depth_maps", "stereo/tsar_import",
+         "stereo/tsar_import/former", "stereo/tsar_stereo")
+for link in LINKS:
+    for case, (command, source) in COMMANDS.items():
+        copy(source, work)
+        shutil.rmtree(outside)
+        drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+        path = os.path.join(work, link)
+        target = os.path.join(outside, "folder")
+        if os.path.isdir(path):
+            shutil.move(path, target)
+        else:
+            os.makedirs(target)
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+        drawn_workspace.write(os.path.join(target, "evidence", "precious"), b"precious")
+        drawn_workspace.write(os.path.join(target, "v0.png.geometric.bin.tsar_tmp"), b"precious")
+        os.symlink(target, path)
+        fails(f"{case} with {link} as a link", command, texts=[link, "leads out"])
+        num_cases += 1
+shutil.rmtree(outside)
+drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+
+# What stands in a record counts for nothing: the files' own names do.
+copy(refined, work)
+record = os.path.join(work, "stereo", "tsar", "records", "v0.png.geometric.json")
+with open(record, encoding="utf-8") as file:
+    text = file.read()
+drawn_workspace.write(record, text.replace('"v0.png"', '"../../../../outside/precious"').encode())
+drawn_workspace.write(os.path.join(work, "stereo", "tsar", "manifest.json"),
+                      b'{"images": [{"image": "../../../outside/precious"}]}')
+precious = read_tree(outside)
+program.run(*COMMANDS["restore"][0])
+check_same(read_tree(work), read_tree(mapped), "restoring with a false record")
+check_same(read_tree(outside), precious, "restoring with a false record")
+copy(refined, work)
+nowhere = os.path.join(work, "stereo", "tsar", "original", "depth_maps", "left", "nowhere.bin")
+os.symlink(os.path.join(outside, "precious"), nowhere)
+os.symlink(outside, os.path.join(os.path.dirname(nowhere), "folder.bin"))
+fails("restoring a linked folder", COMMANDS["restore"][0], texts=["leads out"])
+os.remove(os.path.join(os.path.dirname(nowhere), "folder.bin"))
+program.run(*COMMANDS["restore"][0])
+check_same(read_tree(outside), precious, "restoring a link")
+num_cases += 3
+
+# Maps that are links: to files that may not change, out of the workspace.
+for case in ("refine", "import"):
+    command, _ = COMMANDS[case]
+    shutil.rmtree(work)
+    for parent, _, files in os.walk(mapped):
+        for file in files:
+            path = os.path.join(parent, file)
+            target = os.path.join(work, os.path.relpath(path, mapped))
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            os.symlink(path, target)
+    before = read_tree(mapped)
+    program.run(*command)
+    check_same(read_tree(mapped), before, f"{case} of linked maps")
+    check(read_tree(work) != before, f"{case} of linked maps does something")
+    program.run(*COMMANDS["restore" if case == "refine" else "undo"][0])
+    check_same(read_tree(work), before, f"undoing {case} of linked maps")
+    check_same(read_tree(mapped), before, f"undoing {case} of linked maps")
+    num_cases += 1
+
+# An output workspace leads to its input by design; tsar_stereo must not follow.
+shutil.rmtree(work)
+copy(mapped, outside)
+nothing = [2.0] * (drawn_workspace.WIDTH * drawn_workspace.HEIGHT)
+drawn_workspace.write(os.path.join(outside, "stereo", "cost_maps", "v0.png.geometric.bin"),
+                      drawn_workspace.map_file([nothing, nothing]))
+before = read_tree(outside)
+program.run("tsar_refine", outside, "--output_path", work)
+for case in ("refine", "stereo", "import"):
+    command, _ = COMMANDS[case]
+    if case == "refine":
+        program.run(*command)
+    else:
+        fails(f"{case} on an output", command, texts=["tsar_refine made this workspace"])
+    check_same(read_tree(outside), before, f"{case} on an output")
+    num_cases += 1
+print(f"{num_cases} cases")

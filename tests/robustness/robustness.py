@@ -1,0 +1,127 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests of this folder share: commands, and what a workspace holds."""
+import argparse
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SKIPPED = 77  # To ctest.
+
+MAPS = ("depth_maps", "normal_maps", "cost_maps")
+# Beside these, which tell times, a run writes the same bytes always.
+ACCOUNTS = ("stereo/tsar/manifest.json", "stereo/tsar/records/")
+
+
+def parse_arguments(*names):
+    parser = argparse.ArgumentParser()
+    for name in ("program", "folder") + names:
+        parser.add_argument("--" + name, required=True)
+    return parser.parse_args()
+
+
+def check(condition, message):
+    if not condition:
+        sys.exit("FAILED: " + message)
+
+
+def make_folder(wanted):
+    """In memory where that can be: a run flushes dozens of files to the disk. It
+    goes when the program ends, whatever the result."""
+    memory = "/dev/shm"
+    parent = memory if os.access(memory, os.W_OK) else wanted
+    os.makedirs(parent, exist_ok=True)
+    return tempfile.TemporaryDirectory(prefix="tsar_robustness_", dir=parent)
+
+
+class Program:
+    """colmap_tsar, on one CPU thread unless told otherwise."""
+
+    def __init__(self, path, shim=None):
+        self.path = path
+        self.shim = shim
+
+    def arguments(self, command, workspace, *options):
+        group = {"tsar_refine": "TsarRefine", "tsar_stereo": "TsarStereo"}.get(command)
+        words = [self.path, command, "--workspace_path", workspace, *map(str, options)]
+        if group and "--restore" not in words:
+            for name, value in (("device", "cpu"), ("num_threads", "1")):
+                if f"--{group}.{name}" not in words:
+                    words += [f"--{group}.{name}", value]
+        return words
+
+    def start(self, *words, **faults):
+        """faults: kill_at, stop_at or log, of fault_points.cc."""
+        environment = dict(os.environ)
+        if faults:
+            environment["LD_PRELOAD"] = self.shim
+        for name, value in faults.items():
+            environment["TSAR_FAULT_" + name.upper()] = str(value)
+        return subprocess.Popen(self.arguments(*words), env=environment, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def call(self, *words, **faults):
+        """(exit code, standard error)"""
+        process = self.start(*words, **faults)
+        _, errors = process.communicate()
+        return process.returncode, errors
+
+    def run(self, *words, **faults):
+        code, errors = self.call(*words, **faults)
+        check(code == 0, f"{' '.join(words[:2])} ended with {code}: {errors}")
+
+    def fails_with_one_line(self, *words, texts=()):
+        """That the command ends with exit code 1 and one clear line."""
+        code, errors = self.call(*words)
+        lines = [line for line in errors.splitlines() if line.startswith("ERROR: ")]
+        what = f"{' '.join(map(str, words))} ended with {code}: {errors}"
+        check(code == 1 and len(lines) == 1 and errors.endswith(lines[0] + "\n"), what)
+        check("unexpected failure" not in lines[0], what)
+        for text in texts:
+            check(text in lines[0], f"no '{text}' in: {lines[0]}")
+        return lines[0]
+
+
+def read_tree(root):
+    """The bytes of every file below a folder, by relative path; links are
+    followed, folders left out."""
+    found = {}
+    for parent, _, names in os.walk(root):
+        for name in names:
+            path = os.path.join(parent, name)
+            with open(path, "rb") as file:
+                found[os.path.relpath(path, root)] = file.read()
+    return found
+
+
+def without_accounts(tree):
+    return {path: content for path, content in tree.items() if not path.startswith(ACCOUNTS)}
+
+
+def maps_of(tree):
+    """The depth, normal and cost maps alone."""
+    folders = tuple(f"stereo/{name}/" for name in MAPS)
+    return {path: content for path, content in tree.items()
+            if path.startswith(folders) and not path.endswith(".tsar_tmp")}
+
+
+def difference(tree, expected):
+    """The paths that differ, for messages."""
+    return sorted(path for path in tree.keys() | expected.keys()
+                  if tree.get(path) != expected.get(path))
+
+
+def check_same(tree, expected, what):
+    check(tree == expected, f"{what}: {difference(tree, expected)} differ")
+
+
+def copy(source, target):
+    shutil.rmtree(target, ignore_errors=True)
+    shutil.copytree(source, target, symlinks=True)
+
+
+def fingerprint(text):
+    return hashlib.sha256(text.encode()).hexdigest()[:12]

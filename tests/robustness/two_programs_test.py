@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Starts every command on a workspace on which another one works: it stops with
+one clear line and changes nothing, and the first one ends as if alone."""
+import os
+import shutil
+import signal
+import time
+
+import drawn_workspace
+from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
+                        without_accounts)
+
+NUM_IMAGES = 2
+
+args = parse_arguments("shim")
+program = Program(args.program, args.shim)
+folder = make_folder(args.folder)
+work, other, prior, bare, mapped, refined, imported = (
+    os.path.join(folder.name, name)
+    for name in ("work", "other", "prior", "bare", "mapped", "refined", "imported"))
+IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
+STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
+          for word in ("--TsarStereo." + name, 1)]
+COMMANDS = {
+    "refine": ["tsar_refine", work],
+    "restore": ["tsar_refine", work, "--restore", 1],
+    "import": ["tsar_import", work, *IMPORT],
+    "undo": ["tsar_import", work, "--restore", 1],
+    "stereo": ["tsar_stereo", work, *STEREO, "--overwrite", 1],
+    "refine to a second workspace": ["tsar_refine", work, "--output_path", other],
+}
+SOURCES = {"refine": mapped, "restore": refined, "import": mapped, "undo": imported,
+           "stereo": bare, "refine to a second workspace": mapped}
+
+
+def wait_until_stopped(process):
+    while True:
+        with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
+            state = file.read().rpartition(")")[2].split()[0]
+        if state == "T":
+            return
+        check(state != "Z", "the first program ended")
+        time.sleep(0.01)
+
+
+drawn_workspace.draw(bare, NUM_IMAGES, with_maps=False)
+drawn_workspace.draw(mapped, NUM_IMAGES)
+drawn_workspace.draw_prior(prior, NUM_IMAGES)
+copy(mapped, refined)
+program.run("tsar_refine", refined)
+copy(mapped, imported)
+program.run("tsar_import", imported, *IMPORT)
+
+num_pairs = 0
+for first, command in COMMANDS.items():
+    copy(SOURCES[first], work)
+    log = os.path.join(folder.name, "log")
+    program.run(*command, log=log)
+    alone = without_accounts(read_tree(work))
+    with open(log, encoding="utf-8") as file:
+        num_calls = len(file.readlines())
+    os.remove(log)
+    shutil.rmtree(other, ignore_errors=True)
+
+    copy(SOURCES[first], work)
+    process = program.start(*command, stop_at=num_calls // 2)
+    try:
+        wait_until_stopped(process)
+        before = read_tree(work)
+        for second, words in COMMANDS.items():
+            reads_alone = "second workspace"
+            if reads_alone in first and reads_alone in second:
+                continue
+            program.fails_with_one_line(*words, texts=["another program is working", work])
+            check_same(read_tree(work), before, f"{second} while {first} works")
+            num_pairs += 1
+    finally:
+        process.send_signal(signal.SIGCONT)
+        _, errors = process.communicate()
+    check(process.returncode == 0, f"{first} ended with {process.returncode}: {errors}")
+    check_same(without_accounts(read_tree(work)), alone, f"{first}, with others beside it")
+print(f"{num_pairs} pairs of commands")
