@@ -12,12 +12,12 @@ namespace {
 
 constexpr Rgb kBorder = {255, 214, 0};
 
-// Of full brightness, for a hue in turns.
-uint8_t Channel(double hue, double saturation) {
+// For a hue in turns.
+uint8_t Channel(double hue, double saturation, double brightness) {
   const double distance = std::abs(hue - std::floor(hue) - 0.5) * 6.0;
   const double share = std::clamp(distance - 1.0, 0.0, 1.0);
   return static_cast<uint8_t>(
-      std::lround(235.0 * (1.0 - saturation * (1.0 - share))));
+      std::lround(brightness * (1.0 - saturation * (1.0 - share))));
 }
 
 Rgb LabelColor(int label) {
@@ -26,10 +26,12 @@ Rgb LabelColor(int label) {
   }
   // The golden ratio spreads the hues of any first labels evenly.
   const double hue = label * 0.6180339887498949;
-  const double saturation = label % 3 == 0 ? 0.75 : label % 3 == 1 ? 0.55 : 0.9;
-  return {Channel(hue, saturation),
-          Channel(hue - 1.0 / 3.0, saturation),
-          Channel(hue - 2.0 / 3.0, saturation)};
+  // Labels of nearly the same hue, 5, 8 or 13 further, differ in these.
+  const double saturation = label % 3 == 0 ? 0.7 : label % 3 == 1 ? 0.45 : 0.85;
+  const double brightness = label % 4 < 2 ? 240.0 : 165.0;
+  return {Channel(hue, saturation, brightness),
+          Channel(hue - 1.0 / 3.0, saturation, brightness),
+          Channel(hue - 2.0 / 3.0, saturation, brightness)};
 }
 
 }  // namespace
