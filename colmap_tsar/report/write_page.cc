@@ -159,20 +159,29 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
   return pages;
 }
 
-// The points of the 3D view before (0) and after (1).
-std::vector<PointSample> CollectPoints(const PageOptions& options,
-                                       const Eigen::Vector3d& origin,
-                                       std::vector<ImagePage>* pages) {
-  if (!options.after_path.empty()) {
-    return {SampleCloud(options.before_path, origin, options.max_num_points),
-            SampleCloud(options.after_path, origin, options.max_num_points)};
-  }
+// The points of the maps before (0) and after (1), which the pages give away.
+std::vector<PointSample> TakePoints(std::vector<ImagePage>* pages) {
   std::vector<PointSample> samples(2);
   for (ImagePage& page : *pages) {
     samples[0].Append(std::exchange(page.points_before, {}));
     samples[1].Append(std::exchange(page.points_after, {}));
   }
   return samples;
+}
+
+Gains Evaluate(const Workspace& workspace, const PageOptions& options) {
+  Gains gains;
+  if (!options.ground_truth_path.empty()) {
+    gains.depth = EvaluateDepthGain(
+        workspace, options.ground_truth_path, options.tolerances);
+  }
+  if (!options.scans_path.empty()) {
+    gains.clouds = EvaluateCloudGain(options.before_path,
+                                     options.after_path,
+                                     options.scans_path,
+                                     options.tolerances);
+  }
+  return gains;
 }
 
 }  // namespace
@@ -192,7 +201,17 @@ int WritePage(const Workspace& workspace,
   PageFolder folder(options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
   const Eigen::Vector3d origin = MeanCenter(workspace, refined);
+  // What may be wrong with the files of these options shows before the long
+  // work on the images begins.
   PageData data;
+  data.points.from_clouds = !options.after_path.empty();
+  std::vector<PointSample> samples;
+  if (data.points.from_clouds) {
+    for (const fs::path& path : {options.before_path, options.after_path}) {
+      samples.push_back(SampleCloud(path, origin, options.max_num_points));
+    }
+  }
+  data.gains = Evaluate(workspace, options);
   data.version = TSAR_VERSION;
   data.workspace = WorkspaceName(workspace);
   data.type = ToString(workspace.Type());
@@ -204,26 +223,16 @@ int WritePage(const Workspace& workspace,
                             progress,
                             should_stop);
   data.kept = ListKept(workspace, refined);
-  data.points.from_clouds = !options.after_path.empty();
   SetViewpoint(workspace, refined, origin, &data.points);
-  const std::vector<PointSample> samples =
-      CollectPoints(options, origin, &data.images);
+  if (!data.points.from_clouds) {
+    samples = TakePoints(&data.images);
+  }
   for (size_t i = 0; i < samples.size(); ++i) {
     const std::string name(kPointNames[i]);
     data.points.num_shown[i] = static_cast<int64_t>(samples[i].NumPoints());
     data.points.num_all[i] = samples[i].num_all;
     WriteText(root / "data" / ("points_" + name + ".js"),
               PointScript(name, samples[i]));
-  }
-  if (!options.ground_truth_path.empty()) {
-    data.gains.depth = EvaluateDepthGain(
-        workspace, options.ground_truth_path, options.tolerances);
-  }
-  if (!options.scans_path.empty()) {
-    data.gains.clouds = EvaluateCloudGain(options.before_path,
-                                          options.after_path,
-                                          options.scans_path,
-                                          options.tolerances);
   }
   WriteText(root / kPageDataFile, PageDataScript(data));
   WriteStaticFiles(EscapeHtml(data.workspace), root);

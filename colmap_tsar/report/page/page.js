@@ -305,7 +305,8 @@
     const cell = (row, name) => {
       const gain = row.after[name] - row.before[name];
       const text = `${row.before[name].toFixed(3)} → ${row.after[name].toFixed(3)}`;
-      return h("td", { class: gain > 0.0005 ? "gain" : "" }, text);
+      const kind = gain > 0.0005 ? "gain" : gain < -0.0005 ? "loss" : "";
+      return h("td", { class: kind }, text);
     };
     return h(
       "div",
@@ -827,8 +828,13 @@
       window.scrollTo({ top: 0, behavior: "instant" });
     } else {
       detail.replaceChildren();
-      if (wasDetail && location.hash === "#images") {
-        window.scrollTo({ top: scrolled, behavior: "instant" });
+      if (wasDetail) {
+        const section = document.getElementById(location.hash.slice(1));
+        if (section && section.id !== "images") {
+          section.scrollIntoView();
+        } else {
+          window.scrollTo({ top: scrolled, behavior: "instant" });
+        }
       }
     }
   }

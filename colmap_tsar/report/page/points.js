@@ -23,7 +23,7 @@ window.TsarPoints = (() => {
     precision mediump float;
     varying vec3 shade;
     void main() { gl_FragColor = vec4(shade, 1.0); }`;
-  const FIELD_OF_VIEW = 0.9; // Vertical, in radians.
+  const FIELD_OF_VIEW = 0.9; // Of the shorter side, in radians.
   const BACKGROUND = [0.086, 0.098, 0.118];
 
   const add = (a, b, s = 1) => a.map((value, i) => value + s * b[i]);
@@ -168,7 +168,7 @@ window.TsarPoints = (() => {
       const top = cross(back, side);
       const scale =
         (2 * this.distance * Math.tan(FIELD_OF_VIEW / 2)) /
-        this.canvas.clientHeight;
+        Math.min(this.canvas.clientWidth, this.canvas.clientHeight);
       this.target = add(this.target, side, -right * scale);
       this.target = add(this.target, top, down * scale);
       this.request();
@@ -203,10 +203,11 @@ window.TsarPoints = (() => {
       }
       const near = Math.max(this.distance * 0.01, this.radius * 0.001);
       const far = this.distance + this.radius * 100;
+      const shorter = Math.min(width, height);
       const focal = 1 / Math.tan(FIELD_OF_VIEW / 2);
       const projection = [
-        (focal * height) / width, 0, 0, 0,
-        0, focal, 0, 0,
+        (focal * shorter) / width, 0, 0, 0,
+        0, (focal * shorter) / height, 0, 0,
         0, 0, (far + near) / (near - far), -1,
         0, 0, (2 * far * near) / (near - far), 0,
       ];
@@ -225,10 +226,10 @@ window.TsarPoints = (() => {
       gl.uniformMatrix4fv(uniform("view"), false, view);
       gl.uniformMatrix4fv(uniform("projection"), false, projection);
       // As large as the points are apart where they cover the scene evenly.
-      const spacing = (2.2 * this.radius) / Math.sqrt(cloud.count);
+      const spacing = (2.8 * this.radius) / Math.sqrt(cloud.count);
       gl.uniform1f(
         uniform("size"),
-        (this.pointSize * spacing * focal * height) / 2
+        (this.pointSize * spacing * focal * shorter) / 2
       );
       gl.bindBuffer(gl.ARRAY_BUFFER, cloud.positions);
       gl.enableVertexAttribArray(0);
