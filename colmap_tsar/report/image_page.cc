@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -59,28 +60,21 @@ Image<float> ReadConfidence(const Workspace& workspace,
   return confidence;
 }
 
-// Copies the pictures of stages and returns the names of those that exist.
-std::vector<std::string> CopyStages(const std::string& name,
-                                    const fs::path& debug_path,
-                                    const fs::path& folder) {
-  std::vector<std::string> copied;
-  if (debug_path.empty()) {
-    return copied;
-  }
-  for (const RefineStage stage : kShownStages) {
-    const fs::path path = DebugPicturePath(debug_path, name, stage);
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) {
-      const std::string& stage_name =
-          RefineStages()[static_cast<size_t>(stage)].name;
-      CopyFile(path, folder / (stage_name + ".png"));
-      copied.push_back(stage_name);
-    }
-  }
-  return copied;
-}
-
 }  // namespace
+
+std::vector<RefineStage> FindStagePictures(const fs::path& debug_path,
+                                           const std::string& image_name) {
+  std::vector<RefineStage> found;
+  std::copy_if(kShownStages.begin(),
+               kShownStages.end(),
+               std::back_inserter(found),
+               [&](RefineStage stage) {
+                 std::error_code error;
+                 return fs::is_regular_file(
+                     DebugPicturePath(debug_path, image_name, stage), error);
+               });
+  return found;
+}
 
 ImagePage WriteImagePage(const Workspace& workspace,
                          int image,
@@ -132,7 +126,15 @@ ImagePage WriteImagePage(const Workspace& workspace,
       JoinPictures({FitPicture(row.image, kPreviewSize, Scaling::kAverage),
                     FitPicture(before, kPreviewSize, Scaling::kPick),
                     FitPicture(after, kPreviewSize, Scaling::kPick)}));
-  page.stages = CopyStages(row.name, options.debug_path, pictures);
+  if (!options.debug_path.empty()) {
+    for (const RefineStage stage :
+         FindStagePictures(options.debug_path, row.name)) {
+      const std::string& name = RefineStages()[static_cast<size_t>(stage)].name;
+      CopyFile(DebugPicturePath(options.debug_path, row.name, stage),
+               pictures / (name + ".png"));
+      page.stages.push_back(name);
+    }
+  }
 
   if (options.max_num_points > 0) {
     const Camera camera =

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/report/depth_colors.h"
 #include "colmap_tsar/report/point_sample.h"
 #include "colmap_tsar/workspace/workspace.h"
@@ -44,6 +45,11 @@ struct ImagePageOptions {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   int64_t max_num_points = 0;
 };
+
+// Of the pictures that --TsarRefine.debug_path made of an image, those that the
+// page shows and that exist.
+std::vector<RefineStage> FindStagePictures(
+    const std::filesystem::path& debug_path, const std::string& image_name);
 
 // Writes the pictures of a refined image into a new folder in `folder`, named
 // by its number on the page. Throws Error: what ReadComparisonRow throws,

@@ -111,6 +111,24 @@ void SetViewpoint(const Workspace& workspace,
   }
 }
 
+void CheckStages(const Workspace& workspace,
+                 const std::vector<int>& refined,
+                 const fs::path& debug_path) {
+  const auto has_stages = [&](int image) {
+    const auto& model_image =
+        workspace.Model().images[static_cast<size_t>(image)];
+    return !FindStagePictures(debug_path, model_image.name).empty();
+  };
+  if (!debug_path.empty() &&
+      std::none_of(refined.begin(), refined.end(), has_stages)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      debug_path.string(),
+                      "holds no pictures of these images",
+                      "give --debug_path the folder that tsar_refine had as "
+                      "--TsarRefine.debug_path");
+  }
+}
+
 std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const std::vector<int>& refined,
                                    const fs::path& folder,
@@ -146,16 +164,6 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
         }
       });
   progress.Finish();
-  if (!options.debug_path.empty() &&
-      std::all_of(pages.begin(), pages.end(), [](const ImagePage& page) {
-        return page.stages.empty();
-      })) {
-    throw Error::File(ErrorCode::kNotFound,
-                      options.debug_path.string(),
-                      "holds no pictures of these images",
-                      "give --debug_path the folder that tsar_refine had as "
-                      "--TsarRefine.debug_path");
-  }
   return pages;
 }
 
@@ -198,6 +206,7 @@ int WritePage(const Workspace& workspace,
                       "has no refined " + ToString(workspace.Type()) + " maps",
                       "run tsar_refine on it first");
   }
+  CheckStages(workspace, refined, options.debug_path);
   PageFolder folder(options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
   const Eigen::Vector3d origin = MeanCenter(workspace, refined);
