@@ -67,8 +67,8 @@ class Browser:
             options.add_argument(argument)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service(driver))
-        self.driver.set_page_load_timeout(120)
-        self.driver.set_script_timeout(120)
+        self.driver.set_page_load_timeout(600)
+        self.driver.set_script_timeout(600)
         self.driver.execute_cdp_cmd(
             "Page.addScriptToEvaluateOnNewDocument", {"source": KEEP_DRAWN}
         )
@@ -84,7 +84,13 @@ class Browser:
         scheme = "dark" if dark else "light"
         self.driver.execute_cdp_cmd(
             "Emulation.setEmulatedMedia",
-            {"features": [{"name": "prefers-color-scheme", "value": scheme}]},
+            {
+                "features": [
+                    {"name": "prefers-color-scheme", "value": scheme},
+                    # So that nothing moves while it is clicked.
+                    {"name": "prefers-reduced-motion", "value": "reduce"},
+                ]
+            },
         )
 
     def open(self, path, fragment=""):
@@ -97,9 +103,13 @@ class Browser:
     def find(self, selector):
         return self.driver.find_elements(By.CSS_SELECTOR, selector)
 
+    def click(self, element):
+        self.ask("arguments[0].scrollIntoView({ block: 'center' })", element)
+        element.click()
+
     def wait(self, script, what):
-        """Until the script returns something true, for as long as ctest lets."""
-        for _ in range(600):
+        """Until the script returns something true."""
+        for _ in range(6000):
             value = self.ask(script)
             if value:
                 return value

@@ -133,7 +133,7 @@ def check_points(browser):
 def check_images(browser, page):
     browser.look(*DESKTOP)
     browser.open(page)
-    browser.find("a.tile")[0].click()
+    browser.click(browser.find("a.tile")[0])
     expect_title(browser, HOSTILE, "a hostile name is shown as it is")
     check_nothing_is_missing(browser, "an image")
     for figure in browser.find("figure:not(.overlay)"):
@@ -149,9 +149,9 @@ def check_images(browser, page):
         )
         value = layer.get_attribute("value")
         check(browser.find(over)[0].get_attribute("src").endswith(f"/{value}.png"), value)
-    browser.find("#detail button")[1].click()
+    browser.click(browser.find("#detail button")[1])
     expect_title(browser, "v001.jpg", "there is a next image")
-    browser.driver.find_element("link text", "All images").click()
+    browser.click(browser.driver.find_element("link text", "All images"))
     browser.wait("return !document.getElementById('overview').hidden", "the overview is back")
     check(browser.errors() == [], "the console stays empty")
 
@@ -188,7 +188,7 @@ def check_many(browser, page):
     search = browser.find("input[type=search]")[0]
     search.send_keys("00123")
     check(len(browser.find("a.tile")) == 1, "the search finds one of them")
-    browser.find("a.tile")[0].click()
+    browser.click(browser.find("a.tile")[0])
     expect_title(browser, "many/00123.jpg", "and opens it")
     check(browser.errors() == [], "hundreds of images: the console is empty")
 
