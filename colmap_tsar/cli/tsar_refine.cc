@@ -96,9 +96,9 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "Write a picture (PNG) of every intermediate result here, in a "
       "folder for each image. The maps stay the same; it takes longer, "
       "and images that were done before are done again. Depth is red "
-      "near and blue far, normals as tsar_report shows them, values "
-      "dark violet for the smallest and yellow for the largest, black "
-      "where there is nothing. The pictures: " +
+      "near and blue far; normals as tsar_report shows them; values "
+      "dark violet where they are 0 and yellow where they are largest; "
+      "labels a colour each; black is none. The pictures: " +
           DebugPicturesText() + ".");
 }
 
