@@ -1,12 +1,14 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """A headless Chromium, and what the test of the page asks it."""
+import os
 import shutil
 import sys
 import time
 import urllib.parse
 
 SKIPPED = 77  # To ctest.
+SYSTEM_PYTHON = "/usr/bin/python3"
 
 try:
     from selenium import webdriver
@@ -14,6 +16,9 @@ try:
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
 except ImportError:
+    # The distribution's Python has its packages; another may come before it.
+    if sys.executable != SYSTEM_PYTHON and os.access(SYSTEM_PYTHON, os.X_OK):
+        os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON] + sys.argv)
     print("SKIPPED: no Selenium; install python3-selenium")
     sys.exit(SKIPPED)
 

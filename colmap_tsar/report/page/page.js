@@ -35,7 +35,7 @@
 
   const number = new Intl.NumberFormat("en");
   const percent = (part, all) =>
-    `${(all > 0 ? (100 * part) / all : 0).toFixed(1)} %`;
+    `${(all > 0 ? (100 * part) / all : 0).toFixed(1)}\u00a0%`;
   const short = (value) => Number(value.toPrecision(3)).toString();
   const pixels = (image) => image.width * image.height;
   const sum = (values) => values.reduce((total, value) => total + value, 0);
