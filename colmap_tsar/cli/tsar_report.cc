@@ -34,7 +34,7 @@ constexpr const char* kSummary =
 
 struct ReportCommand {
   std::string workspace_path;
-  std::string input_type = ToString(MapType::kGeometric);
+  std::string input_type;
   std::string report_path;
   std::string debug_path;
   std::string before_path;
@@ -56,7 +56,8 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
       "input_type",
       &command->input_type,
       {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
-      "The maps that were refined.");
+      "The maps that were refined. If not given: geometric, or photometric "
+      "where only those were.");
   options->Add(
       "report_path",
       &command->report_path,
@@ -122,12 +123,23 @@ void AddSizeOptions(ReportCommand* command, OptionSet* options) {
                {1, 100});
 }
 
+Workspace OpenWorkspace(const ReportCommand& command) {
+  Workspace geometric(command.workspace_path, MapType::kGeometric);
+  Workspace photometric(command.workspace_path, MapType::kPhotometric);
+  const bool takes_photometric =
+      command.input_type.empty()
+          ? FindRefinedImages(geometric).empty() &&
+                !FindRefinedImages(photometric).empty()
+          : command.input_type == ToString(MapType::kPhotometric);
+  return takes_photometric ? photometric : geometric;
+}
+
 void WritePicture(const Workspace& workspace, const ReportCommand& command) {
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
     throw Error::File(ErrorCode::kNotFound,
                       command.workspace_path,
-                      "has no refined " + command.input_type + " maps",
+                      "has no refined " + ToString(workspace.Type()) + " maps",
                       "run tsar_refine on it first");
   }
   std::vector<ComparisonRow> rows;
@@ -174,10 +186,7 @@ int RunTsarReport(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  const Workspace workspace(command.workspace_path,
-                            command.input_type == ToString(MapType::kGeometric)
-                                ? MapType::kGeometric
-                                : MapType::kPhotometric);
+  const Workspace workspace = OpenWorkspace(command);
   if (!command.output_path.empty()) {
     WritePicture(workspace, command);
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/write_back.h"
 
 #include <filesystem>
@@ -55,6 +56,20 @@ TEST_F(TsarReportTest, WritesThePageIntoTheWorkspace) {
   EXPECT_TRUE(fs::is_regular_file(root_ / "report/index.html"));
   ExpectFailure({}, "--overwrite 1");
   EXPECT_EQ(Run({"--overwrite", "1"}).exit_code, 0);
+}
+
+TEST_F(TsarReportTest, TakesThePhotometricMapsWhereOnlyTheyWereRefined) {
+  const auto type_of_page = [&] {
+    EXPECT_EQ(Run({"--overwrite", "1"}).exit_code, 0);
+    const std::string data = ReadText(root_ / "report/data/report.js");
+    return data.substr(data.find("\"type\""), 20);
+  };
+  const Workspace photometric(root_, MapType::kPhotometric);
+  WriteRefined(photometric, 0, MakeRefinedMaps(9.f), {});
+  EXPECT_THAT(type_of_page(), testing::HasSubstr("geometric"));
+  Restore(root_);
+  WriteRefined(photometric, 0, MakeRefinedMaps(9.f), {});
+  EXPECT_THAT(type_of_page(), testing::HasSubstr("photometric"));
 }
 
 TEST_F(TsarReportTest, DrawsThePictureAloneOrWithAPage) {
