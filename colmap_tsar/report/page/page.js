@@ -216,6 +216,9 @@
     const frame = h("div", { class: "view" }, canvas, status);
     let view = null;
     let shown = "after";
+    // Maps lie over each other, so that their points are further apart than
+    // their number says.
+    let size = points.from_clouds ? "1" : "1.8";
     const describe = () => {
       const at = shown === "before" ? 0 : 1;
       const part =
@@ -232,6 +235,7 @@
           made.add(name, cloud.positions, cloud.colors);
         }
         view = made;
+        view.setPointSize(Number(size));
         view.frame("after");
         view.show(shown);
         describe();
@@ -274,11 +278,11 @@
               min: "0.3",
               max: "4",
               step: "0.1",
-              value: "1",
+              value: size,
               oninput: (event) => {
+                size = event.target.value;
                 if (view) {
-                  view.pointSize = Number(event.target.value);
-                  view.request();
+                  view.setPointSize(Number(size));
                 }
               },
             })

@@ -114,6 +114,12 @@ window.TsarPoints = (() => {
       };
     }
 
+    // Relative to how far the points would be apart if they covered the scene.
+    setPointSize(size) {
+      this.pointSize = size;
+      this.request();
+    }
+
     show(name) {
       this.shown = name;
       this.request();
