@@ -6,11 +6,25 @@
 # Made for Debian 12 and Ubuntu 24.04; run as root or as a user with sudo. Does
 # nothing, and needs no network, where all of them are there already.
 #
+#   scripts/install_dependencies.sh [--browser]
+#
+#   --browser   also Chromium, by which a test looks at the page of tsar_report;
+#               without it that test is skipped
+#
 # The CUDA toolkit is not among them: where nvcc is found it is used, elsewhere
 # the same program is built for the CPU alone.
 set -euo pipefail
 
 source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
+
+with_browser=0
+for argument in "$@"; do
+  case $argument in
+    --browser) with_browser=1 ;;
+    *) echo "usage: scripts/install_dependencies.sh [--browser]" >&2
+       exit 2 ;;
+  esac
+done
 
 packages=(
   # Compiler and build.
@@ -61,3 +75,9 @@ case $distribution in
 esac
 
 install_packages "${packages[@]}"
+# Ubuntu's package of Chromium only asks for a snap.
+if ((with_browser)) && [[ $distribution != ubuntu-* ]]; then
+  install_packages chromium chromium-driver python3-selenium ||
+    echo "install_dependencies: no Chromium; the test of tsar_report's page" \
+         "will be skipped" >&2
+fi

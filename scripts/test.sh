@@ -15,7 +15,7 @@
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-scripts/install_dependencies.sh
+scripts/install_dependencies.sh --browser
 
 # Hits that survive a fresh checkout: by the compiler's content, not its date,
 # and whatever the folder.

@@ -99,7 +99,7 @@ const std::vector<Command>& Commands() {
        "Bring depth of other programs and sensors into a workspace",
        &Reported<&RunTsarImport>},
       {"tsar_report",
-       "Draw the depth before and after tsar_refine",
+       "Write a page that shows maps and points before and after",
        &Reported<&RunTsarReport>},
       {"tsar_evaluate",
        "Score depth maps or a point cloud against ground truth",

@@ -9,10 +9,12 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
+#include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <iostream>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -42,6 +44,7 @@ struct RefineCommand {
   std::string output_path;
   std::string preset = "default";
   bool restore = false;
+  std::string debug_path;
   WorkspaceRefineOptions workspace;
   RefineOptions refine;
 };
@@ -87,6 +90,16 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "that compute; a few more read and write files. With GPUs, two "
       "fifths of them read files and as many write, at most ten per GPU.",
       {-1, 4096});
+  options->Add(
+      group + "debug_path",
+      &command->debug_path,
+      "Write a picture (PNG) of every intermediate result here, in a "
+      "folder for each image. The maps stay the same; it takes longer, "
+      "and images that were done before are done again. Depth is red "
+      "near and blue far; normals as tsar_report shows them; values "
+      "dark violet where they are 0 and yellow where they are largest; "
+      "labels a colour each; black is none. The pictures: " +
+          DebugPicturesText() + ".");
 }
 
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {
@@ -147,12 +160,18 @@ int RunTsarRefine(int argc, char** argv) {
             ? MapType::kGeometric
             : MapType::kPhotometric;
   }
+  std::optional<DebugPictures> pictures;
+  if (!command.debug_path.empty()) {
+    pictures.emplace(command.debug_path);
+  }
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
-  const RunSummary summary =
-      RefineWorkspace(command.workspace, command.refine, progress, [&] {
-        return interruption.Requested();
-      });
+  const RunSummary summary = RefineWorkspace(
+      command.workspace,
+      command.refine,
+      progress,
+      [&] { return interruption.Requested(); },
+      pictures ? &*pictures : nullptr);
   PrintSummary(summary, std::cout);
   return 0;
 }

@@ -130,7 +130,9 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   }
   for (const std::string& name : ListGroundTruth(truth_folder)) {
     const fs::path map_path =
-        map_folder / (name + "." + options.input_type + ".bin");
+        options.find_map
+            ? options.find_map(name)
+            : map_folder / (name + "." + options.input_type + ".bin");
     if (!fs::exists(map_path)) {
       ++evaluation.num_images_without_map;
       continue;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,10 @@ struct DepthEvaluationOptions {
   // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
   // empty: ground_truth/depth in the workspace.
   std::filesystem::path ground_truth_path;
+
+  // Where the map of an image lies, by its name; if not set, in
+  // stereo/depth_maps of the workspace. There need not be a file.
+  std::function<std::filesystem::path(const std::string& name)> find_map;
 
   // A depth is right if it differs from the truth by less than this, in units
   // of the model; positive and rising.

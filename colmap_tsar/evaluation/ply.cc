@@ -5,15 +5,19 @@
 
 #include "colmap_tsar/base/error.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -89,7 +93,7 @@ class PlyFile {
     ReadHeader();
   }
 
-  std::vector<Eigen::Vector3d> ReadPoints() {
+  PlyCloud ReadCloud(uint64_t max_num_points) {
     for (const Element& element : elements_) {
       if (element.has_list) {
         Fail(ErrorCode::kUnsupported,
@@ -97,7 +101,10 @@ class PlyFile {
              "save the points without faces or put the vertices first");
       }
       if (element.name == "vertex") {
-        return is_ascii_ ? ReadAscii(element) : ReadBinary(element);
+        cloud_.num_points_read = element.count;
+        num_wanted_ = std::min(element.count, max_num_points);
+        is_ascii_ ? ReadAscii(element) : ReadBinary(element);
+        return std::move(cloud_);
       }
       Skip(element);
     }
@@ -231,19 +238,47 @@ class PlyFile {
     }
   }
 
-  // The places of x, y and z among the element's properties.
-  Eigen::Vector3i FindPosition(const Element& element) const {
-    Eigen::Vector3i places(-1, -1, -1);
+  // The places of x, y and z, and of red, green and blue, among the element's
+  // properties; the colours are -1 unless all three are bytes.
+  std::array<int, 6> FindPlaces(const Element& element) const {
+    static const std::array<std::string, 6> names = {
+        "x", "y", "z", "red", "green", "blue"};
+    std::array<int, 6> places = {-1, -1, -1, -1, -1, -1};
     for (size_t i = 0; i < element.names.size(); ++i) {
-      const std::string& name = element.names[i];
-      if (name == "x" || name == "y" || name == "z") {
-        places[name[0] - 'x'] = static_cast<int>(i);
+      const auto found =
+          std::find(names.begin(), names.end(), element.names[i]);
+      const auto place = static_cast<size_t>(found - names.begin());
+      if (place < 3 || (place < 6 && element.types[i] == NumberType::kU8)) {
+        places[place] = static_cast<int>(i);
       }
     }
-    if (places.minCoeff() < 0) {
+    if (*std::min_element(places.begin(), places.begin() + 3) < 0) {
       Corrupt("its vertices have no x, y, z");
     }
+    if (*std::min_element(places.begin() + 3, places.end()) < 0) {
+      std::fill(places.begin() + 3, places.end(), -1);
+    }
     return places;
+  }
+
+  // Whether this point is one of those wanted, which are spread evenly.
+  bool IsWanted(uint64_t index) const {
+    const double step = static_cast<double>(cloud_.num_points_read) /
+                        static_cast<double>(num_wanted_);
+    const auto next = static_cast<double>(cloud_.points.size());
+    return cloud_.points.size() < num_wanted_ &&
+           index >= static_cast<uint64_t>(next * step);
+  }
+
+  void AddPoint(const std::array<double, 6>& values, bool has_color) {
+    cloud_.points.emplace_back(values[0], values[1], values[2]);
+    if (has_color) {
+      const auto byte = [](double value) {
+        return static_cast<uint8_t>(std::clamp(value, 0.0, 255.0));
+      };
+      cloud_.colors.push_back(
+          {byte(values[3]), byte(values[4]), byte(values[5])});
+    }
   }
 
   void CheckFinite(const Eigen::Vector3d& point, size_t index) const {
@@ -265,45 +300,63 @@ class PlyFile {
     return value;
   }
 
-  std::vector<Eigen::Vector3d> ReadAscii(const Element& element) {
-    const Eigen::Vector3i places = FindPosition(element);
+  void ReadAscii(const Element& element) {
+    const std::array<int, 6> places = FindPlaces(element);
     // A number takes at least a digit.
     CheckSize(element, element.types.size());
-    std::vector<Eigen::Vector3d> points(element.count);
+    Reserve(places);
     std::vector<double> values(element.types.size());
-    for (size_t i = 0; i < points.size(); ++i) {
+    for (uint64_t i = 0; i < element.count; ++i) {
       for (double& value : values) {
         value = NextNumber();
       }
-      points[i] = {values[places.x()], values[places.y()], values[places.z()]};
-      CheckFinite(points[i], i);
+      Take(i, places, [&](int place) {
+        return values[static_cast<size_t>(place)];
+      });
     }
-    return points;
   }
 
-  std::vector<Eigen::Vector3d> ReadBinary(const Element& element) {
-    const Eigen::Vector3i places = FindPosition(element);
+  void ReadBinary(const Element& element) {
+    const std::array<int, 6> places = FindPlaces(element);
     const size_t stride = element.Stride();
     CheckSize(element, stride);
-    size_t offsets[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      offsets[axis] = 0;
-      for (int i = 0; i < places[axis]; ++i) {
-        offsets[axis] += SizeOf(element.types[i]);
-      }
+    Reserve(places);
+    std::vector<size_t> offsets = {0};
+    for (const NumberType type : element.types) {
+      offsets.push_back(offsets.back() + SizeOf(type));
     }
-    std::vector<Eigen::Vector3d> points(element.count);
-    for (size_t i = 0; i < points.size(); ++i) {
+    for (uint64_t i = 0; i < element.count; ++i) {
       const char* vertex = rest_.data() + i * stride;
-      for (int axis = 0; axis < 3; ++axis) {
-        points[i][axis] =
-            LoadNumber(vertex + offsets[axis], element.types[places[axis]]);
-      }
-      CheckFinite(points[i], i);
+      Take(i, places, [&](int place) {
+        const auto index = static_cast<size_t>(place);
+        return LoadNumber(vertex + offsets[index], element.types[index]);
+      });
     }
-    return points;
   }
 
+  void Reserve(const std::array<int, 6>& places) {
+    cloud_.points.reserve(num_wanted_);
+    cloud_.colors.reserve(places[3] >= 0 ? num_wanted_ : 0);
+  }
+
+  // Checks point number `index`, and adds it where it is wanted. value: of the
+  // property at a place.
+  template <typename Value>
+  void Take(uint64_t index,
+            const std::array<int, 6>& places,
+            const Value& value) {
+    std::array<double, 6> values = {};
+    for (size_t k = 0; k < 6; ++k) {
+      values[k] = places[k] >= 0 ? value(places[k]) : 0.0;
+    }
+    CheckFinite({values[0], values[1], values[2]}, index);
+    if (IsWanted(index)) {
+      AddPoint(values, places[3] >= 0);
+    }
+  }
+
+  uint64_t num_wanted_ = 0;
+  PlyCloud cloud_;
   std::string path_;
   std::string content_;
   std::string_view rest_;
@@ -314,7 +367,12 @@ class PlyFile {
 }  // namespace
 
 std::vector<Eigen::Vector3d> ReadPlyPoints(const std::filesystem::path& path) {
-  return PlyFile(path).ReadPoints();
+  return ReadPlyCloud(path, std::numeric_limits<uint64_t>::max()).points;
+}
+
+PlyCloud ReadPlyCloud(const std::filesystem::path& path,
+                      uint64_t max_num_points) {
+  return PlyFile(path).ReadCloud(max_num_points);
 }
 
 }  // namespace tsar

@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/base/image.h"
+
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -17,5 +20,16 @@ namespace tsar {
 // not finite), kUnsupported (big-endian, or lists at or before the vertices).
 // Sizes are checked against the file's length before memory is allocated.
 std::vector<Eigen::Vector3d> ReadPlyPoints(const std::filesystem::path& path);
+
+struct PlyCloud {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Rgb> colors;       // Empty where the file has none.
+  uint64_t num_points_read = 0;  // All that the file has.
+};
+
+// The same with colours (red, green and blue of 8 bits). Of more points than
+// max_num_points, so many are taken, evenly spread over the file.
+PlyCloud ReadPlyCloud(const std::filesystem::path& path,
+                      uint64_t max_num_points);
 
 }  // namespace tsar

@@ -40,4 +40,14 @@ RefinedMaps Download(const ComposedMap& composed,
   return maps;
 }
 
+void ShowMaps(StageObserver* observer, const RefinedMaps& maps) {
+  if (observer == nullptr) {
+    return;
+  }
+  observer->Show(RefineStage::kDepth, maps.depth);
+  observer->Show(RefineStage::kNormals, maps.normal);
+  observer->Show(RefineStage::kProvenance, maps.provenance);
+  observer->Show(RefineStage::kConfidence, maps.confidence);
+}
+
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/workspace/write_back.h"
 
@@ -19,5 +20,8 @@ void FillHoles(ImageView<const Rgb> color,
 
 RefinedMaps Download(const ComposedMap& composed,
                      const DeviceImage<float>& confidence);
+
+// Shows the result to an observer where there is one.
+void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
 
 }  // namespace tsar

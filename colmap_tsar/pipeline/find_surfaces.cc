@@ -27,7 +27,8 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
                                    const DeviceViews& views,
                                    const RefineOptions& options,
                                    Device& device,
-                                   StageTimer* timer) {
+                                   StageTimer* timer,
+                                   StageObserver* observer) {
   DeviceImage<float> confidence;
   if (options.filter_confidence) {
     MatchingCosts costs =
@@ -37,17 +38,21 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
       costs.second_cost = DeviceImage<float>(device, reference.second_cost);
     }
     confidence = ComputeConfidence(costs, {}, device);
+    ShowStage(observer, RefineStage::kCost, costs.min_cost, device);
+    ShowStage(observer, RefineStage::kMatchConfidence, confidence, device);
   }
   DeviceImage<uint8_t> agreement;
   if (options.view_agreement) {
     agreement =
         CountAgreeingSources(views.Reference(), views.Sources(), {}, device);
+    ShowStage(observer, RefineStage::kAgreement, agreement, device);
   }
   timer->Finish("matching");
   const ImageView<const float> depth = views.Hypotheses().depth;
   DeviceImage<float> discontinuity;
   if (options.filter_discontinuity) {
     discontinuity = ComputeDiscontinuity(depth, views.Scale(), {}, device);
+    ShowStage(observer, RefineStage::kDiscontinuity, discontinuity, device);
   }
   ReliabilityOptions reliability;
   reliability.confidence_weight = static_cast<float>(options.confidence_weight);
@@ -68,6 +73,7 @@ void RefineTrust(const DeviceViews& views,
                  const RefineOptions& options,
                  Device& device,
                  StageTimer* timer,
+                 StageObserver* observer,
                  Surfaces* surfaces) {
   if (!options.refine) {
     surfaces->trusted = std::move(reliable);
@@ -81,6 +87,10 @@ void RefineTrust(const DeviceViews& views,
                          ReduceNearest(score, views.Raster(), device).View(),
                          slic,
                          device);
+  ShowStage(observer,
+            RefineStage::kSuperpixels,
+            surfaces->superpixels.labels,
+            device);
   timer->Finish("superpixels");
   CorrelationResult correlation =
       RefineByCorrelation(views.Hypotheses(),
@@ -95,18 +105,36 @@ void RefineTrust(const DeviceViews& views,
                           device);
   surfaces->superpixel_planes = std::move(correlation.planes);
   surfaces->trusted = std::move(correlation.trusted);
+  ShowMaskedDepth(observer,
+                  RefineStage::kDepthTrusted,
+                  views.Hypotheses().depth,
+                  std::as_const(surfaces->trusted).View(),
+                  device);
+  if (observer != nullptr && surfaces->superpixel_planes.Size() > 0) {
+    ShowStage(observer,
+              RefineStage::kSuperpixelPlanes,
+              PlanesOfLabels(std::as_const(surfaces->superpixels.labels).View(),
+                             surfaces->superpixel_planes,
+                             device),
+              device);
+  }
   timer->Finish("refinement");
 }
 
 Regions SegmentTexturelessRegions(const DeviceViews& views,
                                   const RefineOptions& options,
-                                  Device& device) {
+                                  Device& device,
+                                  StageObserver* observer) {
   const DeviceImage<uint8_t> edges = DetectRobertsEdges(
       views.RasterColor(), static_cast<float>(options.edge_threshold), device);
   const DeviceImage<uint8_t> borders = DrawLineSegments(
       edges.View(), MakeHoughOptions(options, views.RasterScale()), device);
-  return FindRegions(
+  Regions regions = FindRegions(
       borders.View(), MinRegionSize(options, views.RasterScale()), device);
+  ShowStage(observer, RefineStage::kEdges, edges, device);
+  ShowStage(observer, RefineStage::kLines, borders, device);
+  ShowStage(observer, RefineStage::kRegions, regions.labels, device);
+  return regions;
 }
 
 DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
@@ -115,8 +143,10 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                     uint32_t image_id,
                                     const RefineOptions& options,
                                     Device& device,
-                                    StageTimer* timer) {
-  const Regions regions = SegmentTexturelessRegions(views, options, device);
+                                    StageTimer* timer,
+                                    StageObserver* observer) {
+  const Regions regions =
+      SegmentTexturelessRegions(views, options, device, observer);
   timer->Finish("segmentation");
   const RegionPlaneOptions planes =
       MakeRegionPlaneOptions(options, views.RasterScale(), image_id);
@@ -136,6 +166,7 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                                        views.Scale(),
                                                        planes,
                                                        device);
+  ShowStage(observer, RefineStage::kRegionPlanes, pixel_planes, device);
   timer->Finish("region planes");
   return pixel_planes;
 }
@@ -147,18 +178,37 @@ Surfaces FindSurfaces(const ViewData& reference,
                       const RefineOptions& options,
                       DeviceViews* views,
                       Device& device,
-                      StageTimer* timer) {
+                      StageTimer* timer,
+                      StageObserver* observer) {
   Surfaces surfaces;
-  surfaces.score = ScoreHypotheses(reference, *views, options, device, timer);
+  ShowStage(observer, RefineStage::kImage, views->RasterColor(), device);
+  ShowStage(
+      observer, RefineStage::kDepthInput, views->Hypotheses().depth, device);
+  ShowStage(
+      observer, RefineStage::kNormalsInput, views->Hypotheses().normal, device);
+  surfaces.score =
+      ScoreHypotheses(reference, *views, options, device, timer, observer);
+  ShowStage(observer, RefineStage::kScore, surfaces.score, device);
   DeviceImage<uint8_t> reliable = SelectReliable(
       surfaces.score.View(),
       options.filter ? static_cast<float>(options.min_aggregated_score)
                      : kAnyScore,
       device);
+  ShowMaskedDepth(observer,
+                  RefineStage::kDepthReliable,
+                  views->Hypotheses().depth,
+                  std::as_const(reliable).View(),
+                  device);
   timer->Finish("filtering");  // Waits for the device: the sources can go.
   views->ReleaseSources();
-  RefineTrust(
-      *views, std::move(reliable), image_id, options, device, timer, &surfaces);
+  RefineTrust(*views,
+              std::move(reliable),
+              image_id,
+              options,
+              device,
+              timer,
+              observer,
+              &surfaces);
   if (options.segment) {
     surfaces.region_planes = FindRegionPlanes(*views,
                                               surfaces.score.View(),
@@ -166,7 +216,8 @@ Surfaces FindSurfaces(const ViewData& reference,
                                               image_id,
                                               options,
                                               device,
-                                              timer);
+                                              timer,
+                                              observer);
   }
   return surfaces;
 }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/pipeline/view_data.h"
@@ -28,12 +29,13 @@ struct Surfaces {
 };
 
 // Filtering, refinement and segmentation, the paper's three stages.
-// Lets the sources of the views go as soon as it can.
+// Lets the sources of the views go as soon as it can. observer: may be null.
 Surfaces FindSurfaces(const ViewData& reference,
                       uint32_t image_id,
                       const RefineOptions& options,
                       DeviceViews* views,
                       Device& device,
-                      StageTimer* timer);
+                      StageTimer* timer,
+                      StageObserver* observer);
 
 }  // namespace tsar

@@ -75,7 +75,8 @@ ImageRunner::ImageRunner(const Workspace& workspace,
                          const RefineOptions& options,
                          std::vector<RefineWorker>& workers,
                          EvidenceStore* evidence,
-                         bool finds_scenes_ahead)
+                         bool finds_scenes_ahead,
+                         RefineObserver* observer)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_(options),
@@ -83,6 +84,7 @@ ImageRunner::ImageRunner(const Workspace& workspace,
       workers_(workers),
       evidence_(evidence),
       finds_scenes_ahead_(finds_scenes_ahead),
+      observer_(observer),
       is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
       served_(workspace.Model().images.size()),
@@ -174,21 +176,28 @@ RefineResult ImageRunner::Compute(size_t index,
   }
   report->num_sources_without_maps =
       static_cast<int>(problem.sources.size() - Sources(problem).size());
+  const std::unique_ptr<StageObserver> observer =
+      ObserverOf(problem.reference, reference);
   try {
     if (evidence_) {
       std::unique_ptr<Scene> scene = std::move(scenes_[index]);
       if (!scene) {
         scene = FindSceneOf(index, *worker.device);
       }
-      result = ComposeImage(
-          reference, scene->views, scene->found, options_, *worker.device);
+      result = ComposeImage(reference,
+                            scene->views,
+                            scene->found,
+                            options_,
+                            *worker.device,
+                            observer.get());
     } else {
       result = WithSources(index, worker, views, [&](auto sources) {
         return RefineImage(reference,
                            std::move(sources),
                            HashImageName(Name(problem.reference)),
                            options_,
-                           *worker.device);
+                           *worker.device,
+                           observer.get());
       });
     }
   } catch (const Error& error) {
@@ -209,13 +218,15 @@ RefineResult ImageRunner::Observe(size_t index,
   if (!HasDepth(reference.depth)) {
     return {};
   }
+  const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
   try {
     return WithSources(index, worker, views, [&](auto sources) {
       return MeasureImage(reference,
                           std::move(sources),
                           HashImageName(Name(image)),
                           options_,
-                          *worker.device);
+                          *worker.device,
+                          observer.get());
     });
   } catch (const Error& error) {
     throw WithPlace(error, Name(image), worker.name);
@@ -339,13 +350,19 @@ bool ImageRunner::HasMaps(int image) const {
 
 bool ImageRunner::HasBeenRefined(size_t index) {
   std::call_once(is_done_flags_[index], [&] {
-    is_done_[index] = IsDone(workspace_, Reference(index), options_hash_);
+    is_done_[index] =
+        ReusesResults() && IsDone(workspace_, Reference(index), options_hash_);
   });
   return is_done_[index] != 0;
 }
 
 const std::string& ImageRunner::Name(int image) const {
   return workspace_.Model().images[static_cast<size_t>(image)].name;
+}
+
+std::unique_ptr<StageObserver> ImageRunner::ObserverOf(
+    int image, const ViewData& view) const {
+  return observer_ ? observer_->Observe(Name(image), view.depth) : nullptr;
 }
 
 }  // namespace tsar

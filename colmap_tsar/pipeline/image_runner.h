@@ -36,13 +36,16 @@ class ImageRunner : public ImageTasks {
   // evidence: that of all images, made by an ObserveRunner before this runs;
   // null where each image is refined by itself. finds_scenes_ahead: whether
   // threads that read also find the planes of the scene, for workers that would
-  // otherwise wait for the CPU meanwhile.
+  // otherwise wait for the CPU meanwhile. observer: may be null; where it is
+  // not, all images are refined, also those that were before, since it is to
+  // see them.
   ImageRunner(const Workspace& workspace,
               std::vector<bool> has_maps,
               const RefineOptions& options,
               std::vector<RefineWorker>& workers,
               EvidenceStore* evidence = nullptr,
-              bool finds_scenes_ahead = false);
+              bool finds_scenes_ahead = false,
+              RefineObserver* observer = nullptr);
 
   // Reads a view while nobody renames its files.
   ViewCache::View Load(int image);
@@ -60,8 +63,10 @@ class ImageRunner : public ImageTasks {
                        ImageReport* report) override;
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
-  // Whether the image had been refined before the run; reads its maps in the
-  // first call.
+  // Whether what was done before the run counts.
+  bool ReusesResults() const { return observer_ == nullptr; }
+  // Whether the image had been refined before the run and is not to be refined
+  // again; reads its maps in the first call.
   bool HasBeenRefined(size_t index);
 
   // For the pass that observes.
@@ -107,6 +112,9 @@ class ImageRunner : public ImageTasks {
   std::vector<int> Sources(const StereoProblem& problem) const;
   bool HasMaps(int image) const;
   const std::string& Name(int image) const;
+  // Null where nobody observes.
+  std::unique_ptr<StageObserver> ObserverOf(int image,
+                                            const ViewData& view) const;
 
   const Workspace& workspace_;
   const std::vector<bool> has_maps_;
@@ -115,6 +123,7 @@ class ImageRunner : public ImageTasks {
   std::vector<RefineWorker>& workers_;
   EvidenceStore* const evidence_;
   const bool finds_scenes_ahead_;
+  RefineObserver* const observer_;
   // By image of the run: whether it had been refined before the run, once the
   // flag is set.
   std::vector<std::once_flag> is_done_flags_;

@@ -15,7 +15,8 @@ ImageReport ObserveRunner::Begin(size_t index) {
   // What keeps an image from being refined is found out, and reported, in the
   // second pass.
   if (!images_.IsNeeded(index) ||
-      evidence_.IsCurrent(images_.Reference(index)) ||
+      (images_.ReusesResults() &&
+       evidence_.IsCurrent(images_.Reference(index))) ||
       !images_.CanCompute(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
   }

@@ -13,8 +13,9 @@
 namespace tsar {
 
 // The first pass over a workspace: what each image observes goes to the store.
-// Left out are images whose evidence is there already, and those that nobody
-// needs because they and all whose sources they are have been refined.
+// Left out, unless the run has an observer, are images whose evidence is there
+// already; and those that nobody needs because they and all whose sources they
+// are have been refined.
 class ObserveRunner : public ImageTasks {
  public:
   // All references must outlive this object. images: does the second pass.

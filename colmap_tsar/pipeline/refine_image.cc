@@ -27,13 +27,14 @@ RefineResult RefineImage(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device) {
+    Device& device,
+    StageObserver* observer) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device);
   timer.Finish("upload");
-  const Surfaces surfaces =
-      FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const Surfaces surfaces = FindSurfaces(
+      reference, image_id, options, &views, device, &timer, observer);
   DeviceImage<Plane> superpixel_planes;
   if (options.superpixel_planes && surfaces.superpixels.count > 0) {
     superpixel_planes = PlanesOfLabels(
@@ -46,12 +47,14 @@ RefineResult RefineImage(
                                     views.Scale(),
                                     {},
                                     device);
+  ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   FillHoles(views.Color(), views.MapIntrinsics(), options, &composed, device);
   const DeviceImage<float> confidence =
       RateConfidence(composed, surfaces.score.View(), device);
   timer.Finish("composition");
   result.maps = Download(composed, confidence);
   timer.Finish("download");
+  ShowMaps(observer, result.maps);
   if (!HasDepth(result.maps.depth)) {
     result.reason_to_keep = kNothingReliable;
   }

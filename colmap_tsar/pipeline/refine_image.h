@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
@@ -56,13 +57,15 @@ inline constexpr const char* kNothingReliable =
 // nothing; the result is a function of the arguments, whatever the device's
 // threads. image_id keys the random numbers. When it returns, the device has
 // done all work. Sources may have been uploaded by another device of the same
-// GPU. They are let go as soon as nothing needs them any more.
+// GPU. They are let go as soon as nothing needs them any more. observer: where
+// given, is shown what the stages find, which changes nothing.
 RefineResult RefineImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device);
+    Device& device,
+    StageObserver* observer = nullptr);
 
 // Uploads the sources, too.
 RefineResult RefineImage(const ViewData& reference,

@@ -212,6 +212,31 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
+// The surface of each superpixel, planes before curved ones.
+void ShowScene(StageObserver* observer,
+               const ViewEvidence& evidence,
+               const LabeledView& labeled,
+               const CurvedView& curved) {
+  if (observer == nullptr) {
+    return;
+  }
+  std::vector<int> surfaces = labeled.labels;
+  for (size_t k = 0; k < curved.labels.size(); ++k) {
+    if (curved.labels[k] >= 0) {
+      surfaces[k] = static_cast<int>(labeled.planes.size()) + curved.labels[k];
+    }
+  }
+  const Image<uint16_t>& superpixels = evidence.superpixels;
+  Image<int> labels(superpixels.Width(), superpixels.Height());
+  std::transform(superpixels.begin(),
+                 superpixels.end(),
+                 labels.begin(),
+                 [&](uint16_t superpixel) { return surfaces[superpixel]; });
+  observer->Show(RefineStage::kSceneLabels, labels);
+  observer->Show(RefineStage::kLabelEvidence,
+                 EvidenceRaster(superpixels, curved.evidence));
+}
+
 }  // namespace
 
 RefineResult MeasureImage(
@@ -219,13 +244,14 @@ RefineResult MeasureImage(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device) {
+    Device& device,
+    StageObserver* observer) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device);
   timer.Finish("upload");
-  const Surfaces surfaces =
-      FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const Surfaces surfaces = FindSurfaces(
+      reference, image_id, options, &views, device, &timer, observer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),
@@ -303,7 +329,8 @@ RefineResult ComposeImage(const ViewData& reference,
                           const std::vector<ObservedView>& views,
                           const FoundScene& found,
                           const RefineOptions& options,
-                          Device& device) {
+                          Device& device,
+                          StageObserver* observer) {
   RefineResult result;
   result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
@@ -334,6 +361,8 @@ RefineResult ComposeImage(const ViewData& reference,
                     &scene_planes);
   const DeviceImage<uint8_t> kinds(
       device, EvidenceRaster(superpixels, curved.evidence));
+  ShowScene(observer, evidence, labeled, curved);
+  ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<Plane> region_planes =
       PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");
@@ -343,6 +372,7 @@ RefineResult ComposeImage(const ViewData& reference,
                                   view.OnMap(region_planes)};
   ComposedMap composed = ComposeScene(
       std::move(view.hypotheses), inputs, scale, scene.composition, device);
+  ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   FillHoles(
       view.color.View(), view.MapIntrinsics(), options, &composed, device);
   const DeviceImage<float> confidence =
@@ -350,6 +380,7 @@ RefineResult ComposeImage(const ViewData& reference,
   timer.Finish("composition");
   result.maps = Download(composed, confidence);
   timer.Finish("download");
+  ShowMaps(observer, result.maps);
   if (!HasDepth(result.maps.depth)) {
     result.reason_to_keep = kNothingReliable;
   }

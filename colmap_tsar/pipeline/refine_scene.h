@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
@@ -42,7 +43,8 @@ RefineResult MeasureImage(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device);
+    Device& device,
+    StageObserver* observer = nullptr);
 void MakeEvidence(const RefineOptions& options,
                   Device& device,
                   RefineResult* result);
@@ -63,12 +65,13 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
                      Device& device);
 
 // Composes the reference's map of the planes that were found in these views.
-// The evidence of the reference has all its parts.
+// The evidence of the reference has all its parts. observer: as in RefineImage.
 RefineResult ComposeImage(const ViewData& reference,
                           const std::vector<ObservedView>& views,
                           const FoundScene& found,
                           const RefineOptions& options,
-                          Device& device);
+                          Device& device,
+                          StageObserver* observer = nullptr);
 
 // Finds them, too.
 RefineResult ComposeImage(const ViewData& reference,

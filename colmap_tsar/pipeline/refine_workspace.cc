@@ -156,7 +156,8 @@ void WorkspaceRefineOptions::Check() const {
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,
-                           const std::function<bool()>& should_stop) {
+                           const std::function<bool()>& should_stop,
+                           RefineObserver* observer) {
   workspace_options.Check();
   refine_options.Check();
   const OpenCvWithoutThreads opencv_without_threads;
@@ -203,15 +204,16 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                      refine_options,
                      devices.workers,
                      evidence ? &*evidence : nullptr,
-                     devices.finds_scenes_ahead);
+                     devices.finds_scenes_ahead,
+                     observer);
   ViewCache cache(devices.cache_num_bytes,
                   static_cast<size_t>(ViewBytes(overview)),
                   [&](int image) { return runner.Load(image); });
-  std::optional<ObserveRunner> observer;
+  std::optional<ObserveRunner> first_pass;
   std::optional<ImagePipeline> observing;
   if (evidence) {
-    observer.emplace(runner, *evidence);
-    observing.emplace(*observer, cache, devices.sizes, progress, should_stop);
+    first_pass.emplace(runner, *evidence);
+    observing.emplace(*first_pass, cache, devices.sizes, progress, should_stop);
     observing->Run(devices.workers.size());
   }
   ImagePipeline refining(runner, cache, devices.sizes, progress, should_stop);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/run_summary.h"
 #include "colmap_tsar/workspace/map_paths.h"
@@ -43,9 +44,13 @@ struct WorkspaceRefineOptions {
 // kInterrupted once should_stop returned true (it is called often, from several
 // threads); and what reading and writing an image throw. Whatever is thrown,
 // the images that were done stay done, and the same call goes on from there.
+//
+// observer: where given, is shown what the stages find for each image. The maps
+// are the same, but images that were done before are done again.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,
-                           const std::function<bool()>& should_stop);
+                           const std::function<bool()>& should_stop,
+                           RefineObserver* observer = nullptr);
 
 }  // namespace tsar

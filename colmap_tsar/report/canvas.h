@@ -4,16 +4,13 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/report/scaling.h"
 
 #include <string>
 
 #include <opencv2/core/mat.hpp>
 
 namespace tsar {
-
-// How a raster is brought to another size: averaging for photos; picking for
-// maps, whose values must not be mixed.
-enum class Scaling { kAverage, kPick };
 
 // A picture that grows downwards while it is drawn. Positions are in pixels
 // from the upper left corner; what does not fit on the width is cut off.

@@ -4,6 +4,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/report/debug_pictures.h"
 
 #include <csignal>
 
@@ -11,6 +12,7 @@
 #include "tests/pipeline/drawn_workspace.h"
 #include "tests/workspace/test_workspace.h"
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
@@ -93,6 +95,64 @@ TEST_F(TsarRefineTest, WritesASecondWorkspace) {
   EXPECT_TRUE(ReadTree(root_) == before);
   EXPECT_TRUE(std::filesystem::is_regular_file(
       folder_.Path() / "out/stereo/depth_maps/left/v2.png.photometric.bin"));
+}
+
+// What refinement writes for others to read.
+std::map<std::string, std::string> ReadMaps(const std::filesystem::path& root) {
+  std::map<std::string, std::string> maps;
+  for (const char* folder :
+       {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
+    for (const auto& [path, content] : ReadTree(root / "stereo" / folder)) {
+      maps[std::string(folder) + "/" + path] = content;
+    }
+  }
+  return maps;
+}
+
+TEST_F(TsarRefineTest, PicturesOfAllStagesChangeNoMap) {
+  EXPECT_EQ(Run({}).exit_code, 0);
+  const auto maps = ReadMaps(root_);
+  ASSERT_FALSE(maps.empty());
+  // Images that were done before are done again, for their pictures.
+  const std::filesystem::path debug = folder_.Path() / "debug";
+  const Outcome drawn = Run({"--TsarRefine.debug_path", debug.string()});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_THAT(drawn.out, testing::HasSubstr("4 images: 4 refined\n"));
+  EXPECT_TRUE(ReadMaps(root_) == maps);
+  for (const std::string& image : DrawnWorkspace::Names()) {
+    for (const RefineStageInfo& info : RefineStages()) {
+      const auto path = DebugPicturePath(debug, image, info.stage);
+      EXPECT_FALSE(cv::imread(path.string()).empty()) << path;
+    }
+  }
+  EXPECT_THAT(Run({}).out, testing::HasSubstr("4 done before"));
+}
+
+TEST_F(TsarRefineTest, StagesThatAreOffHaveNoPictures) {
+  const std::filesystem::path debug = folder_.Path() / "debug";
+  const Outcome drawn = Run({"--TsarRefine.debug_path",
+                             debug.string(),
+                             "--TsarRefine.scene_planes",
+                             "0",
+                             "--TsarRefine.view_agreement",
+                             "0"});
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  for (const RefineStageInfo& info : RefineStages()) {
+    const bool is_off = info.stage == RefineStage::kAgreement ||
+                        info.stage == RefineStage::kSceneLabels ||
+                        info.stage == RefineStage::kLabelEvidence ||
+                        info.stage == RefineStage::kScenePlanes;
+    EXPECT_NE(std::filesystem::exists(
+                  DebugPicturePath(debug, "left/v2.png", info.stage)),
+              is_off)
+        << info.name;
+  }
+}
+
+TEST_F(TsarRefineTest, APathForPicturesThatIsNoFolderIsOneLine) {
+  WriteText(folder_.Path() / "file", "");
+  ExpectFailure({"--TsarRefine.debug_path", (folder_.Path() / "file").string()},
+                {"file"});
 }
 
 TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {

@@ -1,0 +1,138 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/report/page_data.h"
+
+#include "colmap_tsar/report/depth_colors.h"
+#include "colmap_tsar/report/page_text.h"
+#include "colmap_tsar/report/provenance_colors.h"
+#include "colmap_tsar/report/value_colors.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kNumScaleColors = 16;
+
+std::string ColorText(const Rgb& color) {
+  char text[8];
+  std::snprintf(text, sizeof(text), "#%02x%02x%02x", color.r, color.g, color.b);
+  return text;
+}
+
+Json ColorTexts(const Image<Rgb>& colors) {
+  Json texts = Json::array();
+  for (const Rgb& color : colors) {
+    texts.push_back(ColorText(color));
+  }
+  return texts;
+}
+
+// The colours of depth from near to far, and of values from 0 to 1.
+void AddScales(Json* json) {
+  Image<float> ramp(kNumScaleColors, 1);
+  for (int i = 0; i < kNumScaleColors; ++i) {
+    ramp(i, 0) = static_cast<float>(i) / (kNumScaleColors - 1);
+  }
+  (*json)["value_colors"] = ColorTexts(ColorizeValues(ramp, 1.f));
+  for (float& value : ramp) {
+    value += 1.f;
+  }
+  (*json)["depth_colors"] = ColorTexts(ColorizeDepth(ramp, {1.f, 2.f}));
+  (*json)["provenance"] = Json::array();
+  for (const ProvenanceKind& kind : ProvenanceKinds()) {
+    (*json)["provenance"].push_back(
+        {{"name", kind.name}, {"color", ColorText(kind.color)}});
+  }
+}
+
+Json ImageJson(const ImagePage& image) {
+  return {{"name", image.name},
+          {"folder", image.folder},
+          {"width", image.width},
+          {"height", image.height},
+          {"picture_width", image.picture_width},
+          {"picture_height", image.picture_height},
+          {"nearest", image.range.nearest},
+          {"farthest", image.range.farthest},
+          {"before", image.num_before},
+          {"after", image.num_after},
+          {"provenance", image.num_by_provenance},
+          {"seconds", image.seconds},
+          {"stages", image.stages}};
+}
+
+Json ScoreJson(const DepthScore& score) {
+  return {{"precision", score.Precision()},
+          {"recall", score.Recall()},
+          {"f1", score.F1()}};
+}
+
+Json ScoreJson(const CloudScore& score) {
+  return {{"accuracy", score.accuracy},
+          {"completeness", score.completeness},
+          {"f1", score.f1}};
+}
+
+template <typename Evaluation>
+Json GainJson(const Gain<Evaluation>& gain) {
+  Json rows = Json::array();
+  for (size_t i = 0; i < gain.after.scores.size(); ++i) {
+    Json row = {{"tolerance", gain.after.scores[i].tolerance},
+                {"before", ScoreJson(gain.before.scores[i])},
+                {"after", ScoreJson(gain.after.scores[i])}};
+    if constexpr (requires { gain.after.scores[i].area; }) {
+      row["area"] = gain.after.scores[i].area;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json VectorJson(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Json PointsJson(const PointView& points) {
+  return {{"from_clouds", points.from_clouds},
+          {"shown", {points.num_shown[0], points.num_shown[1]}},
+          {"all", {points.num_all[0], points.num_all[1]}},
+          {"eye", VectorJson(points.eye)},
+          {"up", VectorJson(points.up)}};
+}
+
+}  // namespace
+
+std::string PageDataScript(const PageData& data) {
+  Json json = {{"version", data.version},
+               {"workspace", data.workspace},
+               {"type", data.type}};
+  AddScales(&json);
+  json["images"] = Json::array();
+  for (const ImagePage& image : data.images) {
+    json["images"].push_back(ImageJson(image));
+  }
+  json["kept"] = Json::array();
+  for (const KeptImage& image : data.kept) {
+    json["kept"].push_back({{"name", image.name}, {"reason", image.reason}});
+  }
+  json["points"] = PointsJson(data.points);
+  json["gains"] = Json::object();
+  if (data.gains.depth) {
+    json["gains"]["depth"] = GainJson(*data.gains.depth);
+  }
+  if (data.gains.clouds) {
+    json["gains"]["clouds"] = GainJson(*data.gains.clouds);
+  }
+  return "window.tsarReport = " +
+         EscapeScript(
+             json.dump(1, ' ', false, Json::error_handler_t::replace)) +
+         ";\n";
+}
+
+}  // namespace tsar

@@ -1,0 +1,49 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/report/gains.h"
+#include "colmap_tsar/report/image_page.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// An image that kept its maps.
+struct KeptImage {
+  std::string name;
+  std::string reason;
+};
+
+// What the 3D view shows.
+struct PointView {
+  bool from_clouds = false;       // Otherwise, sampled from the maps.
+  int64_t num_shown[2] = {0, 0};  // Before, after.
+  int64_t num_all[2] = {0, 0};
+  // Where to look from at first, relative to the points' origin, and what is
+  // up.
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+};
+
+// All that the page shows.
+struct PageData {
+  std::string version;
+  std::string workspace;
+  std::string type;
+  std::vector<ImagePage> images;  // Without their points.
+  std::vector<KeptImage> kept;
+  PointView points;
+  Gains gains;
+};
+
+// The script that hands the data to the page: window.tsarReport = {...}.
+// Whatever names hold, it is one statement.
+std::string PageDataScript(const PageData& data);
+
+}  // namespace tsar

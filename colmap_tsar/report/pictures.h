@@ -1,0 +1,23 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/report/scaling.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace tsar {
+
+// The picture with a long side of at most max_size pixels; never enlarged.
+Image<Rgb> FitPicture(const Image<Rgb>& picture, int max_size, Scaling scaling);
+
+// Pictures of the same height, side by side. At least one.
+Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures);
+
+// For photos: as JPEG. Replaces the file in one step. Throws Error kIo.
+void WriteJpeg(const std::filesystem::path& path, const Image<Rgb>& image);
+
+}  // namespace tsar

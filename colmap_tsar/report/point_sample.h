@@ -1,0 +1,52 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// Points for the 3D view, relative to an origin near them, so that single
+// precision does for georeferenced models, too.
+struct PointSample {
+  std::vector<float> positions;  // x, y, z of each.
+  std::vector<Rgb> colors;       // Of each.
+  int64_t num_all = 0;           // Points that the sample stands for.
+
+  size_t NumPoints() const { return colors.size(); }
+  void Append(const PointSample& other);
+};
+
+// At most max_num_points of a PLY file, evenly spread over it; grey where it
+// has no colours. Throws what ReadPlyCloud throws.
+PointSample SampleCloud(const std::filesystem::path& path,
+                        const Eigen::Vector3d& origin,
+                        int64_t max_num_points);
+
+// The distance between the pixels of a square grid of which a map of this size
+// has at most max_num_points.
+int GridStep(int width, int height, int64_t max_num_points);
+
+// The points of a map at the pixels of such a grid that have a depth. camera:
+// of the map's size; colors: too.
+PointSample SampleMap(const Image<float>& depth,
+                      const Image<Rgb>& colors,
+                      const Camera& camera,
+                      const Eigen::Vector3d& origin,
+                      int step);
+
+// What a page loads as a script, since it may not read files: a call
+// tsarPoints("NAME", "BASE64") with the positions as float32, little-endian,
+// followed by the colours as bytes.
+std::string PointScript(const std::string& name, const PointSample& sample);
+
+}  // namespace tsar

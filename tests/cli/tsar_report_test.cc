@@ -1,0 +1,105 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/workspace/restore.h"
+#include "colmap_tsar/workspace/write_back.h"
+
+#include <filesystem>
+
+#include "tests/cli/captured_run.h"
+#include "tests/pipeline/drawn_workspace.h"
+#include "tests/workspace/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TsarReportTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    MakeTestWorkspace(root_);
+    WriteRefined(
+        Workspace(root_, MapType::kGeometric), 1, MakeRefinedMaps(9.f), {});
+  }
+
+  Outcome Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), {"--workspace_path", root_.string()});
+    return RunCaptured("colmap", arguments, [](int argc, char** argv) {
+      return RunCommand(&RunTsarReport, argc, argv);
+    });
+  }
+
+  // Expects exit code 1, one line with this text, and no file changed.
+  void ExpectFailure(const std::vector<std::string>& arguments,
+                     const std::string& text) const {
+    const auto before = ReadTree(folder_.Path());
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: "), 0u) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::HasSubstr(text));
+    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
+  }
+
+  TemporaryFolder folder_;
+  const fs::path root_ = folder_.Path() / "dense";
+};
+
+TEST_F(TsarReportTest, WritesThePageIntoTheWorkspace) {
+  const Outcome outcome = Run({});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out,
+            "Wrote a page about 1 image\nOpen " +
+                (root_ / "report/index.html").string() + " in a browser\n");
+  EXPECT_TRUE(fs::is_regular_file(root_ / "report/index.html"));
+  ExpectFailure({}, "--overwrite 1");
+  EXPECT_EQ(Run({"--overwrite", "1"}).exit_code, 0);
+}
+
+TEST_F(TsarReportTest, TakesThePhotometricMapsWhereOnlyTheyWereRefined) {
+  const auto type_of_page = [&] {
+    EXPECT_EQ(Run({"--overwrite", "1"}).exit_code, 0);
+    const std::string data = ReadText(root_ / "report/data/report.js");
+    return data.substr(data.find("\"type\""), 20);
+  };
+  const Workspace photometric(root_, MapType::kPhotometric);
+  WriteRefined(photometric, 0, MakeRefinedMaps(9.f), {});
+  EXPECT_THAT(type_of_page(), testing::HasSubstr("geometric"));
+  Restore(root_);
+  WriteRefined(photometric, 0, MakeRefinedMaps(9.f), {});
+  EXPECT_THAT(type_of_page(), testing::HasSubstr("photometric"));
+}
+
+TEST_F(TsarReportTest, DrawsThePictureAloneOrWithAPage) {
+  const fs::path picture = folder_.Path() / "comparison.png";
+  const Outcome alone = Run({"--output_path", picture.string()});
+  EXPECT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_EQ(alone.out, "Wrote " + picture.string() + "\n");
+  EXPECT_TRUE(fs::is_regular_file(picture));
+  EXPECT_FALSE(fs::exists(root_ / "report"));
+  const fs::path page = folder_.Path() / "page";
+  fs::remove(picture);
+  EXPECT_EQ(
+      Run({"--output_path", picture.string(), "--report_path", page.string()})
+          .exit_code,
+      0);
+  EXPECT_TRUE(fs::is_regular_file(picture));
+  EXPECT_TRUE(fs::is_regular_file(page / "index.html"));
+}
+
+TEST_F(TsarReportTest, WrongInputIsOneLine) {
+  ExpectFailure({"--input_type", "photometric"}, "run tsar_refine on it first");
+  ExpectFailure({"--input_type", "photometric", "--output_path", "x.png"},
+                "run tsar_refine on it first");
+  ExpectFailure({"--report_path", (root_ / "images").string()}, "is no report");
+  ExpectFailure({"--before_path", "a.ply"}, "--after_path");
+  ExpectFailure({"--before_path", "a.ply", "--after_path", "b.ply"},
+                "a.ply: there is no such file");
+  ExpectFailure({"--tolerances", "0.1,0.02"}, "--tolerances");
+  ExpectFailure({"--debug_path", "nowhere"}, "nowhere");
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,227 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/report/write_page.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/report/page_files.h"
+#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/write_back.h"
+
+#include <sstream>
+
+#include "tests/pipeline/drawn_workspace.h"
+#include "tests/workspace/test_workspace.h"
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the three images, the first two are refined and the third is kept.
+class WritePageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    MakeTestWorkspace(root_);
+    const Workspace workspace(root_, MapType::kGeometric);
+    ImageRecord record;
+    record.seconds = {{"matching", 1.5}};
+    RefinedMaps maps = MakeRefinedMaps(9.f);
+    WriteRefined(workspace, 0, maps, record);
+    maps.depth(0, 0) = 0.f;
+    maps.provenance(0, 0) = 0;
+    maps.provenance(1, 0) = 1;
+    WriteRefined(workspace, 1, maps, record);
+    record.note = "seen by nobody";
+    KeepImage(workspace, 2, record);
+    options_.report_path = root_ / "report";
+  }
+
+  int Write() const {
+    std::ostringstream out;
+    Progress progress(out, false);
+    return WritePage(
+        Workspace(root_, MapType::kGeometric), options_, progress, [] {
+          return false;
+        });
+  }
+
+  nlohmann::json Data() const {
+    const std::string script =
+        ReadText(options_.report_path / "data/report.js");
+    const size_t begin = script.find('{');
+    return nlohmann::json::parse(
+        script.substr(begin, script.rfind('}') + 1 - begin));
+  }
+
+  void ExpectFailure(ErrorCode code, const std::vector<std::string>& texts) {
+    const auto before = ReadTree(root_);
+    ExpectError(code, texts, [&] { Write(); });
+    EXPECT_TRUE(ReadTree(root_) == before);
+  }
+
+  TemporaryFolder folder_;
+  const fs::path root_ = folder_.Path() / "dense <&>";
+  PageOptions options_;
+};
+
+TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
+  EXPECT_EQ(Write(), 2);
+  const nlohmann::json data = Data();
+  EXPECT_EQ(data["workspace"], "dense <&>");
+  ASSERT_EQ(data["images"].size(), 2u);
+  const nlohmann::json& image = data["images"][1];
+  EXPECT_EQ(image["name"], "left/b.png");
+  EXPECT_EQ(image["folder"], "00001_left_b.png");
+  EXPECT_EQ(image["width"], 4);
+  EXPECT_EQ(image["before"], 12);
+  EXPECT_EQ(image["after"], 11);
+  EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0}));
+  EXPECT_EQ(image["seconds"]["matching"], 1.5);
+  ASSERT_EQ(data["kept"].size(), 1u);
+  EXPECT_EQ(data["kept"][0]["name"], "c.png");
+  EXPECT_EQ(data["kept"][0]["reason"], "seen by nobody");
+  EXPECT_FALSE(data["points"]["from_clouds"]);
+  EXPECT_EQ(data["points"]["shown"], (nlohmann::json{24, 23}));
+  EXPECT_EQ(data["points"]["all"], (nlohmann::json{24, 23}));
+}
+
+TEST_F(WritePageTest, HasAllFilesAndEscapesTheTitle) {
+  Write();
+  for (const PageFile& file : PageFiles()) {
+    EXPECT_FALSE(ReadText(options_.report_path / file.name).empty());
+  }
+  const std::string html = ReadText(options_.report_path / "index.html");
+  EXPECT_THAT(html, testing::HasSubstr("<h1>dense &lt;&amp;&gt;</h1>"));
+  EXPECT_THAT(html, testing::Not(testing::HasSubstr("@TITLE@")));
+  EXPECT_THAT(html, testing::Not(testing::HasSubstr("http")));
+  for (const char* name : {"photo.jpg",
+                           "preview.jpg",
+                           "depth_before.png",
+                           "depth_after.png",
+                           "normals_before.png",
+                           "normals_after.png",
+                           "provenance.png",
+                           "confidence.png"}) {
+    for (const char* image : {"00000_a.png", "00001_left_b.png"}) {
+      EXPECT_FALSE(
+          cv::imread((options_.report_path / "images" / image / name).string())
+              .empty())
+          << image << " " << name;
+    }
+  }
+}
+
+TEST_F(WritePageTest, ThreadsChangeNothing) {
+  options_.num_threads = 1;
+  Write();
+  const auto by_one = ReadTree(options_.report_path);
+  options_.num_threads = 4;
+  options_.overwrite = true;
+  Write();
+  EXPECT_TRUE(ReadTree(options_.report_path) == by_one);
+}
+
+TEST_F(WritePageTest, KeepsToTheGivenSizes) {
+  options_.max_picture_size = 2;
+  options_.max_num_points = 4;
+  Write();
+  const cv::Mat picture = cv::imread(
+      (options_.report_path / "images/00000_a.png/depth_after.png").string());
+  EXPECT_EQ(picture.cols, 2);
+  EXPECT_EQ(Data()["images"][0]["picture_width"], 2);
+  const nlohmann::json points = Data()["points"];
+  EXPECT_GT(points["shown"][1], 0);
+  EXPECT_LE(points["shown"][1], 4);
+  EXPECT_EQ(points["all"][1], 23);
+}
+
+TEST_F(WritePageTest, ShowsCloudsWhereTheyAreGiven) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n";
+  options_.before_path = folder_.Path() / "before.ply";
+  options_.after_path = folder_.Path() / "after.ply";
+  WriteText(options_.before_path, header + "1 2 3\n");
+  WriteText(options_.after_path, header + "1 2\n");
+  ExpectFailure(ErrorCode::kCorrupt, {"after.ply"});
+  WriteText(options_.after_path, header + "4 5 6\n");
+  Write();
+  EXPECT_TRUE(Data()["points"]["from_clouds"]);
+  EXPECT_EQ(Data()["points"]["shown"], (nlohmann::json{1, 1}));
+  options_.before_path.clear();
+  options_.overwrite = true;
+  ExpectFailure(ErrorCode::kBadOption, {"--before_path", "--after_path"});
+  options_.after_path.clear();
+  options_.scans_path = "scans.mlp";
+  ExpectFailure(ErrorCode::kBadOption, {"--scans_path"});
+}
+
+TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {
+  // The geometric depth before is 2, 4 and 6; after, 9, 9 and 6.
+  const fs::path truth = folder_.Path() / "truth";
+  fs::create_directories(truth / "left");
+  WriteDepthMap(truth / "a.png.bin", Image<float>(4, 3, 9.f));
+  WriteDepthMap(truth / "c.png.bin", Image<float>(4, 3, 6.f));
+  options_.ground_truth_path = truth;
+  options_.tolerances = {0.1};
+  Write();
+  const nlohmann::json rows = Data()["gains"]["depth"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["before"]["recall"], 0.5);
+  EXPECT_EQ(rows[0]["after"]["recall"], 1.0);
+  options_.ground_truth_path = folder_.Path() / "nowhere";
+  options_.overwrite = true;
+  ExpectFailure(ErrorCode::kNotFound, {"nowhere"});
+}
+
+TEST_F(WritePageTest, CopiesStagesAndMissesAFolderWithout) {
+  options_.debug_path = folder_.Path() / "debug";
+  ExpectFailure(ErrorCode::kNotFound, {"--TsarRefine.debug_path"});
+  WriteText(options_.debug_path / "left/b.png/14_regions.png", "a picture");
+  WriteText(options_.debug_path / "left/b.png/07_score.png", "not shown");
+  Write();
+  EXPECT_EQ(Data()["images"][0]["stages"], nlohmann::json::array());
+  EXPECT_EQ(Data()["images"][1]["stages"], nlohmann::json{"regions"});
+  EXPECT_EQ(
+      ReadText(options_.report_path / "images/00001_left_b.png/regions.png"),
+      "a picture");
+}
+
+TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
+  const auto before = ReadTree(root_);
+  std::ostringstream out;
+  Progress progress(out, false);
+  ExpectError(ErrorCode::kInterrupted, {"no page was written"}, [&] {
+    WritePage(Workspace(root_, MapType::kGeometric), options_, progress, [] {
+      return true;
+    });
+  });
+  EXPECT_TRUE(ReadTree(root_) == before);
+}
+
+TEST_F(WritePageTest, DamagedMapsAreOneErrorAndNoPage) {
+  WriteText(root_ / "stereo/confidence_maps/a.png.geometric.bin", "4&3&");
+  ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.bin"});
+}
+
+TEST(WritePage, WantsARefinedWorkspace) {
+  const TemporaryFolder folder;
+  MakeTestWorkspace(folder.Path());
+  std::ostringstream out;
+  Progress progress(out, false);
+  PageOptions options;
+  options.report_path = folder.Path() / "report";
+  ExpectError(ErrorCode::kNotFound, {"run tsar_refine on it first"}, [&] {
+    WritePage(
+        Workspace(folder.Path(), MapType::kGeometric), options, progress, [] {
+          return false;
+        });
+  });
+  EXPECT_FALSE(fs::exists(options.report_path));
+}
+
+}  // namespace
+}  // namespace tsar
