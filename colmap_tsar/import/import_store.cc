@@ -119,6 +119,20 @@ void RemoveEmptyFolders(std::filesystem::path folder,
   }
 }
 
+// What an interrupted import left, also of images that have no record yet.
+void RemoveTemporaries(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> temporaries;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator it(folder, error), end;
+       !error && it != end;
+       it.increment(error)) {
+    if (it->path().string().ends_with(AtomicFile::kTemporarySuffix)) {
+      temporaries.push_back(it->path());
+    }
+  }
+  std::for_each(temporaries.begin(), temporaries.end(), &RemoveFile);
+}
+
 void UndoImage(const std::filesystem::path& root,
                const std::string& key,
                UndoResult* result) {
@@ -127,8 +141,6 @@ void UndoImage(const std::filesystem::path& root,
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     const std::filesystem::path current = CurrentPath(root, kind, key);
     const std::filesystem::path former = FormerPath(root, kind, key);
-    std::filesystem::path temporary = current;
-    RemoveFile(temporary += AtomicFile::kTemporarySuffix);
     // A former map of the same bytes is the link that an interrupted import
     // made before it changed anything.
     const bool is_unchanged = Exists(current) && Exists(former) &&
@@ -262,6 +274,9 @@ UndoResult UndoImport(const std::filesystem::path& root) {
   UndoResult result;
   for (const std::string& key : keys) {
     UndoImage(root, key, &result);
+  }
+  for (const char* folder : kFolders) {
+    RemoveTemporaries(root / "stereo" / folder);
   }
   std::filesystem::remove_all(GetImportFolder(root), error);
   return result;
