@@ -87,6 +87,16 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "that compute; a few more read and write files. With GPUs, two "
       "fifths of them read files and as many write, at most ten per GPU.",
       {-1, 4096});
+  options->Add(group + "shard",
+               &command->workspace.shard,
+               "For several machines with one file system: the part of the "
+               "images to work on, i/n with i from 0 to n - 1; docs/cluster.md "
+               "tells how. If empty, all of them.");
+  options->AddChoice(group + "pass",
+                     &command->workspace.pass,
+                     {"all", "observe", "compose", "merge"},
+                     "What to do of it. A shard is observed, then, once all "
+                     "are, composed; merge ends the work of all shards.");
 }
 
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {

@@ -64,6 +64,9 @@ class ImageRunner : public ImageTasks {
   // first call.
   bool HasBeenRefined(size_t index);
 
+  // Whether the image, of the workspace, has maps.
+  bool HasMaps(int image) const;
+
   // For the pass that observes.
   int Reference(size_t index) const { return Problem(index).reference; }
   // The views that single-view stages need.
@@ -105,7 +108,6 @@ class ImageRunner : public ImageTasks {
   }
   // The sources that have maps.
   std::vector<int> Sources(const StereoProblem& problem) const;
-  bool HasMaps(int image) const;
   const std::string& Name(int image) const;
 
   const Workspace& workspace_;
