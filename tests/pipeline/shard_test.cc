@@ -97,7 +97,9 @@ class SplitImagesTest : public testing::Test {
     WriteText(root_ / "stereo/patch-match.cfg", config.str());
   }
   static std::string Name(int place) {
-    return "v" + std::to_string(1000 + place * 37 % 1000) + ".png";
+    std::ostringstream name;
+    name << "v" << 1000 + place * 37 % 1000 << ".png";
+    return name.str();
   }
   std::vector<std::vector<size_t>> Split(int count) const {
     return SplitImages(Workspace(root_, MapType::kGeometric), count);
