@@ -8,6 +8,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -75,6 +76,7 @@ class Slurm:
 
     def __enter__(self):
         _LIBC.prctl(_PR_SET_CHILD_SUBREAPER, 1)
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit("terminated"))
         try:
             self._start()
         except BaseException:
