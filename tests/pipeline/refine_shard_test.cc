@@ -401,6 +401,27 @@ TEST_F(RefineShardTest, GoesOnAfterAnInterruption) {
   EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
 }
 
+TEST_F(RefineShardTest, SaysThatAnotherMachineHadBegun) {
+  Run("observe", "0/2");
+  const auto warnings_for = [&](const std::string& host, bool is_complete) {
+    ShardRecord record = ReadShardRecord(GetShardPath(root_, "observe", 0, 2));
+    record.is_complete = is_complete;
+    if (!host.empty()) {
+      record.runtime["host"] = host;
+    }
+    WriteShardRecord(root_, record);
+    testing::internal::CaptureStderr();
+    Run("observe", "0/2");
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(warnings_for("far-away", false),
+              testing::HasSubstr("shard 0 of 2 was begun on far-away"));
+  EXPECT_THAT(warnings_for("far-away", true),
+              testing::Not(testing::HasSubstr("far-away")));
+  EXPECT_THAT(warnings_for("", false),
+              testing::Not(testing::HasSubstr("was begun on")));
+}
+
 TEST_F(RefineShardTest, WholeRunsTakeOverWhatShardsLeft) {
   const std::filesystem::path whole = Whole();
   RunAll("observe", 3);
