@@ -81,6 +81,7 @@ py::dict ToDict(const RunSummary& summary) {
   dict["device"] = summary.device;
   dict["num_workers"] = summary.num_workers;
   dict["num_images"] = summary.num_images;
+  dict["num_observed"] = summary.num_observed;
   dict["num_refined"] = summary.num_refined;
   dict["num_skipped"] = summary.num_skipped;
   dict["kept"] = kept;
@@ -149,6 +150,8 @@ py::dict Refine(const std::filesystem::path& workspace_path,
                 const std::string& gpu_index,
                 int num_threads,
                 double cache_size,
+                const std::string& shard,
+                const std::string& pass,
                 const py::object& report,
                 bool is_terminal) {
   WorkspaceRefineOptions workspace;
@@ -161,6 +164,8 @@ py::dict Refine(const std::filesystem::path& workspace_path,
   workspace.gpu_index = gpu_index;
   workspace.num_threads = num_threads;
   workspace.cache_size = cache_size;
+  workspace.shard = shard;
+  workspace.pass = pass;
   PrepareLogging();
   return ToDict(RefineWhileServingPython(
       workspace, ToRefineOptions(options), report, is_terminal));
@@ -204,6 +209,8 @@ void BindRefine(py::module_* module) {
               py::arg("gpu_index"),
               py::arg("num_threads"),
               py::arg("cache_size"),
+              py::arg("shard"),
+              py::arg("pass_"),
               py::arg("report"),
               py::arg("is_terminal"));
   module->def("restore", &RestoreOriginals, py::arg("workspace_path"));

@@ -10,12 +10,19 @@
 # what is not there, such as a network); the exit code is 0 only if none failed.
 #
 # With CI=true the CUDA part is compiled for one architecture alone, which is
-# enough to see that it compiles, and the distribution's COLMAP is built with
-# this project's patch and tested.
+# enough to see that it compiles, the distribution's COLMAP is built with this
+# project's patch and tested, and the schedulers of clusters are installed and
+# tested. Who builds the program has no use for them, and they are large
+# (Snakemake: 700 MB) or start services (Slurm).
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install_dependencies.sh --browser
+if [[ ${CI:-} == true ]]; then
+  source scripts/apt.sh
+  install_packages slurm-wlm snakemake ||
+    echo "test: the tests of Slurm and Snakemake will be skipped"
+fi
 
 # Hits that survive a fresh checkout: by the compiler's content, not its date,
 # and whatever the folder.

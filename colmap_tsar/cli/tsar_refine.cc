@@ -100,6 +100,16 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "dark violet where they are 0 and yellow where they are largest; "
       "labels a colour each; black is none. The pictures: " +
           DebugPicturesText() + ".");
+  options->Add(group + "shard",
+               &command->workspace.shard,
+               "For several machines with one file system: the part of the "
+               "images to work on, i/n with i from 0 to n - 1; docs/cluster.md "
+               "tells how. If empty, all of them.");
+  options->AddChoice(group + "pass",
+                     &command->workspace.pass,
+                     {"all", "observe", "compose", "merge"},
+                     "What to do of it. A shard is observed, then, once all "
+                     "are, composed; merge ends the work of all shards.");
 }
 
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {

@@ -78,8 +78,26 @@ EvidenceStore::EvidenceStore(const Workspace& workspace,
 }
 
 bool EvidenceStore::IsCurrent(int image) {
+  if (expected_) {
+    const auto found = expected_->find(image);
+    if (found == expected_->end()) {
+      return false;
+    }
+    if (ReadEvidenceHash(Path(image)) != found->second) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          Path(image).string(),
+          "the evidence has changed or gone since it was observed",
+          "run the pass observe of all shards again");
+    }
+    return true;
+  }
   return problems_[static_cast<size_t>(image)] != nullptr &&
          ReadEvidenceHash(Path(image)) == Fingerprint(image);
+}
+
+void EvidenceStore::Expect(std::map<int, std::string> fingerprints) {
+  expected_ = std::move(fingerprints);
 }
 
 void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
@@ -157,6 +175,18 @@ std::string EvidenceStore::Fingerprint(int image) {
     add(source);
   }
   return options_hash_ + " " + std::to_string(hash.Value());
+}
+
+std::string EvidenceStore::FingerprintOfFiles(int image) {
+  std::string text = State(image);
+  for (const int source : problems_[static_cast<size_t>(image)]->sources) {
+    if (problems_[static_cast<size_t>(source)] == nullptr) {
+      text += "\n" + State(source);
+    }
+  }
+  ContentHash hash;
+  hash.Update(text.data(), text.size());
+  return std::to_string(hash.Value());
 }
 
 }  // namespace tsar

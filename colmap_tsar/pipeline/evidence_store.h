@@ -9,8 +9,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +40,18 @@ class EvidenceStore {
   // throws what FindOriginals throws.
   bool IsCurrent(int image);
 
+  // From now on, evidence counts that has the fingerprint given for its image,
+  // or for an image without one none, whatever the files are now: other
+  // programs may be at work on those. IsCurrent() and Get() then throw
+  // kMismatch where a file has another one or is gone.
+  void Expect(std::map<int, std::string> fingerprints);
+
+  // What the evidence of a reference is made of, and with which options.
+  std::string Fingerprint(int image);
+  // Of the reference's own files and those of its sources that are no
+  // references: all that no other image's tells.
+  std::string FingerprintOfFiles(int image);
+
   // image must be a reference.
   void Write(int image, const ViewEvidence& evidence);
 
@@ -54,14 +68,12 @@ class EvidenceStore {
 
   // What the view is loaded from.
   const std::string& State(int image);
-  // What the evidence of a reference is made of.
-  std::string Fingerprint(int image);
-
   const Workspace& workspace_;
   const std::string options_hash_;
   const size_t max_num_views_;
   // By image; null where it is no reference.
   std::vector<const StereoProblem*> problems_;
+  std::optional<std::map<int, std::string>> expected_;
   // By image, once the flag is set.
   std::vector<std::string> states_;
   std::vector<std::once_flag> state_flags_;

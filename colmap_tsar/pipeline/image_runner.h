@@ -69,6 +69,9 @@ class ImageRunner : public ImageTasks {
   // again; reads its maps in the first call.
   bool HasBeenRefined(size_t index);
 
+  // Whether the image, of the workspace, has maps.
+  bool HasMaps(int image) const;
+
   // For the pass that observes.
   int Reference(size_t index) const { return Problem(index).reference; }
   // The views that single-view stages need.
@@ -110,7 +113,6 @@ class ImageRunner : public ImageTasks {
   }
   // The sources that have maps.
   std::vector<int> Sources(const StereoProblem& problem) const;
-  bool HasMaps(int image) const;
   const std::string& Name(int image) const;
   // Null where nobody observes.
   std::unique_ptr<StageObserver> ObserverOf(int image,

@@ -9,83 +9,26 @@
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
+#include "colmap_tsar/pipeline/merge_shards.h"
 #include "colmap_tsar/pipeline/observe_runner.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/pipeline/refine_setup.h"
+#include "colmap_tsar/pipeline/refine_shard.h"
+#include "colmap_tsar/pipeline/shard.h"
 #include "colmap_tsar/pipeline/workspace_check.h"
 #include "colmap_tsar/workspace/manifest.h"
 #include "colmap_tsar/workspace/output_workspace.h"
+#include "colmap_tsar/workspace/shard_record.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
-#include <algorithm>
 #include <chrono>
 #include <exception>
-#include <map>
-#include <mutex>
 #include <optional>
-#include <sstream>
 #include <string>
-#include <vector>
-
-#include <glog/logging.h>
-#include <opencv2/core.hpp>
 
 namespace tsar {
 namespace {
-
-// While one of these lives, OpenCV uses no threads of its own: images are
-// worked on side by side, and its threads would only compete with them. The
-// number is the whole process's, so that the last one puts it back.
-class OpenCvWithoutThreads {
- public:
-  OpenCvWithoutThreads() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (num_alive_++ == 0) {
-      num_threads_before_ = cv::getNumThreads();
-      cv::setNumThreads(1);
-    }
-  }
-  ~OpenCvWithoutThreads() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (--num_alive_ == 0) {
-      cv::setNumThreads(num_threads_before_);
-    }
-  }
-  OpenCvWithoutThreads(const OpenCvWithoutThreads&) = delete;
-  OpenCvWithoutThreads& operator=(const OpenCvWithoutThreads&) = delete;
-
- private:
-  static inline std::mutex mutex_;
-  static inline int num_alive_ = 0;
-  static inline int num_threads_before_ = 0;
-};
-
-Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
-  Workspace workspace(options.workspace_path,
-                      options.input_type.value_or(MapType::kGeometric));
-  if (!options.input_type && !HasAnyMap(workspace, MapType::kGeometric) &&
-      HasAnyMap(workspace, MapType::kPhotometric)) {
-    LOG(WARNING) << options.workspace_path.string()
-                 << ": there are no geometric maps; refining the photometric "
-                    "ones";
-    return Workspace(options.workspace_path, MapType::kPhotometric);
-  }
-  return workspace;
-}
-
-void RethrowFailure(const ImagePipeline& pipeline) {
-  if (pipeline.FirstFailure()) {
-    std::rethrow_exception(pipeline.FirstFailure());
-  }
-}
-
-bool IsComplete(const ImagePipeline& pipeline) {
-  return std::none_of(pipeline.Reports().begin(),
-                      pipeline.Reports().end(),
-                      [](const ImageReport& report) {
-                        return report.outcome == ImageReport::Outcome::kNotDone;
-                      });
-}
 
 bool WasRefinedBefore(ImageRunner& runner, size_t index) {
   try {
@@ -118,23 +61,6 @@ void MarkFailures(const ImagePipeline& pipeline,
   }
 }
 
-std::map<std::string, std::string> RuntimeText(
-    const WorkspaceRefineOptions& options, const RefineDevices& devices) {
-  std::ostringstream cache_size;
-  cache_size << options.cache_size;
-  std::map<std::string, std::string> text = {
-      {"device", options.device},
-      {"gpu_index", options.gpu_index},
-      {"num_threads", std::to_string(options.num_threads)},
-      {"cache_size", cache_size.str()},
-      {"used", devices.description},
-      {"images_at_a_time", std::to_string(devices.workers.size())}};
-  for (const RunSummary::GpuMemory& peak : PeakGpuMemory(devices)) {
-    text["peak_bytes of " + peak.gpu] = std::to_string(peak.num_bytes);
-  }
-  return text;
-}
-
 }  // namespace
 
 void WorkspaceRefineOptions::Check() const {
@@ -151,6 +77,19 @@ void WorkspaceRefineOptions::Check() const {
           "TsarRefine.num_threads: give at least 1, or -1 for all cores");
   require(cache_size > 0.0 && cache_size <= 1e6,
           "TsarRefine.cache_size: give a positive number of gigabytes");
+  const RefinePass chosen = ParsePass(pass);
+  require(
+      chosen != RefinePass::kAll || ParseShard(shard).count == 1,
+      "TsarRefine.shard: a part of the images needs what is observed in the "
+      "others; run TsarRefine.pass observe for all shards, then compose for "
+      "all, then merge");
+  require(chosen != RefinePass::kMerge || shard.empty(),
+          "TsarRefine.shard: TsarRefine.pass merge is for all shards together; "
+          "leave it out");
+  require(
+      chosen == RefinePass::kAll || output_path.empty(),
+      "--output_path: shards refine in place; leave it out, and make a copy "
+      "of links first (cp -as) where the workspace is to stay as it is");
 }
 
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
@@ -160,6 +99,22 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            RefineObserver* observer) {
   workspace_options.Check();
   refine_options.Check();
+  const RefinePass pass = ParsePass(workspace_options.pass);
+  if (observer != nullptr && pass != RefinePass::kAll) {
+    throw Error(ErrorCode::kBadOption,
+                "TsarRefine.debug_path: shards draw no pictures; leave it out, "
+                "or run TsarRefine.pass all");
+  }
+  switch (pass) {
+    case RefinePass::kAll:
+      break;
+    case RefinePass::kObserve:
+    case RefinePass::kCompose:
+      return RefineShard(
+          workspace_options, refine_options, progress, should_stop);
+    case RefinePass::kMerge:
+      return MergeShards(workspace_options, refine_options);
+  }
   const OpenCvWithoutThreads opencv_without_threads;
   const auto start = std::chrono::steady_clock::now();
   Workspace workspace = OpenWorkspace(workspace_options);
@@ -252,13 +207,11 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   const int num_done = summary.num_refined + summary.num_skipped +
                        static_cast<int>(summary.kept.size());
   if (num_done < summary.num_images) {
-    throw Error(ErrorCode::kInterrupted,
-                "interrupted after " + std::to_string(num_done) + " of " +
-                    std::to_string(summary.num_images) +
-                    " images; run the same command again to go on");
+    throw Interrupted(num_done, summary.num_images);
   }
   // Also what a run with other options left behind.
   EvidenceStore::Clear(workspace);
+  RemoveShardRecords(workspace.Root());
   return summary;
 }
 

@@ -28,6 +28,10 @@ struct WorkspaceRefineOptions {
   std::string gpu_index = "-1";  // In CUDA's order, "0,1,3"; -1: every one.
   int num_threads = -1;          // -1: one for each core.
   double cache_size = 32.0;  // Main memory for images at work, in gigabytes.
+  // For several machines: which part of the images, "i/n" with i from 0 on (see
+  // ParseShard), and which pass over them (see ParsePass).
+  std::string shard;
+  std::string pass = "all";
 
   // Throws kBadOption, naming the option.
   void Check() const;
@@ -46,7 +50,10 @@ struct WorkspaceRefineOptions {
 // the images that were done stay done, and the same call goes on from there.
 //
 // observer: where given, is shown what the stages find for each image. The maps
-// are the same, but images that were done before are done again.
+// are the same, but images that were done before are done again. Only for the
+// pass "all".
+//
+// With another pass than "all", see RefineShard and MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,

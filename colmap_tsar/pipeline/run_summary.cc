@@ -41,6 +41,16 @@ std::string Images(int64_t count) {
 }
 
 void PrintImages(const RunSummary& summary, std::ostream& out) {
+  if (summary.pass == RefinePass::kObserve) {
+    out << "Shard " << ToString(summary.shard) << ", "
+        << Images(summary.num_images) << ": " << summary.num_observed
+        << " observed, " << summary.num_skipped
+        << " observed before or not to be observed\n";
+    return;
+  }
+  if (summary.pass == RefinePass::kCompose) {
+    out << "Shard " << ToString(summary.shard) << ", ";
+  }
   out << Images(summary.num_images) << ": " << summary.num_refined
       << " refined";
   if (summary.num_skipped > 0) {
@@ -149,7 +159,18 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
   PrintImages(summary, out);
   if (summary.num_refined > 0) {
     PrintPixels(summary, out);
+  }
+  if (summary.num_refined > 0 && summary.pass != RefinePass::kMerge) {
     PrintTimes(summary, out);
+  }
+  if (summary.pass == RefinePass::kObserve ||
+      summary.pass == RefinePass::kCompose) {
+    const bool has_observed = summary.pass == RefinePass::kObserve;
+    out << "Next, when all shards have been "
+        << (has_observed ? "observed: --TsarRefine.pass compose"
+                         : "composed: --TsarRefine.pass merge")
+        << std::endl;
+    return;
   }
   out << "Next: colmap stereo_fusion --workspace_path "
       << Quoted(summary.workspace_path) << " --input_type "

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/shard.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <cstddef>
@@ -44,10 +45,13 @@ struct RunSummary {
   };
 
   std::filesystem::path workspace_path;  // The one that was written.
+  RefinePass pass = RefinePass::kAll;
+  Shard shard;
   MapType type = MapType::kGeometric;
   std::string device;
   int num_workers = 0;  // Images at a time.
   int num_images = 0;
+  int num_observed = 0;  // Only in a pass that does nothing else.
   int num_refined = 0;
   int num_skipped = 0;
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.

@@ -226,11 +226,12 @@ void LinkOrCopyFile(const std::filesystem::path& source,
     RenameFile(temporary, path);
     return;
   }
-  CopyFile(source, path);
+  CopyFile(source, path, true);
 }
 
 void CopyFile(const std::filesystem::path& source,
-              const std::filesystem::path& path) {
+              const std::filesystem::path& path,
+              bool keeps_time) {
   std::ifstream input(source, std::ios::binary);
   if (!input) {
     throw SystemError(source, "cannot be read", errno);
@@ -240,6 +241,12 @@ void CopyFile(const std::filesystem::path& source,
   // failure.
   if (input.peek() != std::ifstream::traits_type::eof()) {
     copy.Stream() << input.rdbuf();
+  }
+  copy.Prepare();
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(source, error);
+  if (keeps_time && !error) {
+    std::filesystem::last_write_time(TemporaryOf(path), time, error);
   }
   copy.Commit();
 }

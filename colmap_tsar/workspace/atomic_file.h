@@ -48,14 +48,16 @@ class AtomicFile {
 void CreateFolders(const std::filesystem::path& path);
 
 // Gives `path` the content of `source` in one step: as a hard link where the
-// file system can, otherwise as a copy. Replaces an existing file; creates the
-// folder.
+// file system can, otherwise as a copy of the same time. Replaces an existing
+// file; creates the folder.
 void LinkOrCopyFile(const std::filesystem::path& source,
                     const std::filesystem::path& path);
 
-// Replaces `path` by a copy in one step; Error kIo.
+// Replaces `path` by a copy in one step; Error kIo. keeps_time: the copy gets
+// the time of the last change, too, where the file system can.
 void CopyFile(const std::filesystem::path& source,
-              const std::filesystem::path& path);
+              const std::filesystem::path& path,
+              bool keeps_time = false);
 
 // Removes a file where there is one; Error kIo.
 void RemoveFile(const std::filesystem::path& path);

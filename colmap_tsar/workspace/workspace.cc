@@ -71,6 +71,25 @@ std::string SizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
+// Reads what is stored or, where nothing is, the current map. An image that
+// turns out to keep its maps gets what is stored back, perhaps meanwhile.
+template <typename Read>
+auto ReadStoredOrCurrent(const std::filesystem::path& stored,
+                         const std::filesystem::path& current,
+                         const Read& read) {
+  std::error_code error;
+  if (std::filesystem::exists(stored, error)) {
+    try {
+      return read(stored);
+    } catch (const Error&) {
+      if (std::filesystem::exists(stored, error)) {
+        throw;
+      }
+    }
+  }
+  return read(current);
+}
+
 void RequireMap(OriginalState state,
                 const std::filesystem::path& path,
                 const char* kind) {
@@ -175,18 +194,35 @@ Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
 }
 
 DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
-  const OriginalMaps originals = FindOriginals(SourcePaths(image, type));
-  RequireMap(originals.depth_state, originals.depth, "depth");
-  RequireMap(originals.normal_state, originals.normal, "normal");
+  const MapPaths paths = SourcePaths(image, type);
+  OriginalMaps originals;
+  if (!trusts_stored_) {
+    originals = FindOriginals(paths);
+    RequireMap(originals.depth_state, originals.depth, "depth");
+    RequireMap(originals.normal_state, originals.normal, "normal");
+  }
   DepthNormal maps;
   int64_t num_bad_depths = 0;
   int64_t num_bad_normals = 0;
-  maps.depth = ReadDepthMap(originals.depth, &num_bad_depths);
-  maps.normal = ReadNormalMap(originals.normal, &num_bad_normals);
+  const auto read_depth = [&](const std::filesystem::path& path) {
+    return ReadDepthMap(path, &num_bad_depths);
+  };
+  const auto read_normal = [&](const std::filesystem::path& path) {
+    return ReadNormalMap(path, &num_bad_normals);
+  };
+  if (trusts_stored_) {
+    maps.depth =
+        ReadStoredOrCurrent(paths.original_depth, paths.depth, read_depth);
+    maps.normal =
+        ReadStoredOrCurrent(paths.original_normal, paths.normal, read_normal);
+  } else {
+    maps.depth = read_depth(originals.depth);
+    maps.normal = read_normal(originals.normal);
+  }
   maps.num_not_finite = num_bad_depths + num_bad_normals;
   if (!maps.depth.HasSizeOf(maps.normal)) {
     throw Error::File(ErrorCode::kMismatch,
-                      originals.normal.string(),
+                      paths.normal.string(),
                       "the normal map has " +
                           SizeText(maps.normal.Width(), maps.normal.Height()) +
                           " pixels, the depth map " +

@@ -53,6 +53,10 @@ class Workspace {
   std::filesystem::path ConfidencePath(int image, MapType type) const;
   std::filesystem::path ProvenancePath(int image, MapType type) const;
 
+  // From now on, ReadOriginalMaps() takes what is stored where anything is, and
+  // needs no record to find it: for maps at which other programs are at work.
+  void TrustStoredOriginals() { trusts_stored_ = true; }
+
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
 
@@ -71,6 +75,7 @@ class Workspace {
   std::filesystem::path root_;
   std::filesystem::path source_root_;
   bool is_output_ = false;
+  bool trusts_stored_ = false;
   MapType type_;
   SparseModel model_;
   std::vector<StereoProblem> problems_;

@@ -17,7 +17,6 @@
 
 #include <fcntl.h>
 #include <glog/logging.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,7 +24,7 @@ namespace tsar {
 namespace {
 
 // Whether the open file still has the name: the holder before may have removed
-// it between our open() and flock().
+// it between our open() and our lock.
 bool HasName(int descriptor, const std::filesystem::path& path) {
   struct stat opened;
   struct stat named;
@@ -33,25 +32,107 @@ bool HasName(int descriptor, const std::filesystem::path& path) {
          opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
-// Returns 0 or the system's error number.
-int Lock(int descriptor, WorkspaceLock::Mode mode) {
-  if (mode == WorkspaceLock::Mode::kExclusive) {
-    return flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno;
+using Mode = WorkspaceLock::Mode;
+
+// The bytes of the file stand for what can be locked: one for each kind of
+// those that share, then one for each shard. The file itself stays empty.
+constexpr off_t kFirstShard = 16;
+
+struct Range {
+  off_t begin;
+  off_t size;  // 0: to the end of all files.
+};
+
+constexpr Range kEverything = {0, 0};
+
+Range KindOf(Mode mode) { return {static_cast<off_t>(mode), 1}; }
+
+// What the open file itself holds does not count.
+int Control(int descriptor, int command, short type, Range range) {
+  struct flock lock = {};
+  lock.l_type = type;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = range.begin;
+  lock.l_len = range.size;
+  if (fcntl(descriptor, command, &lock) != 0) {
+    return errno == EACCES ? EAGAIN : errno;
   }
-  // A reader that leaves holds the lock alone for a moment.
-  constexpr int kMaxAttempts = 20;
-  for (int i = 1; flock(descriptor, LOCK_SH | LOCK_NB) != 0; ++i) {
-    if (errno != EWOULDBLOCK || i == kMaxAttempts) {
-      return errno;
+  return command == F_OFD_GETLK && lock.l_type != F_UNLCK ? EAGAIN : 0;
+}
+
+// Those of other kinds. Whoever comes sets its own lock before it looks for
+// others, so that of two that come at once one sees the other at least.
+int FindOthers(int descriptor, Mode mode) {
+  for (const Mode other : {Mode::kShared, Mode::kObserve, Mode::kCompose}) {
+    const int reason =
+        other == mode
+            ? 0
+            : Control(descriptor, F_OFD_GETLK, F_WRLCK, KindOf(other));
+    if (reason != 0) {
+      return reason;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return 0;
 }
 
+// Returns 0, EAGAIN where another program is in the way, or another error
+// number of the system.
+int LockOnce(int descriptor, Mode mode) {
+  if (mode == Mode::kExclusive) {
+    return Control(descriptor, F_OFD_SETLK, F_WRLCK, kEverything);
+  }
+  int reason = Control(descriptor, F_OFD_SETLK, F_RDLCK, KindOf(mode));
+  if (reason == 0) {
+    reason = FindOthers(descriptor, mode);
+  }
+  if (reason != 0) {
+    Control(descriptor, F_OFD_SETLK, F_UNLCK, kEverything);
+  }
+  return reason;
+}
+
+int Lock(int descriptor, Mode mode) {
+  // One that leaves holds the lock alone for a moment, and two that come at
+  // once may both step back.
+  constexpr int kMaxAttempts = 20;
+  for (int i = 1;; ++i) {
+    const int reason = LockOnce(descriptor, mode);
+    if (reason != EAGAIN || i == kMaxAttempts || mode == Mode::kExclusive) {
+      return reason;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+Error InUse(const std::filesystem::path& path, Mode mode) {
+  return Error::File(
+      ErrorCode::kUnsupported,
+      path.string(),
+      mode == Mode::kObserve || mode == Mode::kCompose
+          ? "another program, or a shard in the other pass, is working on this "
+            "workspace"
+          : "another program is working on this workspace",
+      "wait until it has ended");
+}
+
+// Whether nothing but the lock lies in the folder.
+bool IsAlone(const std::filesystem::path& path) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(path.parent_path(), error), end;
+       !error && it != end;
+       it.increment(error)) {
+    if (it->path() != path) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
-WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
+WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
+                             Mode mode,
+                             std::optional<int> shard)
     : path_(GetTsarFolder(root) / kFileName), mode_(mode) {
   std::error_code error;
   if (!std::filesystem::is_directory(root / "stereo", error)) {
@@ -60,7 +141,7 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
                       "no such folder, so this is not a dense workspace",
                       "check --workspace_path");
   }
-  if (mode == Mode::kExclusive) {
+  if (mode != Mode::kShared) {
     RequireFoldersInside(root);
   }
   // Some folders can never be made.
@@ -94,14 +175,24 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root, Mode mode)
           std::string("cannot be written (") + std::strerror(errno) + ")",
           "check the permissions there");
     }
-    if (const int reason = Lock(descriptor_, mode); reason != 0) {
-      if (reason == EWOULDBLOCK) {
-        close(descriptor_);
-        throw Error::File(ErrorCode::kUnsupported,
-                          path_.string(),
-                          "another program is working on this workspace",
-                          "wait until it has ended");
-      }
+    int reason = Lock(descriptor_, mode);
+    if (reason == EAGAIN) {
+      close(descriptor_);
+      throw InUse(path_, mode);
+    }
+    if (reason == 0 && shard) {
+      reason =
+          Control(descriptor_, F_OFD_SETLK, F_WRLCK, {kFirstShard + *shard, 1});
+    }
+    if (reason == EAGAIN) {
+      close(descriptor_);
+      throw Error::File(ErrorCode::kUnsupported,
+                        path_.string(),
+                        "another program is working on shard " +
+                            std::to_string(*shard) + " of this workspace",
+                        "wait until it has ended");
+    }
+    if (reason != 0) {
       LOG(WARNING) << path_.string() << ": the file cannot be locked ("
                    << std::strerror(reason)
                    << "); do not start a second program on this workspace";
@@ -115,8 +206,12 @@ WorkspaceLock::~WorkspaceLock() {
     return;
   }
   // The last of those that share it removes the file. Whoever opens it
-  // meanwhile finds that it has lost its name.
-  if (mode_ == Mode::kExclusive || flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
+  // meanwhile finds that it has lost its name; on another machine that can go
+  // unnoticed, so that shards leave it to whoever ends the work of all.
+  const bool is_shard = mode_ == Mode::kObserve || mode_ == Mode::kCompose;
+  if (mode_ == Mode::kExclusive ||
+      ((!is_shard || IsAlone(path_)) &&
+       Control(descriptor_, F_OFD_SETLK, F_WRLCK, kEverything) == 0)) {
     unlink(path_.c_str());
   }
   close(descriptor_);

@@ -4,25 +4,39 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 namespace tsar {
 
 // Held while a program changes a workspace, so that no second one does; or,
-// shared, while programs read one that must not change meanwhile. The system
-// releases the lock also where the program is killed. Throws Error:
+// shared, by programs of one kind that do not disturb each other: those that
+// read one that must not change meanwhile, and the shards of one pass. The
+// system releases the lock also where the program is killed. Throws Error:
 // kUnsupported, naming the file, where another program holds it; kNotFound
 // where there is no stereo folder; kIo; for writing also what
-// RequireFoldersInside throws. On file systems without locks it only
-// warns, and a shared lock also where the file cannot be written.
+// RequireFoldersInside throws. On file systems without locks it only warns, and
+// a reader's lock also where the file cannot be written.
+//
+// These are the locks of fcntl() on parts of one file, which NFS and other file
+// systems of clusters pass on to the server, so that they hold between
+// machines.
 class WorkspaceLock {
  public:
   // In stereo/tsar.
   static constexpr const char* kFileName = "lock";
 
-  enum class Mode { kExclusive, kShared };
+  enum class Mode {
+    kExclusive,
+    kShared,   // Reads.
+    kObserve,  // Works on a shard, in the first pass or
+    kCompose,  // in the second.
+  };
 
+  // shard: its number, from 0 on, for the modes of shards: no other program may
+  // work on it, in whichever pass.
   explicit WorkspaceLock(const std::filesystem::path& root,
-                         Mode mode = Mode::kExclusive);
+                         Mode mode = Mode::kExclusive,
+                         std::optional<int> shard = std::nullopt);
   ~WorkspaceLock();
   WorkspaceLock(const WorkspaceLock&) = delete;
   WorkspaceLock& operator=(const WorkspaceLock&) = delete;

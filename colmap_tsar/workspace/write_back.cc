@@ -191,6 +191,19 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   WriteRecord(paths.record, record);
 }
 
+void StoreOriginals(const Workspace& workspace, int image) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals = FindOriginals(paths);
+  if (!ReadRecord(paths.record)) {
+    // Tells that a map which is found in place later is a newer one.
+    ImageRecord record;
+    FillIn(workspace, image, &record);
+    WriteRecord(paths.record, record);
+  }
+  KeepOriginal(originals.depth_state, paths.depth, paths.original_depth);
+  KeepOriginal(originals.normal_state, paths.normal, paths.original_normal);
+}
+
 bool IsDone(const Workspace& workspace,
             int image,
             const std::string& options_hash) {

@@ -38,6 +38,11 @@ void WriteRefined(const Workspace& workspace,
 // they had been refined by an earlier run, the originals are put back.
 void KeepImage(const Workspace& workspace, int image, ImageRecord record);
 
+// Stores the originals of an image that has maps, and changes nothing else, so
+// that others find them there whatever becomes of the maps. Not for output
+// workspaces, whose originals nobody changes.
+void StoreOriginals(const Workspace& workspace, int image);
+
 // Whether the image was refined with the same options and the files are still
 // what was written then. Images that were kept are not done: what they lacked
 // may have come.

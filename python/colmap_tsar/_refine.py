@@ -28,6 +28,8 @@ class RefineSummary:
     """Images at a time."""
     num_images: int
     """All images of stereo/patch-match.cfg."""
+    num_observed: int
+    """Images that were observed now, by a pass that does nothing else."""
     num_refined: int
     """Images that were refined now."""
     num_skipped: int
@@ -100,6 +102,8 @@ def refine(
     gpu_index: Union[str, int] = "-1",
     num_threads: int = -1,
     cache_size: float = 32.0,
+    shard: str = "",
+    pass_: str = "all",
     progress: Union[bool, Callable[[str], None]] = True,
 ) -> RefineSummary:
     """Completes the depth and normal maps of a dense workspace.
@@ -129,6 +133,9 @@ def refine(
             such as "0,1"; -1 takes every GPU of the machine.
         num_threads: Number of CPU threads; -1: one for each core.
         cache_size: Main memory for the images at work, in gigabytes (10^9 bytes).
+        shard: For several machines with one file system: the part of the images to
+            work on, "i/n" with i from 0 to n - 1 (docs/cluster.md). Empty: all.
+        pass_: What to do of it: "all", "observe", "compose" or "merge".
         progress: True: a line for each image, or now and then, on sys.stderr.
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it
@@ -156,6 +163,8 @@ def refine(
             str(gpu_index),
             num_threads,
             cache_size,
+            shard,
+            pass_,
             report,
             is_terminal,
         )

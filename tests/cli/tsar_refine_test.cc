@@ -155,6 +155,17 @@ TEST_F(TsarRefineTest, APathForPicturesThatIsNoFolderIsOneLine) {
                 {"file"});
 }
 
+TEST_F(TsarRefineTest, ShardsDrawNoPictures) {
+  const auto debug = folder_.Path() / "debug";
+  ExpectFailure({"--TsarRefine.debug_path",
+                 debug.string(),
+                 "--TsarRefine.shard",
+                 "0/2",
+                 "--TsarRefine.pass",
+                 "observe"},
+                {"TsarRefine.debug_path", "shards"});
+}
+
 TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   const std::map<std::string, std::string> paper =
       RefineOptionsText(RefineOptions::Paper());
@@ -190,6 +201,37 @@ TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
   ExpectFailure({"--restore", "1", "--output_path", "out"}, {"--output_path"});
   ExpectFailure({"--output_path", root_.string()}, {"--output_path"});
   EXPECT_THAT(RunRefine({}).err, testing::HasSubstr("--workspace_path"));
+}
+
+TEST_F(TsarRefineTest, WrongShardsAreOneLine) {
+  for (const char* shard : {"3/", "0/0", "-1/2", "1/2x", "2/2"}) {
+    ExpectFailure({"--TsarRefine.pass",
+                   "observe",
+                   std::string("--TsarRefine.shard=") + shard},
+                  {"TsarRefine.shard", "i/n"});
+  }
+  ExpectFailure({"--TsarRefine.shard", "0/2"}, {"TsarRefine.pass observe"});
+  ExpectFailure({"--TsarRefine.pass", "half"}, {"pass", "compose"});
+  ExpectFailure({"--TsarRefine.pass", "compose", "--TsarRefine.shard", "1/2"},
+                {"0, 1 have not", "pass observe"});
+  ExpectFailure({"--TsarRefine.pass", "merge"}, {"4 of 4 images"});
+}
+
+TEST_F(TsarRefineTest, RefinesInShards) {
+  const auto before = ReadTree(root_);
+  for (const char* pass : {"observe", "compose"}) {
+    for (const char* shard : {"0/2", "1/2"}) {
+      const Outcome outcome =
+          Run({"--TsarRefine.pass", pass, "--TsarRefine.shard", shard});
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+      EXPECT_THAT(outcome.out, testing::HasSubstr("Shard "));
+    }
+  }
+  const Outcome merged = Run({"--TsarRefine.pass", "merge"});
+  EXPECT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_THAT(merged.out, testing::HasSubstr("4 images: 4 refined\n"));
+  EXPECT_EQ(Run({"--restore", "1"}).exit_code, 0);
+  EXPECT_TRUE(ReadTree(root_) == before);
 }
 
 TEST_F(TsarRefineTest, BrokenWorkspacesAreOneLine) {

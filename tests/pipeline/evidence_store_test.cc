@@ -225,5 +225,49 @@ TEST_F(EvidenceStoreTest, ManyThreadsGetWhatTheyAskFor) {
   EXPECT_NE(store.Get(1), nullptr);
 }
 
+TEST_F(EvidenceStoreTest, ExpectedEvidenceCountsWhateverTheFilesAre) {
+  const Workspace workspace = Open();
+  Write(1);
+  const std::string fingerprint =
+      EvidenceStore(workspace, kOptions, 4).Fingerprint(1);
+  Touch(workspace.DepthPath(1, MapType::kGeometric));
+  EXPECT_FALSE(IsCurrent(1));
+
+  EvidenceStore store(workspace, kOptions, 4);
+  store.Expect({{1, fingerprint}});
+  EXPECT_TRUE(store.IsCurrent(1));
+  EXPECT_NE(store.Get(1), nullptr);
+  EXPECT_FALSE(store.IsCurrent(0));
+  EXPECT_EQ(store.Get(0), nullptr);
+
+  store.Expect({{1, fingerprint + "0"}, {2, fingerprint}});
+  for (const int image : {1, 2}) {
+    ExpectError(ErrorCode::kMismatch, {".geometric.bin", "observe"}, [&] {
+      store.IsCurrent(image);
+    });
+  }
+}
+
+TEST_F(EvidenceStoreTest, FilesOfEveryImageAreInOneFingerprint) {
+  // Of "left/b.png" and "c.png" alone, with "a.png" as a source.
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "left/b.png\na.png, c.png\nc.png\nleft/b.png\n");
+  const auto fingerprints = [&] {
+    const Workspace workspace = Open();
+    EvidenceStore store(workspace, kOptions, 4);
+    return std::pair(store.FingerprintOfFiles(1), store.FingerprintOfFiles(2));
+  };
+  const auto before = fingerprints();
+  EXPECT_EQ(fingerprints(), before);
+  const Workspace workspace = Open();
+  Touch(workspace.NormalPath(0, MapType::kPhotometric));
+  const auto source_changed = fingerprints();
+  EXPECT_NE(source_changed.first, before.first);
+  EXPECT_EQ(source_changed.second, before.second);
+  Touch(workspace.DepthPath(2, MapType::kGeometric));
+  EXPECT_EQ(fingerprints().first, source_changed.first);
+  EXPECT_NE(fingerprints().second, before.second);
+}
+
 }  // namespace
 }  // namespace tsar

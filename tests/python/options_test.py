@@ -28,8 +28,10 @@ class OptionsTest(unittest.TestCase):
         expected = defaults_of_help()
         refine = inspect.signature(colmap_tsar.refine).parameters
         self.assertEqual(expected.pop("preset"), "default")
-        for name in ("device", "gpu_index", "num_threads", "cache_size"):
-            default = refine[name].default
+        self.assertEqual(refine["shard"].default, "")  # The help shows no empty one.
+        for name in ("device", "gpu_index", "num_threads", "cache_size", "pass"):
+            name_here = "pass_" if name == "pass" else name
+            default = refine[name_here].default
             written = default if isinstance(default, str) else f"{default:g}"
             self.assertEqual(expected.pop(name), written, name)
         values = RefineOptions().todict()

@@ -98,6 +98,16 @@ class RefineTest(SampleTest):
         with self.assertRaises(colmap_tsar.UnsupportedError):
             colmap_tsar.restore(output)
 
+    def test_shards_give_the_same_bytes(self):
+        other = self.new_workspace("whole")
+        refine(other, self.quick)
+        for pass_name in ("observe", "compose"):
+            for shard in ("0/2", "1/2"):
+                refine(self.workspace, self.quick, shard=shard, pass_=pass_name)
+        summary = refine(self.workspace, self.quick, pass_="merge")
+        self.assertEqual(summary.num_refined, self.num_images)
+        self.assertEqual(results(self.workspace), results(other))
+
     def test_progress_goes_where_it_is_wanted(self):
         lines = []
         refine(self.workspace, self.quick, progress=lines.append)

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/workspace/atomic_file.h"
 
+#include <chrono>
 #include <csignal>
 
 #include "tests/workspace/test_workspace.h"
@@ -172,6 +173,20 @@ TEST(CopyFileTest, CopiesAlsoEmptyFiles) {
   ExpectError(ErrorCode::kIo, {missing.string()}, [&] {
     CopyFile(missing, folder.Path() / "target");
   });
+}
+
+TEST(CopyFileTest, KeepsTheTimeWhereItIsToldTo) {
+  const TemporaryFolder folder;
+  const std::filesystem::path source = folder.Path() / "source";
+  WriteText(source, "content");
+  const auto time =
+      std::filesystem::last_write_time(source) - std::chrono::hours(5);
+  std::filesystem::last_write_time(source, time);
+  CopyFile(source, folder.Path() / "same", true);
+  EXPECT_EQ(std::filesystem::last_write_time(folder.Path() / "same"), time);
+  EXPECT_EQ(ReadText(folder.Path() / "same"), "content");
+  CopyFile(source, folder.Path() / "newer");
+  EXPECT_NE(std::filesystem::last_write_time(folder.Path() / "newer"), time);
 }
 
 TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {

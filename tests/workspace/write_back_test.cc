@@ -217,6 +217,46 @@ TEST_F(WriteBackTest, RestoresAfterAnInterruptionAnywhere) {
 }
 
 // The depth map was renamed, the normal map not yet.
+TEST_F(WriteBackTest, StoredOriginalsAreReadWhateverBecomesOfTheMaps) {
+  StoreOriginals(workspace(), 1);
+  StoreOriginals(workspace(), 1);  // As a run that goes on does.
+  EXPECT_EQ(CurrentDepth(1), 4.f);
+  EXPECT_FALSE(IsDone(workspace(), 1, "options"));
+  // Another program, which this one cannot see, gives the maps other content.
+  const MapPaths paths = workspace().Paths(1, kGeometric);
+  Workspace trusting = workspace();
+  trusting.TrustStoredOriginals();
+  const float other_original = OriginalDepth(0);
+  WriteBack write_back(workspace(), 1, Record());
+  write_back.PrepareFiles(MakeRefinedMaps(42.f));
+  for (const auto& step : {&WriteBack::KeepOriginals,
+                           &WriteBack::RecordWriting,
+                           &WriteBack::RenameFiles}) {
+    (write_back.*step)();
+    EXPECT_EQ(trusting.ReadOriginalMaps(1, kGeometric).depth(0, 0), 4.f);
+  }
+  std::filesystem::remove(paths.record);
+  EXPECT_EQ(trusting.ReadOriginalMaps(1, kGeometric).depth(0, 0), 4.f);
+  // An image of which nothing is stored has its original in place.
+  EXPECT_EQ(trusting.ReadOriginalMaps(0, kGeometric).depth(0, 0),
+            other_original);
+  std::filesystem::remove(workspace().Paths(0, kGeometric).depth);
+  EXPECT_THROW(trusting.ReadOriginalMaps(0, kGeometric), Error);
+}
+
+TEST_F(WriteBackTest, StoringOriginalsCanBeUndoneAndNewerMapsCount) {
+  const auto before = Snapshot(root_);
+  StoreOriginals(workspace(), 1);
+  {
+    const WorkspaceLock lock(root_);
+    Restore(root_);
+  }
+  EXPECT_EQ(Snapshot(root_), before);
+  StoreOriginals(workspace(), 1);
+  WriteTestMaps(root_, "left/b.png", kGeometric, 9.f);
+  EXPECT_EQ(OriginalDepth(1), 9.f);
+}
+
 TEST_F(WriteBackTest, FindsTheOriginalsBetweenTwoRenames) {
   const std::string normal = ReadText(workspace().NormalPath(0, kGeometric));
   WriteBack write_back(workspace(), 0, Record());

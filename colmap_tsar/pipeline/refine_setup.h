@@ -1,0 +1,50 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/image_pipeline.h"
+#include "colmap_tsar/pipeline/refine_devices.h"
+#include "colmap_tsar/pipeline/refine_workspace.h"
+#include "colmap_tsar/workspace/workspace.h"
+
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace tsar {
+
+// What runs over all images of a workspace and over a part of them share.
+
+// While one of these lives, OpenCV uses no threads of its own: images are
+// worked on side by side, and its threads would only compete with them. The
+// number is the whole process's, so that the last one puts it back.
+class OpenCvWithoutThreads {
+ public:
+  OpenCvWithoutThreads();
+  ~OpenCvWithoutThreads();
+  OpenCvWithoutThreads(const OpenCvWithoutThreads&) = delete;
+  OpenCvWithoutThreads& operator=(const OpenCvWithoutThreads&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline int num_alive_ = 0;
+  static inline int num_threads_before_ = 0;
+};
+
+// With the type of maps that was asked for, or that there is.
+Workspace OpenWorkspace(const WorkspaceRefineOptions& options);
+
+// For the account of the run: what it was done with.
+std::map<std::string, std::string> RuntimeText(
+    const WorkspaceRefineOptions& options, const RefineDevices& devices);
+
+// Throws the failure that came first, if there was one.
+void RethrowFailure(const ImagePipeline& pipeline);
+// Whether no image is left to be done.
+bool IsComplete(const ImagePipeline& pipeline);
+// For a run that the user stopped.
+Error Interrupted(int num_done, int num_images);
+
+}  // namespace tsar

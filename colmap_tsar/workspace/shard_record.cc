@@ -1,0 +1,204 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/shard_record.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/map_paths.h"
+
+#include <array>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+using State = ShardRecord::State;
+
+constexpr std::array kStateNames = {
+    std::pair(State::kNeeded, "needed"),
+    std::pair(State::kObserved, "observed"),
+    std::pair(State::kNothing, "nothing"),
+    std::pair(State::kNotNeeded, "not_needed"),
+    std::pair(State::kComposed, "composed"),
+};
+
+State StateFromString(const std::string& text) {
+  for (const auto& [state, name] : kStateNames) {
+    if (text == name) {
+      return state;
+    }
+  }
+  throw std::invalid_argument(text);
+}
+
+// What the first option that differs is, on both sides.
+std::string DifferenceOf(const std::map<std::string, std::string>& own,
+                         const std::map<std::string, std::string>& other) {
+  for (const auto& [name, value] : own) {
+    const auto found = other.find(name);
+    if (found == other.end() || found->second != value) {
+      return "with TsarRefine." + name + " " +
+             (found == other.end() ? "missing" : found->second) +
+             ", this one " + "with " + value;
+    }
+  }
+  return "with other options";
+}
+
+}  // namespace
+
+std::filesystem::path GetShardFolder(const std::filesystem::path& root) {
+  return GetTsarFolder(root) / "shards";
+}
+
+std::filesystem::path GetShardPath(const std::filesystem::path& root,
+                                   const std::string& pass,
+                                   int index,
+                                   int count) {
+  return GetShardFolder(root) / (pass + "-" + std::to_string(index) + "-of-" +
+                                 std::to_string(count) + ".json");
+}
+
+ShardRecord ReadShardRecord(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "this shard has not been run",
+                      "run it");
+  }
+  try {
+    const nlohmann::json json = nlohmann::json::parse(file);
+    ShardRecord record;
+    record.version = json.at("version").get<std::string>();
+    record.type = json.at("type").get<std::string>();
+    record.options =
+        json.at("options").get<std::map<std::string, std::string>>();
+    record.options_hash = json.at("options_hash").get<std::string>();
+    record.images_hash = json.at("images_hash").get<std::string>();
+    record.pass = json.at("pass").get<std::string>();
+    record.index = json.at("index").get<int>();
+    record.count = json.at("count").get<int>();
+    record.is_complete = json.at("is_complete").get<bool>();
+    record.runtime =
+        json.at("runtime").get<std::map<std::string, std::string>>();
+    for (const nlohmann::json& image : json.at("images")) {
+      record.images.push_back({image.at("image").get<std::string>(),
+                               StateFromString(image.at("state")),
+                               image.at("evidence").get<std::string>(),
+                               image.at("files").get<std::string>(),
+                               image.at("note").get<std::string>()});
+    }
+    return record;
+  } catch (const nlohmann::json::exception&) {
+  } catch (const std::invalid_argument&) {
+  }
+  throw Error::File(ErrorCode::kCorrupt,
+                    path.string(),
+                    "not a record of a shard",
+                    "delete it and run this pass of the shard again");
+}
+
+void WriteShardRecord(const std::filesystem::path& root,
+                      const ShardRecord& record) {
+  nlohmann::json images = nlohmann::json::array();
+  for (const ShardRecord::Entry& entry : record.images) {
+    images.push_back(
+        {{"image", entry.image},
+         {"state", kStateNames[static_cast<size_t>(entry.state)].second},
+         {"evidence", entry.evidence},
+         {"files", entry.files},
+         {"note", entry.note}});
+  }
+  const nlohmann::json json = {{"version", record.version},
+                               {"type", record.type},
+                               {"options", record.options},
+                               {"options_hash", record.options_hash},
+                               {"images_hash", record.images_hash},
+                               {"pass", record.pass},
+                               {"index", record.index},
+                               {"count", record.count},
+                               {"is_complete", record.is_complete},
+                               {"runtime", record.runtime},
+                               {"images", images}};
+  CreateFolders(GetShardFolder(root));
+  AtomicFile file(GetShardPath(root, record.pass, record.index, record.count));
+  file.Stream() << json.dump(
+                       2, ' ', false, nlohmann::json::error_handler_t::replace)
+                << "\n";
+  file.Commit();
+}
+
+std::map<std::filesystem::path, ShardRecord> ListShardRecords(
+    const std::filesystem::path& root) {
+  std::map<std::filesystem::path, ShardRecord> records;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(GetShardFolder(root), error), end;
+       !error && it != end;
+       it.increment(error)) {
+    if (it->path().extension() != ".json") {
+      continue;  // What a killed program left behind.
+    }
+    try {
+      records.emplace(it->path(), ReadShardRecord(it->path()));
+    } catch (const Error& failure) {
+      // Its shard may have removed it meanwhile.
+      if (failure.Code() != ErrorCode::kNotFound) {
+        throw;
+      }
+    }
+  }
+  return records;
+}
+
+void RemoveShardRecords(const std::filesystem::path& root) {
+  const std::filesystem::path folder = GetShardFolder(root);
+  std::filesystem::path removed = folder;
+  removed += ".removed";
+  std::error_code error;
+  std::filesystem::remove_all(removed, error);
+  if (std::filesystem::exists(folder)) {
+    RenameFile(folder, removed);
+    std::filesystem::remove_all(removed, error);
+  }
+  if (error) {
+    throw Error::File(ErrorCode::kIo,
+                      removed.string(),
+                      "cannot be removed: " + error.message(),
+                      "remove the folder by hand");
+  }
+}
+
+void RequireSameWork(const ShardRecord& own,
+                     const ShardRecord& other,
+                     const std::filesystem::path& path_of_other) {
+  std::string difference;
+  if (other.count != own.count) {
+    difference = "as one of " + std::to_string(other.count) +
+                 ", this one as one of " + std::to_string(own.count);
+  } else if (other.version != own.version) {
+    difference = "by version " + other.version + ", this one by " + own.version;
+  } else if (other.type != own.type) {
+    difference = "on " + other.type + " maps, this one on " + own.type;
+  } else if (other.options_hash != own.options_hash) {
+    difference = DifferenceOf(own.options, other.options);
+  } else if (other.images_hash != own.images_hash) {
+    difference = "when patch-match.cfg named other images or sources";
+  }
+  if (!difference.empty()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path_of_other.string(),
+                      "that shard was run " + difference,
+                      "run all alike, or delete the folder " +
+                          path_of_other.parent_path().string() +
+                          " to begin anew");
+  }
+}
+
+}  // namespace tsar
