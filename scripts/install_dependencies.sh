@@ -6,10 +6,11 @@
 # Made for Debian 12 and Ubuntu 24.04; run as root or as a user with sudo. Does
 # nothing, and needs no network, where all of them are there already.
 #
-#   scripts/install_dependencies.sh [--browser]
+#   scripts/install_dependencies.sh [--tests]
 #
-#   --browser   also Chromium, by which a test looks at the page of tsar_report;
-#               without it that test is skipped
+#   --tests   also what only scripts/test.sh needs: Clang for the fuzzers, and
+#             Chromium, by which a test looks at the page of tsar_report;
+#             without Chromium that test is skipped
 #
 # The CUDA toolkit is not among them: where nvcc is found it is used, elsewhere
 # the same program is built for the CPU alone.
@@ -17,11 +18,11 @@ set -euo pipefail
 
 source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
 
-with_browser=0
+for_tests=0
 for argument in "$@"; do
   case $argument in
-    --browser) with_browser=1 ;;
-    *) echo "usage: scripts/install_dependencies.sh [--browser]" >&2
+    --tests) for_tests=1 ;;
+    *) echo "usage: scripts/install_dependencies.sh [--tests]" >&2
        exit 2 ;;
   esac
 done
@@ -43,9 +44,6 @@ packages=(
   liblz4-dev
   libopencv-dev
   nlohmann-json3-dev
-  # The fuzzers, which the preset fuzz builds.
-  clang
-  libclang-rt-dev
   # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.
   libbenchmark-dev
   # The Python module, which -DTSAR_PYTHON=ON builds. python3-venv is for its
@@ -74,9 +72,12 @@ case $distribution in
           "and Ubuntu 24.04); going on with their package names" >&2 ;;
 esac
 
+if ((for_tests)); then
+  packages+=(clang libclang-rt-dev)
+fi
 install_packages "${packages[@]}"
 # Ubuntu's package of Chromium only asks for a snap.
-if ((with_browser)) && [[ $distribution != ubuntu-* ]]; then
+if ((for_tests)) && [[ $distribution != ubuntu-* ]]; then
   install_packages chromium chromium-driver python3-selenium ||
     echo "install_dependencies: no Chromium; the test of tsar_report's page" \
          "will be skipped" >&2

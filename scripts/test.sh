@@ -17,7 +17,7 @@
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-scripts/install_dependencies.sh --browser
+scripts/install_dependencies.sh --tests
 if [[ ${CI:-} == true ]]; then
   source scripts/apt.sh
   install_packages slurm-wlm snakemake ||

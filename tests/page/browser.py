@@ -57,7 +57,7 @@ class Browser:
     def __init__(self):
         chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
         if not chromium or not driver:
-            print("SKIPPED: no Chromium with its driver; see install_dependencies.sh --browser")
+            print("SKIPPED: no Chromium with its driver; see install_dependencies.sh --tests")
             sys.exit(SKIPPED)
         options = Options()
         options.binary_location = chromium
