@@ -88,11 +88,13 @@ std::optional<MapSize> CheckMaps(const Workspace& workspace,
 void CheckCosts(const Workspace& workspace,
                 int image,
                 MapType type,
-                const MapSize& depth_size) {
+                const MapSize& depth_size,
+                WorkspaceOverview* overview) {
   const std::filesystem::path path = workspace.CostPath(image, type);
   const std::optional<MapSize> size = CheckMap(path, {}, 2);
   if (size) {
     RequireSameSize(path, *size, depth_size);
+    overview->has_costs = true;
   }
 }
 
@@ -125,7 +127,7 @@ bool CheckImage(const Workspace& workspace,
     return false;
   }
   CheckImageFile(workspace.ImagePath(image));
-  CheckCosts(workspace, image, type, *size);
+  CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
   if (workspace.HasMaps(image, other)) {
@@ -133,7 +135,8 @@ bool CheckImage(const Workspace& workspace,
         CheckMaps(workspace, image, other);
     RequireSameSize(
         workspace.SourcePaths(image, other).depth, *other_size, *size);
-    CheckCosts(workspace, image, other, *size);
+    CheckCosts(workspace, image, other, *size, overview);
+    overview->has_other_type = true;
   }
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
