@@ -6,7 +6,7 @@ import math
 from xml.sax.saxutils import escape
 
 WIDTH, HEIGHT = 640, 220  # Of one curve's panel.
-LEFT, RIGHT, TOP, BOTTOM = 60, 20, 34, 40
+LEFT, RIGHT, TOP, BOTTOM = 60, 30, 34, 40
 COLORS = ("#1f6fb4", "#c4541a")
 
 

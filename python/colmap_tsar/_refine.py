@@ -128,7 +128,8 @@ def refine(
         gpu_index: The GPUs to use, as numbers from 0 on with commas between them,
             such as "0,1"; -1 takes every GPU of the machine.
         num_threads: Number of CPU threads; -1: one for each core.
-        cache_size: Main memory for the images at work, in gigabytes (10^9 bytes).
+        cache_size: Main memory for the images at work, in gigabytes (10^9 bytes);
+            at most four fifths of the machine's count.
         progress: True: a line for each image, or now and then, on sys.stderr.
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it
