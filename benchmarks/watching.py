@@ -18,8 +18,11 @@ POLL_SECONDS = 0.2
 
 @dataclass
 class Usage:
-    """What a program took. Memory in MiB; gpu_memory is None without a GPU."""
+    """What a program took. Memory in MiB; gpu_memory is None without a GPU.
+    cpu_seconds are those of all its threads, which other programs on the
+    machine do not lengthen."""
     seconds: float
+    cpu_seconds: float
     host_memory: float
     gpu_memory: float | None
 
@@ -99,4 +102,5 @@ def watch(command, environment=None):
             raise CommandFailed(describe_failure(
                 command, process.returncode, output.read()))
     # Linux gives the largest resident size in KiB.
-    return Usage(seconds, resources.ru_maxrss / 1024, gpu.peak)
+    return Usage(seconds, resources.ru_utime + resources.ru_stime,
+                 resources.ru_maxrss / 1024, gpu.peak)

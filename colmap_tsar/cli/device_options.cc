@@ -18,8 +18,9 @@ void AddDeviceOptions(const std::string& group,
                "them, such as 0,1; -1 takes every GPU of the machine.");
   options->Add(group + "cache_size",
                &run->cache_size,
-               "Main memory for the images at work, in gigabytes. Fewer images "
-               "are worked on at a time where it does not suffice.",
+               "Main memory for the images at work, in gigabytes; at most four "
+               "fifths of the machine's count. Fewer images are worked on at a "
+               "time where it does not suffice.",
                {0.001, 1e6});
 }
 

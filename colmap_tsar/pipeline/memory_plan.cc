@@ -12,8 +12,12 @@
 namespace tsar {
 namespace {
 
-// Colour 3, depth 4, normal 12, two costs 8.
-constexpr int64_t kBytesPerViewPixel = 27;
+// Colour 3, depth 4, normal 12.
+constexpr int64_t kBytesPerViewPixel = 19;
+constexpr int64_t kBytesPerCostsPixel = 8;
+// The hypotheses of the other type: depth 4, normal 12.
+constexpr int64_t kBytesPerOtherPixel = 16;
+constexpr int64_t kBytesPerColorPixel = 3;
 // Depth 4, normal 12, confidence 4, provenance 1; the rest is for encoding.
 constexpr int64_t kBytesPerResultPixel = 24;
 // Gray 4, depth 4.
@@ -61,7 +65,20 @@ std::string Gigabytes(int64_t num_bytes) {
 }  // namespace
 
 int64_t ViewBytes(const WorkspaceOverview& overview) {
-  return overview.max_num_pixels * kBytesPerViewPixel;
+  return overview.max_num_pixels *
+         (kBytesPerViewPixel + (overview.has_costs ? kBytesPerCostsPixel : 0));
+}
+
+int64_t LoadBytes(const WorkspaceOverview& overview) {
+  const int64_t for_maps =
+      overview.max_num_pixels *
+      ((overview.has_other_type ? kBytesPerOtherPixel : 0) +
+       (overview.has_costs ? kBytesPerCostsPixel : 0));
+  // As it was decoded, and as it was scaled.
+  const int64_t for_color =
+      kBytesPerColorPixel *
+      (overview.max_num_image_pixels + overview.max_num_pixels);
+  return std::max(for_maps, for_color);
 }
 
 int64_t ResultBytes(const WorkspaceOverview& overview) {

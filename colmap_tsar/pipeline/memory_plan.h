@@ -16,8 +16,12 @@ constexpr int kMaxGpuWorkers = 2;
 // What the images at work take of the memories, in bytes. Every number holds
 // for the largest map of the workspace and the image with most sources.
 
-// A view in main memory: colour, depth, normal and two exported costs.
+// A view in main memory: colour, depth, normal and, where there are any, two
+// exported costs.
 int64_t ViewBytes(const WorkspaceOverview& overview);
+
+// What reading a view takes at most in main memory beside the view itself.
+int64_t LoadBytes(const WorkspaceOverview& overview);
 
 // An image on its way from a worker to the disk: its refined maps with their
 // encoded files, or what was measured in it.

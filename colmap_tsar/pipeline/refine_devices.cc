@@ -6,13 +6,13 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
-#include "colmap_tsar/pipeline/view_data.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -22,6 +22,9 @@ namespace tsar {
 namespace {
 
 constexpr double kBytesPerGigabyte = 1e9;
+// Of the machine's memory; the rest is for the system, its cache of files that
+// are read and written, and what the plan does not count.
+constexpr double kUsableShare = 0.8;
 
 // Reading and writing an image each take up to ten times as long as one GPU
 // needs for it with its two workers.
@@ -257,6 +260,7 @@ PipelineSizes CpuSizes(int num_files_threads, size_t /*num_workers*/) {
 // which is with a worker, waits, or is being written, and what is only there
 // while a view is read.
 int64_t BytesBesideViews(const WorkspaceOverview& overview,
+                         int num_images,
                          int64_t work_bytes,
                          size_t num_workers,
                          bool finds_scenes_ahead,
@@ -272,21 +276,22 @@ int64_t BytesBesideViews(const WorkspaceOverview& overview,
       finds_scenes_ahead ? static_cast<size_t>(sizes.num_loaders)
                          : num_workers);
   const auto num_results =
-      static_cast<int64_t>(num_workers + sizes.max_finished) +
-      sizes.num_writers;
+      std::min<int64_t>(num_images,
+                        static_cast<int64_t>(num_workers + sizes.max_finished) +
+                            sizes.num_writers);
   return work_bytes + EvidenceBytes(overview, num_scenes) +
          num_discoveries * DiscoveryBytes(overview) +
          num_results * ResultBytes(overview) +
-         sizes.num_loaders *
-             LoadBytes(overview.max_num_pixels, overview.max_num_image_pixels);
+         sizes.num_loaders * LoadBytes(overview);
 }
 
 // As many as have memory beside one thread that reads and one that writes.
 int NumCpuWorkers(const WorkspaceOverview& overview,
+                  int num_images,
                   int64_t budget,
                   int max_num_workers) {
   const int64_t for_files =
-      BytesBesideViews(overview, 0, 0, false, CpuSizes(1, 0));
+      BytesBesideViews(overview, num_images, 0, 0, false, CpuSizes(1, 0));
   const int64_t for_one = WorkBytes(overview) + ResultBytes(overview) +
                           BytesForViews(overview) + DiscoveryBytes(overview) +
                           EvidenceBytes(overview, 1) -
@@ -297,46 +302,140 @@ int NumCpuWorkers(const WorkspaceOverview& overview,
                           max_num_workers));
 }
 
-// Sets the number of threads for files, fewer where the views of one image
-// would not fit beside what they hold, and what is left for views.
-void DivideMemory(const WorkspaceOverview& overview,
-                  int64_t budget,
-                  int64_t work_bytes,
-                  int max_num_files_threads,
-                  PipelineSizes (*make_sizes)(int, size_t),
-                  RefineDevices* result) {
-  const size_t num_workers = result->workers.size();
-  int64_t rest = 0;
-  for (int num_threads = max_num_files_threads; num_threads > 0;
-       --num_threads) {
-    result->sizes = make_sizes(num_threads, num_workers);
-    rest = budget - BytesBesideViews(overview,
-                                     work_bytes,
-                                     num_workers,
-                                     result->finds_scenes_ahead,
-                                     result->sizes);
-    if (rest >= BytesForViews(overview)) {
-      break;
+// What the machine's main memory and the user allow.
+struct MemoryBudget {
+  int64_t num_bytes = 0;
+  int64_t machine_bytes = 0;
+
+  MemoryBudget(double cache_size, int64_t machine)
+      : num_bytes(static_cast<int64_t>(
+            std::min(cache_size * kBytesPerGigabyte,
+                     kUsableShare * static_cast<double>(machine)))),
+        machine_bytes(machine) {}
+
+  bool IsBoundByMachine(double cache_size) const {
+    return kUsableShare * static_cast<double>(machine_bytes) <
+           cache_size * kBytesPerGigabyte;
+  }
+};
+
+double Gigabytes(int64_t num_bytes) {
+  return static_cast<double>(num_bytes) / kBytesPerGigabyte;
+}
+
+// To a tenth, and not less.
+std::string GigabytesText(int64_t num_bytes) {
+  std::ostringstream text;
+  text << std::ceil(Gigabytes(num_bytes) * 10) / 10 << " GB";
+  return text.str();
+}
+
+std::string WhatNeeds(const WorkspaceOverview& overview, int64_t needed) {
+  return "an image of this workspace with its " +
+         std::to_string(overview.max_num_sources) +
+         " source images, beside the results of the images at work, needs " +
+         GigabytesText(needed) + " of main memory at a time";
+}
+
+// Divides main memory between the threads for files and the views.
+class MemoryDivision {
+ public:
+  // num_cpu_workers: 0 where GPUs compute.
+  MemoryDivision(const WorkspaceOverview& overview,
+                 int num_images,
+                 int num_cpu_workers,
+                 PipelineSizes (*make_sizes)(int, size_t))
+      : overview_(overview),
+        num_images_(num_images),
+        num_cpu_workers_(num_cpu_workers),
+        make_sizes_(make_sizes) {}
+
+  // Sets the number of threads for files, fewer where the views of one image
+  // would not fit beside what they hold, and what is left for views. Throws
+  // kOutOfMemory where the machine cannot hold even these.
+  void Divide(const MemoryBudget& budget,
+              double cache_size,
+              int max_num_files_threads,
+              RefineDevices* result) const {
+    const size_t num_workers = result->workers.size();
+    int64_t rest = 0;
+    for (int num_threads = max_num_files_threads; num_threads > 0;
+         --num_threads) {
+      result->sizes = make_sizes_(num_threads, num_workers);
+      rest =
+          budget.num_bytes - BytesBeside(overview_, num_workers, result->sizes);
+      if (rest >= BytesForViews(overview_)) {
+        break;
+      }
+    }
+    result->cache_num_bytes = static_cast<size_t>(std::max<int64_t>(rest, 0));
+    const int64_t needed = budget.num_bytes + BytesForViews(overview_) - rest;
+    if (needed > budget.machine_bytes) {
+      throw Error(ErrorCode::kOutOfMemory,
+                  WhatNeeds(overview_, needed) + ", and this machine gives " +
+                      GigabytesText(budget.machine_bytes) +
+                      "; run patch_match_stereo with fewer source images or a "
+                      "smaller --PatchMatchStereo.max_image_size" +
+                      WhatFits(budget.machine_bytes, needed, num_workers));
+    }
+    if (needed > budget.num_bytes) {
+      LOG(WARNING) << WhatNeeds(overview_, needed) << ", more than "
+                   << LimitText(budget, cache_size)
+                   << "; the run takes that much. If it is not there, run "
+                      "patch_match_stereo with fewer source images or a "
+                      "smaller --PatchMatchStereo.max_image_size";
     }
   }
-  result->cache_num_bytes = static_cast<size_t>(std::max<int64_t>(rest, 0));
-  const int64_t missing = BytesForViews(overview) - rest;
-  if (missing > 0) {
-    const double needed =
-        static_cast<double>(budget + missing) / kBytesPerGigabyte;
-    LOG(WARNING) << "an image of this workspace with its "
-                 << overview.max_num_sources
-                 << " source images, beside the results of the images at work, "
-                    "needs "
-                 << std::ceil(needed * 10) / 10
-                 << " GB of main memory at a time, more than "
-                    "--TsarRefine.cache_size "
-                 << static_cast<double>(budget) / kBytesPerGigabyte
-                 << "; the run takes that much. If it is not there, run "
-                    "patch_match_stereo with fewer source images or a smaller "
-                    "--PatchMatchStereo.max_image_size";
+
+ private:
+  int64_t BytesBeside(const WorkspaceOverview& overview,
+                      size_t num_workers,
+                      const PipelineSizes& sizes) const {
+    return BytesBesideViews(overview,
+                            num_images_,
+                            num_cpu_workers_ * WorkBytes(overview),
+                            num_workers,
+                            num_cpu_workers_ == 0,
+                            sizes);
   }
-}
+
+  static std::string LimitText(const MemoryBudget& budget, double cache_size) {
+    std::ostringstream text;
+    if (budget.IsBoundByMachine(cache_size)) {
+      text << "four fifths of the " << GigabytesText(budget.machine_bytes)
+           << " that this machine gives";
+    } else {
+      text << "--TsarRefine.cache_size " << cache_size;
+    }
+    return text.str();
+  }
+
+  // The largest maps for which the machine's memory is enough, in a bracket.
+  std::string WhatFits(int64_t machine_bytes,
+                       int64_t needed,
+                       size_t num_workers) const {
+    constexpr int64_t kMegapixel = 1000000;
+    // What does not grow with the maps makes this too many at first.
+    auto megapixels = static_cast<int64_t>(
+        Gigabytes(machine_bytes) / Gigabytes(needed) *
+        static_cast<double>(overview_.max_num_pixels / kMegapixel));
+    for (; megapixels > 0; --megapixels) {
+      WorkspaceOverview smaller = overview_;
+      smaller.max_num_pixels = megapixels * kMegapixel;
+      if (BytesBeside(smaller, num_workers, make_sizes_(1, num_workers)) +
+              BytesForViews(smaller) <=
+          machine_bytes) {
+        return " (maps of " + std::to_string(megapixels) + " megapixels fit)";
+      }
+    }
+    return "";
+  }
+
+  const WorkspaceOverview& overview_;
+  const int num_images_;
+  const int num_cpu_workers_;
+  PipelineSizes (*const make_sizes_)(int, size_t);
+};
 
 }  // namespace
 
@@ -349,26 +448,27 @@ GpuSystem GpuSystem::Cuda() {
 RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
                                   const WorkspaceOverview& overview,
                                   int num_images,
-                                  const GpuSystem& gpus) {
+                                  const GpuSystem& gpus,
+                                  int64_t machine_bytes) {
   const int num_threads =
       options.num_threads > 0
           ? options.num_threads
           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const auto budget =
-      static_cast<int64_t>(options.cache_size * kBytesPerGigabyte);
+  const MemoryBudget budget(options.cache_size, machine_bytes);
   RefineDevices result;
   std::vector<Gpu> opened = OpenGpus(options, overview, num_images, gpus);
   if (opened.empty()) {
-    const int num_workers =
-        NumCpuWorkers(overview, budget, std::min(num_threads, num_images));
+    const int num_workers = NumCpuWorkers(overview,
+                                          num_images,
+                                          budget.num_bytes,
+                                          std::min(num_threads, num_images));
     AddCpuWorkers(num_workers, overview, num_threads, &result);
-    DivideMemory(overview,
-                 budget,
-                 num_workers * WorkBytes(overview),
-                 (num_workers + kCpuWorkersPerFilesThread - 1) /
-                     kCpuWorkersPerFilesThread,
-                 CpuSizes,
-                 &result);
+    MemoryDivision(overview, num_images, num_workers, CpuSizes)
+        .Divide(budget,
+                options.cache_size,
+                (num_workers + kCpuWorkersPerFilesThread - 1) /
+                    kCpuWorkersPerFilesThread,
+                &result);
     return result;
   }
   const int max_num_files_threads = std::min(
@@ -376,13 +476,12 @@ RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
   AddDevices(num_images, gpus, &opened);
   AddGpuWorkers(std::move(opened), overview, &result);
   result.finds_scenes_ahead = true;
-  DivideMemory(overview,
-               budget,
-               0,
-               // As many write as read, and the workers copy.
-               std::clamp(num_threads * 2 / 5, 1, max_num_files_threads),
-               GpuSizes,
-               &result);
+  MemoryDivision(overview, num_images, 0, GpuSizes)
+      .Divide(budget,
+              options.cache_size,
+              // As many write as read, and the workers copy.
+              std::clamp(num_threads * 2 / 5, 1, max_num_files_threads),
+              &result);
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/device_view_cache.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
@@ -10,6 +11,7 @@
 #include "colmap_tsar/pipeline/workspace_check.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -58,15 +60,17 @@ struct GpuSystem {
 // With device "auto", a GPU that was not named and cannot be used is left out
 // with a warning, and the CPU takes the place of the last one; with "cuda", one
 // must be left. Where a GPU's second worker cannot be made, a warning says so.
-// Another says where one image alone needs more than cache_size. Throws kDevice
-// (a GPU that was named does not exist or cannot be used; none is left; its
-// memory is too small for the images), kOutOfMemory (no memory is left on a GPU
-// that was named or on the last one, or main memory for its copies) and
-// kBadOption (gpu_index).
+// Another says where one image alone needs more than cache_size, or than four
+// fifths of machine_bytes, which count where they are less. Throws kDevice (a
+// GPU that was named does not exist or cannot be used; none is left; its memory
+// is too small for the images), kOutOfMemory (one image alone needs more than
+// machine_bytes; no memory is left on a GPU that was named or on the last one,
+// or main memory for its copies) and kBadOption (gpu_index).
 RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
                                   const WorkspaceOverview& overview,
                                   int num_images,
-                                  const GpuSystem& gpus = GpuSystem::Cuda());
+                                  const GpuSystem& gpus = GpuSystem::Cuda(),
+                                  int64_t machine_bytes = MainMemoryBytes());
 
 // The most that each GPU held so far; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);

@@ -7,7 +7,6 @@
 #include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/workspace/map_io.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -128,14 +127,6 @@ size_t ViewData::NumBytes() const {
   return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
          normal.NumPixels() * sizeof(Vec3f) +
          (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
-}
-
-int64_t LoadBytes(int64_t num_map_pixels, int64_t num_image_pixels) {
-  // The other type's depth, normal and two costs.
-  const int64_t for_maps = 24 * num_map_pixels;
-  // Colour as it was decoded, and as it was scaled.
-  const int64_t for_color = 3 * (num_image_pixels + num_map_pixels);
-  return std::max(for_maps, for_color);
 }
 
 ViewData LoadView(const Workspace& workspace, int image) {

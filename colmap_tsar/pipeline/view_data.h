@@ -29,10 +29,6 @@ struct ViewData {
   size_t NumBytes() const;
 };
 
-// Main memory that LoadView takes at most beside the view that it makes, for a
-// map and an image of these sizes.
-int64_t LoadBytes(int64_t num_map_pixels, int64_t num_image_pixels);
-
 // Reads image number `image` with all its evidence. Throws what the
 // workspace's readers throw; kMismatch when two of its maps differ in size.
 ViewData LoadView(const Workspace& workspace, int image);

@@ -19,6 +19,8 @@ namespace tsar {
 namespace {
 
 constexpr const char* kAgain = "run patch_match_stereo again for this image";
+// More OpenCV does not decode; and pixels are numbered by an int.
+constexpr int64_t kMaxNumPixels = int64_t{1} << 30;
 
 bool Exists(const std::filesystem::path& path) {
   std::error_code error;
@@ -39,6 +41,22 @@ void RequireSameSize(const std::filesystem::path& path,
                           " pixels, the depth map " + SizeText(depth_size),
                       kAgain);
   }
+}
+
+// Returns the number of pixels.
+int64_t RequirePossibleSize(const std::filesystem::path& path,
+                            int width,
+                            int height,
+                            const char* advice) {
+  const int64_t num_pixels = int64_t{width} * height;
+  if (num_pixels > kMaxNumPixels) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "has " + SizeText({width, height, 1}) +
+                          " pixels, more than the 2^30 that can be worked on",
+                      advice);
+  }
+  return num_pixels;
 }
 
 // The size of a map, or nothing where there is none. Where its original is
@@ -88,11 +106,13 @@ std::optional<MapSize> CheckMaps(const Workspace& workspace,
 void CheckCosts(const Workspace& workspace,
                 int image,
                 MapType type,
-                const MapSize& depth_size) {
+                const MapSize& depth_size,
+                WorkspaceOverview* overview) {
   const std::filesystem::path path = workspace.CostPath(image, type);
   const std::optional<MapSize> size = CheckMap(path, {}, 2);
   if (size) {
     RequireSameSize(path, *size, depth_size);
+    overview->has_costs = true;
   }
 }
 
@@ -125,7 +145,7 @@ bool CheckImage(const Workspace& workspace,
     return false;
   }
   CheckImageFile(workspace.ImagePath(image));
-  CheckCosts(workspace, image, type, *size);
+  CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
   if (workspace.HasMaps(image, other)) {
@@ -133,16 +153,25 @@ bool CheckImage(const Workspace& workspace,
         CheckMaps(workspace, image, other);
     RequireSameSize(
         workspace.SourcePaths(image, other).depth, *other_size, *size);
-    CheckCosts(workspace, image, other, *size);
+    CheckCosts(workspace, image, other, *size, overview);
+    overview->has_other_type = true;
   }
-  overview->max_num_pixels =
-      std::max(overview->max_num_pixels,
-               static_cast<int64_t>(size->width) * size->height);
   const Camera& camera =
       workspace.Model().images[static_cast<size_t>(image)].camera;
+  overview->max_num_pixels =
+      std::max(overview->max_num_pixels,
+               RequirePossibleSize(workspace.DepthPath(image, type),
+                                   size->width,
+                                   size->height,
+                                   "run patch_match_stereo with a smaller "
+                                   "--PatchMatchStereo.max_image_size"));
   overview->max_num_image_pixels =
       std::max(overview->max_num_image_pixels,
-               static_cast<int64_t>(camera.width) * camera.height);
+               RequirePossibleSize(workspace.ImagePath(image),
+                                   camera.width,
+                                   camera.height,
+                                   "run image_undistorter with a smaller "
+                                   "--max_image_size"));
   return true;
 }
 

@@ -16,7 +16,9 @@ struct WorkspaceOverview {
   std::vector<bool> has_maps;
   int64_t max_num_pixels = 0;        // Of the largest map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
-  int max_num_sources = 0;  // Of the image that uses most views with maps.
+  int max_num_sources = 0;      // Of the image that uses most views with maps.
+  bool has_other_type = false;  // Whether some image has maps of both types,
+  bool has_costs = false;       // or exported costs.
 };
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -33,13 +34,19 @@ class BinaryReader {
 
   template <typename T>
   T Read() {
-    Take(sizeof(T));
     T value;
-    file_.read(reinterpret_cast<char*>(&value), sizeof(T));
+    ReadInto(&value, 1);
+    return value;
+  }
+
+  template <typename T>
+  void ReadInto(T* values, uint64_t count) {
+    Take(count * sizeof(T));
+    file_.read(reinterpret_cast<char*>(values),
+               static_cast<std::streamsize>(count * sizeof(T)));
     if (!file_) {
       throw Truncated();
     }
-    return value;
   }
 
   std::string ReadName() {
@@ -59,6 +66,7 @@ class BinaryReader {
     return count;
   }
 
+  // For long stretches: seeking drops what the stream has read ahead.
   void Skip(uint64_t num_bytes) {
     Take(num_bytes);
     file_.seekg(static_cast<std::streamoff>(num_bytes), std::ios::cur);
@@ -141,20 +149,28 @@ void ReadImages(SparseModelFiles* files) {
 }
 
 void ReadPoints(SparseModelFiles* files) {
+  struct TrackElement {
+    uint32_t image_id;
+    uint32_t keypoint;
+  };
+  struct ColorAndError {
+    char bytes[3 + sizeof(double)];
+  };
   BinaryReader reader(files->points_path);
   const uint64_t count = reader.ReadCount(51);
   files->points.resize(count);
+  std::vector<TrackElement> track;
   for (SparseModelFiles::FilePoint& point : files->points) {
     point.id = reader.Read<uint64_t>();
     for (int i = 0; i < 3; ++i) {
       point.position(i) = reader.Read<double>();
     }
-    reader.Skip(3 + sizeof(double));  // Colour and error.
+    reader.Read<ColorAndError>();
     point.track_begin = files->track_image_ids.size();
-    const uint64_t length = reader.ReadCount(8);
-    for (uint64_t i = 0; i < length; ++i) {
-      files->track_image_ids.push_back(reader.Read<uint32_t>());
-      reader.Skip(4);  // The keypoint's index.
+    track.resize(reader.ReadCount(sizeof(TrackElement)));
+    reader.ReadInto(track.data(), track.size());
+    for (const TrackElement& element : track) {
+      files->track_image_ids.push_back(element.image_id);
     }
     point.track_end = files->track_image_ids.size();
   }

@@ -132,7 +132,8 @@ def refine(
         gpu_index: The GPUs to use, as numbers from 0 on with commas between them,
             such as "0,1"; -1 takes every GPU of the machine.
         num_threads: Number of CPU threads; -1: one for each core.
-        cache_size: Main memory for the images at work, in gigabytes (10^9 bytes).
+        cache_size: Main memory for the images at work, in gigabytes (10^9 bytes);
+            at most four fifths of the machine's count.
         shard: For several machines with one file system: the part of the images to
             work on, "i/n" with i from 0 to n - 1 (docs/cluster.md). Empty: all.
         pass_: What to do of it: "all", "observe", "compose" or "merge".

@@ -53,7 +53,8 @@ class RefineDevicesTest : public testing::Test {
   }
   RefineDevices Create(int num_gpus, int num_images = 100) {
     num_created_.clear();
-    return CreateRefineDevices(options_, overview_, num_images, Gpus(num_gpus));
+    return CreateRefineDevices(
+        options_, overview_, num_images, Gpus(num_gpus), machine_bytes_);
   }
   void ExpectRefusal(ErrorCode code,
                      const std::vector<std::string>& texts,
@@ -67,6 +68,7 @@ class RefineDevicesTest : public testing::Test {
   std::set<int> without_code_;
   std::map<int, int> num_created_;
   int max_num_devices_ = kMaxGpuWorkers;  // Of each GPU.
+  int64_t machine_bytes_ = 64 * static_cast<int64_t>(kGigabyte);
 };
 
 // The names of all workers.
@@ -202,12 +204,12 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
     const std::string text = testing::internal::GetCapturedStderr();
     EXPECT_THAT(text, testing::HasSubstr("with its 10 source images"));
     EXPECT_THAT(text, testing::HasSubstr("--TsarRefine.cache_size 0.25;"));
-    // One loader, which holds 24 bytes per pixel beside the view; a result with
-    // each worker, one that waits, one that is being written; 11 views; and the
-    // evidence of 11 for each worker and for one to come.
+    // One loader; a result with each worker, one that waits, one that is being
+    // written; 11 views; and the evidence of 11 for each worker and for one to
+    // come.
     const double needed =
         static_cast<double>(
-            24 * overview_.max_num_pixels +
+            LoadBytes(overview_) +
             static_cast<int64_t>(devices.workers.size() + 2) *
                 ResultBytes(overview_) +
             11 * ViewBytes(overview_) +
@@ -265,6 +267,93 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
             11 * ViewBytes(overview_));
 }
 
+// The default cache_size on a small machine.
+TEST_F(RefineDevicesTest, LeavesAFifthOfTheMachinesMemory) {
+  for (const char* device : {"cpu", "cuda"}) {
+    options_.device = device;
+    options_.cache_size = 32;
+    machine_bytes_ = 10 * static_cast<int64_t>(kGigabyte);
+    const size_t num_bytes = Create(1).cache_num_bytes;
+    options_.cache_size = 8;
+    EXPECT_EQ(num_bytes, Create(1).cache_num_bytes);
+    machine_bytes_ = INT64_MAX;
+    EXPECT_EQ(num_bytes, Create(1).cache_num_bytes);
+    options_.cache_size = 7;
+    EXPECT_LT(Create(1).cache_num_bytes, num_bytes);
+  }
+}
+
+class VeryLargeMapsTest : public RefineDevicesTest {
+ protected:
+  VeryLargeMapsTest() {
+    // 150 megapixels.
+    overview_.max_num_pixels = int64_t{14142} * 10607;
+    overview_.max_num_image_pixels = overview_.max_num_pixels;
+    overview_.max_num_sources = 2;
+    options_.device = "cpu";
+  }
+  std::string WarningOf(int num_images) {
+    testing::internal::CaptureStderr();
+    Create(0, num_images);
+    return testing::internal::GetCapturedStderr();
+  }
+};
+
+TEST_F(VeryLargeMapsTest, FitOnALargeMachineWithoutAWarning) {
+  EXPECT_EQ(WarningOf(100), "");
+  EXPECT_EQ(Create(0).workers.size(), 1u);
+  EXPECT_GE(static_cast<int64_t>(Create(0).cache_num_bytes),
+            3 * ViewBytes(overview_));
+}
+
+TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
+  machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
+  ExpectRefusal(ErrorCode::kOutOfMemory,
+                {"with its 2 source images",
+                 "needs 30.6 GB of main memory",
+                 "this machine gives 12 GB;",
+                 "fewer source images",
+                 "--PatchMatchStereo.max_image_size",
+                 "(maps of 57 megapixels fit)"},
+                0);
+  // What the message says is so, and not much more would do.
+  overview_.max_num_pixels = 57000000;
+  EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
+  overview_.max_num_pixels = 58000000;
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 12 GB"}, 0);
+}
+
+TEST_F(VeryLargeMapsTest, NeedLessForOneImageAlone) {
+  machine_bytes_ = 26 * static_cast<int64_t>(kGigabyte);
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 26 GB"}, 0);
+  EXPECT_THAT(
+      WarningOf(1),
+      testing::HasSubstr(
+          "more than four fifths of the 26 GB that this machine gives"));
+}
+
+TEST_F(VeryLargeMapsTest, NeedMoreWithCostsAndASecondType) {
+  const int64_t view = ViewBytes(overview_);
+  const int64_t load = LoadBytes(overview_);
+  overview_.has_other_type = true;
+  EXPECT_EQ(ViewBytes(overview_), view);
+  EXPECT_EQ(LoadBytes(overview_), 16 * overview_.max_num_pixels);
+  EXPECT_GT(LoadBytes(overview_), load);
+  overview_.has_costs = true;
+  EXPECT_EQ(ViewBytes(overview_), view + 8 * overview_.max_num_pixels);
+  EXPECT_EQ(LoadBytes(overview_), 24 * overview_.max_num_pixels);
+}
+
+TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
+  options_.device = "cuda";
+  ExpectRefusal(
+      ErrorCode::kDevice,
+      {"needs 10.3 GB of GPU memory", "8.0 GB are free", "max_image_size"},
+      1);
+  memory_[0] = 40 * kGigabyte;
+  EXPECT_EQ(Create(1).workers.size(), 2u);
+}
+
 TEST(EvidenceBytes, AreThoseOfTheNeighbourhoodsAtWork) {
   WorkspaceOverview overview;
   overview.max_num_sources = 10;
@@ -308,11 +397,9 @@ TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
                             ? WorkBytes(overview_) *
                                   static_cast<int64_t>(devices.workers.size())
                             : 0;
-      const auto fixed =
-          work + num_results * ResultBytes(overview_) +
-          EvidenceBytes(overview_, devices.workers.size()) +
-          devices.sizes.num_loaders * LoadBytes(overview_.max_num_pixels,
-                                                overview_.max_num_image_pixels);
+      const auto fixed = work + num_results * ResultBytes(overview_) +
+                         EvidenceBytes(overview_, devices.workers.size()) +
+                         devices.sizes.num_loaders * LoadBytes(overview_);
       EXPECT_LE(
           static_cast<int64_t>(devices.cache_num_bytes),
           std::max<int64_t>(0, static_cast<int64_t>(cache_size * 1e9) - fixed));

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/refine_workspace.h"
 
+#include "colmap_tsar/pipeline/workspace_check.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
@@ -739,6 +740,45 @@ TEST_F(RefineWorkspaceTest, RefusesMissingAndEmptyImageFiles) {
   ExpectRefusal(ErrorCode::kCorrupt, {"left/v2.png", "empty"});
   std::filesystem::remove(root_ / "images/left/v2.png");
   ExpectRefusal(ErrorCode::kNotFound, {"left/v2.png", "image_undistorter"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesImagesThatAreTooLargeToDecode) {
+  WriteText(root_ / "sparse/cameras.txt",
+            "1 PINHOLE 32768 32769 80 80 48 36\n");
+  ExpectRefusal(ErrorCode::kUnsupported,
+                {"v0.png", "32768 x 32769", "2^30", "--max_image_size"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesMapsWithMorePixelsThanItCanNumber) {
+  RemoveMaps(1, MapType::kPhotometric);
+  // Of these files only the heads take space.
+  for (const auto& [path, channels] :
+       {std::pair(Paths(1).depth, 1), std::pair(Paths(1).normal, 3)}) {
+    const std::string head = "40000&30000&" + std::to_string(channels) + "&";
+    WriteText(path, head);
+    std::filesystem::resize_file(
+        path, head.size() + uintmax_t{4} * 40000 * 30000 * channels);
+  }
+  ExpectError(ErrorCode::kUnsupported,
+              {Paths(1).depth.string(), "40000 x 30000", "max_image_size"},
+              [&] { CheckWorkspace(Workspace(root_, MapType::kGeometric)); });
+}
+
+TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
+  const auto look = [&] {
+    return CheckWorkspace(Workspace(root_, MapType::kGeometric));
+  };
+  EXPECT_TRUE(look().has_other_type);
+  EXPECT_FALSE(look().has_costs);
+  for (int image = 0; image < 3; ++image) {
+    RemoveMaps(image, MapType::kPhotometric);
+  }
+  EXPECT_TRUE(look().has_other_type);
+  RemoveMaps(3, MapType::kPhotometric);
+  EXPECT_FALSE(look().has_other_type);
+  std::filesystem::create_directories(Paths(2).cost.parent_path());
+  WritePlanarMap(Paths(2).cost, {96, 72, 2, std::vector<float>(2 * 96 * 72)});
+  EXPECT_TRUE(look().has_costs);
 }
 
 TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
