@@ -43,7 +43,7 @@ class Scorer:
                 scores[key] = [row["precision"], row["recall"], row["f1"]]
         if self.has_scans:
             # With several threads the cloud depends on which comes first, and
-            # F1 varies by about 0.001 from run to run.
+            # F1 varies by some thousandths from run to run.
             run([self.colmap, "stereo_fusion", "--workspace_path", workspace,
                  "--input_type", map_type, "--output_path", cloud_path,
                  "--StereoFusion.num_threads", "1"])

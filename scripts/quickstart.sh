@@ -10,8 +10,8 @@
 #
 #   --skip-install   do not look for missing packages (and need no root rights)
 #   --from-images    make the depth maps from the images by tsar_stereo, instead
-#                    of taking those of COLMAP; without a GPU this takes a
-#                    quarter of an hour of one core
+#                    of taking those of COLMAP; without a GPU this takes some
+#                    five minutes of one core
 set -euo pipefail
 
 install=1

@@ -273,8 +273,9 @@ class PlyFile {
   void AddPoint(const std::array<double, 6>& values, bool has_color) {
     cloud_.points.emplace_back(values[0], values[1], values[2]);
     if (has_color) {
+      // A text may hold anything, and what is no number is black.
       const auto byte = [](double value) {
-        return static_cast<uint8_t>(std::clamp(value, 0.0, 255.0));
+        return static_cast<uint8_t>(value > 0.0 ? std::min(value, 255.0) : 0.0);
       };
       cloud_.colors.push_back(
           {byte(values[3]), byte(values[4]), byte(values[5])});

@@ -4,9 +4,13 @@
 #include "colmap_tsar/report/page_folder.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/report/page_files.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
+#include <algorithm>
+#include <string>
 #include <system_error>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -20,6 +24,24 @@ constexpr const char* kFormerSuffix = ".tsar_old";
 fs::path Normal(const fs::path& path) {
   const fs::path normal = fs::absolute(path).lexically_normal();
   return normal.has_filename() ? normal : normal.parent_path();
+}
+
+// Whether the folder holds what a page consists of and nothing else.
+bool HoldsPageAlone(const fs::path& path) {
+  std::error_code error;
+  fs::directory_iterator it(path, error);
+  for (const fs::directory_iterator end; !error && it != end;
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const std::vector<PageFile>& files = PageFiles();
+    if (name != "data" && name != "images" &&
+        std::none_of(files.begin(), files.end(), [&](const PageFile& file) {
+          return file.name == name;
+        })) {
+      return false;
+    }
+  }
+  return !error;
 }
 
 void CheckPlace(const fs::path& path, bool overwrite) {
@@ -40,6 +62,12 @@ void CheckPlace(const fs::path& path, bool overwrite) {
                       "holds a report already",
                       "give --overwrite 1 to replace it, or another folder as "
                       "--report_path");
+  }
+  if (!HoldsPageAlone(path)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "holds other files beside a report",
+                      "move them, or give another folder as --report_path");
   }
 }
 

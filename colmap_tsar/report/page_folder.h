@@ -13,7 +13,7 @@ namespace tsar {
 class PageFolder {
  public:
   // Throws Error: kUnsupported (the folder holds an earlier page and overwrite
-  // is false, or something that is no page, which is never touched), kIo.
+  // is false, or anything that is not of a page, which is never touched), kIo.
   PageFolder(const std::filesystem::path& path, bool overwrite);
   ~PageFolder();
   PageFolder(const PageFolder&) = delete;

@@ -66,11 +66,14 @@ TEST_F(PlyTest, ReadsColoursWhereAllThreeAreBytes) {
                      std::string("element vertex 2\n") + kXyz +
                          "property uchar blue\nproperty " + type +
                          " red\nproperty uchar green\n") +
-                  "1 2 3 4 5 6\n1 2 3 7 8 9\n"),
+                  "1 2 3 nan 300 -5\n1 2 3 7 8 9\n"),
         10);
   };
   const PlyCloud cloud = read("uchar");
   ASSERT_EQ(cloud.colors.size(), 2u);
+  EXPECT_EQ(cloud.colors[0].r, 255);
+  EXPECT_EQ(cloud.colors[0].g, 0);
+  EXPECT_EQ(cloud.colors[0].b, 0);
   EXPECT_EQ(cloud.colors[1].r, 8);
   EXPECT_EQ(cloud.colors[1].g, 9);
   EXPECT_EQ(cloud.colors[1].b, 7);

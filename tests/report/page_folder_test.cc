@@ -71,6 +71,11 @@ TEST_F(PageFolderTest, NeverTouchesAnythingElse) {
     });
   }
   EXPECT_EQ(ReadText(path_ / "thesis.tex"), "years of work");
+  WriteText(path_ / kPageDataFile, "old");
+  ExpectError(ErrorCode::kUnsupported, {"report", "beside", "move them"}, [&] {
+    PageFolder(path_, true);
+  });
+  EXPECT_EQ(ReadText(path_ / "thesis.tex"), "years of work");
   const fs::path file = parent_.Path() / "file";
   WriteText(file, "");
   ExpectError(

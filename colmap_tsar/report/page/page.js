@@ -784,7 +784,7 @@
       h(
         "div",
         { class: "head" },
-        h("h2", {}, image.name),
+        h("h2", { tabindex: "-1" }, image.name),
         h(
           "div",
           { class: "controls" },
@@ -813,7 +813,13 @@
 
   // What the address asks for: an image, or a place in the overview.
   let scrolled = 0;
+  let lastShown = 0;
   function route() {
+    // Keys and screen readers go on where this hides or replaces what they were
+    // at: at the same button or the title of an image, or at its tile.
+    const focused = document.activeElement;
+    const losesFocus = focused === document.body || detail.contains(focused);
+    const pressed = [...detail.querySelectorAll("button")].indexOf(focused);
     const match = location.hash.match(/^#image-(\d+)$/);
     const image = match ? report.images[Number(match[1])] : undefined;
     if (image) {
@@ -824,12 +830,17 @@
         listed = [...report.images];
       }
       showDetail(image);
+      lastShown = image.index;
     }
     const wasDetail = !detail.hidden;
     detail.hidden = !image;
     overview.hidden = Boolean(image);
     if (image) {
       window.scrollTo({ top: 0, behavior: "instant" });
+      const button = detail.querySelectorAll("button")[pressed];
+      const isUsable = button && !button.disabled;
+      const target = isUsable ? button : detail.querySelector("h2");
+      target.focus({ preventScroll: true });
     } else {
       detail.replaceChildren();
       if (wasDetail) {
@@ -838,6 +849,10 @@
           section.scrollIntoView();
         } else {
           window.scrollTo({ top: scrolled, behavior: "instant" });
+        }
+        const tileLink = overview.querySelector(`a[href="#image-${lastShown}"]`);
+        if (losesFocus && tileLink) {
+          tileLink.focus({ preventScroll: true });
         }
       }
     }
@@ -876,13 +891,16 @@
       `Made by colmap_tsar ${report.version} tsar_report.`;
     window.addEventListener("hashchange", route);
     document.addEventListener("keydown", (event) => {
-      const inField = /^(INPUT|SELECT|CANVAS)$/.test(event.target.tagName);
-      if (detail.hidden || inField || event.altKey || event.ctrlKey) {
+      if (detail.hidden || event.altKey || event.ctrlKey || event.metaKey) {
         return;
       }
+      const inField = event.target.tagName === "INPUT";
       if (event.key === "Escape") {
         location.hash = "#images";
-      } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
+      } else if (
+        !inField &&
+        (event.key === "ArrowLeft" || event.key === "ArrowRight")
+      ) {
         const [previous, next] = detail.querySelectorAll("button");
         (event.key === "ArrowLeft" ? previous : next).click();
       }
