@@ -134,9 +134,15 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                           overview,
                           static_cast<int>(workspace.Problems().size()));
   if (!in_place) {
+    if (ReadOutputMarker(workspace_options.output_path)) {
+      // Another program may be at work on it.
+      lock.emplace(workspace_options.output_path);
+    }
     workspace = CreateOutputWorkspace(
         workspace, workspace_options.output_path, workspace.Type());
-    lock.emplace(workspace.Root());
+    if (!lock) {
+      lock.emplace(workspace.Root());
+    }
   }
 
   const auto build_manifest = [&] {
