@@ -172,6 +172,13 @@ int RunTsarRefine(int argc, char** argv) {
   }
   std::optional<DebugPictures> pictures;
   if (!command.debug_path.empty()) {
+    command.workspace.Check();
+    command.refine.Check();
+    if (command.workspace.pass != "all") {
+      throw Error(ErrorCode::kBadOption,
+                  "TsarRefine.debug_path: shards draw no pictures; leave it "
+                  "out, or run TsarRefine.pass all");
+    }
     pictures.emplace(command.debug_path);
   }
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);

@@ -119,20 +119,6 @@ void RemoveEmptyFolders(std::filesystem::path folder,
   }
 }
 
-// What an interrupted import left, also of images that have no record yet.
-void RemoveTemporaries(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> temporaries;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator it(folder, error), end;
-       !error && it != end;
-       it.increment(error)) {
-    if (it->path().string().ends_with(AtomicFile::kTemporarySuffix)) {
-      temporaries.push_back(it->path());
-    }
-  }
-  std::for_each(temporaries.begin(), temporaries.end(), &RemoveFile);
-}
-
 void UndoImage(const std::filesystem::path& root,
                const std::string& key,
                UndoResult* result) {
@@ -275,6 +261,7 @@ UndoResult UndoImport(const std::filesystem::path& root) {
   for (const std::string& key : keys) {
     UndoImage(root, key, &result);
   }
+  // Also those of images that have no record yet.
   for (const char* folder : kFolders) {
     RemoveTemporaries(root / "stereo" / folder);
   }

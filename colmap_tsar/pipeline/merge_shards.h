@@ -11,7 +11,8 @@ namespace tsar {
 
 // Ends the work of shards: writes the account of all images (manifest.json),
 // and removes the evidence and the shards' own records. Opens no map. Where
-// there are no shards because they were merged before, it does so again.
+// there are no shards because they were merged before, it only makes sure that
+// nothing is left of them.
 //
 // Throws Error, and changes nothing: kNotFound, naming them, where shards or
 // images have not been composed; kMismatch where the shards were run with other

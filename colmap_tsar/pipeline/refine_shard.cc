@@ -188,7 +188,11 @@ class ShardRun {
     pipeline.Run(devices_.workers.size());
     reports_ = pipeline.Reports();
     if (NoteFailures(pipeline.Failures(), &record_)) {
-      WriteShardRecord(workspace_.Root(), record_);
+      try {
+        WriteShardRecord(workspace_.Root(), record_);
+      } catch (const Error&) {
+        // On a full disk the failure of the image says more.
+      }
     }
     RethrowFailure(pipeline);
     if (!IsComplete(pipeline)) {

@@ -99,13 +99,7 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            RefineObserver* observer) {
   workspace_options.Check();
   refine_options.Check();
-  const RefinePass pass = ParsePass(workspace_options.pass);
-  if (observer != nullptr && pass != RefinePass::kAll) {
-    throw Error(ErrorCode::kBadOption,
-                "TsarRefine.debug_path: shards draw no pictures; leave it out, "
-                "or run TsarRefine.pass all");
-  }
-  switch (pass) {
+  switch (ParsePass(workspace_options.pass)) {
     case RefinePass::kAll:
       break;
     case RefinePass::kObserve:
@@ -134,9 +128,15 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                           overview,
                           static_cast<int>(workspace.Problems().size()));
   if (!in_place) {
+    if (ReadOutputMarker(workspace_options.output_path)) {
+      // Another program may be at work on it.
+      lock.emplace(workspace_options.output_path);
+    }
     workspace = CreateOutputWorkspace(
         workspace, workspace_options.output_path, workspace.Type());
-    lock.emplace(workspace.Root());
+    if (!lock) {
+      lock.emplace(workspace.Root());
+    }
   }
 
   const auto build_manifest = [&] {

@@ -50,8 +50,8 @@ struct WorkspaceRefineOptions {
 // the images that were done stay done, and the same call goes on from there.
 //
 // observer: where given, is shown what the stages find for each image. The maps
-// are the same, but images that were done before are done again. Only for the
-// pass "all".
+// are the same, but images that were done before are done again. Passes other
+// than "all" show it nothing.
 //
 // With another pass than "all", see RefineShard and MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,

@@ -192,8 +192,10 @@ ObservedShards ReadObservedShards(
     if (records[shard].images.size() != shards[shard].size()) {
       throw Error::File(
           ErrorCode::kMismatch,
-          GetShardPath(
-              workspace.Root(), own.pass, static_cast<int>(shard), own.count)
+          GetShardPath(workspace.Root(),
+                       ToString(RefinePass::kObserve),
+                       static_cast<int>(shard),
+                       own.count)
               .string(),
           "names " + std::to_string(records[shard].images.size()) +
               " images, not " + std::to_string(shards[shard].size()),

@@ -259,6 +259,21 @@ void RemoveFile(const std::filesystem::path& path) {
   }
 }
 
+void RemoveTemporaries(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> temporaries;
+  std::error_code error;
+  for (std::filesystem::recursive_directory_iterator it(folder, error), end;
+       !error && it != end;
+       it.increment(error)) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(it->symlink_status(ignored)) &&
+        it->path().string().ends_with(AtomicFile::kTemporarySuffix)) {
+      temporaries.push_back(it->path());
+    }
+  }
+  std::for_each(temporaries.begin(), temporaries.end(), &RemoveFile);
+}
+
 void RenameFile(const std::filesystem::path& from,
                 const std::filesystem::path& to) {
   if (rename(from.c_str(), to.c_str()) != 0) {

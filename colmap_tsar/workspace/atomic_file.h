@@ -62,6 +62,10 @@ void CopyFile(const std::filesystem::path& source,
 // Removes a file where there is one; Error kIo.
 void RemoveFile(const std::filesystem::path& path);
 
+// Removes the temporaries of AtomicFile that killed programs left behind, in a
+// folder and all below it; Error kIo. Folders of such names stay.
+void RemoveTemporaries(const std::filesystem::path& folder);
+
 // Renames and flushes the folder; Error kIo.
 void RenameFile(const std::filesystem::path& from,
                 const std::filesystem::path& to);

@@ -170,10 +170,7 @@ RestoreResult Restore(const std::filesystem::path& root) {
   const std::filesystem::path stereo = root / "stereo";
   for (const char* folder :
        {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
-    for (const std::filesystem::path& file :
-         ListFiles(stereo / folder, AtomicFile::kTemporarySuffix)) {
-      RemoveFile(file);
-    }
+    RemoveTemporaries(stereo / folder);
   }
   RemoveEmptyFolders(stereo / "confidence_maps");
   RemoveEmptyFolders(stereo / "provenance_maps");

@@ -163,7 +163,8 @@ void RemoveShardRecords(const std::filesystem::path& root) {
   removed += ".removed";
   std::error_code error;
   std::filesystem::remove_all(removed, error);
-  if (std::filesystem::exists(folder)) {
+  std::error_code ignored;
+  if (std::filesystem::exists(folder, ignored)) {
     RenameFile(folder, removed);
     std::filesystem::remove_all(removed, error);
   }

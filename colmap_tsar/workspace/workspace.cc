@@ -161,6 +161,13 @@ MapPaths Workspace::SourcePaths(int image, MapType type) const {
       source_root_, model_.images.at(static_cast<size_t>(image)).name, type);
 }
 
+void Workspace::TrustStoredOriginals() {
+  trusts_stored_.assign(model_.images.size(), false);
+  for (const StereoProblem& problem : problems_) {
+    trusts_stored_[static_cast<size_t>(problem.reference)] = true;
+  }
+}
+
 bool Workspace::HasMaps(int image, MapType type) const {
   const MapPaths paths = SourcePaths(image, type);
   const auto exists = [](const std::filesystem::path& path) {
@@ -195,8 +202,10 @@ Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
 
 DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
   const MapPaths paths = SourcePaths(image, type);
+  const bool trusts_stored = type == type_ && !trusts_stored_.empty() &&
+                             trusts_stored_.at(static_cast<size_t>(image));
   OriginalMaps originals;
-  if (!trusts_stored_) {
+  if (!trusts_stored) {
     originals = FindOriginals(paths);
     RequireMap(originals.depth_state, originals.depth, "depth");
     RequireMap(originals.normal_state, originals.normal, "normal");
@@ -210,7 +219,7 @@ DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
   const auto read_normal = [&](const std::filesystem::path& path) {
     return ReadNormalMap(path, &num_bad_normals);
   };
-  if (trusts_stored_) {
+  if (trusts_stored) {
     maps.depth =
         ReadStoredOrCurrent(paths.original_depth, paths.depth, read_depth);
     maps.normal =

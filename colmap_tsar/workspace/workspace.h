@@ -23,7 +23,7 @@ struct DepthNormal {
 };
 
 // COLMAP's dense workspace: images/, sparse/ and stereo/. Images are named by
-// their index in Model().images. All methods are const and may be called from
+// their index in Model().images. All methods that are const may be called from
 // several threads.
 class Workspace {
  public:
@@ -54,8 +54,10 @@ class Workspace {
   std::filesystem::path ProvenancePath(int image, MapType type) const;
 
   // From now on, ReadOriginalMaps() takes what is stored where anything is, and
-  // needs no record to find it: for maps at which other programs are at work.
-  void TrustStoredOriginals() { trusts_stored_ = true; }
+  // needs no record to find it: of references and this type, for these are the
+  // maps at which other programs may be at work. Of all others, what is stored
+  // may be stale.
+  void TrustStoredOriginals();
 
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
@@ -75,7 +77,7 @@ class Workspace {
   std::filesystem::path root_;
   std::filesystem::path source_root_;
   bool is_output_ = false;
-  bool trusts_stored_ = false;
+  std::vector<bool> trusts_stored_;  // By image; empty: of none.
   MapType type_;
   SparseModel model_;
   std::vector<StereoProblem> problems_;

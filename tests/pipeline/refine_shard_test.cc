@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_shard.h"
 
 #include "colmap_tsar/pipeline/refine_workspace.h"
+#include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/shard_record.h"
@@ -339,6 +340,53 @@ TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
   }
 }
 
+TEST_F(RefineShardTest, RecordsOfOtherListsOfImagesAreNamed) {
+  RunAll("observe", 2);
+  ShardRecord record = ReadShardRecord(GetShardPath(root_, "observe", 1, 2));
+  record.images.pop_back();
+  WriteShardRecord(root_, record);
+  ExpectRefusal(ErrorCode::kMismatch,
+                {"observe-1-of-2.json", "names 1 images, not 2"},
+                "compose",
+                "0/2");
+}
+
+// What is stored of maps that no shard works on may be older than these.
+TEST_F(RefineShardTest, ReadsTheLatestMapsOfOtherTypesAndImages) {
+  RefineOptions refine;
+  refine.scene_planes = false;
+  refine.filter = false;
+  WorkspaceRefineOptions photometric = Options(root_);
+  photometric.input_type = MapType::kPhotometric;
+  Refine(photometric, refine);
+  Refine(Options(root_), refine);
+  const auto write_anew = [&](int view, MapType type) {
+    const MapPaths paths = GetMapPaths(
+        root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
+    WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
+    ASSERT_TRUE(std::filesystem::exists(paths.original_depth));
+  };
+  for (const bool is_other_type : {true, false}) {
+    if (is_other_type) {
+      write_anew(0, MapType::kPhotometric);
+    } else {
+      write_anew(3, MapType::kGeometric);
+      WriteText(root_ / "stereo/patch-match.cfg",
+                "v0.png\n__all__\nv1.png\n__all__\nleft/v2.png\n__all__\n");
+    }
+    const std::filesystem::path whole =
+        folder_.Path() / (is_other_type ? "whole_type" : "whole_image");
+    std::filesystem::copy(
+        root_, whole, std::filesystem::copy_options::recursive);
+    refine.segment = !is_other_type;
+    Refine(Options(whole), refine);
+    RunAll("observe", 3, refine);
+    RunAll("compose", 3, refine);
+    Run("merge", "", refine);
+    EXPECT_TRUE(ResultOf(root_) == ResultOf(whole)) << is_other_type;
+  }
+}
+
 TEST_F(RefineShardTest, LostAndForeignEvidenceIsSeen) {
   RunAll("observe", 2);
   const std::string own = ReadText(Evidence(0));
@@ -507,6 +555,22 @@ TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
   RunAll("compose", 2);
   Run("merge");
   EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
+}
+
+// As where the disk is full.
+TEST_F(RefineShardTest, AFailureThatCannotBeNotedIsToldStill) {
+  Run("observe");
+  const std::filesystem::path in_the_way = Paths(3).confidence / "in_the_way";
+  std::filesystem::create_directories(in_the_way);
+  const std::filesystem::path record = GetShardPath(root_, "compose", 0, 1);
+  ExpectError(ErrorCode::kIo, {Paths(3).confidence.string()}, [&] {
+    Refine(Options(root_, "compose"), {}, [&] {
+      std::filesystem::create_directories(
+          record.string() + AtomicFile::kTemporarySuffix + "/in_the_way");
+      return false;
+    });
+  });
+  EXPECT_THAT(ReadText(record), testing::Not(testing::HasSubstr("in_the_way")));
 }
 
 TEST_F(RefineShardTest, WorksOnAnOutputWorkspaceInPlace) {

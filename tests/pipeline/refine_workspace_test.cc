@@ -456,6 +456,23 @@ TEST_F(RefineWorkspaceTest, NobodyChangesTheInputOfAnotherRun) {
   });
 }
 
+TEST_F(RefineWorkspaceTest, NobodyTouchesTheOutputOfAnotherRun) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  Refine(options);
+  WriteText(root_ / "stereo/fusion.cfg", "v0.png\n");
+  {
+    const WorkspaceLock writer(options.output_path);
+    const Tree before = ReadTree(options.output_path);
+    ExpectError(ErrorCode::kUnsupported,
+                {options.output_path.string(), "lock", "another program"},
+                [&] { Refine(options); });
+    ExpectSameFiles(before, ReadTree(options.output_path));
+  }
+  Refine(options);
+  EXPECT_EQ(ReadText(options.output_path / "stereo/fusion.cfg"), "v0.png\n");
+}
+
 TEST_F(RefineWorkspaceTest, TheManifestTellsWhatTheRunWasDoneWith) {
   WorkspaceRefineOptions options = Options(root_);
   options.cache_size = 2.5;

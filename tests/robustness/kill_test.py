@@ -25,19 +25,23 @@ before, work, spare, prior = (os.path.join(folder.name, name)
                               for name in ("before", "work", "spare", "prior"))
 # The folder in which a command keeps the maps that it replaces.
 KEPT = {"refine": "stereo/tsar/original/", "restore": "stereo/tsar/original/",
+        "compose": "stereo/tsar/original/",
         "import": "stereo/tsar_import/former/", "undo": "stereo/tsar_import/former/"}
 STEREO = ["--overwrite", 1] + [
     word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
     for word in ("--TsarStereo." + name, 1)]
 IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
+SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 COMMANDS = {
     "refine": ["tsar_refine", work],
+    "compose": ["tsar_refine", work, *SHARD, "compose"],
     "restore": ["tsar_refine", work, "--restore", 1],
     "import": ["tsar_import", work, *IMPORT],
     "undo": ["tsar_import", work, "--restore", 1],
     "stereo": ["tsar_stereo", work, *STEREO],
 }
-UNDO = {"refine": COMMANDS["restore"], "import": COMMANDS["undo"]}
+UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"],
+        "import": COMMANDS["undo"]}
 
 
 def prepare():
@@ -51,6 +55,8 @@ def prepare():
     untouched = read_tree(work)
     if args.command == "restore":
         program.run("tsar_refine", work)
+    elif args.command == "compose":
+        program.run("tsar_refine", work, *SHARD, "observe")
     elif args.command == "undo":
         program.run("tsar_import", work, *IMPORT)
     os.rename(work, before)

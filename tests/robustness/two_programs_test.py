@@ -68,13 +68,13 @@ for first, command in COMMANDS.items():
     process = program.start(*command, stop_at=num_calls // 2)
     try:
         wait_until_stopped(process)
-        before = read_tree(work)
+        before, other_before = read_tree(work), read_tree(other)
         for second, words in COMMANDS.items():
-            reads_alone = "second workspace"
-            if reads_alone in first and reads_alone in second:
-                continue
-            program.fails_with_one_line(*words, texts=["another program is working", work])
+            # Of two that read one workspace, the second must not write to theirs.
+            changed = other if other in command and other in words else work
+            program.fails_with_one_line(*words, texts=["another program is working", changed])
             check_same(read_tree(work), before, f"{second} while {first} works")
+            check_same(read_tree(other), other_before, f"{second} while {first} works")
             num_pairs += 1
     finally:
         process.send_signal(signal.SIGCONT)
