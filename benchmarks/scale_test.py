@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs scale on few tiny images with all its further runs and checks its tables
-and its picture, and that copies have the sources and the maps of the scene."""
+"""Runs scale on few tiny images and checks its tables and its picture, and that
+copies have the sources and the maps of the scene. Its interrupted run is left
+out: so few images may be done before they are interrupted."""
 
 import argparse
 import shutil
@@ -17,8 +18,7 @@ from programs import run
 
 FOLDER = Path(__file__).resolve().parent
 RUNS = ["again, every image done", "--restore 1", "to a second workspace",
-        "to it again, every image done", "interrupted", "taken up again",
-        "--restore 1 after that"]
+        "to it again, every image done"]
 
 
 def check(condition, message):
@@ -103,9 +103,9 @@ def main():
     check_copies(arguments.program, folder)
 
     output = run([sys.executable, FOLDER / "scale", "--program",
-                  arguments.program, "--device", "cpu", "--num_images", 24, 5, "--folder", folder / "work",
-                  "--plot", folder / "scale.svg", "--also", "resume",
-                  "restore", "output", "interrupt"])
+                  arguments.program, "--device", "cpu", "--num_images", 24, 5,
+                  "--folder", folder / "work", "--plot", folder / "scale.svg",
+                  "--also", "resume", "restore", "output"])
     print(output)
     lines = output.splitlines()
     sizes = table(lines, "### Time and memory by the number of images")
