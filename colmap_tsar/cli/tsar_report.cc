@@ -110,7 +110,8 @@ void AddSizeOptions(ReportCommand* command, OptionSet* options) {
                {1, 20000000});
   options->Add("num_threads",
                &command->page.num_threads,
-               "Number of CPU threads; -1: one for each core.",
+               "Number of CPU threads; -1: one for each core. Fewer where the "
+               "images are too large for the main memory.",
                {-1, 4096});
   options->Add("output_path",
                &command->output_path,

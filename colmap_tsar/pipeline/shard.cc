@@ -10,7 +10,6 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -45,19 +44,19 @@ std::vector<std::vector<size_t>> FindNeighbours(const Workspace& workspace) {
   for (size_t i = 0; i < problems.size(); ++i) {
     index_of[static_cast<size_t>(problems[i].reference)] = static_cast<int>(i);
   }
-  std::vector<std::set<size_t>> sets(problems.size());
+  std::vector<std::vector<size_t>> neighbours(problems.size());
   for (size_t i = 0; i < problems.size(); ++i) {
     for (const int source : problems[i].sources) {
       const int other = index_of[static_cast<size_t>(source)];
       if (other >= 0 && other != static_cast<int>(i)) {
-        sets[i].insert(static_cast<size_t>(other));
-        sets[static_cast<size_t>(other)].insert(i);
+        neighbours[i].push_back(static_cast<size_t>(other));
+        neighbours[static_cast<size_t>(other)].push_back(i);
       }
     }
   }
-  std::vector<std::vector<size_t>> neighbours;
-  for (const std::set<size_t>& set : sets) {
-    neighbours.emplace_back(set.begin(), set.end());
+  for (std::vector<size_t>& images : neighbours) {
+    std::sort(images.begin(), images.end());
+    images.erase(std::unique(images.begin(), images.end()), images.end());
   }
   return neighbours;
 }

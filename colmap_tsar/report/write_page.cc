@@ -4,6 +4,7 @@
 #include "colmap_tsar/report/write_page.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/report/page_data.h"
 #include "colmap_tsar/report/page_files.h"
@@ -12,11 +13,13 @@
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/record.h"
+#include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -129,6 +132,27 @@ void CheckStages(const Workspace& workspace,
   }
 }
 
+// As many as are asked for, but not more than half of the main memory bears.
+int NumThreads(const Workspace& workspace,
+               const std::vector<int>& refined,
+               int num_threads) {
+  // An image's maps and pictures while they are drawn.
+  constexpr int64_t kBytesPerPixel = 60;
+  int64_t num_pixels = 1;
+  for (const int image : refined) {
+    const Camera& camera =
+        workspace.Model().images[static_cast<size_t>(image)].camera;
+    num_pixels = std::max(num_pixels,
+                          static_cast<int64_t>(camera.width) * camera.height);
+  }
+  const int64_t room = MainMemoryBytes() / 2 / (kBytesPerPixel * num_pixels);
+  const int64_t wanted =
+      num_threads > 0
+          ? num_threads
+          : static_cast<int64_t>(std::thread::hardware_concurrency());
+  return static_cast<int>(std::max<int64_t>(1, std::min(wanted, room)));
+}
+
 std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const std::vector<int>& refined,
                                    const fs::path& folder,
@@ -146,7 +170,7 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
   }
   std::vector<ImagePage> pages(refined.size());
   progress.Start(static_cast<int>(refined.size()));
-  ThreadPool threads(options.num_threads);
+  ThreadPool threads(NumThreads(workspace, refined, options.num_threads));
   threads.Run(
       static_cast<int64_t>(refined.size()), [&](int64_t begin, int64_t end) {
         for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end);
@@ -199,6 +223,8 @@ int WritePage(const Workspace& workspace,
               Progress& progress,
               const std::function<bool()>& should_stop) {
   Check(options);
+  // So that the maps before and after belong together.
+  const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
     throw Error::File(ErrorCode::kNotFound,

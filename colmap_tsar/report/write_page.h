@@ -38,8 +38,9 @@ struct PageOptions {
 //
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (one cloud without the other; scans without clouds),
-// kInterrupted once should_stop returned true, what PageFolder, WriteImagePage,
-// SampleCloud and the evaluations throw.
+// kInterrupted once should_stop returned true, what WorkspaceLock (shared: a
+// program is changing the workspace), PageFolder, WriteImagePage, SampleCloud
+// and the evaluations throw.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
               Progress& progress,

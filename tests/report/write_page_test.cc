@@ -7,6 +7,7 @@
 #include "colmap_tsar/report/page_files.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/write_back.h"
+#include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <sstream>
 
@@ -112,6 +113,12 @@ TEST_F(WritePageTest, HasAllFilesAndEscapesTheTitle) {
           << image << " " << name;
     }
   }
+}
+
+TEST_F(WritePageTest, RefusesAWorkspaceThatAnotherProgramChanges) {
+  const WorkspaceLock lock(root_);
+  ExpectError(ErrorCode::kUnsupported, {"another program"}, [&] { Write(); });
+  EXPECT_FALSE(fs::exists(options_.report_path));
 }
 
 TEST_F(WritePageTest, ThreadsChangeNothing) {
