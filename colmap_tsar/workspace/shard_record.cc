@@ -68,6 +68,13 @@ std::filesystem::path GetShardPath(const std::filesystem::path& root,
 ShardRecord ReadShardRecord(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) {
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) {
+      throw Error::File(ErrorCode::kIo,
+                        path.string(),
+                        "cannot be read",
+                        "check the permissions there");
+    }
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
                       "this shard has not been run",
@@ -95,7 +102,13 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
                                image.at("files").get<std::string>(),
                                image.at("note").get<std::string>()});
     }
-    return record;
+    // A record under another shard's name would stand for that one.
+    if (record.index >= 0 && record.index < record.count &&
+        path.filename() ==
+            GetShardPath({}, record.pass, record.index, record.count)
+                .filename()) {
+      return record;
+    }
   } catch (const nlohmann::json::exception&) {
   } catch (const std::invalid_argument&) {
   }

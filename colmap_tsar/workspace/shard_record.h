@@ -49,7 +49,8 @@ std::filesystem::path GetShardPath(const std::filesystem::path& root,
                                    int index,
                                    int count);
 
-// Error kNotFound where there is none, kCorrupt where the file is not a record.
+// Error kNotFound where there is none, kIo where it cannot be read, kCorrupt
+// where the file is not a record or that of another shard.
 ShardRecord ReadShardRecord(const std::filesystem::path& path);
 
 // In one step; creates the folder.

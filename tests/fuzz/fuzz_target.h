@@ -30,6 +30,7 @@ extern const FuzzTarget kProjectIniTarget;
 extern const FuzzTarget kEvidenceTarget;
 extern const FuzzTarget kRecordTarget;
 extern const FuzzTarget kImportRecordTarget;
+extern const FuzzTarget kShardRecordTarget;
 extern const FuzzTarget kOutputMarkerTarget;
 extern const FuzzTarget kDmbTarget;
 extern const FuzzTarget kApdTarget;

@@ -30,14 +30,14 @@ namespace tsar {
 namespace {
 
 constexpr const FuzzTarget* kTargets[] = {
-    &kMapTarget,          &kSparseBinaryTarget, &kSparseTextTarget,
-    &kConfigTarget,       &kImageListTarget,    &kProjectIniTarget,
-    &kEvidenceTarget,     &kRecordTarget,       &kImportRecordTarget,
-    &kOutputMarkerTarget, &kDmbTarget,          &kApdTarget,
-    &kDmapTarget,         &kStoredCameraTarget, &kNpyTarget,
-    &kPfmTarget,          &kPngTarget,          &kTiffTarget,
-    &kExrTarget,          &kGrayPngTarget,      &kPlyTarget,
-    &kMeshlabTarget};
+    &kMapTarget,         &kSparseBinaryTarget, &kSparseTextTarget,
+    &kConfigTarget,      &kImageListTarget,    &kProjectIniTarget,
+    &kEvidenceTarget,    &kRecordTarget,       &kImportRecordTarget,
+    &kShardRecordTarget, &kOutputMarkerTarget, &kDmbTarget,
+    &kApdTarget,         &kDmapTarget,         &kStoredCameraTarget,
+    &kNpyTarget,         &kPfmTarget,          &kPngTarget,
+    &kTiffTarget,        &kExrTarget,          &kGrayPngTarget,
+    &kPlyTarget,         &kMeshlabTarget};
 
 const FuzzTarget* current_target = nullptr;
 

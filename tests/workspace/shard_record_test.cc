@@ -71,8 +71,11 @@ TEST(ShardRecordTest, BrokenFilesAreErrorsThatNameThem) {
   const std::string text = ReadText(path);
   const size_t state = text.find("\"observed\"");
   ASSERT_NE(state, std::string::npos);
+  const size_t count = text.find("\"count\": 3");
+  ASSERT_NE(count, std::string::npos);
   for (const std::string& broken :
-       {std::string(),
+       {text.substr(0, count) + "\"count\": 4" + text.substr(count + 10),
+        std::string(),
         std::string("{}"),
         std::string("[1]"),
         text.substr(0, text.size() / 2),
