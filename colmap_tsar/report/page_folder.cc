@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kTemporarySuffix = ".tsar_tmp";
 constexpr const char* kFormerSuffix = ".tsar_old";
 
 // Without the separator that a user may write at the end.
@@ -85,7 +84,8 @@ void RemoveFolder(const fs::path& path) {
 }  // namespace
 
 PageFolder::PageFolder(const fs::path& path, bool overwrite)
-    : path_(Normal(path)), temporary_(path_.string() + kTemporarySuffix) {
+    : path_(Normal(path)),
+      temporary_(path_.string() + AtomicFile::kTemporarySuffix) {
   CheckPlace(path_, overwrite);
   RemoveFolder(temporary_);  // Of a program that was killed.
   CreateFolders(temporary_);

@@ -9,11 +9,10 @@ import subprocess
 import sys
 import tempfile
 
-import drawn_workspace
 from robustness import (SKIPPED, Program, check, check_same, copy, maps_of, parse_arguments,
                         read_tree, without_accounts)
+from start_workspaces import STEREO, StartWorkspaces
 
-NUM_IMAGES = 2
 NUM_LEVELS = 24
 DISK_BYTES = 4 << 20
 IN_NAME_SPACE = "TSAR_IN_NAME_SPACE"
@@ -36,18 +35,14 @@ disk = os.path.join(folder.name, "disk")
 os.makedirs(disk)
 program = Program(args.program)
 work, filler = os.path.join(disk, "work"), os.path.join(disk, "filler")
-bare, mapped, refined, imported, prior = (
-    os.path.join(folder.name, name) for name in ("bare", "mapped", "refined", "imported", "prior"))
-IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
-STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
-          for word in ("--TsarStereo." + name, 1)]
+origins = StartWorkspaces(folder.name)
 # The command, and from what workspace.
 CASES = {
-    "refine": (["tsar_refine", work], mapped),
-    "restore": (["tsar_refine", work, "--restore", 1], refined),
-    "import": (["tsar_import", work, *IMPORT], mapped),
-    "undo": (["tsar_import", work, "--restore", 1], imported),
-    "stereo": (["tsar_stereo", work, *STEREO], bare),
+    "refine": (["tsar_refine", work], origins.mapped),
+    "restore": (["tsar_refine", work, "--restore", 1], origins.refined),
+    "import": (["tsar_import", work, *origins.import_options], origins.mapped),
+    "undo": (["tsar_import", work, "--restore", 1], origins.imported),
+    "stereo": (["tsar_stereo", work, *STEREO], origins.bare),
 }
 
 
@@ -80,13 +75,7 @@ def check_kept(tree, first, last, case):
             check(tree.get(path) == first[path], f"{path} changed")
 
 
-drawn_workspace.draw(bare, NUM_IMAGES, with_maps=False)
-drawn_workspace.draw(mapped, NUM_IMAGES)
-drawn_workspace.draw_prior(prior, NUM_IMAGES)
-copy(mapped, refined)
-program.run("tsar_refine", refined)
-copy(mapped, imported)
-program.run("tsar_import", imported, *IMPORT)
+origins.make(program)
 
 mount(f"size={DISK_BYTES}")
 num_full = {}

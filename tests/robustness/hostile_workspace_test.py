@@ -9,24 +9,19 @@ import shutil
 
 import drawn_workspace
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
-
-NUM_IMAGES = 2
+from start_workspaces import STEREO, StartWorkspaces
 
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, outside, prior, bare, mapped, refined, imported = (
-    os.path.join(folder.name, name)
-    for name in ("work", "outside", "prior", "bare", "mapped", "refined", "imported"))
-IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
-STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
-          for word in ("--TsarStereo." + name, 1)]
+work, outside = (os.path.join(folder.name, name) for name in ("work", "outside"))
+start = StartWorkspaces(folder.name)
 COMMANDS = {
-    "refine": (["tsar_refine", work], mapped),
-    "restore": (["tsar_refine", work, "--restore", 1], refined),
-    "import": (["tsar_import", work, *IMPORT], mapped),
-    "undo": (["tsar_import", work, "--restore", 1], imported),
-    "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], bare),
+    "refine": (["tsar_refine", work], start.mapped),
+    "restore": (["tsar_refine", work, "--restore", 1], start.refined),
+    "import": (["tsar_import", work, *start.import_options], start.mapped),
+    "undo": (["tsar_import", work, "--restore", 1], start.imported),
+    "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], start.bare),
 }
 REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png")]
 
@@ -48,13 +43,7 @@ def fails(case, command, **expected):
     check_same(read_tree(outside), before, case)
 
 
-drawn_workspace.draw(bare, NUM_IMAGES, with_maps=False)
-drawn_workspace.draw(mapped, NUM_IMAGES)
-drawn_workspace.draw_prior(prior, NUM_IMAGES)
-copy(mapped, refined)
-program.run("tsar_refine", refined)
-copy(mapped, imported)
-program.run("tsar_import", imported, *IMPORT)
+start.make(program)
 drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
 num_cases = 0
 
@@ -83,14 +72,14 @@ for name, text in NAMES.items():
         tree.pop("stereo/tsar/manifest.json", None)  # Lists what failed.
         check_same(tree, before, f"{case} of {name[:40]}")
         num_cases += 1
-    copy(refined, work)
+    copy(start.refined, work)
     rename_image(work, name)
     if text:
         fails(f"report of {name[:40]}", REPORT, texts=[text])
     num_cases += 1
 
 # A name for which there is a map, but no temporary file beside it.
-copy(mapped, work)
+copy(start.mapped, work)
 name = "y" * 232 + ".png"
 for parent, _, files in list(os.walk(work)):
     for file in files:
@@ -127,7 +116,7 @@ shutil.rmtree(outside)
 drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
 
 # What stands in a record counts for nothing: the files' own names do.
-copy(refined, work)
+copy(start.refined, work)
 record = os.path.join(work, "stereo", "tsar", "records", "v0.png.geometric.json")
 with open(record, encoding="utf-8") as file:
     text = file.read()
@@ -136,9 +125,9 @@ drawn_workspace.write(os.path.join(work, "stereo", "tsar", "manifest.json"),
                       b'{"images": [{"image": "../../../outside/precious"}]}')
 precious = read_tree(outside)
 program.run(*COMMANDS["restore"][0])
-check_same(read_tree(work), read_tree(mapped), "restoring with a false record")
+check_same(read_tree(work), read_tree(start.mapped), "restoring with a false record")
 check_same(read_tree(outside), precious, "restoring with a false record")
-copy(refined, work)
+copy(start.refined, work)
 nowhere = os.path.join(work, "stereo", "tsar", "original", "depth_maps", "left", "nowhere.bin")
 os.symlink(os.path.join(outside, "precious"), nowhere)
 os.symlink(outside, os.path.join(os.path.dirname(nowhere), "folder.bin"))
@@ -152,24 +141,24 @@ num_cases += 3
 for case in ("refine", "import"):
     command, _ = COMMANDS[case]
     shutil.rmtree(work)
-    for parent, _, files in os.walk(mapped):
+    for parent, _, files in os.walk(start.mapped):
         for file in files:
             path = os.path.join(parent, file)
-            target = os.path.join(work, os.path.relpath(path, mapped))
+            target = os.path.join(work, os.path.relpath(path, start.mapped))
             os.makedirs(os.path.dirname(target), exist_ok=True)
             os.symlink(path, target)
-    before = read_tree(mapped)
+    before = read_tree(start.mapped)
     program.run(*command)
-    check_same(read_tree(mapped), before, f"{case} of linked maps")
+    check_same(read_tree(start.mapped), before, f"{case} of linked maps")
     check(read_tree(work) != before, f"{case} of linked maps does something")
     program.run(*COMMANDS["restore" if case == "refine" else "undo"][0])
     check_same(read_tree(work), before, f"undoing {case} of linked maps")
-    check_same(read_tree(mapped), before, f"undoing {case} of linked maps")
+    check_same(read_tree(start.mapped), before, f"undoing {case} of linked maps")
     num_cases += 1
 
 # An output workspace leads to its input by design; tsar_stereo must not follow.
 shutil.rmtree(work)
-copy(mapped, outside)
+copy(start.mapped, outside)
 nothing = [2.0] * (drawn_workspace.WIDTH * drawn_workspace.HEIGHT)
 drawn_workspace.write(os.path.join(outside, "stereo", "cost_maps", "v0.png.geometric.bin"),
                       drawn_workspace.map_file([nothing, nothing]))

@@ -11,8 +11,8 @@ import os
 import drawn_workspace
 from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
                         read_tree, without_accounts)
+from start_workspaces import NUM_IMAGES, STEREO, import_options
 
-NUM_IMAGES = 2
 # Undoing is checked after every so manieth kill.
 UNDO_EVERY = 10
 # The calls at which to kill: every one, or every so manieth of a slow command.
@@ -27,10 +27,7 @@ before, work, spare, prior = (os.path.join(folder.name, name)
 KEPT = {"refine": "stereo/tsar/original/", "restore": "stereo/tsar/original/",
         "compose": "stereo/tsar/original/",
         "import": "stereo/tsar_import/former/", "undo": "stereo/tsar_import/former/"}
-STEREO = ["--overwrite", 1] + [
-    word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
-    for word in ("--TsarStereo." + name, 1)]
-IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
+IMPORT = import_options(prior)
 SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 COMMANDS = {
     "refine": ["tsar_refine", work],
@@ -38,7 +35,7 @@ COMMANDS = {
     "restore": ["tsar_refine", work, "--restore", 1],
     "import": ["tsar_import", work, *IMPORT],
     "undo": ["tsar_import", work, "--restore", 1],
-    "stereo": ["tsar_stereo", work, *STEREO],
+    "stereo": ["tsar_stereo", work, *STEREO, "--overwrite", 1],
 }
 UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"],
         "import": COMMANDS["undo"]}

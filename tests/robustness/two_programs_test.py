@@ -8,31 +8,26 @@ import shutil
 import signal
 import time
 
-import drawn_workspace
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
                         without_accounts)
-
-NUM_IMAGES = 2
+from start_workspaces import STEREO, StartWorkspaces
 
 args = parse_arguments("shim")
 program = Program(args.program, args.shim)
 folder = make_folder(args.folder)
-work, other, prior, bare, mapped, refined, imported = (
-    os.path.join(folder.name, name)
-    for name in ("work", "other", "prior", "bare", "mapped", "refined", "imported"))
-IMPORT = ["--input_path", prior, "--format", "depth", "--overwrite", 1]
-STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
-          for word in ("--TsarStereo." + name, 1)]
+work, other = (os.path.join(folder.name, name) for name in ("work", "other"))
+start = StartWorkspaces(folder.name)
 COMMANDS = {
     "refine": ["tsar_refine", work],
     "restore": ["tsar_refine", work, "--restore", 1],
-    "import": ["tsar_import", work, *IMPORT],
+    "import": ["tsar_import", work, *start.import_options],
     "undo": ["tsar_import", work, "--restore", 1],
     "stereo": ["tsar_stereo", work, *STEREO, "--overwrite", 1],
     "refine to a second workspace": ["tsar_refine", work, "--output_path", other],
 }
-SOURCES = {"refine": mapped, "restore": refined, "import": mapped, "undo": imported,
-           "stereo": bare, "refine to a second workspace": mapped}
+SOURCES = {"refine": start.mapped, "restore": start.refined, "import": start.mapped,
+           "undo": start.imported, "stereo": start.bare,
+           "refine to a second workspace": start.mapped}
 
 
 def wait_until_stopped(process):
@@ -45,13 +40,7 @@ def wait_until_stopped(process):
         time.sleep(0.01)
 
 
-drawn_workspace.draw(bare, NUM_IMAGES, with_maps=False)
-drawn_workspace.draw(mapped, NUM_IMAGES)
-drawn_workspace.draw_prior(prior, NUM_IMAGES)
-copy(mapped, refined)
-program.run("tsar_refine", refined)
-copy(mapped, imported)
-program.run("tsar_import", imported, *IMPORT)
+start.make(program)
 
 num_pairs = 0
 for first, command in COMMANDS.items():
