@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <istream>
+#include <memory>
+#include <string>
+
+namespace tsar {
+
+// A regular file open for reading, in binary. Unlike std::ifstream it never
+// waits: what stands under the name of a model, map or photo may be a FIFO or a
+// device, the opening of which would hang, and a device has no end.
+//
+// As with std::ifstream, a file that cannot be opened leaves the stream in a
+// failed state; Reason() then says why.
+class InputFile : public std::istream {
+ public:
+  InputFile();
+  explicit InputFile(const std::filesystem::path& path);
+  ~InputFile() override;
+
+  // Takes the place of the file that was open before. Links are followed.
+  void Open(const std::filesystem::path& path);
+
+  // In bytes, when it was opened.
+  uintmax_t Size() const { return size_; }
+
+  // Why the file could not be opened, such as "Permission denied" or "it is a
+  // FIFO, not a file"; empty where it was.
+  const std::string& Reason() const { return reason_; }
+  // Whether the reason is that there is no such file.
+  bool IsMissing() const { return is_missing_; }
+
+ private:
+  std::unique_ptr<std::streambuf> buffer_;
+  uintmax_t size_ = 0;
+  std::string reason_;
+  bool is_missing_ = false;
+};
+
+}  // namespace tsar
