@@ -6,13 +6,12 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/workspace/test_workspace.h"
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
-
-#include "tests/workspace/test_workspace.h"
 
 namespace tsar {
 namespace {
