@@ -64,7 +64,7 @@ class EvidenceStore {
   static void Clear(const Workspace& workspace);
 
  private:
-  std::filesystem::path Path(int image) const;
+  ContainedPath Path(int image) const;
 
   // What the view is loaded from.
   const std::string& State(int image);

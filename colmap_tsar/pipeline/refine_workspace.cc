@@ -120,9 +120,13 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   }
   if (!in_place || workspace.IsOutput()) {
     // So that nobody changes the originals while they are read.
-    input_lock.emplace(workspace.SourceRoot(), WorkspaceLock::Mode::kShared);
+    input_lock.emplace(workspace.SourceRoot(),
+                       workspace.IsOutput()
+                           ? WorkspaceLock::Mode::kSharedIfThere
+                           : WorkspaceLock::Mode::kShared);
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
+  CheckOriginals(workspace);
   RefineDevices devices =
       CreateRefineDevices(workspace_options,
                           overview,

@@ -116,8 +116,7 @@ std::map<std::string, std::string> ShardRuntime(
 
 void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   RequireNoOtherWork(root, own);
-  const std::filesystem::path path =
-      GetShardPath(root, own.pass, own.index, own.count);
+  const ContainedPath path = GetShardPath(root, own.pass, own.index, own.count);
   const std::optional<ShardRecord> earlier = ReadIfThere(path);
   if (earlier) {
     WarnOfOtherMachine(own, *earlier);
@@ -129,8 +128,7 @@ void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   } catch (const Error&) {
     if (!earlier) {
       RemoveFile(path);
-      std::error_code error;
-      std::filesystem::remove(GetShardFolder(root), error);
+      RemoveFolderIfEmpty(GetShardFolder(root));
     }
     throw;
   }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/stereo_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
@@ -12,6 +13,7 @@
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/originals.h"
 #include "colmap_tsar/workspace/output_workspace.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
@@ -20,10 +22,10 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <fstream>
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -36,18 +38,18 @@ namespace {
 namespace fs = std::filesystem;
 
 // What this program keeps between the passes and from run to run.
-fs::path OwnFolder(const Workspace& workspace) {
-  return workspace.Root() / "stereo" / "tsar_stereo";
+ContainedPath OwnFolder(const Workspace& workspace) {
+  return {workspace.Root(), fs::path("stereo") / "tsar_stereo"};
 }
 
 struct MapFiles {
-  fs::path depth;
-  fs::path normal;
-  fs::path cost;  // Empty between the passes.
+  ContainedPath depth;
+  ContainedPath normal;
+  std::optional<ContainedPath> cost;  // Not between the passes.
 
   bool Exist() const {
     return fs::exists(depth) && fs::exists(normal) &&
-           (cost.empty() || fs::exists(cost));
+           (!cost || fs::exists(*cost));
   }
 };
 
@@ -67,11 +69,11 @@ class Passes {
     if (pass > 0 && pass < num_geometric_) {
       const std::string key =
           workspace_.Model().images[static_cast<size_t>(image)].name;
-      const fs::path folder =
+      const ContainedPath folder =
           OwnFolder(workspace_) / ("pass_" + std::to_string(pass));
       return {folder / "depth" / (key + ".bin"),
               folder / "normal" / (key + ".bin"),
-              {}};
+              std::nullopt};
     }
     const MapPaths paths = workspace_.Paths(
         image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
@@ -81,9 +83,7 @@ class Passes {
   // Once the last pass is done.
   void RemoveFilesBetween() const {
     for (int pass = 1; pass < num_geometric_; ++pass) {
-      std::error_code ignored;
-      fs::remove_all(OwnFolder(workspace_) / ("pass_" + std::to_string(pass)),
-                     ignored);
+      RemoveTree(OwnFolder(workspace_) / ("pass_" + std::to_string(pass)));
     }
   }
 
@@ -93,12 +93,10 @@ class Passes {
 };
 
 void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
-  for (const fs::path& path : {files.depth, files.normal, files.cost}) {
-    if (!path.empty()) {
-      CreateFolders(path.parent_path());
-    }
-  }
-  if (!files.cost.empty()) {
+  CreateFolders(files.depth.Parent());
+  CreateFolders(files.normal.Parent());
+  if (files.cost) {
+    CreateFolders(files.cost->Parent());
     PlanarMap costs;
     costs.width = maps.depth.Width();
     costs.height = maps.depth.Height();
@@ -106,14 +104,14 @@ void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
     costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
     costs.values.insert(
         costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
-    WritePlanarMap(files.cost, costs);
+    WritePlanarMap(*files.cost, costs);
   }
   WriteNormalMap(files.normal, maps.normal);
   WriteDepthMap(files.depth, maps.depth);
 }
 
 std::string ReadText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  InputFile file(path);
   return std::string(std::istreambuf_iterator<char>(file),
                      std::istreambuf_iterator<char>());
 }
@@ -123,11 +121,11 @@ std::string ReadText(const fs::path& path) {
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
                bool overwrite) {
-  const fs::path state_path = OwnFolder(workspace) / "options.txt";
+  const ContainedPath state_path = OwnFolder(workspace) / "options.txt";
   const bool is_ours =
       fs::exists(state_path) && ReadText(state_path) == options.Text();
   // All of it is looked at before the first file goes.
-  std::vector<fs::path> foreign;
+  std::vector<ContainedPath> foreign;
   for (const StereoProblem& problem : workspace.Problems()) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
@@ -137,7 +135,9 @@ void ClaimMaps(const Workspace& workspace,
                           "has been refined",
                           "run tsar_refine with --restore 1 first");
       }
-      for (const fs::path& path : {paths.depth, paths.normal, paths.cost}) {
+      RequireNoStrayResults(paths);
+      for (const ContainedPath& path :
+           {paths.depth, paths.normal, paths.cost}) {
         if (!is_ours && fs::exists(path)) {
           foreign.push_back(path);
         }
@@ -151,12 +151,11 @@ void ClaimMaps(const Workspace& workspace,
         "is of another program, or was made with other options",
         "give --overwrite 1 to replace all maps, or work on a copy");
   }
-  for (const fs::path& path : foreign) {
+  for (const ContainedPath& path : foreign) {
     RemoveFile(path);
   }
   if (!is_ours) {
-    std::error_code ignored;
-    fs::remove_all(OwnFolder(workspace), ignored);
+    RemoveTree(OwnFolder(workspace));
     CreateFolders(OwnFolder(workspace));
     AtomicFile file(state_path);
     file.Stream() << options.Text();
@@ -392,7 +391,7 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
   // folders.
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     if (fs::is_directory(run.workspace_path / "stereo")) {
-      CreateFolders(run.workspace_path / "stereo" / folder);
+      CreateFolders({run.workspace_path, fs::path("stereo") / folder});
     }
   }
   const Workspace workspace(run.workspace_path, MapType::kPhotometric);

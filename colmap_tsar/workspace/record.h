@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+#include "colmap_tsar/workspace/written_map.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -31,10 +34,10 @@ struct ImageRecord {
   std::string type;
   ImageStatus status = ImageStatus::kPending;
   std::string options_hash;
-  // Fingerprints of the maps of ours that may be in place, the latest first.
-  // More than one only while maps are being replaced.
-  std::vector<uint64_t> depth_hashes;
-  std::vector<uint64_t> normal_hashes;
+  // The maps of this program that may be in place, the latest first. More than
+  // one only while maps are being replaced.
+  std::vector<WrittenMap> written_depth;
+  std::vector<WrittenMap> written_normal;
   // Fingerprints of the originals; only in output workspaces, whose originals
   // can change without our knowing.
   uint64_t original_depth_hash = 0;
@@ -48,6 +51,6 @@ struct ImageRecord {
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
 
 // In one step; creates the folder.
-void WriteRecord(const std::filesystem::path& path, const ImageRecord& record);
+void WriteRecord(const ContainedPath& path, const ImageRecord& record);
 
 }  // namespace tsar

@@ -53,19 +53,21 @@ class Program:
                     words += [f"--{group}.{name}", value]
         return words
 
-    def start(self, *words, **faults):
-        """faults: kill_at, stop_at or log, of fault_points.cc."""
+    def start(self, *words, prepare=None, **faults):
+        """prepare: called in the new process before the program. faults: kill_at,
+        stop_at or log, of fault_points.cc."""
         environment = dict(os.environ)
         if faults:
             environment["LD_PRELOAD"] = self.shim
         for name, value in faults.items():
             environment["TSAR_FAULT_" + name.upper()] = str(value)
         return subprocess.Popen(self.arguments(*words), env=environment, text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                preexec_fn=prepare)
 
-    def call(self, *words, **faults):
+    def call(self, *words, **how):
         """(exit code, standard error)"""
-        process = self.start(*words, **faults)
+        process = self.start(*words, **how)
         _, errors = process.communicate()
         return process.returncode, errors
 
@@ -121,6 +123,12 @@ def check_same(tree, expected, what):
 def copy(source, target):
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(source, target, symlinks=True)
+
+
+def set_time(path, hours):
+    """Has the file changed so many hours later: clocks may stand still in a test."""
+    state = os.stat(path)
+    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns + hours * 3600 * 10**9))
 
 
 def fingerprint(text):
