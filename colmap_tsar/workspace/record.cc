@@ -88,6 +88,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.type = json.at("type").get<std::string>();
     record.status = StatusFromString(json.at("status").get<std::string>());
     record.options_hash = json.at("options_hash").get<std::string>();
+    record.inputs = json.value("inputs", record.inputs);
     record.depth_hashes = FromHexList(json.at("depth_hashes"));
     record.normal_hashes = FromHexList(json.at("normal_hashes"));
     record.original_depth_hash =
@@ -113,6 +114,7 @@ void WriteRecord(const std::filesystem::path& path, const ImageRecord& record) {
       {"type", record.type},
       {"status", ToString(record.status)},
       {"options_hash", record.options_hash},
+      {"inputs", record.inputs},
       {"depth_hashes", ToHexList(record.depth_hashes)},
       {"normal_hashes", ToHexList(record.normal_hashes)},
       {"original_depth_hash", ToHex(record.original_depth_hash)},
