@@ -202,34 +202,22 @@ ObservedShards ReadObservedShards(
     for (size_t i = 0; i < shards[shard].size(); ++i) {
       const int image = workspace.Problems()[shards[shard][i]].reference;
       const ShardRecord::Entry& entry = records[shard].images[i];
-      observed.entries[image] = entry;
+      observed.states[image] = entry.state;
+      observed.inputs[image] = entry.inputs;
       if (entry.state == ShardRecord::State::kObserved) {
-        observed.evidence[image] = entry.evidence;
+        observed.with_evidence.insert(image);
       }
     }
   }
   return observed;
 }
 
-void RequireUnchanged(const Workspace& workspace,
-                      int image,
-                      const ObservedShards& observed,
-                      const std::string& files) {
-  if (observed.entries.at(image).files != files) {
-    throw Error::File(ErrorCode::kMismatch,
-                      workspace.DepthPath(image, workspace.Type()).string(),
-                      "this map, or the image " + Name(workspace, image) +
-                          ", has changed since it was observed",
-                      kObserveAgain);
-  }
-}
-
 void RequireObserved(const Workspace& workspace,
                      int image,
                      const ObservedShards& observed) {
-  const auto found = observed.entries.find(image);
-  if (found != observed.entries.end() &&
-      found->second.state == ShardRecord::State::kNotNeeded) {
+  const auto found = observed.states.find(image);
+  if (found != observed.states.end() &&
+      found->second == ShardRecord::State::kNotNeeded) {
     throw Error(ErrorCode::kNotFound,
                 Name(workspace, image) +
                     ": nobody needed what is observed in it, but now another "

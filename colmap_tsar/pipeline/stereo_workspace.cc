@@ -8,12 +8,13 @@
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
+#include "colmap_tsar/pipeline/stereo_claim.h"
 #include "colmap_tsar/pipeline/stereo_image.h"
+#include "colmap_tsar/pipeline/stereo_inputs.h"
 #include "colmap_tsar/pipeline/view_cache.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/originals.h"
 #include "colmap_tsar/workspace/output_workspace.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
@@ -22,7 +23,6 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,11 +36,6 @@ namespace tsar {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What this program keeps between the passes and from run to run.
-ContainedPath OwnFolder(const Workspace& workspace) {
-  return {workspace.Root(), fs::path("stereo") / "tsar_stereo"};
-}
 
 struct MapFiles {
   ContainedPath depth;
@@ -70,7 +65,7 @@ class Passes {
       const std::string key =
           workspace_.Model().images[static_cast<size_t>(image)].name;
       const ContainedPath folder =
-          OwnFolder(workspace_) / ("pass_" + std::to_string(pass));
+          GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
       return {folder / "depth" / (key + ".bin"),
               folder / "normal" / (key + ".bin"),
               std::nullopt};
@@ -83,7 +78,8 @@ class Passes {
   // Once the last pass is done.
   void RemoveFilesBetween() const {
     for (int pass = 1; pass < num_geometric_; ++pass) {
-      RemoveTree(OwnFolder(workspace_) / ("pass_" + std::to_string(pass)));
+      RemoveTree(GetStereoFolder(workspace_) /
+                 ("pass_" + std::to_string(pass)));
     }
   }
 
@@ -108,59 +104,6 @@ void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
   }
   WriteNormalMap(files.normal, maps.normal);
   WriteDepthMap(files.depth, maps.depth);
-}
-
-std::string ReadText(const fs::path& path) {
-  InputFile file(path);
-  return std::string(std::istreambuf_iterator<char>(file),
-                     std::istreambuf_iterator<char>());
-}
-
-// Sees to it that all maps there are come from a run with these options, of
-// which a former run may have done a part.
-void ClaimMaps(const Workspace& workspace,
-               const StereoOptions& options,
-               bool overwrite) {
-  const ContainedPath state_path = OwnFolder(workspace) / "options.txt";
-  const bool is_ours =
-      fs::exists(state_path) && ReadText(state_path) == options.Text();
-  // All of it is looked at before the first file goes.
-  std::vector<ContainedPath> foreign;
-  for (const StereoProblem& problem : workspace.Problems()) {
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      const MapPaths paths = workspace.Paths(problem.reference, type);
-      if (fs::exists(paths.original_depth)) {
-        throw Error::File(ErrorCode::kUnsupported,
-                          paths.depth.string(),
-                          "has been refined",
-                          "run tsar_refine with --restore 1 first");
-      }
-      RequireNoStrayResults(paths);
-      for (const ContainedPath& path :
-           {paths.depth, paths.normal, paths.cost}) {
-        if (!is_ours && fs::exists(path)) {
-          foreign.push_back(path);
-        }
-      }
-    }
-  }
-  if (!foreign.empty() && !overwrite) {
-    throw Error::File(
-        ErrorCode::kUnsupported,
-        foreign.front().string(),
-        "is of another program, or was made with other options",
-        "give --overwrite 1 to replace all maps, or work on a copy");
-  }
-  for (const ContainedPath& path : foreign) {
-    RemoveFile(path);
-  }
-  if (!is_ours) {
-    RemoveTree(OwnFolder(workspace));
-    CreateFolders(OwnFolder(workspace));
-    AtomicFile file(state_path);
-    file.Stream() << options.Text();
-    file.Commit();
-  }
 }
 
 // The size of an image's maps.
@@ -188,35 +131,16 @@ class StereoRun {
         overview_(overview),
         progress_(progress),
         should_stop_(should_stop),
-        passes_(workspace, options) {}
+        passes_(workspace, options),
+        is_matched_(workspace.Model().images.size()) {
+    for (const StereoProblem& problem : workspace.Problems()) {
+      is_matched_[static_cast<size_t>(problem.reference)] =
+          !problem.sources.empty();
+    }
+  }
 
   int NumPasses() const { return passes_.Num(); }
   const Passes& AllPasses() const { return passes_; }
-
-  // The sources that are used.
-  std::vector<int> Sources(const StereoProblem& problem) const {
-    std::vector<int> sources = problem.sources;
-    if (sources.size() > static_cast<size_t>(options_.num_sources)) {
-      sources.resize(static_cast<size_t>(options_.num_sources));
-    }
-    return sources;
-  }
-
-  DepthInterval RangeOf(int image) const {
-    if (options_.depth_min > 0.0) {
-      return {options_.depth_min, options_.depth_max};
-    }
-    const std::optional<DepthInterval> range =
-        SparseDepthInterval(workspace_.Model(), image);
-    if (!range) {
-      throw Error::File(ErrorCode::kNotFound,
-                        workspace_.ImagePath(image).string(),
-                        "sees none of the sparse points, so that its depths "
-                        "cannot be guessed",
-                        "give --TsarStereo.depth_min and depth_max");
-    }
-    return *range;
-  }
 
   // Images that were done before count as skipped.
   int RunPass(int pass) {
@@ -273,7 +197,8 @@ class StereoRun {
     }
   }
 
-  // The image and, after the first pass, its maps so far.
+  // The image and, after the first pass, its maps so far. What other images
+  // have there is of former runs.
   ViewCache::View Load(int pass, int image) const {
     auto view = std::make_shared<ViewData>();
     const Camera& camera =
@@ -281,7 +206,7 @@ class StereoRun {
     const auto [width, height] = MapSizeOf(camera, options_.max_image_size);
     view->color = workspace_.ReadImage(image, width, height);
     view->camera = camera.Resized(width, height);
-    if (pass > 0) {
+    if (pass > 0 && is_matched_[static_cast<size_t>(image)]) {
       const MapFiles files = passes_.Files(pass - 1, image);
       if (files.Exist()) {
         view->depth = ReadDepthMap(files.depth);
@@ -299,7 +224,7 @@ class StereoRun {
       progress_.Advance(false);
       return false;
     }
-    const std::vector<int> sources = Sources(problem);
+    const std::vector<int> sources = StereoSources(problem, options_);
     std::vector<int> images = sources;
     images.push_back(problem.reference);
     ViewCache::Lease lease = cache.Reserve(images);
@@ -311,7 +236,8 @@ class StereoRun {
       views.push_back(&lease.Get(source));
     }
     const ViewData& reference = lease.Get(problem.reference);
-    const DepthInterval range = RangeOf(problem.reference);
+    const DepthInterval range =
+        StereoDepths(workspace_, problem.reference, options_);
     const uint32_t stream = HashImageName(
         workspace_.Model().images[static_cast<size_t>(problem.reference)].name);
     const StereoMaps maps =
@@ -332,6 +258,8 @@ class StereoRun {
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const Passes passes_;
+  // By image.
+  std::vector<bool> is_matched_;
   std::atomic<bool> has_failed_ = false;
   std::mutex mutex_;
   std::exception_ptr first_failure_;
@@ -418,8 +346,6 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
           workspace.Model()
               .images[static_cast<size_t>(problem.reference)]
               .name);
-    } else {
-      stereo.RangeOf(problem.reference);
     }
   }
   ClaimMaps(workspace, options, overwrite);

@@ -93,6 +93,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.type = json.at("type").get<std::string>();
     record.status = StatusFromString(json.at("status").get<std::string>());
     record.options_hash = json.at("options_hash").get<std::string>();
+    record.inputs = json.value("inputs", record.inputs);
     record.written_depth = WrittenFromJson(json.at("written_depth"));
     record.written_normal = WrittenFromJson(json.at("written_normal"));
     record.original_depth_hash =
@@ -118,6 +119,7 @@ void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
       {"type", record.type},
       {"status", ToString(record.status)},
       {"options_hash", record.options_hash},
+      {"inputs", record.inputs},
       {"written_depth", ToJson(record.written_depth)},
       {"written_normal", ToJson(record.written_normal)},
       {"original_depth_hash", ToHex(record.original_depth_hash)},

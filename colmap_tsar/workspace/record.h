@@ -27,13 +27,16 @@ std::string ToString(ImageStatus status);
 
 // What is known about one image's maps of one type, kept as
 // stereo/tsar/records/NAME.TYPE.json. The caller of WriteRefined fills in
-// options_hash, counts, seconds and note; the rest is filled in there.
+// options_hash, inputs, counts, seconds and note; the rest is filled in there.
 struct ImageRecord {
   std::string version;  // Of the program that wrote it.
   std::string image;
   std::string type;
   ImageStatus status = ImageStatus::kPending;
   std::string options_hash;
+  // What the maps were made from, as fingerprints by the names of its parts;
+  // empty in records of versions that did not note it.
+  std::map<std::string, std::string> inputs;
   // The maps of this program that may be in place, the latest first. More than
   // one only while maps are being replaced.
   std::vector<WrittenMap> written_depth;

@@ -96,11 +96,11 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
     record.runtime =
         json.at("runtime").get<std::map<std::string, std::string>>();
     for (const nlohmann::json& image : json.at("images")) {
-      record.images.push_back({image.at("image").get<std::string>(),
-                               StateFromString(image.at("state")),
-                               image.at("evidence").get<std::string>(),
-                               image.at("files").get<std::string>(),
-                               image.at("note").get<std::string>()});
+      record.images.push_back(
+          {image.at("image").get<std::string>(),
+           StateFromString(image.at("state")),
+           image.at("inputs").get<std::map<std::string, std::string>>(),
+           image.at("note").get<std::string>()});
     }
     // A record under another shard's name would stand for that one.
     if (record.index >= 0 && record.index < record.count &&
@@ -125,8 +125,7 @@ void WriteShardRecord(const std::filesystem::path& root,
     images.push_back(
         {{"image", entry.image},
          {"state", kStateNames[static_cast<size_t>(entry.state)].second},
-         {"evidence", entry.evidence},
-         {"files", entry.files},
+         {"inputs", entry.inputs},
          {"note", entry.note}});
   }
   const nlohmann::json json = {{"version", record.version},

@@ -18,7 +18,7 @@ namespace tsar {
 struct ShardRecord {
   enum class State {
     kNeeded,     // Begun; not done, or failed, which the note then tells.
-    kObserved,   // There is evidence, with this fingerprint.
+    kObserved,   // There is evidence.
     kNothing,    // There is nothing to observe.
     kNotNeeded,  // The image and all whose source it is had been refined.
     kComposed,   // The maps were refined, or kept.
@@ -26,8 +26,9 @@ struct ShardRecord {
   struct Entry {
     std::string image;
     State state = State::kNeeded;
-    std::string evidence;
-    std::string files;  // A fingerprint of what the evidence was made from.
+    // What its view was loaded from, as fingerprints by the names of its parts;
+    // only in the pass observe.
+    std::map<std::string, std::string> inputs;
     std::string note;
   };
 

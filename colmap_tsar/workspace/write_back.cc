@@ -223,12 +223,14 @@ void StoreOriginals(const Workspace& workspace, int image) {
 
 bool IsDone(const Workspace& workspace,
             int image,
-            const std::string& options_hash) {
+            const std::string& options_hash,
+            const std::map<std::string, std::string>& inputs) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
   if (!record || record->status != ImageStatus::kDone ||
       record->options_hash != options_hash || record->version != TSAR_VERSION ||
-      record->written_depth.empty() || record->written_normal.empty()) {
+      record->inputs != inputs || record->written_depth.empty() ||
+      record->written_normal.empty()) {
     return false;
   }
   if (!IsFile(paths.depth) || !IsFile(paths.normal) ||

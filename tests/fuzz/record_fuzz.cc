@@ -25,6 +25,7 @@ std::vector<std::string> MakeRecordSeeds() {
   record.type = "geometric";
   record.status = ImageStatus::kDone;
   record.options_hash = "0123456789abcdef";
+  record.inputs.emplace("photo", "fedcba9876543210");
   record.written_depth = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
   record.written_normal = {{2, 0, {}}};
   record.counts["measured"] = 12;
@@ -51,7 +52,8 @@ std::vector<std::string> MakeShardSeeds() {
   record.index = 1;
   record.count = 3;
   record.is_complete = true;
-  record.images.push_back({"left/b.png", {}, "0123456789abcdef", "", ""});
+  record.images.push_back(
+      {"left/b.png", {}, {{"photo", "0123456789abcdef"}}, ""});
   const std::filesystem::path root = FuzzFolder() / "shards";
   std::filesystem::create_directories(root / "stereo");
   WriteShardRecord(root, record);

@@ -8,7 +8,9 @@
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <limits>
@@ -233,6 +235,58 @@ TEST_F(RefineWorkspaceTest, SkipsWhatIsDoneAndRedoesWithOtherOptions) {
   // The originals are refined again, not the refined maps.
   EXPECT_EQ(Refine(Options(root_), others).num_refined, 4);
   ExpectSameFiles(with_others, MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
+  // The third alone depends on the last.
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\nv1.png\nv1.png\nv0.png\nleft/v2.png\nv3.png\n");
+  for (const bool scene_planes : {true, false}) {
+    RefineOptions refine;
+    refine.scene_planes = scene_planes;
+    EXPECT_EQ(Refine(Options(root_), refine).num_refined, 3);
+    const auto refine_again = [&] {
+      testing::internal::CaptureStderr();
+      const RunSummary summary = Refine(Options(root_), refine);
+      const std::string warnings = testing::internal::GetCapturedStderr();
+      return std::pair(summary.num_refined, warnings);
+    };
+    EXPECT_EQ(refine_again(), std::pair(0, std::string()));
+    const std::filesystem::path photo = root_ / "images/v3.png";
+    std::filesystem::last_write_time(
+        photo,
+        std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
+    const auto [num_refined, warnings] = refine_again();
+    EXPECT_EQ(num_refined, 1);
+    EXPECT_THAT(warnings,
+                testing::HasSubstr("left/v2.png: refined again, since its "
+                                   "neighbour v3.png has changed\n"));
+    EXPECT_EQ(std::count(warnings.begin(), warnings.end(), '\n'), 1);
+    EXPECT_EQ(refine_again(), std::pair(0, std::string()));
+  }
+}
+
+// What cannot be refined any more is not as it was refined.
+TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
+  const Tree before = MapsOf(root_);
+  Refine();
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\n__all__\nv1.png\n__all__\nv3.png\nleft/v2.png\n");
+  RemoveMaps(2, MapType::kGeometric);
+  std::filesystem::remove(Paths(2).original_depth);
+  std::filesystem::remove(Paths(2).original_normal);
+  testing::internal::CaptureStderr();
+  const RunSummary summary = Refine();
+  const std::string warnings = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(summary.num_refined, 2);
+  ASSERT_EQ(summary.kept.size(), 1u);
+  EXPECT_EQ(summary.kept[0].name, "v3.png");
+  EXPECT_THAT(warnings, testing::Not(testing::HasSubstr("v3.png: ")));
+  const Tree after = MapsOf(root_);
+  for (const char* path : {"stereo/depth_maps/v3.png.geometric.bin",
+                           "stereo/normal_maps/v3.png.geometric.bin"}) {
+    EXPECT_TRUE(after.at(path) == before.at(path)) << path;
+  }
 }
 
 TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
