@@ -3,6 +3,9 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/start_thread.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/cli/standard_streams.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
@@ -17,10 +20,10 @@
 #include <ostream>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "python/bindings.h"
-#include <glog/logging.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -54,14 +57,11 @@ class TextQueue : public std::stringbuf {
   std::string flushed_;
 };
 
-// Warnings go to standard error, as those of the program. Another module may
-// share the library that writes them, and may have set it up already.
-void PrepareLogging() {
-  if (!google::IsGoogleLoggingInitialized()) {
-    FLAGS_logtostderr = true;
-    FLAGS_log_prefix = false;
-    google::InitGoogleLogging("colmap_tsar");
-  }
+// Warnings go to standard error, as those of the program; into none of the maps
+// where that is closed.
+void PrepareStreams() {
+  OpenClosedStandardStreams();
+  PrepareWarnings("colmap_tsar");
 }
 
 py::dict ToDict(const RunSummary& summary) {
@@ -117,10 +117,12 @@ RunSummary RefineWhileServingPython(const WorkspaceRefineOptions& workspace,
   std::ostream out(&text);
   Progress progress(out, is_terminal);
   std::atomic<bool> should_stop = false;
-  std::future<RunSummary> work = std::async(std::launch::async, [&] {
+  std::packaged_task<RunSummary()> task([&] {
     return RefineWorkspace(
         workspace, options, progress, [&] { return should_stop.load(); });
   });
+  std::future<RunSummary> work = task.get_future();
+  const std::jthread thread = StartThread(std::move(task));
   std::exception_ptr raised;
   for (bool is_done = false; !is_done;) {
     {
@@ -166,7 +168,7 @@ py::dict Refine(const std::filesystem::path& workspace_path,
   workspace.cache_size = cache_size;
   workspace.shard = shard;
   workspace.pass = pass;
-  PrepareLogging();
+  PrepareStreams();
   return ToDict(RefineWhileServingPython(
       workspace, ToRefineOptions(options), report, is_terminal));
 }
@@ -181,7 +183,7 @@ py::list ToList(const std::vector<std::filesystem::path>& paths) {
 
 py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
                           const std::string& conflicts) {
-  PrepareLogging();
+  PrepareStreams();
   RestoreResult result;
   {
     const py::gil_scoped_release release;

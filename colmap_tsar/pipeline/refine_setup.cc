@@ -3,13 +3,13 @@
 
 #include "colmap_tsar/pipeline/refine_setup.h"
 
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/workspace_check.h"
 
 #include <algorithm>
 #include <exception>
 #include <sstream>
 
-#include <glog/logging.h>
 #include <opencv2/core.hpp>
 
 namespace tsar {
@@ -34,9 +34,8 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
                       options.input_type.value_or(MapType::kGeometric));
   if (!options.input_type && !HasAnyMap(workspace, MapType::kGeometric) &&
       HasAnyMap(workspace, MapType::kPhotometric)) {
-    LOG(WARNING) << options.workspace_path.string()
-                 << ": there are no geometric maps; refining the photometric "
-                    "ones";
+    Warn(options.workspace_path.string() +
+         ": there are no geometric maps; refining the photometric ones");
     return Workspace(options.workspace_path, MapType::kPhotometric);
   }
   return workspace;

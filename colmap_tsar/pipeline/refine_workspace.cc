@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
@@ -48,11 +49,7 @@ void MarkFailures(const ImagePipeline& pipeline,
       continue;
     }
     Manifest::Entry& entry = manifest->images[i];
-    try {
-      std::rethrow_exception(pipeline.Failures()[i]);
-    } catch (const std::exception& error) {
-      entry.note = error.what();
-    }
+    entry.note = FailureText(pipeline.Failures()[i]);
     if (WasRefinedBefore(runner, i)) {
       // It was only to be observed, and its maps are as good as before.
       entry.note = "cannot be observed for other images: " + entry.note;

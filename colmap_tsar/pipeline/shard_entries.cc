@@ -4,6 +4,8 @@
 #include "colmap_tsar/pipeline/shard_entries.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_setup.h"
 #include "colmap_tsar/workspace/atomic_file.h"
@@ -13,7 +15,6 @@
 #include <system_error>
 #include <utility>
 
-#include <glog/logging.h>
 #include <unistd.h>
 
 namespace tsar {
@@ -69,9 +70,9 @@ void WarnOfOtherMachine(const ShardRecord& own, const ShardRecord& earlier) {
   const auto host = earlier.runtime.find("host");
   if (!earlier.is_complete && host != earlier.runtime.end() &&
       host->second != own.runtime.at("host")) {
-    LOG(WARNING) << "shard " << own.index << " of " << own.count
-                 << " was begun on " << host->second
-                 << " and has not come to its end; going on with it here";
+    Warn("shard " + std::to_string(own.index) + " of " +
+         std::to_string(own.count) + " was begun on " + host->second +
+         " and has not come to its end; going on with it here");
   }
 }
 
@@ -234,11 +235,7 @@ bool NoteFailures(const std::vector<std::exception_ptr>& failures,
       continue;
     }
     has_failure = true;
-    try {
-      std::rethrow_exception(failures[i]);
-    } catch (const std::exception& error) {
-      record->images[i].note = error.what();
-    }
+    record->images[i].note = FailureText(failures[i]);
   }
   return has_failure;
 }

@@ -4,7 +4,7 @@
 #include "colmap_tsar/pipeline/stereo_workspace.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
@@ -29,8 +29,6 @@
 #include <system_error>
 #include <thread>
 #include <utility>
-
-#include <glog/logging.h>
 
 namespace tsar {
 namespace {
@@ -154,19 +152,22 @@ class StereoRun {
     std::atomic<int> num_skipped = 0;
     {
       std::vector<std::jthread> threads;
-      for (RefineWorker& worker : devices_.workers) {
-        threads.emplace_back([&] {
-          while (!has_failed_ && !should_stop_()) {
-            const size_t index = next++;
-            if (index >= workspace_.Problems().size()) {
-              return;
-            }
-            Try([&] {
-              const bool was_done =
-                  !RunImage(pass, index, *worker.device, cache);
-              num_skipped += was_done ? 1 : 0;
-            });
+      threads.reserve(devices_.workers.size());
+      const auto work = [&](RefineWorker& worker) {
+        while (!has_failed_ && !should_stop_()) {
+          const size_t index = next++;
+          if (index >= workspace_.Problems().size()) {
+            return;
           }
+          Try([&] {
+            const bool was_done = !RunImage(pass, index, *worker.device, cache);
+            num_skipped += was_done ? 1 : 0;
+          });
+        }
+      };
+      for (RefineWorker& worker : devices_.workers) {
+        Try([&] {
+          threads.push_back(StartThread([&work, &worker] { work(worker); }));
         });
       }
     }

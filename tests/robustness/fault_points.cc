@@ -11,16 +11,27 @@
 //
 // Calls on descriptors count where these stand for files and folders, not for
 // terminals and pipes.
+//
+// Or it gives less than a program asks for, which is counted apart:
+//
+//   TSAR_FAULT_NO_THREADS_FROM=K   no thread from the K-th on
+//   TSAR_FAULT_NO_MEMORY_AT=K      no memory at the K-th call of operator new
+//   TSAR_FAULT_NO_MEMORY_FROM=K    nor at any after it; from that on the system
+//                                  gives no more memory in other ways either
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdarg>
 #include <cstdlib>
+#include <new>
 #include <string>
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -238,4 +249,41 @@ int mkdir(const char* path, mode_t mode) noexcept {
   return Next<int (*)(const char*, mode_t)>("mkdir")(path, mode);
 }
 
+int pthread_create(pthread_t* thread,
+                   const pthread_attr_t* attributes,
+                   void* (*function)(void*),
+                   void* argument) noexcept {
+  static const long from = NumberOf("TSAR_FAULT_NO_THREADS_FROM");
+  static std::atomic<long> num_threads = 0;
+  if (++num_threads >= from && from > 0) {
+    return EAGAIN;
+  }
+  return Next<decltype(&pthread_create)>("pthread_create")(
+      thread, attributes, function, argument);
+}
+
 }  // extern "C"
+
+void* operator new(size_t size) {
+  static const long at = NumberOf("TSAR_FAULT_NO_MEMORY_AT");
+  static const long from = NumberOf("TSAR_FAULT_NO_MEMORY_FROM");
+  static std::atomic<long> num_allocations = 0;
+  const long number = ++num_allocations;
+  if (number == from) {
+    const rlimit nothing = {0, 0};
+    setrlimit(RLIMIT_AS, &nothing);
+  }
+  void* const memory = number == at || (number >= from && from > 0)
+                           ? nullptr
+                           : std::malloc(std::max<size_t>(size, 1));
+  if (memory == nullptr) {
+    throw std::bad_alloc();
+  }
+  return memory;
+}
+
+void operator delete(void* memory) noexcept { std::free(memory); }
+
+void operator delete(void* memory, size_t /*size*/) noexcept {
+  std::free(memory);
+}
