@@ -53,19 +53,21 @@ class Program:
                     words += [f"--{group}.{name}", value]
         return words
 
-    def start(self, *words, **faults):
-        """faults: kill_at, stop_at or log, of fault_points.cc."""
+    def start(self, *words, prepare=None, **faults):
+        """prepare: called in the new process before the program. faults: kill_at,
+        stop_at or log, of fault_points.cc."""
         environment = dict(os.environ)
         if faults:
             environment["LD_PRELOAD"] = self.shim
         for name, value in faults.items():
             environment["TSAR_FAULT_" + name.upper()] = str(value)
         return subprocess.Popen(self.arguments(*words), env=environment, text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                preexec_fn=prepare)
 
-    def call(self, *words, **faults):
+    def call(self, *words, **how):
         """(exit code, standard error)"""
-        process = self.start(*words, **faults)
+        process = self.start(*words, **how)
         _, errors = process.communicate()
         return process.returncode, errors
 
@@ -116,6 +118,21 @@ def difference(tree, expected):
 
 def check_same(tree, expected, what):
     check(tree == expected, f"{what}: {difference(tree, expected)} differ")
+
+
+def check_kept(tree, first, last, case):
+    """Maps are of before or of after, and what was before is there."""
+    stored = {"refine": "stereo/tsar/original/", "import": "stereo/tsar_import/former/"}
+    for path, content in maps_of(first).items():
+        check(tree.get(path) in (content, last.get(path)), f"{path} is neither")
+        if case in stored:
+            kept = tree.get(stored[case] + path[len("stereo/"):])
+            check(content in (tree[path], kept), f"{path} is lost")
+    for path, content in maps_of(tree).items():
+        check(content in (first.get(path), last.get(path)), f"{path} is not complete")
+    for path in first.keys() - maps_of(first).keys():
+        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/provenance")):
+            check(tree.get(path) == first[path], f"{path} changed")
 
 
 def copy(source, target):
