@@ -173,17 +173,28 @@ py::dict Refine(const std::filesystem::path& workspace_path,
       workspace, ToRefineOptions(options), report, is_terminal));
 }
 
-py::dict RestoreOriginals(const std::filesystem::path& workspace_path) {
+py::list ToList(const std::vector<std::filesystem::path>& paths) {
+  py::list list;
+  for (const std::filesystem::path& path : paths) {
+    list.append(ToText(path.string()));
+  }
+  return list;
+}
+
+py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
+                          const std::string& conflicts) {
   PrepareStreams();
   RestoreResult result;
   {
     const py::gil_scoped_release release;
     const WorkspaceLock lock(workspace_path);
-    result = Restore(workspace_path);
+    result = Restore(workspace_path, ParseRestoreConflicts(conflicts));
   }
   py::dict dict;
   dict["num_restored"] = result.num_restored;
-  dict["num_newer"] = result.num_newer;
+  dict["kept"] = ToList(result.kept);
+  dict["superseded"] = ToList(result.superseded);
+  dict["conflicts"] = ToList(result.conflicts);
   return dict;
 }
 
@@ -215,7 +226,10 @@ void BindRefine(py::module_* module) {
               py::arg("pass_"),
               py::arg("report"),
               py::arg("is_terminal"));
-  module->def("restore", &RestoreOriginals, py::arg("workspace_path"));
+  module->def("restore",
+              &RestoreOriginals,
+              py::arg("workspace_path"),
+              py::arg("conflicts"));
 }
 
 }  // namespace tsar

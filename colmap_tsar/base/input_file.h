@@ -32,16 +32,19 @@ class InputFile : public std::istream {
   uintmax_t Size() const { return size_; }
 
   // Why the file could not be opened, such as "Permission denied" or "it is a
-  // FIFO, not a file"; empty where it was.
+  // FIFO, not a regular file"; empty where it was.
   const std::string& Reason() const { return reason_; }
-  // Whether the reason is that there is no such file.
+  // Whether the reason is that there is no such file, or that what has its name
+  // is none.
   bool IsMissing() const { return is_missing_; }
+  bool IsNoFile() const { return is_no_file_; }
 
  private:
   std::unique_ptr<std::streambuf> buffer_;
   uintmax_t size_ = 0;
   std::string reason_;
   bool is_missing_ = false;
+  bool is_no_file_ = false;
 };
 
 }  // namespace tsar

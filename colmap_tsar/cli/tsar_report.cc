@@ -148,7 +148,7 @@ void WritePicture(const Workspace& workspace, const ReportCommand& command) {
   for (const int image : PickEvenly(refined, command.num_images)) {
     rows.push_back(ReadComparisonRow(workspace, image));
   }
-  WritePng(command.output_path, DrawComparison(rows));
+  WritePng(UserPath(command.output_path), DrawComparison(rows));
   std::cout << "Wrote " << Printable(command.output_path) << std::endl;
 }
 

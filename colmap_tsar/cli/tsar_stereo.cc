@@ -46,7 +46,7 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
   options->Add("overwrite",
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
-               "other options.");
+               "other options or from images that have changed since.");
   AddDeviceOptions("TsarStereo.", &command->run, options);
   options->Add("TsarStereo.num_threads",
                &command->run.num_threads,

@@ -3,19 +3,19 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/input_fingerprints.h"
 #include "colmap_tsar/planes/view_evidence.h"
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <cstddef>
 #include <filesystem>
 #include <list>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace tsar {
 
@@ -27,30 +27,24 @@ class EvidenceStore {
  public:
   using Evidence = std::shared_ptr<const ViewEvidence>;
 
-  // workspace must outlive this object. options_hash: evidence of other options
-  // does not count. max_num_views: how many are kept in memory.
+  // workspace and inputs must outlive this object. options_hash: evidence of
+  // other options does not count. max_num_views: how many are kept in memory.
   EvidenceStore(const Workspace& workspace,
+                InputFingerprints& inputs,
                 std::string options_hash,
                 size_t max_num_views);
 
   // Whether there is evidence of the image that was made with these options
   // from these sources, cameras, pictures and original maps. Never of an image
-  // that is no reference: nobody would renew it. The state of the files is that
-  // of the first call that needs it, which must come before they are read;
-  // throws what FindOriginals throws.
+  // that is no reference: nobody would renew it. Throws what
+  // InputFingerprints::OfView throws, which this calls for the image and its
+  // sources.
   bool IsCurrent(int image);
 
-  // From now on, evidence counts that has the fingerprint given for its image,
-  // or for an image without one none, whatever the files are now: other
-  // programs may be at work on those. IsCurrent() and Get() then throw
-  // kMismatch where a file has another one or is gone.
-  void Expect(std::map<int, std::string> fingerprints);
-
-  // What the evidence of a reference is made of, and with which options.
-  std::string Fingerprint(int image);
-  // Of the reference's own files and those of its sources that are no
-  // references: all that no other image's tells.
-  std::string FingerprintOfFiles(int image);
+  // From now on, there is evidence of these images and no others. IsCurrent()
+  // and Get() then throw kMismatch where it was made of something else or is
+  // gone.
+  void Expect(std::set<int> images);
 
   // image must be a reference.
   void Write(int image, const ViewEvidence& evidence);
@@ -64,19 +58,16 @@ class EvidenceStore {
   static void Clear(const Workspace& workspace);
 
  private:
-  std::filesystem::path Path(int image) const;
+  ContainedPath Path(int image) const;
 
-  // What the view is loaded from.
-  const std::string& State(int image);
+  // Of what the evidence of a reference is made, and with which options.
+  std::string Fingerprint(int image);
+
   const Workspace& workspace_;
+  InputFingerprints& inputs_;
   const std::string options_hash_;
   const size_t max_num_views_;
-  // By image; null where it is no reference.
-  std::vector<const StereoProblem*> problems_;
-  std::optional<std::map<int, std::string>> expected_;
-  // By image, once the flag is set.
-  std::vector<std::string> states_;
-  std::vector<std::once_flag> state_flags_;
+  std::optional<std::set<int>> expected_;
   std::mutex mutex_;
   std::list<std::pair<int, Evidence>> views_;  // The latest used first.
 };

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/image_runner.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/workspace/write_back.h"
 
@@ -11,6 +12,7 @@
 #include <array>
 #include <chrono>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -74,6 +76,7 @@ ImageRunner::ImageRunner(const Workspace& workspace,
                          std::vector<bool> has_maps,
                          const RefineOptions& options,
                          std::vector<RefineWorker>& workers,
+                         InputFingerprints& inputs,
                          EvidenceStore* evidence,
                          bool finds_scenes_ahead,
                          RefineObserver* observer)
@@ -82,6 +85,7 @@ ImageRunner::ImageRunner(const Workspace& workspace,
       options_(options),
       options_hash_(HashRefineOptions(options)),
       workers_(workers),
+      inputs_(inputs),
       evidence_(evidence),
       finds_scenes_ahead_(finds_scenes_ahead),
       observer_(observer),
@@ -110,18 +114,22 @@ ImageReport ImageRunner::Begin(size_t index) {
   const StereoProblem& problem = Problem(index);
   const int image = problem.reference;
   const std::string type = ToString(workspace_.Type());
+  // Before its maps are changed, for those whose source it is.
+  inputs_.OfView(image);
   ImageReport report;
   report.seconds = seconds_[index];
   if (!HasMaps(image)) {
     Keep(image,
          "it has no " + type + " maps; run patch_match_stereo for this image",
          &report);
-  } else if (HasBeenRefined(index)) {
-    report.outcome = ImageReport::Outcome::kSkipped;
   } else if (problem.sources.empty()) {
     Keep(image, "no other image shares enough of its sparse points", &report);
   } else if (Sources(problem).empty()) {
     Keep(image, "none of its source images has " + type + " maps", &report);
+  } else if (HasBeenRefined(index)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  } else if (!evidence_) {
+    WarnOfChanges(index);
   }
   return report;
 }
@@ -307,6 +315,7 @@ void ImageRunner::Write(size_t index,
   Add(result.seconds, &report->seconds);
   ImageRecord record;
   record.options_hash = options_hash_;
+  record.inputs = inputs_.OfResult(image);
   record.counts = report->counts;
   record.seconds = report->seconds;
   const Clock::time_point start = Clock::now();
@@ -350,10 +359,33 @@ bool ImageRunner::HasMaps(int image) const {
 
 bool ImageRunner::HasBeenRefined(size_t index) {
   std::call_once(is_done_flags_[index], [&] {
+    const int image = Reference(index);
+    // Before anything of it is read, also where nothing is reused.
+    const InputState inputs = inputs_.OfResult(image);
     is_done_[index] =
-        ReusesResults() && IsDone(workspace_, Reference(index), options_hash_);
+        ReusesResults() && IsDone(workspace_, image, options_hash_, inputs);
   });
   return is_done_[index] != 0;
+}
+
+void ImageRunner::WarnOfChanges(size_t index) {
+  if (HasBeenRefined(index) || !ReusesResults()) {
+    return;
+  }
+  const int image = Reference(index);
+  const std::optional<ImageRecord> record =
+      ReadRecord(workspace_.Paths(image, workspace_.Type()).record);
+  if (!record || record->status != ImageStatus::kDone ||
+      record->options_hash != options_hash_) {
+    return;
+  }
+  const std::string reason =
+      record->inputs.empty() || record->version != TSAR_VERSION
+          ? "it was refined by another version"
+          : inputs_.ChangesOfResult(image, record->inputs);
+  if (!reason.empty()) {
+    Warn(Name(image) + ": refined again, since " + reason);
+  }
 }
 
 const std::string& ImageRunner::Name(int image) const {

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
+#include "colmap_tsar/pipeline/input_fingerprints.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
@@ -33,8 +34,9 @@ uint32_t HashImageName(const std::string& name);
 class ImageRunner : public ImageTasks {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
-  // evidence: that of all images, made by an ObserveRunner before this runs;
-  // null where each image is refined by itself. finds_scenes_ahead: whether
+  // inputs: made for evidence where there is any. evidence: that of all images,
+  // made by an ObserveRunner before this runs; null where each image is refined
+  // by itself. finds_scenes_ahead: whether
   // threads that read also find the planes of the scene, for workers that would
   // otherwise wait for the CPU meanwhile. observer: may be null; where it is
   // not, all images are refined, also those that were before, since it is to
@@ -43,6 +45,7 @@ class ImageRunner : public ImageTasks {
               std::vector<bool> has_maps,
               const RefineOptions& options,
               std::vector<RefineWorker>& workers,
+              InputFingerprints& inputs,
               EvidenceStore* evidence = nullptr,
               bool finds_scenes_ahead = false,
               RefineObserver* observer = nullptr);
@@ -66,8 +69,10 @@ class ImageRunner : public ImageTasks {
   // Whether what was done before the run counts.
   bool ReusesResults() const { return observer_ == nullptr; }
   // Whether the image had been refined before the run and is not to be refined
-  // again; reads its maps in the first call.
+  // again; looks at its maps and inputs in the first call.
   bool HasBeenRefined(size_t index);
+  // Warns where it is to be refined again because of what it depends on.
+  void WarnOfChanges(size_t index);
 
   // Whether the image, of the workspace, has maps.
   bool HasMaps(int image) const;
@@ -123,6 +128,7 @@ class ImageRunner : public ImageTasks {
   const RefineOptions& options_;
   const std::string options_hash_;
   std::vector<RefineWorker>& workers_;
+  InputFingerprints& inputs_;
   EvidenceStore* const evidence_;
   const bool finds_scenes_ahead_;
   RefineObserver* const observer_;

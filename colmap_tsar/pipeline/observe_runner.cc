@@ -12,6 +12,9 @@ ObserveRunner::ObserveRunner(ImageRunner& images, EvidenceStore& evidence)
 
 ImageReport ObserveRunner::Begin(size_t index) {
   ImageReport report;
+  if (images_.CanCompute(index)) {
+    images_.WarnOfChanges(index);
+  }
   // What keeps an image from being refined is found out, and reported, in the
   // second pass.
   if (!images_.IsNeeded(index) ||

@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
+#include "colmap_tsar/pipeline/input_fingerprints.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/observe_runner.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
@@ -54,25 +55,31 @@ class ShardRun {
     if (workspace_.IsOutput()) {
       // So that nobody changes the originals while they are read.
       input_lock_.emplace(workspace_.SourceRoot(),
-                          WorkspaceLock::Mode::kShared);
+                          WorkspaceLock::Mode::kSharedIfThere);
     }
   }
 
   RunSummary Run() {
     const WorkspaceOverview overview = CheckWorkspace(workspace_);
+    if (pass_ == RefinePass::kObserve) {
+      CheckOriginals(workspace_);
+    }
     if (!Images().empty()) {
       devices_ = CreateRefineDevices(
           workspace_options_, overview, static_cast<int>(Images().size()));
     }
     const bool has_scene =
         refine_options_.scene_planes && refine_options_.refine;
+    InputFingerprints inputs(workspace_, has_scene);
     EvidenceStore evidence(workspace_,
+                           inputs,
                            HashRefineOptions(refine_options_),
                            NumEvidenceViews(overview, devices_.workers.size()));
     ImageRunner runner(workspace_,
                        overview.has_maps,
                        refine_options_,
                        devices_.workers,
+                       inputs,
                        has_scene ? &evidence : nullptr,
                        devices_.finds_scenes_ahead);
     ViewCache cache(devices_.cache_num_bytes,
@@ -81,16 +88,16 @@ class ShardRun {
     record_ = DescribeShard(workspace_, refine_options_, pass_, shard_);
     record_.runtime = ShardRuntime(workspace_options_, devices_);
     for (const size_t index : Images()) {
-      record_.images.push_back({Name(index), State::kNeeded, "", "", ""});
+      record_.images.push_back({Name(index), State::kNeeded, {}, ""});
     }
     if (pass_ == RefinePass::kObserve) {
       BeginShard(workspace_.Root(), record_);
-      Observe(has_scene, evidence, runner, cache);
+      Observe(has_scene, inputs, evidence, runner, cache);
     } else {
       const ObservedShards observed =
           ReadObservedShards(workspace_, record_, shards_);
       BeginShard(workspace_.Root(), record_);
-      Compose(has_scene, observed, evidence, runner, cache);
+      Compose(has_scene, observed, inputs, evidence, runner, cache);
     }
     return Summarize();
   }
@@ -109,6 +116,7 @@ class ShardRun {
   }
 
   void Observe(bool has_scene,
+               InputFingerprints& inputs,
                EvidenceStore& evidence,
                ImageRunner& runner,
                ViewCache& cache) {
@@ -119,7 +127,7 @@ class ShardRun {
         // The other shards will read it, whatever becomes of the maps.
         StoreOriginals(workspace_, Reference(index));
       }
-      record_.images[i].files = evidence.FingerprintOfFiles(Reference(index));
+      record_.images[i].inputs = inputs.OfView(Reference(index));
     }
     ObserveRunner observer(runner, evidence);
     if (has_scene) {
@@ -134,7 +142,6 @@ class ShardRun {
         entry.state = State::kNotNeeded;
       } else if (evidence.IsCurrent(Reference(index))) {
         entry.state = State::kObserved;
-        entry.evidence = evidence.Fingerprint(Reference(index));
       } else {
         entry.state = State::kNothing;
       }
@@ -145,17 +152,20 @@ class ShardRun {
 
   void Compose(bool has_scene,
                const ObservedShards& observed,
+               InputFingerprints& inputs,
                EvidenceStore& evidence,
                ImageRunner& runner,
                ViewCache& cache) {
+    std::vector<int> own;
     for (const size_t index : Images()) {
-      RequireUnchanged(workspace_,
-                       Reference(index),
-                       observed,
-                       evidence.FingerprintOfFiles(Reference(index)));
+      own.push_back(Reference(index));
+    }
+    inputs.Expect(observed.inputs, own);
+    for (const int image : own) {
+      inputs.OfView(image);
     }
     if (has_scene) {
-      evidence.Expect(observed.evidence);
+      evidence.Expect(observed.with_evidence);
       for (const size_t index : Images()) {
         if (runner.CanCompute(index) && !runner.HasBeenRefined(index)) {
           for (const int view : runner.SourcesAndReference(index)) {

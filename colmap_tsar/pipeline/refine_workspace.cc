@@ -10,6 +10,7 @@
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
+#include "colmap_tsar/pipeline/input_fingerprints.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/merge_shards.h"
 #include "colmap_tsar/pipeline/observe_runner.h"
@@ -118,9 +119,13 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   }
   if (!in_place || workspace.IsOutput()) {
     // So that nobody changes the originals while they are read.
-    input_lock.emplace(workspace.SourceRoot(), WorkspaceLock::Mode::kShared);
+    input_lock.emplace(workspace.SourceRoot(),
+                       workspace.IsOutput()
+                           ? WorkspaceLock::Mode::kSharedIfThere
+                           : WorkspaceLock::Mode::kShared);
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
+  CheckOriginals(workspace);
   RefineDevices devices =
       CreateRefineDevices(workspace_options,
                           overview,
@@ -146,9 +151,12 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   };
   WriteManifest(workspace, build_manifest());
 
+  const bool has_scene = refine_options.scene_planes && refine_options.refine;
+  InputFingerprints inputs(workspace, has_scene);
   std::optional<EvidenceStore> evidence;
-  if (refine_options.scene_planes && refine_options.refine) {
+  if (has_scene) {
     evidence.emplace(workspace,
+                     inputs,
                      HashRefineOptions(refine_options),
                      NumEvidenceViews(overview, devices.workers.size()));
   }
@@ -156,6 +164,7 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                      overview.has_maps,
                      refine_options,
                      devices.workers,
+                     inputs,
                      evidence ? &*evidence : nullptr,
                      devices.finds_scenes_ahead,
                      observer);

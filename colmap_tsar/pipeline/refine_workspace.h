@@ -39,8 +39,8 @@ struct WorkspaceRefineOptions {
 
 // Refines all images of stereo/patch-match.cfg and writes the result, an
 // account of the run (stereo/tsar/manifest.json) and progress. Images that were
-// done before with the same options are skipped; those that cannot be refined
-// keep their maps.
+// done before with the same options, and of which nothing that they depend on
+// has changed since, are skipped; those that cannot be refined keep their maps.
 //
 // Before the first file is changed, everything that can be seen from the
 // outside of the files is checked. Throws Error: what CheckWorkspace,

@@ -21,7 +21,7 @@ struct ImageReport {
   enum class Outcome {
     kNotDone,  // The user asked to stop or there was an error: as it was.
     kRefined,
-    kSkipped,  // Had been refined with the same options before.
+    kSkipped,  // Had been refined so before, and nothing has changed since.
     kKept,     // Keeps its maps; the reason says why.
   };
   Outcome outcome = Outcome::kNotDone;

@@ -117,8 +117,7 @@ std::map<std::string, std::string> ShardRuntime(
 
 void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   RequireNoOtherWork(root, own);
-  const std::filesystem::path path =
-      GetShardPath(root, own.pass, own.index, own.count);
+  const ContainedPath path = GetShardPath(root, own.pass, own.index, own.count);
   const std::optional<ShardRecord> earlier = ReadIfThere(path);
   if (earlier) {
     WarnOfOtherMachine(own, *earlier);
@@ -130,8 +129,7 @@ void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   } catch (const Error&) {
     if (!earlier) {
       RemoveFile(path);
-      std::error_code error;
-      std::filesystem::remove(GetShardFolder(root), error);
+      RemoveFolderIfEmpty(GetShardFolder(root));
     }
     throw;
   }
@@ -205,34 +203,22 @@ ObservedShards ReadObservedShards(
     for (size_t i = 0; i < shards[shard].size(); ++i) {
       const int image = workspace.Problems()[shards[shard][i]].reference;
       const ShardRecord::Entry& entry = records[shard].images[i];
-      observed.entries[image] = entry;
+      observed.states[image] = entry.state;
+      observed.inputs[image] = entry.inputs;
       if (entry.state == ShardRecord::State::kObserved) {
-        observed.evidence[image] = entry.evidence;
+        observed.with_evidence.insert(image);
       }
     }
   }
   return observed;
 }
 
-void RequireUnchanged(const Workspace& workspace,
-                      int image,
-                      const ObservedShards& observed,
-                      const std::string& files) {
-  if (observed.entries.at(image).files != files) {
-    throw Error::File(ErrorCode::kMismatch,
-                      workspace.DepthPath(image, workspace.Type()).string(),
-                      "this map, or the image " + Name(workspace, image) +
-                          ", has changed since it was observed",
-                      kObserveAgain);
-  }
-}
-
 void RequireObserved(const Workspace& workspace,
                      int image,
                      const ObservedShards& observed) {
-  const auto found = observed.entries.find(image);
-  if (found != observed.entries.end() &&
-      found->second.state == ShardRecord::State::kNotNeeded) {
+  const auto found = observed.states.find(image);
+  if (found != observed.states.end() &&
+      found->second == ShardRecord::State::kNotNeeded) {
     throw Error(ErrorCode::kNotFound,
                 Name(workspace, image) +
                     ": nobody needed what is observed in it, but now another "

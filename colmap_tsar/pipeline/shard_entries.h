@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/input_state.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
@@ -14,6 +15,7 @@
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,8 +41,10 @@ void BeginShard(const std::filesystem::path& root, const ShardRecord& own);
 
 // What the records of the pass observe tell.
 struct ObservedShards {
-  std::map<int, ShardRecord::Entry> entries;  // By image.
-  std::map<int, std::string> evidence;  // Its fingerprints, where there is one.
+  // By image.
+  std::map<int, ShardRecord::State> states;
+  std::map<int, InputState> inputs;
+  std::set<int> with_evidence;
 };
 
 // Reads the records of all shards in one of the passes. Throws Error: what
@@ -56,13 +60,8 @@ ObservedShards ReadObservedShards(
     const ShardRecord& own,
     const std::vector<std::vector<size_t>>& shards);
 
-// Throws kMismatch where the image's files have another fingerprint than when
-// it was observed, and kNotFound where it is a reference that was not observed
-// because nobody needed it then.
-void RequireUnchanged(const Workspace& workspace,
-                      int image,
-                      const ObservedShards& observed,
-                      const std::string& files);
+// Throws kNotFound where the image is a reference that was not observed because
+// nobody needed it then.
 void RequireObserved(const Workspace& workspace,
                      int image,
                      const ObservedShards& observed);

@@ -4,11 +4,14 @@
 #include "colmap_tsar/pipeline/stereo_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
+#include "colmap_tsar/pipeline/stereo_claim.h"
 #include "colmap_tsar/pipeline/stereo_image.h"
+#include "colmap_tsar/pipeline/stereo_inputs.h"
 #include "colmap_tsar/pipeline/view_cache.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/links.h"
@@ -21,10 +24,9 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -34,19 +36,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What this program keeps between the passes and from run to run.
-fs::path OwnFolder(const Workspace& workspace) {
-  return workspace.Root() / "stereo" / "tsar_stereo";
-}
-
 struct MapFiles {
-  fs::path depth;
-  fs::path normal;
-  fs::path cost;  // Empty between the passes.
+  ContainedPath depth;
+  ContainedPath normal;
+  std::optional<ContainedPath> cost;  // Not between the passes.
 
   bool Exist() const {
     return fs::exists(depth) && fs::exists(normal) &&
-           (cost.empty() || fs::exists(cost));
+           (!cost || fs::exists(*cost));
   }
 };
 
@@ -66,11 +63,11 @@ class Passes {
     if (pass > 0 && pass < num_geometric_) {
       const std::string key =
           workspace_.Model().images[static_cast<size_t>(image)].name;
-      const fs::path folder =
-          OwnFolder(workspace_) / ("pass_" + std::to_string(pass));
+      const ContainedPath folder =
+          GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
       return {folder / "depth" / (key + ".bin"),
               folder / "normal" / (key + ".bin"),
-              {}};
+              std::nullopt};
     }
     const MapPaths paths = workspace_.Paths(
         image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
@@ -80,9 +77,8 @@ class Passes {
   // Once the last pass is done.
   void RemoveFilesBetween() const {
     for (int pass = 1; pass < num_geometric_; ++pass) {
-      std::error_code ignored;
-      fs::remove_all(OwnFolder(workspace_) / ("pass_" + std::to_string(pass)),
-                     ignored);
+      RemoveTree(GetStereoFolder(workspace_) /
+                 ("pass_" + std::to_string(pass)));
     }
   }
 
@@ -92,12 +88,10 @@ class Passes {
 };
 
 void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
-  for (const fs::path& path : {files.depth, files.normal, files.cost}) {
-    if (!path.empty()) {
-      CreateFolders(path.parent_path());
-    }
-  }
-  if (!files.cost.empty()) {
+  CreateFolders(files.depth.Parent());
+  CreateFolders(files.normal.Parent());
+  if (files.cost) {
+    CreateFolders(files.cost->Parent());
     PlanarMap costs;
     costs.width = maps.depth.Width();
     costs.height = maps.depth.Height();
@@ -105,62 +99,10 @@ void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
     costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
     costs.values.insert(
         costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
-    WritePlanarMap(files.cost, costs);
+    WritePlanarMap(*files.cost, costs);
   }
   WriteNormalMap(files.normal, maps.normal);
   WriteDepthMap(files.depth, maps.depth);
-}
-
-std::string ReadText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(file),
-                     std::istreambuf_iterator<char>());
-}
-
-// Sees to it that all maps there are come from a run with these options, of
-// which a former run may have done a part.
-void ClaimMaps(const Workspace& workspace,
-               const StereoOptions& options,
-               bool overwrite) {
-  const fs::path state_path = OwnFolder(workspace) / "options.txt";
-  const bool is_ours =
-      fs::exists(state_path) && ReadText(state_path) == options.Text();
-  // All of it is looked at before the first file goes.
-  std::vector<fs::path> foreign;
-  for (const StereoProblem& problem : workspace.Problems()) {
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      const MapPaths paths = workspace.Paths(problem.reference, type);
-      if (fs::exists(paths.original_depth)) {
-        throw Error::File(ErrorCode::kUnsupported,
-                          paths.depth.string(),
-                          "has been refined",
-                          "run tsar_refine with --restore 1 first");
-      }
-      for (const fs::path& path : {paths.depth, paths.normal, paths.cost}) {
-        if (!is_ours && fs::exists(path)) {
-          foreign.push_back(path);
-        }
-      }
-    }
-  }
-  if (!foreign.empty() && !overwrite) {
-    throw Error::File(
-        ErrorCode::kUnsupported,
-        foreign.front().string(),
-        "is of another program, or was made with other options",
-        "give --overwrite 1 to replace all maps, or work on a copy");
-  }
-  for (const fs::path& path : foreign) {
-    RemoveFile(path);
-  }
-  if (!is_ours) {
-    std::error_code ignored;
-    fs::remove_all(OwnFolder(workspace), ignored);
-    CreateFolders(OwnFolder(workspace));
-    AtomicFile file(state_path);
-    file.Stream() << options.Text();
-    file.Commit();
-  }
 }
 
 // The size of an image's maps.
@@ -188,35 +130,16 @@ class StereoRun {
         overview_(overview),
         progress_(progress),
         should_stop_(should_stop),
-        passes_(workspace, options) {}
+        passes_(workspace, options),
+        is_matched_(workspace.Model().images.size()) {
+    for (const StereoProblem& problem : workspace.Problems()) {
+      is_matched_[static_cast<size_t>(problem.reference)] =
+          !problem.sources.empty();
+    }
+  }
 
   int NumPasses() const { return passes_.Num(); }
   const Passes& AllPasses() const { return passes_; }
-
-  // The sources that are used.
-  std::vector<int> Sources(const StereoProblem& problem) const {
-    std::vector<int> sources = problem.sources;
-    if (sources.size() > static_cast<size_t>(options_.num_sources)) {
-      sources.resize(static_cast<size_t>(options_.num_sources));
-    }
-    return sources;
-  }
-
-  DepthInterval RangeOf(int image) const {
-    if (options_.depth_min > 0.0) {
-      return {options_.depth_min, options_.depth_max};
-    }
-    const std::optional<DepthInterval> range =
-        SparseDepthInterval(workspace_.Model(), image);
-    if (!range) {
-      throw Error::File(ErrorCode::kNotFound,
-                        workspace_.ImagePath(image).string(),
-                        "sees none of the sparse points, so that its depths "
-                        "cannot be guessed",
-                        "give --TsarStereo.depth_min and depth_max");
-    }
-    return *range;
-  }
 
   // Images that were done before count as skipped.
   int RunPass(int pass) {
@@ -276,7 +199,8 @@ class StereoRun {
     }
   }
 
-  // The image and, after the first pass, its maps so far.
+  // The image and, after the first pass, its maps so far. What other images
+  // have there is of former runs.
   ViewCache::View Load(int pass, int image) const {
     auto view = std::make_shared<ViewData>();
     const Camera& camera =
@@ -284,7 +208,7 @@ class StereoRun {
     const auto [width, height] = MapSizeOf(camera, options_.max_image_size);
     view->color = workspace_.ReadImage(image, width, height);
     view->camera = camera.Resized(width, height);
-    if (pass > 0) {
+    if (pass > 0 && is_matched_[static_cast<size_t>(image)]) {
       const MapFiles files = passes_.Files(pass - 1, image);
       if (files.Exist()) {
         view->depth = ReadDepthMap(files.depth);
@@ -302,7 +226,7 @@ class StereoRun {
       progress_.Advance(false);
       return false;
     }
-    const std::vector<int> sources = Sources(problem);
+    const std::vector<int> sources = StereoSources(problem, options_);
     std::vector<int> images = sources;
     images.push_back(problem.reference);
     ViewCache::Lease lease = cache.Reserve(images);
@@ -314,7 +238,8 @@ class StereoRun {
       views.push_back(&lease.Get(source));
     }
     const ViewData& reference = lease.Get(problem.reference);
-    const DepthInterval range = RangeOf(problem.reference);
+    const DepthInterval range =
+        StereoDepths(workspace_, problem.reference, options_);
     const uint32_t stream = HashImageName(
         workspace_.Model().images[static_cast<size_t>(problem.reference)].name);
     const StereoMaps maps =
@@ -335,6 +260,8 @@ class StereoRun {
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const Passes passes_;
+  // By image.
+  std::vector<bool> is_matched_;
   std::atomic<bool> has_failed_ = false;
   std::mutex mutex_;
   std::exception_ptr first_failure_;
@@ -394,7 +321,7 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
   // folders.
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     if (fs::is_directory(run.workspace_path / "stereo")) {
-      CreateFolders(run.workspace_path / "stereo" / folder);
+      CreateFolders({run.workspace_path, fs::path("stereo") / folder});
     }
   }
   const Workspace workspace(run.workspace_path, MapType::kPhotometric);
@@ -421,8 +348,6 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
           workspace.Model()
               .images[static_cast<size_t>(problem.reference)]
               .name);
-    } else {
-      stereo.RangeOf(problem.reference);
     }
   }
   ClaimMaps(workspace, options, overwrite);

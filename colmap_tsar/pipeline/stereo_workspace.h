@@ -18,7 +18,7 @@ struct StereoSummary {
   std::filesystem::path workspace_path;
   std::string device;
   int num_images = 0;
-  int num_skipped = 0;  // Had been done before with the same options.
+  int num_skipped = 0;  // Had been done before.
   std::vector<std::string> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
@@ -29,7 +29,8 @@ struct StereoSummary {
 // over the images. What lies between the passes is kept in stereo/tsar_stereo
 // until the run ends. run: of its members, workspace_path and those that say
 // what to work with; output_path must be empty. overwrite: whether maps may be
-// replaced that this program did not make, or made with other options.
+// replaced that this program did not make, or made with other options or from
+// what has changed since.
 //
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined), kNotFound (no image has sources; an image

@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+#include "colmap_tsar/workspace/written_map.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -24,17 +27,20 @@ std::string ToString(ImageStatus status);
 
 // What is known about one image's maps of one type, kept as
 // stereo/tsar/records/NAME.TYPE.json. The caller of WriteRefined fills in
-// options_hash, counts, seconds and note; the rest is filled in there.
+// options_hash, inputs, counts, seconds and note; the rest is filled in there.
 struct ImageRecord {
   std::string version;  // Of the program that wrote it.
   std::string image;
   std::string type;
   ImageStatus status = ImageStatus::kPending;
   std::string options_hash;
-  // Fingerprints of the maps of ours that may be in place, the latest first.
-  // More than one only while maps are being replaced.
-  std::vector<uint64_t> depth_hashes;
-  std::vector<uint64_t> normal_hashes;
+  // What the maps were made from, as fingerprints by the names of its parts;
+  // empty in records of versions that did not note it.
+  std::map<std::string, std::string> inputs;
+  // The maps of this program that may be in place, the latest first. More than
+  // one only while maps are being replaced.
+  std::vector<WrittenMap> written_depth;
+  std::vector<WrittenMap> written_normal;
   // Fingerprints of the originals; only in output workspaces, whose originals
   // can change without our knowing.
   uint64_t original_depth_hash = 0;
@@ -48,6 +54,6 @@ struct ImageRecord {
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
 
 // In one step; creates the folder.
-void WriteRecord(const std::filesystem::path& path, const ImageRecord& record);
+void WriteRecord(const ContainedPath& path, const ImageRecord& record);
 
 }  // namespace tsar

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+
 #include <filesystem>
 #include <map>
 #include <string>
@@ -16,7 +18,7 @@ namespace tsar {
 struct ShardRecord {
   enum class State {
     kNeeded,     // Begun; not done, or failed, which the note then tells.
-    kObserved,   // There is evidence, with this fingerprint.
+    kObserved,   // There is evidence.
     kNothing,    // There is nothing to observe.
     kNotNeeded,  // The image and all whose source it is had been refined.
     kComposed,   // The maps were refined, or kept.
@@ -24,8 +26,9 @@ struct ShardRecord {
   struct Entry {
     std::string image;
     State state = State::kNeeded;
-    std::string evidence;
-    std::string files;  // A fingerprint of what the evidence was made from.
+    // What its view was loaded from, as fingerprints by the names of its parts;
+    // only in the pass observe.
+    std::map<std::string, std::string> inputs;
     std::string note;
   };
 
@@ -43,11 +46,11 @@ struct ShardRecord {
   std::vector<Entry> images;
 };
 
-std::filesystem::path GetShardFolder(const std::filesystem::path& root);
-std::filesystem::path GetShardPath(const std::filesystem::path& root,
-                                   const std::string& pass,
-                                   int index,
-                                   int count);
+ContainedPath GetShardFolder(const std::filesystem::path& root);
+ContainedPath GetShardPath(const std::filesystem::path& root,
+                           const std::string& pass,
+                           int index,
+                           int count);
 
 // Error kNotFound where there is none, kIo where it cannot be read, kCorrupt
 // where the file is not a record or that of another shard.

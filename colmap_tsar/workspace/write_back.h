@@ -10,6 +10,7 @@
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -43,12 +44,13 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record);
 // workspaces, whose originals nobody changes.
 void StoreOriginals(const Workspace& workspace, int image);
 
-// Whether the image was refined with the same options and the files are still
-// what was written then. Images that were kept are not done: what they lacked
-// may have come.
+// Whether the image was refined with the same options from the same inputs (see
+// ImageRecord) and the files are still what was written then. Images that were
+// kept are not done: what they lacked may have come.
 bool IsDone(const Workspace& workspace,
             int image,
-            const std::string& options_hash);
+            const std::string& options_hash,
+            const std::map<std::string, std::string>& inputs);
 
 // WriteRefined in steps, to be called in this order. An interruption between
 // any two leaves a workspace in which the originals are found and every map is

@@ -8,6 +8,8 @@ import contextlib
 import fcntl
 import os
 import struct
+import subprocess
+import time
 import zlib
 
 
@@ -63,6 +65,23 @@ def png(bits, width, height):
     return (b"\x89PNG\r\n\x1a\n"
             + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0))
             + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def photo_after_stereo():
+    """Once tsar_stereo, which is too slow to wait for here, had begun."""
+    remove_maps("geometric", "photometric")
+    process = subprocess.Popen([os.environ["COLMAP_TSAR"], "tsar_stereo", "--workspace_path", "dense"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not os.path.exists("dense/stereo/tsar_stereo/options.txt"):
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    write("dense/stereo/depth_maps/v000.jpg.photometric.bin", "1&1&1&0000")
+    with open("dense/images/v001.jpg", "rb") as file:
+        photo = file.read()
+    write("dense/images/v001.jpg", photo)
+    os.utime("dense/images/v001.jpg", (0, 0))
 
 
 def depth_images_of_8_bits():
@@ -125,6 +144,7 @@ SITUATIONS = {
     "The output folder is in use": lambda: write("refined/notes.txt", "mine\n"),
     "The report comes before the refinement": lambda: None,
     "tsar_stereo finds maps of COLMAP": lambda: None,
+    "An image changed after tsar_stereo": photo_after_stereo,
     "tsar_import finds maps of COLMAP": depth_images_over_maps,
     "The depth images are pictures": depth_images_of_8_bits,
     "The depth images have other names": depth_images_of_other_names,

@@ -87,6 +87,7 @@ def look_up(heading, quoted, texts):
 
 
 args.folder = os.path.abspath(args.folder)
+os.environ["COLMAP_TSAR"] = args.program  # For situations that come of a run.
 shutil.rmtree(args.folder, ignore_errors=True)
 os.makedirs(args.folder)
 workspace = os.path.join(args.folder, "sample")

@@ -25,11 +25,12 @@ std::vector<std::string> MakeRecordSeeds() {
   record.type = "geometric";
   record.status = ImageStatus::kDone;
   record.options_hash = "0123456789abcdef";
-  record.depth_hashes = {1, ~uint64_t{0}};
-  record.normal_hashes = {2};
+  record.inputs.emplace("photo", "fedcba9876543210");
+  record.written_depth = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
+  record.written_normal = {{2, 0, {}}};
   record.counts["measured"] = 12;
   record.seconds["read"] = 0.5;
-  WriteRecord(FuzzFolder() / "record.json", record);
+  WriteRecord(UserPath(FuzzFolder() / "record.json"), record);
   return {TakeFile("record.json")};
 }
 
@@ -51,7 +52,8 @@ std::vector<std::string> MakeShardSeeds() {
   record.index = 1;
   record.count = 3;
   record.is_complete = true;
-  record.images.push_back({"left/b.png", {}, "0123456789abcdef", "", ""});
+  record.images.push_back(
+      {"left/b.png", {}, {{"photo", "0123456789abcdef"}}, ""});
   const std::filesystem::path root = FuzzFolder() / "shards";
   std::filesystem::create_directories(root / "stereo");
   WriteShardRecord(root, record);
@@ -77,7 +79,8 @@ void ReadImportRecordFile(std::span<const uint8_t> input) {
 }
 
 std::vector<std::string> MakeImportRecordSeeds() {
-  return {R"({"depth_maps": [1, 2], "normal_maps": [], "cost_maps": []})"};
+  return {R"({"depth_maps": ["0000000000000001@2:00000003", "4@-5:"],
+               "normal_maps": [], "cost_maps": []})"};
 }
 
 void ReadMarker(std::span<const uint8_t> input) {

@@ -42,14 +42,17 @@ class EvidenceStoreTest : public testing::Test {
                  const std::string& options = kOptions,
                  MapType type = MapType::kGeometric) const {
     const Workspace workspace = Open(type);
-    EvidenceStore store(workspace, options, 4);
+    InputFingerprints inputs(workspace, true);
+    EvidenceStore store(workspace, inputs, options, 4);
     const bool is_current = store.IsCurrent(image);
     EXPECT_EQ(store.Get(image) != nullptr, is_current);
     return is_current;
   }
   void Write(int image) const {
     const Workspace workspace = Open();
-    EvidenceStore(workspace, kOptions, 4).Write(image, EvidenceOf(image));
+    InputFingerprints inputs(workspace, true);
+    EvidenceStore(workspace, inputs, kOptions, 4)
+        .Write(image, EvidenceOf(image));
   }
   std::filesystem::path File(const std::string& image) const {
     return Folder() / (image + ".geometric.bin");
@@ -70,7 +73,8 @@ class EvidenceStoreTest : public testing::Test {
 
 TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   const Workspace workspace = Open();
-  EvidenceStore store(workspace, kOptions, 4);
+  InputFingerprints inputs(workspace, true);
+  EvidenceStore store(workspace, inputs, kOptions, 4);
   EXPECT_FALSE(store.IsCurrent(1));
   EXPECT_EQ(store.Get(1), nullptr);
   store.Write(1, EvidenceOf(1));
@@ -160,7 +164,8 @@ TEST_F(EvidenceStoreTest, DamagedFilesAreNotCurrent) {
 
 TEST_F(EvidenceStoreTest, KeepsThoseUsedLast) {
   const Workspace workspace = Open();
-  EvidenceStore store(workspace, kOptions, 2);
+  InputFingerprints inputs(workspace, true);
+  EvidenceStore store(workspace, inputs, kOptions, 2);
   std::vector<EvidenceStore::Evidence> first;
   for (const int image : {0, 1, 2}) {
     store.Write(image, EvidenceOf(image));
@@ -176,7 +181,7 @@ TEST_F(EvidenceStoreTest, KeepsThoseUsedLast) {
   // What others hold stays whole.
   EXPECT_EQ(first[1]->noise, 1.f);
 
-  EvidenceStore without_memory(workspace, kOptions, 0);
+  EvidenceStore without_memory(workspace, inputs, kOptions, 0);
   const EvidenceStore::Evidence evidence = without_memory.Get(2);
   EXPECT_EQ(evidence->noise, 2.f);
   EXPECT_NE(without_memory.Get(2), evidence);
@@ -198,7 +203,8 @@ TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
 
 TEST_F(EvidenceStoreTest, ManyThreadsGetWhatTheyAskFor) {
   const Workspace workspace = Open();
-  EvidenceStore store(workspace, kOptions, 2);
+  InputFingerprints inputs(workspace, true);
+  EvidenceStore store(workspace, inputs, kOptions, 2);
   for (const int image : {0, 2}) {
     store.Write(image, EvidenceOf(image));
   }
@@ -225,48 +231,49 @@ TEST_F(EvidenceStoreTest, ManyThreadsGetWhatTheyAskFor) {
   EXPECT_NE(store.Get(1), nullptr);
 }
 
-TEST_F(EvidenceStoreTest, ExpectedEvidenceCountsWhateverTheFilesAre) {
+TEST_F(EvidenceStoreTest, ExpectedEvidenceMustBeThereAndCurrent) {
   const Workspace workspace = Open();
   Write(1);
-  const std::string fingerprint =
-      EvidenceStore(workspace, kOptions, 4).Fingerprint(1);
-  Touch(workspace.DepthPath(1, MapType::kGeometric));
-  EXPECT_FALSE(IsCurrent(1));
-
-  EvidenceStore store(workspace, kOptions, 4);
-  store.Expect({{1, fingerprint}});
+  InputFingerprints inputs(workspace, true);
+  EvidenceStore store(workspace, inputs, kOptions, 4);
+  store.Expect({1});
   EXPECT_TRUE(store.IsCurrent(1));
   EXPECT_NE(store.Get(1), nullptr);
   EXPECT_FALSE(store.IsCurrent(0));
   EXPECT_EQ(store.Get(0), nullptr);
 
-  store.Expect({{1, fingerprint + "0"}, {2, fingerprint}});
-  for (const int image : {1, 2}) {
+  const auto expect_refusal = [&](int image) {
+    InputFingerprints of_files(workspace, true);
+    EvidenceStore expecting(workspace, of_files, kOptions, 4);
+    expecting.Expect({1, 2});
     ExpectError(ErrorCode::kMismatch, {".geometric.bin", "observe"}, [&] {
-      store.IsCurrent(image);
+      expecting.IsCurrent(image);
     });
-  }
+  };
+  expect_refusal(2);
+  // A file of a source of "left/b.png", which was observed in its former state.
+  Touch(workspace.DepthPath(0, MapType::kPhotometric));
+  expect_refusal(1);
 }
 
-TEST_F(EvidenceStoreTest, FilesOfEveryImageAreInOneFingerprint) {
-  // Of "left/b.png" and "c.png" alone, with "a.png" as a source.
-  WriteText(root_ / "stereo/patch-match.cfg",
-            "left/b.png\na.png, c.png\nc.png\nleft/b.png\n");
-  const auto fingerprints = [&] {
-    const Workspace workspace = Open();
-    EvidenceStore store(workspace, kOptions, 4);
-    return std::pair(store.FingerprintOfFiles(1), store.FingerprintOfFiles(2));
-  };
-  const auto before = fingerprints();
-  EXPECT_EQ(fingerprints(), before);
+// Other programs are at work on them.
+TEST_F(EvidenceStoreTest, ExpectedViewsCountWhateverTheirMapsAre) {
   const Workspace workspace = Open();
-  Touch(workspace.NormalPath(0, MapType::kPhotometric));
-  const auto source_changed = fingerprints();
-  EXPECT_NE(source_changed.first, before.first);
-  EXPECT_EQ(source_changed.second, before.second);
-  Touch(workspace.DepthPath(2, MapType::kGeometric));
-  EXPECT_EQ(fingerprints().first, source_changed.first);
-  EXPECT_NE(fingerprints().second, before.second);
+  Write(1);
+  std::map<int, InputState> views;
+  {
+    InputFingerprints inputs(workspace, true);
+    for (const int image : {0, 1, 2}) {
+      views[image] = inputs.OfView(image);
+    }
+  }
+  Touch(workspace.DepthPath(1, MapType::kGeometric));
+  EXPECT_FALSE(IsCurrent(1));
+  InputFingerprints inputs(workspace, true);
+  inputs.Expect(views, {0});
+  EvidenceStore store(workspace, inputs, kOptions, 4);
+  store.Expect({1});
+  EXPECT_TRUE(store.IsCurrent(1));
 }
 
 }  // namespace

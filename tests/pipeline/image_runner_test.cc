@@ -60,11 +60,13 @@ class ImageRunnerTest : public testing::Test {
     workers.push_back({"GPU 3 (Card)", std::move(device), &views});
     RefineOptions options;
     options.scene_planes = scene_planes;
-    EvidenceStore evidence(workspace, HashRefineOptions(options), 4);
+    InputFingerprints inputs(workspace, scene_planes);
+    EvidenceStore evidence(workspace, inputs, HashRefineOptions(options), 4);
     ImageRunner runner(workspace,
                        std::vector<bool>(4, true),
                        options,
                        workers,
+                       inputs,
                        scene_planes ? &evidence : nullptr,
                        finds_scenes_ahead);
     ViewCache cache(

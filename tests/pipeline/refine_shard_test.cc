@@ -327,10 +327,12 @@ TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
       } catch (const Error& error) {
         ++num_refusals;
         EXPECT_TRUE(error.Code() == ErrorCode::kMismatch);
-        EXPECT_THAT(
-            error.what(),
-            testing::AllOf(testing::HasSubstr(Paths(view).depth.string()),
-                           testing::HasSubstr("observe of all shards again")));
+        EXPECT_THAT(error.what(),
+                    testing::AllOf(
+                        testing::HasSubstr(
+                            DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+                            ": its maps have changed"),
+                        testing::HasSubstr("observe of all shards again")));
         EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == before);
       }
     }
@@ -338,6 +340,79 @@ TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
     Restore(root_);
     RunAll("observe", 2);
   }
+}
+
+// What the first has seen of an image is not what the second sees.
+TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
+  for (const bool scene_planes : {true, false}) {
+    RefineOptions refine;
+    refine.scene_planes = scene_planes;
+    for (int view = 0; view < 4; ++view) {
+      Redraw();
+      Run("observe", "0/2", refine);
+      const std::filesystem::path photo =
+          root_ / "images" / DrawnWorkspace::Names()[static_cast<size_t>(view)];
+      std::filesystem::last_write_time(
+          photo,
+          std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
+      Run("observe", "1/2", refine);
+      int num_refusals = 0;
+      for (const char* shard : {"0/2", "1/2"}) {
+        const Tree before = ReadTree(root_ / "stereo/depth_maps");
+        try {
+          Run("compose", shard, refine);
+        } catch (const Error& error) {
+          ++num_refusals;
+          EXPECT_TRUE(error.Code() == ErrorCode::kMismatch);
+          EXPECT_THAT(error.what(),
+                      testing::HasSubstr("observe of all shards again"));
+          EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == before);
+        }
+      }
+      // By themselves, images of the second shard are right if the image is one
+      // of them, and so are all if nobody had seen it before.
+      const bool is_in_first =
+          ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
+                  .images[0]
+                  .image ==
+              DrawnWorkspace::Names()[static_cast<size_t>(view)] ||
+          ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
+                  .images[1]
+                  .image == DrawnWorkspace::Names()[static_cast<size_t>(view)];
+      EXPECT_EQ(num_refusals, scene_planes || is_in_first ? 2 : 0) << view;
+      RunAll("observe", 2, refine);
+      RunAll("compose", 2, refine);
+      Run("merge", "", refine);
+      EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole(refine))) << view;
+    }
+  }
+}
+
+// Also if it is the former one again when its own shard looks at it.
+TEST_F(RefineShardTest, AnotherCameraIsSeenWhateverItsShard) {
+  RunAll("observe", 2);
+  const std::filesystem::path path = root_ / "sparse/images.txt";
+  const std::string images = ReadText(path);
+  for (int view = 0; view < 4; ++view) {
+    const std::string number = std::to_string(view + 1) + " 1 ";
+    std::string changed = images;
+    changed.replace(changed.find(number), number.size(), number + "1e-4 ");
+    const size_t fourth = changed.find(" 0 0 0", changed.find("1e-4"));
+    ASSERT_NE(fourth, std::string::npos);
+    changed.erase(fourth, 2);
+    WriteText(path, changed);
+    for (const char* shard : {"0/2", "1/2"}) {
+      ExpectError(ErrorCode::kMismatch,
+                  {DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+                       ": its camera has changed",
+                   "observe of all shards"},
+                  [&] { Run("compose", shard); });
+    }
+  }
+  WriteText(path, images);
+  RunAll("compose", 2);
+  Run("merge");
+  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
 }
 
 TEST_F(RefineShardTest, RecordsOfOtherListsOfImagesAreNamed) {
@@ -514,7 +589,7 @@ TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {
     std::filesystem::remove(paths("v1.png").depth);
     std::filesystem::remove(paths("v1.png").normal);
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      WriteDepthMap(GetMapPaths(root, "v3.png", type).depth,
+      WriteDepthMap(UserPath(GetMapPaths(root, "v3.png", type).depth),
                     Image<float>(96, 72, 0.f));
     }
   };

@@ -8,7 +8,9 @@
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <limits>
@@ -140,9 +142,11 @@ class RefineWorkspaceTest : public testing::Test {
   static void RemoveDepths(const std::filesystem::path& root, int view) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       WriteDepthMap(
-          GetMapPaths(
-              root, DrawnWorkspace::Names()[static_cast<size_t>(view)], type)
-              .depth,
+          UserPath(
+              GetMapPaths(root,
+                          DrawnWorkspace::Names()[static_cast<size_t>(view)],
+                          type)
+                  .depth),
           Image<float>(96, 72, 0.f));
     }
   }
@@ -231,6 +235,58 @@ TEST_F(RefineWorkspaceTest, SkipsWhatIsDoneAndRedoesWithOtherOptions) {
   // The originals are refined again, not the refined maps.
   EXPECT_EQ(Refine(Options(root_), others).num_refined, 4);
   ExpectSameFiles(with_others, MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
+  // The third alone depends on the last.
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\nv1.png\nv1.png\nv0.png\nleft/v2.png\nv3.png\n");
+  for (const bool scene_planes : {true, false}) {
+    RefineOptions refine;
+    refine.scene_planes = scene_planes;
+    EXPECT_EQ(Refine(Options(root_), refine).num_refined, 3);
+    const auto refine_again = [&] {
+      testing::internal::CaptureStderr();
+      const RunSummary summary = Refine(Options(root_), refine);
+      const std::string warnings = testing::internal::GetCapturedStderr();
+      return std::pair(summary.num_refined, warnings);
+    };
+    EXPECT_EQ(refine_again(), std::pair(0, std::string()));
+    const std::filesystem::path photo = root_ / "images/v3.png";
+    std::filesystem::last_write_time(
+        photo,
+        std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
+    const auto [num_refined, warnings] = refine_again();
+    EXPECT_EQ(num_refined, 1);
+    EXPECT_THAT(warnings,
+                testing::HasSubstr("left/v2.png: refined again, since its "
+                                   "neighbour v3.png has changed\n"));
+    EXPECT_EQ(std::count(warnings.begin(), warnings.end(), '\n'), 1);
+    EXPECT_EQ(refine_again(), std::pair(0, std::string()));
+  }
+}
+
+// What cannot be refined any more is not as it was refined.
+TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
+  const Tree before = MapsOf(root_);
+  Refine();
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\n__all__\nv1.png\n__all__\nv3.png\nleft/v2.png\n");
+  RemoveMaps(2, MapType::kGeometric);
+  std::filesystem::remove(Paths(2).original_depth);
+  std::filesystem::remove(Paths(2).original_normal);
+  testing::internal::CaptureStderr();
+  const RunSummary summary = Refine();
+  const std::string warnings = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(summary.num_refined, 2);
+  ASSERT_EQ(summary.kept.size(), 1u);
+  EXPECT_EQ(summary.kept[0].name, "v3.png");
+  EXPECT_THAT(warnings, testing::Not(testing::HasSubstr("v3.png: ")));
+  const Tree after = MapsOf(root_);
+  for (const char* path : {"stereo/depth_maps/v3.png.geometric.bin",
+                           "stereo/normal_maps/v3.png.geometric.bin"}) {
+    EXPECT_TRUE(after.at(path) == before.at(path)) << path;
+  }
 }
 
 TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
@@ -366,7 +422,7 @@ TEST_F(RefineWorkspaceTest, KeepsImagesThatCannotBeRefined) {
             "v0.png\n__all__\nv1.png\nv0.png\nleft/v2.png\nv1.png\n"
             "v3.png\nv0.png\n");
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    WriteDepthMap(Paths(3, type).depth, Image<float>(96, 72, 0.f));
+    WriteDepthMap(UserPath(Paths(3, type).depth), Image<float>(96, 72, 0.f));
   }
   const std::string before = ReadText(Paths(3).depth);
   const RunSummary summary = Refine(Options(root_), RefineOptions());
@@ -567,7 +623,7 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   EXPECT_EQ(manifest["images"][2]["note"], "");
 
   // Where the maps of v1 are others by now, it is v1 that fails.
-  WriteDepthMap(Paths(1).depth, Image<float>(96, 72, 5.f));
+  WriteDepthMap(UserPath(Paths(1).depth), Image<float>(96, 72, 5.f));
   ExpectError(
       ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] { Refine(); });
   EXPECT_EQ(Manifest()["images"][1]["status"], "failed");
@@ -794,7 +850,8 @@ TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
   RemoveMaps(3, MapType::kPhotometric);
   EXPECT_FALSE(look().has_other_type);
   std::filesystem::create_directories(Paths(2).cost.parent_path());
-  WritePlanarMap(Paths(2).cost, {96, 72, 2, std::vector<float>(2 * 96 * 72)});
+  WritePlanarMap(UserPath(Paths(2).cost),
+                 {96, 72, 2, std::vector<float>(2 * 96 * 72)});
   EXPECT_TRUE(look().has_costs);
 }
 
@@ -813,17 +870,18 @@ TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
 }
 
 TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
-  WriteDepthMap(Paths(3, MapType::kPhotometric).depth,
+  WriteDepthMap(UserPath(Paths(3, MapType::kPhotometric).depth),
                 Image<float>(48, 36, 5.f));
-  WriteNormalMap(Paths(3, MapType::kPhotometric).normal,
+  WriteNormalMap(UserPath(Paths(3, MapType::kPhotometric).normal),
                  Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
   ExpectRefusal(ErrorCode::kMismatch, {"v3.png.photometric.bin", "48 x 36"});
   RemoveMaps(3, MapType::kPhotometric);
 
   const std::string normal = ReadText(Paths(2).normal);
-  WriteNormalMap(Paths(2).normal, Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
+  WriteNormalMap(UserPath(Paths(2).normal),
+                 Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
   ExpectRefusal(ErrorCode::kMismatch, {Paths(2).normal.string(), "48 x 36"});
-  WriteDepthMap(Paths(2).normal, Image<float>(96, 72, 5.f));
+  WriteDepthMap(UserPath(Paths(2).normal), Image<float>(96, 72, 5.f));
   ExpectRefusal(ErrorCode::kCorrupt, {Paths(2).normal.string(), "channels"});
   std::filesystem::remove(Paths(2).normal);
   ExpectRefusal(ErrorCode::kNotFound,
@@ -836,7 +894,7 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
 
 TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
   std::filesystem::create_directories(Paths(0).cost.parent_path());
-  WriteDepthMap(Paths(0).cost, Image<float>(96, 72, 1.f));
+  WriteDepthMap(UserPath(Paths(0).cost), Image<float>(96, 72, 1.f));
   ExpectRefusal(ErrorCode::kCorrupt, {Paths(0).cost.string(), "channels"});
 }
 

@@ -9,6 +9,7 @@
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <sstream>
 
@@ -258,6 +259,49 @@ TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
   ExpectError(
       ErrorCode::kUnsupported, "--restore 1", [&] { Run(/*overwrite=*/true); });
   EXPECT_TRUE(Maps() == before);
+}
+
+TEST_F(StereoWorkspaceTest, NamesWhatHasChanged) {
+  Run();
+  const auto expected = Maps();
+  const auto touch = [&](const std::string& name) {
+    const std::filesystem::path path = root_ / "images" / name;
+    std::filesystem::last_write_time(
+        path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
+  };
+  touch("v1.png");
+  ExpectError(ErrorCode::kUnsupported,
+              "images/v1.png: its photo has changed since the maps were made; "
+              "give --overwrite 1 to make all maps anew",
+              [&] { Run(); });
+  touch("left/v2.png");
+  ExpectError(ErrorCode::kUnsupported,
+              "images/left/v2.png: its photo has changed since the maps were "
+              "made, and 1 other image has changed, too; give --overwrite 1",
+              [&] { Run(); });
+  EXPECT_TRUE(Maps() == expected);
+  EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
+  EXPECT_TRUE(Maps() == expected);
+  EXPECT_EQ(Run().num_skipped, 4);
+}
+
+// A run that was killed before its first map, and a file that is not whole.
+TEST_F(StereoWorkspaceTest, BeginsAnewWhereThereIsNothingToLose) {
+  Run();
+  const auto expected = Maps();
+  const std::filesystem::path inputs = root_ / "stereo/tsar_stereo/inputs.txt";
+  const std::string text = ReadText(inputs);
+  for (const std::string& broken :
+       {std::string("a b c d v0.png\n"), text.substr(0, 20), std::string()}) {
+    WriteText(inputs, broken);
+    ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
+    EXPECT_TRUE(Maps() == expected);
+    RemoveMaps(root_);
+    std::filesystem::remove_all(root_ / "stereo/cost_maps");
+    EXPECT_EQ(Run().num_skipped, 0);
+    EXPECT_TRUE(Maps() == expected);
+    EXPECT_EQ(ReadText(inputs), text);
+  }
 }
 
 TEST_F(StereoWorkspaceTest, NeedsDepthsToLookFor) {

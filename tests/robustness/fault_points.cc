@@ -58,6 +58,12 @@ std::string PathOf(int descriptor) {
   return std::string(path, static_cast<size_t>(std::max<ssize_t>(length, 0)));
 }
 
+// The path of a name in an open folder.
+std::string PathAt(int folder, const char* name) {
+  return folder == AT_FDCWD || name[0] == '/' ? name
+                                              : PathOf(folder) + "/" + name;
+}
+
 void Log(const std::string& line) {
   static const char* const path = std::getenv("TSAR_FAULT_LOG");
   if (path == nullptr) {
@@ -103,6 +109,15 @@ int Open(const char* name, const char* path, int flags, mode_t mode) {
   return Next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
 }
 
+int OpenAt(
+    const char* name, int folder, const char* path, int flags, mode_t mode) {
+  if ((flags & O_CREAT) != 0) {
+    Note("create", PathAt(folder, path));
+  }
+  return Next<int (*)(int, const char*, int, ...)>(name)(
+      folder, path, flags, mode);
+}
+
 mode_t ModeOf(int flags, va_list arguments) {
   return (flags & O_CREAT) != 0 ? va_arg(arguments, mode_t) : 0;
 }
@@ -127,6 +142,22 @@ int open64(const char* path, int flags, ...) {
   return Open("open64", path, flags, mode);
 }
 
+int openat(int folder, const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return OpenAt("openat", folder, path, flags, mode);
+}
+
+int openat64(int folder, const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return OpenAt("openat64", folder, path, flags, mode);
+}
+
 ssize_t write(int descriptor, const void* data, size_t size) {
   const auto next = Next<ssize_t (*)(int, const void*, size_t)>("write");
   if (IsOnDisk(descriptor) && IsLast("write", PathOf(descriptor))) {
@@ -148,12 +179,31 @@ int rename(const char* from, const char* to) noexcept {
   return Next<int (*)(const char*, const char*)>("rename")(from, to);
 }
 
+int renameat(int from_folder,
+             const char* from,
+             int to_folder,
+             const char* to) noexcept {
+  Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
+  return Next<int (*)(int, const char*, int, const char*)>("renameat")(
+      from_folder, from, to_folder, to);
+}
+
+int renameat2(int from_folder,
+              const char* from,
+              int to_folder,
+              const char* to,
+              unsigned flags) noexcept {
+  Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
+  return Next<int (*)(int, const char*, int, const char*, unsigned)>(
+      "renameat2")(from_folder, from, to_folder, to, flags);
+}
+
 int linkat(int from_folder,
            const char* from,
            int to_folder,
            const char* to,
            int flags) noexcept {
-  Note("link", from, to);
+  Note("link", PathAt(from_folder, from), PathAt(to_folder, to));
   return Next<int (*)(int, const char*, int, const char*, int)>("linkat")(
       from_folder, from, to_folder, to, flags);
 }
@@ -163,13 +213,19 @@ int symlink(const char* target, const char* link) noexcept {
   return Next<int (*)(const char*, const char*)>("symlink")(target, link);
 }
 
+int symlinkat(const char* target, int folder, const char* link) noexcept {
+  Note("symlink", target, PathAt(folder, link));
+  return Next<int (*)(const char*, int, const char*)>("symlinkat")(
+      target, folder, link);
+}
+
 int unlink(const char* path) noexcept {
   Note("unlink", path);
   return Next<int (*)(const char*)>("unlink")(path);
 }
 
 int unlinkat(int folder, const char* path, int flags) noexcept {
-  Note("unlink", path);
+  Note((flags & AT_REMOVEDIR) != 0 ? "rmdir" : "unlink", PathAt(folder, path));
   return Next<int (*)(int, const char*, int)>("unlinkat")(folder, path, flags);
 }
 
@@ -181,6 +237,11 @@ int remove(const char* path) noexcept {
 int rmdir(const char* path) noexcept {
   Note("rmdir", path);
   return Next<int (*)(const char*)>("rmdir")(path);
+}
+
+int mkdirat(int folder, const char* path, mode_t mode) noexcept {
+  Note("mkdir", PathAt(folder, path));
+  return Next<int (*)(int, const char*, mode_t)>("mkdirat")(folder, path, mode);
 }
 
 int mkdir(const char* path, mode_t mode) noexcept {

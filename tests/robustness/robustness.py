@@ -75,9 +75,9 @@ class Program:
         code, errors = self.call(*words, **faults)
         check(code == 0, f"{' '.join(words[:2])} ended with {code}: {errors}")
 
-    def fails_with_one_line(self, *words, texts=()):
+    def fails_with_one_line(self, *words, texts=(), **how):
         """That the command ends with exit code 1 and one clear line."""
-        code, errors = self.call(*words)
+        code, errors = self.call(*words, **how)
         lines = [line for line in errors.splitlines() if line.startswith("ERROR: ")]
         what = f"{' '.join(map(str, words))} ended with {code}: {errors}"
         check(code == 1 and len(lines) == 1 and errors.endswith(lines[0] + "\n"), what)
@@ -138,6 +138,12 @@ def check_kept(tree, first, last, case):
 def copy(source, target):
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(source, target, symlinks=True)
+
+
+def set_time(path, hours):
+    """Has the file changed so many hours later: clocks may stand still in a test."""
+    state = os.stat(path)
+    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns + hours * 3600 * 10**9))
 
 
 def fingerprint(text):

@@ -32,6 +32,9 @@ class InputFileTest : public testing::Test {
     EXPECT_FALSE(file);
     EXPECT_NE(file.Reason().find(reason), std::string::npos) << file.Reason();
     EXPECT_EQ(file.get(), InputFile::traits_type::eof());
+    // As parsers do, that know nothing of the stream's state.
+    ASSERT_TRUE(file.rdbuf());
+    EXPECT_EQ(file.rdbuf()->sgetc(), InputFile::traits_type::eof());
   }
 
   TemporaryFolder folder_;
@@ -52,14 +55,13 @@ TEST_F(InputFileTest, ReadsAsStreamsDo) {
   EXPECT_EQ(std::string(text, 4), "irst");
   file.seekg(2, std::ios::cur);
   EXPECT_EQ(ReadAll(file), "econd\n");
-  EXPECT_TRUE(file.eof());
 }
 
 TEST_F(InputFileTest, OpensAnotherFile) {
   WriteText(path_, "one");
   WriteText(folder_.Path() / "other", "another");
   InputFile file;
-  EXPECT_FALSE(file.rdbuf());
+  EXPECT_EQ(file.get(), InputFile::traits_type::eof());
   file.Open(folder_.Path() / "missing");
   EXPECT_FALSE(file);
   EXPECT_TRUE(file.IsMissing());

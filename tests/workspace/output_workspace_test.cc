@@ -90,8 +90,8 @@ TEST_F(OutputWorkspaceTest, GoesOnWhereItStopped) {
   WriteRefined(Create(), 0, MakeRefinedMaps(42.f), Record());
   const Workspace output = Create();
   EXPECT_EQ(Depth(output, 0), 42.f);
-  EXPECT_TRUE(IsDone(output, 0, "options"));
-  EXPECT_FALSE(IsDone(output, 1, "options"));
+  EXPECT_TRUE(IsDone(output, 0, "options", {}));
+  EXPECT_FALSE(IsDone(output, 1, "options", {}));
   EXPECT_EQ(output.ReadOriginalMaps(0, kGeometric).depth(0, 0), 2.f);
 }
 
@@ -109,7 +109,7 @@ TEST_F(OutputWorkspaceTest, NewInputMapsAreNotDone) {
   const Workspace output = Create();
   WriteRefined(output, 0, MakeRefinedMaps(42.f), Record());
   WriteTestMaps(root_, "a.png", kGeometric, 9.f);
-  EXPECT_FALSE(IsDone(output, 0, "options"));
+  EXPECT_FALSE(IsDone(output, 0, "options", {}));
   EXPECT_EQ(output.ReadOriginalMaps(0, kGeometric).depth(0, 0), 9.f);
 }
 

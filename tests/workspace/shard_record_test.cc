@@ -24,11 +24,12 @@ ShardRecord MakeRecord(int index) {
   record.count = 3;
   record.is_complete = true;
   record.runtime = {{"host", "here"}};
-  record.images = {{"a.png", State::kObserved, "e", "f", ""},
-                   {"left/b.png", State::kNothing, "", "g", ""},
-                   {"c.png", State::kNotNeeded, "", "h", ""},
-                   {"d.png", State::kComposed, "", "", ""},
-                   {"e.png", State::kNeeded, "", "", "a \"note\""}};
+  record.images = {
+      {"a.png", State::kObserved, {{"camera", "e"}, {"maps", "f"}}, ""},
+      {"left/b.png", State::kNothing, {{"maps", "none"}}, ""},
+      {"c.png", State::kNotNeeded, {}, ""},
+      {"d.png", State::kComposed, {}, ""},
+      {"e.png", State::kNeeded, {}, "a \"note\""}};
   return record;
 }
 
@@ -57,8 +58,7 @@ TEST(ShardRecordTest, GivesBackWhatWasWritten) {
     EXPECT_EQ(read.images[i].image, written.images[i].image);
     EXPECT_EQ(static_cast<int>(read.images[i].state),
               static_cast<int>(written.images[i].state));
-    EXPECT_EQ(read.images[i].evidence, written.images[i].evidence);
-    EXPECT_EQ(read.images[i].files, written.images[i].files);
+    EXPECT_EQ(read.images[i].inputs, written.images[i].inputs);
     EXPECT_EQ(read.images[i].note, written.images[i].note);
   }
 }

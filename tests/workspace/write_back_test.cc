@@ -93,8 +93,9 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   EXPECT_EQ(written->note, "fine");
   EXPECT_FALSE(written->version.empty());
   EXPECT_THAT(
-      written->depth_hashes,
-      testing::ElementsAre(HashFile(workspace().DepthPath(1, kGeometric))));
+      written->written_depth,
+      testing::ElementsAre(testing::Field(
+          &WrittenMap::hash, HashFile(workspace().DepthPath(1, kGeometric)))));
 }
 
 TEST_F(WriteBackTest, ASecondRunStartsFromTheOriginals) {
@@ -105,18 +106,46 @@ TEST_F(WriteBackTest, ASecondRunStartsFromTheOriginals) {
 }
 
 TEST_F(WriteBackTest, KnowsWhatIsDone) {
-  EXPECT_FALSE(IsDone(workspace(), 0, "options"));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  EXPECT_TRUE(IsDone(workspace(), 0, "options"));
-  EXPECT_FALSE(IsDone(workspace(), 0, "other"));
-  EXPECT_FALSE(IsDone(workspace(), 1, "options"));
-  EXPECT_FALSE(IsDone(Workspace(root_, MapType::kPhotometric), 0, "options"));
+  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
+  EXPECT_FALSE(IsDone(workspace(), 0, "other", {}));
+  EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
+  EXPECT_FALSE(
+      IsDone(Workspace(root_, MapType::kPhotometric), 0, "options", {}));
   std::filesystem::remove(workspace().ConfidencePath(0, kGeometric));
-  EXPECT_FALSE(IsDone(workspace(), 0, "options"));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  WriteNormalMap(workspace().NormalPath(0, kGeometric),
+  WriteNormalMap(UserPath(workspace().NormalPath(0, kGeometric)),
                  Image<Vec3f>(4, 3, Vec3f{1, 0, 0}));
-  EXPECT_FALSE(IsDone(workspace(), 0, "options"));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+}
+
+TEST_F(WriteBackTest, OtherInputsAreNotDone) {
+  const std::map<std::string, std::string> inputs = {{"camera", "0123"},
+                                                     {"photo", "4567"}};
+  ImageRecord record = Record();
+  record.inputs = inputs;
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), record);
+  EXPECT_EQ(ReadRecord(workspace().Paths(0, kGeometric).record)->inputs,
+            inputs);
+  EXPECT_TRUE(IsDone(workspace(), 0, "options", inputs));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+  EXPECT_FALSE(IsDone(
+      workspace(), 0, "options", {{"camera", "0123"}, {"photo", "4568"}}));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
+}
+
+// Those of versions that did not note them.
+TEST_F(WriteBackTest, ReadsRecordsWithoutInputs) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  const std::filesystem::path path = workspace().Paths(0, kGeometric).record;
+  nlohmann::json json = nlohmann::json::parse(ReadText(path));
+  ASSERT_EQ(json.erase("inputs"), 1u);
+  WriteText(path, json.dump());
+  EXPECT_TRUE(ReadRecord(path)->inputs.empty());
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
+  EXPECT_EQ(OriginalDepth(0), 2.f);
 }
 
 // A run may end after any step, in the first run as in one with other options
@@ -151,7 +180,7 @@ TEST_F(WriteBackTest, AnInterruptionAnywhereLosesNothing) {
       }
       EXPECT_EQ(CurrentDepth(0), num_steps >= 4 ? 43.f : before);
       EXPECT_EQ(OriginalDepth(0), 2.f);
-      EXPECT_EQ(IsDone(workspace(), 0, "options"), num_steps == 5);
+      EXPECT_EQ(IsDone(workspace(), 0, "options", {}), num_steps == 5);
 
       // Going on works, and so does undoing.
       WriteRefined(workspace(), 0, MakeRefinedMaps(44.f), Record());
@@ -194,7 +223,7 @@ TEST_F(WriteBackTest, CommitTakesAllStepsAfterPreparing) {
   write_back.Commit();
   EXPECT_EQ(CurrentDepth(0), 43.f);
   EXPECT_EQ(OriginalDepth(0), 2.f);
-  EXPECT_TRUE(IsDone(workspace(), 0, "options"));
+  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
 }
 
 TEST_F(WriteBackTest, RestoresAfterAnInterruptionAnywhere) {
@@ -221,7 +250,7 @@ TEST_F(WriteBackTest, StoredOriginalsAreReadWhateverBecomesOfTheMaps) {
   StoreOriginals(workspace(), 1);
   StoreOriginals(workspace(), 1);  // As a run that goes on does.
   EXPECT_EQ(CurrentDepth(1), 4.f);
-  EXPECT_FALSE(IsDone(workspace(), 1, "options"));
+  EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
   // Another program, which this one cannot see, gives the maps other content.
   const MapPaths paths = workspace().Paths(1, kGeometric);
   Workspace trusting = workspace();
@@ -266,7 +295,7 @@ TEST_F(WriteBackTest, FindsTheOriginalsBetweenTwoRenames) {
   write_back.RenameFiles();
   WriteText(workspace().NormalPath(0, kGeometric), normal);
   EXPECT_EQ(OriginalDepth(0), 2.f);
-  EXPECT_FALSE(IsDone(workspace(), 0, "options"));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   EXPECT_EQ(Restore(root_).num_restored, 1);
   EXPECT_EQ(CurrentDepth(0), 2.f);
 }
@@ -285,7 +314,8 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
     result = Restore(root_);
   }
   EXPECT_EQ(result.num_restored, 6);
-  EXPECT_EQ(result.num_newer, 0);
+  EXPECT_TRUE(result.kept.empty());
+  EXPECT_TRUE(result.superseded.empty());
   EXPECT_EQ(Snapshot(root_), clean);
   ExpectError(ErrorCode::kNotFound,
               {(root_ / "stereo/tsar").string(), "nothing to restore"},
@@ -295,25 +325,13 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
 TEST_F(WriteBackTest, NewMapsOfColmapBecomeTheOriginals) {
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
   WriteTestMaps(root_, "a.png", kGeometric, 9.f);
-  EXPECT_FALSE(IsDone(workspace(), 0, "options"));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   EXPECT_EQ(OriginalDepth(0), 9.f);
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
   EXPECT_EQ(CurrentDepth(0), 42.f);
   EXPECT_EQ(OriginalDepth(0), 9.f);
   EXPECT_EQ(Restore(root_).num_restored, 1);
   EXPECT_EQ(CurrentDepth(0), 9.f);
-}
-
-TEST_F(WriteBackTest, RestoreKeepsNewMapsOfColmap) {
-  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), Record());
-  WriteTestMaps(root_, "a.png", kGeometric, 9.f);
-  const RestoreResult result = Restore(root_);
-  EXPECT_EQ(result.num_restored, 1);
-  EXPECT_EQ(result.num_newer, 1);
-  EXPECT_EQ(CurrentDepth(0), 9.f);
-  EXPECT_EQ(CurrentDepth(1), 4.f);
-  EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar"));
 }
 
 TEST_F(WriteBackTest, RestoreLeavesForeignFilesAlone) {
@@ -360,7 +378,7 @@ TEST_F(WriteBackTest, RefusesBrokenRecordsAndRestoresFromThem) {
     WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
     WriteText(paths.record, text);
     ExpectError(ErrorCode::kCorrupt, {paths.record.string()}, [&] {
-      IsDone(workspace(), 0, "options");
+      IsDone(workspace(), 0, "options", {});
     });
     EXPECT_EQ(Restore(root_).num_restored, 1);
     EXPECT_EQ(CurrentDepth(0), 2.f);
@@ -399,7 +417,7 @@ TEST_F(WriteBackTest, KeepsImagesAndPutsRefinedOnesBack) {
     EXPECT_EQ(written->note, "no source view");
     EXPECT_FALSE(std::filesystem::exists(paths.confidence));
     EXPECT_FALSE(std::filesystem::exists(paths.original_depth));
-    EXPECT_FALSE(IsDone(workspace(), image, "options"));
+    EXPECT_FALSE(IsDone(workspace(), image, "options", {}));
   }
   EXPECT_EQ(OriginalDepth(1), 4.f);
 }
@@ -459,7 +477,7 @@ TEST_F(WriteBackTest, RecordsNamesThatAreNotUtf8) {
   ImageRecord record = Record();
   record.note = "bad \xFF byte";
   const auto path = folder_.Path() / "records/x.json";
-  WriteRecord(path, record);
+  WriteRecord(UserPath(path), record);
   EXPECT_TRUE(ReadRecord(path));
 }
 
