@@ -4,6 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/start_thread.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/standard_streams.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
@@ -18,7 +19,6 @@
 #include <mutex>
 #include <optional>
 #include <ostream>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -73,7 +73,7 @@ py::dict ToDict(const RunSummary& summary) {
   for (const RunSummary::GpuMemory& peak : summary.peak_gpu_memory) {
     peak_gpu_memory[py::str(peak.gpu)] = peak.num_bytes;
   }
-  std::ostringstream text;
+  TextStream text;
   PrintSummary(summary, text);
   py::dict dict;
   dict["workspace_path"] = summary.workspace_path;
@@ -176,7 +176,7 @@ py::dict Refine(const std::filesystem::path& workspace_path,
 py::list ToList(const std::vector<std::filesystem::path>& paths) {
   py::list list;
   for (const std::filesystem::path& path : paths) {
-    list.append(path.string());
+    list.append(ToText(path.string()));
   }
   return list;
 }

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/base/input_file.h"
 
+#include "colmap_tsar/base/error.h"
+
 #include <cerrno>
 #include <cstring>
 #include <sstream>
@@ -23,6 +25,37 @@ const char* KindText(mode_t mode) {
                           : "it is a device, not a regular file";
 }
 
+// Calls a function of the library's, whose exceptions name no file.
+template <typename Function>
+auto Reading(const std::filesystem::path& path, const Function& function) {
+  try {
+    return function();
+  } catch (const std::ios_base::failure& error) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be read (" + error.code().message() + ")",
+                      "check the disk");
+  }
+}
+
+class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
+ public:
+  FileBuffer(const std::filesystem::path& path, int descriptor)
+      : stdio_filebuf(descriptor, std::ios::in | std::ios::binary),
+        path_(path) {}
+
+ protected:
+  int_type underflow() override {
+    return Reading(path_, [&] { return stdio_filebuf::underflow(); });
+  }
+  std::streamsize xsgetn(char* data, std::streamsize size) override {
+    return Reading(path_, [&] { return stdio_filebuf::xsgetn(data, size); });
+  }
+
+ private:
+  const std::filesystem::path path_;
+};
+
 }  // namespace
 
 // Some readers ask for the buffer of a failed stream, too.
@@ -38,6 +71,7 @@ InputFile::InputFile(const std::filesystem::path& path) : InputFile() {
 InputFile::~InputFile() = default;
 
 void InputFile::Open(const std::filesystem::path& path) {
+  exceptions(std::ios::goodbit);
   std::unique_ptr<std::streambuf> buffer = std::make_unique<std::stringbuf>();
   size_ = 0;
   reason_.clear();
@@ -62,14 +96,14 @@ void InputFile::Open(const std::filesystem::path& path) {
     }
   } else {
     size_ = static_cast<uintmax_t>(state.st_size);
-    buffer = std::make_unique<__gnu_cxx::stdio_filebuf<char>>(
-        descriptor, std::ios::in | std::ios::binary);
+    buffer = std::make_unique<FileBuffer>(path, descriptor);
   }
   rdbuf(buffer.get());  // Clears the state, too.
   buffer_ = std::move(buffer);
   if (!reason_.empty()) {
     setstate(std::ios::failbit);
   }
+  exceptions(std::ios::badbit);
 }
 
 }  // namespace tsar

@@ -16,7 +16,9 @@ namespace tsar {
 // device, the opening of which would hang, and a device has no end.
 //
 // As with std::ifstream, a file that cannot be opened leaves the stream in a
-// failed state; Reason() then says why.
+// failed state; Reason() then says why. A disk that fails while the file is
+// read, and memory that runs out, are exceptions (kIo, std::bad_alloc): streams
+// take both for the end of the file otherwise.
 class InputFile : public std::istream {
  public:
   InputFile();

@@ -4,6 +4,7 @@
 #include "colmap_tsar/cli/commands.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/cli/failure_report.h"
 #include "colmap_tsar/cli/file_size_limit.h"
 #include "colmap_tsar/cli/low_memory.h"
@@ -119,6 +120,7 @@ int RunCommand(CommandFunction function, int argc, char** argv) {
   const FileSizeLimitFails file_size_limit_fails;
   try {
     PrepareForLowMemory();
+    const OpenCvWithoutThreads opencv_without_threads;
     const int exit_code = function(argc, argv);
     FlushStandardOutput();
     return exit_code;

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <exception>
+#include <string>
 
 #include <unistd.h>
 
@@ -43,10 +44,13 @@ void ReportFailure() noexcept {
   has_reported.test_and_set();
   try {
     const std::exception_ptr failure = std::current_exception();
-    WriteToStandardError(
-        "ERROR: " +
-        (failure ? Printable(FailureText(failure)) : "unexpected failure") +
-        "\n");
+    // One that left a function that must not throw, such as a destructor, is
+    // on its way, but not known: little but memory can fail there.
+    const std::string text = failure ? FailureText(failure)
+                             : std::uncaught_exceptions() > 0
+                                 ? kOutOfMemory
+                                 : "unexpected failure";
+    WriteToStandardError("ERROR: " + Printable(text) + "\n");
   } catch (...) {
     ReportOutOfMemory();
   }

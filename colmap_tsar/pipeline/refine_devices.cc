@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_devices.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
@@ -13,7 +14,6 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
-#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -324,7 +324,7 @@ double Gigabytes(int64_t num_bytes) {
 
 // To a tenth, and not less.
 std::string GigabytesText(int64_t num_bytes) {
-  std::ostringstream text;
+  TextStream text;
   text << std::ceil(Gigabytes(num_bytes) * 10) / 10 << " GB";
   return text.str();
 }
@@ -399,7 +399,7 @@ class MemoryDivision {
   }
 
   static std::string LimitText(const MemoryBudget& budget, double cache_size) {
-    std::ostringstream text;
+    TextStream text;
     if (budget.IsBoundByMachine(cache_size)) {
       text << "four fifths of the " << GigabytesText(budget.machine_bytes)
            << " that this machine gives";

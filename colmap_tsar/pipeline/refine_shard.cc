@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_shard.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"

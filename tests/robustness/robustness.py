@@ -120,6 +120,21 @@ def check_same(tree, expected, what):
     check(tree == expected, f"{what}: {difference(tree, expected)} differ")
 
 
+def check_kept(tree, first, last, case):
+    """Maps are of before or of after, and what was before is there."""
+    stored = {"refine": "stereo/tsar/original/", "import": "stereo/tsar_import/former/"}
+    for path, content in maps_of(first).items():
+        check(tree.get(path) in (content, last.get(path)), f"{path} is neither")
+        if case in stored:
+            kept = tree.get(stored[case] + path[len("stereo/"):])
+            check(content in (tree[path], kept), f"{path} is lost")
+    for path, content in maps_of(tree).items():
+        check(content in (first.get(path), last.get(path)), f"{path} is not complete")
+    for path in first.keys() - maps_of(first).keys():
+        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/provenance")):
+            check(tree.get(path) == first[path], f"{path} changed")
+
+
 def copy(source, target):
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(source, target, symlinks=True)

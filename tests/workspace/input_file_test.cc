@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/base/input_file.h"
 
+#include "colmap_tsar/base/error.h"
+
 #include <fstream>
 #include <iterator>
 
@@ -89,6 +91,48 @@ TEST_F(InputFileTest, WaitsForNoFifoAndReadsNoDevice) {
   ExpectRefused(path_ / "below", "Not a directory");
   std::filesystem::create_symlink("/dev/zero", folder_.Path() / "link");
   ExpectRefused(folder_.Path() / "link", "device");
+}
+
+// The system finds nothing at the first address of the memory of a process.
+TEST_F(InputFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
+  const auto expect_error = [](const auto& read) {
+    InputFile file("/proc/self/mem");
+    ASSERT_TRUE(file) << file.Reason();
+    try {
+      read(file);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.Code(), ErrorCode::kIo);
+      EXPECT_EQ(
+          std::string(error.what()).find("/proc/self/mem: cannot be read"), 0u)
+          << error.what();
+    }
+  };
+  expect_error([](InputFile& file) { file.get(); });
+  expect_error([](InputFile& file) { ReadAll(file); });
+  expect_error([](InputFile& file) {
+    std::string line;
+    std::getline(file, line);
+  });
+  expect_error([](InputFile& file) {
+    std::string large(size_t{1} << 20, ' ');
+    file.read(large.data(), static_cast<std::streamsize>(large.size()));
+  });
+  expect_error([](InputFile& file) {
+    int number = 0;
+    file >> number;
+  });
+}
+
+// A file that could not be read leaves nothing behind for the next one.
+TEST_F(InputFileTest, OpensAnotherFileAfterOneThatFails) {
+  InputFile file("/proc/self/mem");
+  EXPECT_THROW(file.get(), Error);
+  file.Open(folder_.Path() / "missing");
+  EXPECT_FALSE(file);
+  WriteText(path_, "one");
+  file.Open(path_);
+  EXPECT_EQ(ReadAll(file), "one");
 }
 
 }  // namespace
