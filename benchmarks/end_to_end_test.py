@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from programs import run
+from programs import CommandFailed, own_folder, run
 
 NUM_IMAGES = 4
 
@@ -81,6 +81,23 @@ def run_end_to_end(arguments, folder, *options):
     return output.splitlines()
 
 
+def check_own_folder(folder):
+    """That a folder with the user's files is not taken for results."""
+    mine = folder / "mine"
+    mine.mkdir()
+    (mine / "stereo").write_text("years of work")
+    try:
+        own_folder(mine)
+    except CommandFailed as failure:
+        check("mine" in str(failure), f"own_folder tells: {failure}")
+    else:
+        check(False, "own_folder takes a folder of the user's")
+    check(os.listdir(mine) == ["stereo"], "a folder of the user's stays")
+    for _ in range(2):
+        own_folder(folder / "results" / "room")
+    check(True, "results are taken up again")
+
+
 def main():
     parser = argparse.ArgumentParser()
     for name in ("program", "maker", "folder"):
@@ -89,6 +106,7 @@ def main():
     folder = Path(arguments.folder)
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
+    check_own_folder(folder)
     stereo = folder / "colmap"
     write_stereo(stereo)
     write_nvidia_smi(folder / "nvidia-smi")

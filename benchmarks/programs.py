@@ -33,6 +33,18 @@ def run(command):
     return done.stdout
 
 
+def own_folder(path):
+    """Makes a folder for results, which is emptied where results are made anew:
+    nothing that a benchmark did not make may be in it."""
+    marker = path / "made_by_a_benchmark"
+    if path.exists() and not marker.is_file() and any(path.iterdir()):
+        raise CommandFailed(f"{path} is there already and was not made by a "
+                            "benchmark; name another folder")
+    path.mkdir(parents=True, exist_ok=True)
+    marker.touch()
+    return path
+
+
 def commit():
     """The commit of the checkout that this file belongs to."""
     folder = Path(__file__).resolve().parent

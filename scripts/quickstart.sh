@@ -4,7 +4,7 @@
 #
 # Builds the program, refines the sample scene with it, and shows what that
 # changed. Everything is written below the repository: build/ and sample/ (which
-# is made anew every time).
+# is made anew every time; a sample/ that it did not make is left alone).
 #
 #   scripts/quickstart.sh [--skip-install] [--from-images]
 #
@@ -30,6 +30,7 @@ export QT_QPA_PLATFORM=offscreen  # COLMAP needs no display for this.
 
 program=build/bin/colmap_tsar
 sample=sample
+marker=$sample/made_by_quickstart
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
@@ -55,6 +56,12 @@ evaluate() {  # evaluate CLOUD.ply OUTPUT.json
     --tolerances 0.02,0.05 --json 1 >"$2"
 }
 
+if [[ (-e $sample || -L $sample) && ! -f $marker ]]; then
+  echo "quickstart: $PWD/$sample is there already and was not made by this" \
+    "script, or not to its end; move or remove it" >&2
+  exit 1
+fi
+
 if ((install)); then
   step "Packages"
   scripts/install_dependencies.sh
@@ -77,6 +84,7 @@ python=python3
 "$python" -c "import numpy" 2>/dev/null || python=/usr/bin/python3
 rm -rf "$sample"
 "$python" scripts/sample_scene.py unpack data/sample "$sample"
+touch "$marker"
 echo "$sample: 8 views of a room with the depth maps of COLMAP 3.10"
 
 if ((from_images)); then
@@ -101,6 +109,7 @@ evaluate "$sample/after.ply" "$sample/after.json"
 "$python" scripts/compare_scores.py "$sample/before.json" "$sample/after.json"
 "$program" tsar_report --workspace_path "$sample" \
   --output_path "$sample/comparison.png" --report_path "$sample/report" \
+  --overwrite 1 \
   --before_path "$sample/before.ply" --after_path "$sample/after.ply" \
   --scans_path "$sample/scans/scan_alignment.mlp" \
   --ground_truth_path "$sample/ground_truth/depth"

@@ -12,6 +12,7 @@
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
 #include "colmap_tsar/report/debug_pictures.h"
+#include "colmap_tsar/workspace/input_folders.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
@@ -100,7 +101,8 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       group + "debug_path",
       &command->debug_path,
       "Write a picture (PNG) of every intermediate result here, in a "
-      "folder for each image. The maps stay the same; it takes longer, "
+      "folder for each image; nothing but such pictures may be there. The maps "
+      "stay the same; it takes longer, "
       "and images that were done before are done again. Depth is red "
       "near and blue far; normals as tsar_report shows them; values "
       "dark violet where they are 0 and yellow where they are largest; "
@@ -186,6 +188,13 @@ int RunTsarRefine(int argc, char** argv) {
       throw Error(ErrorCode::kBadOption,
                   "TsarRefine.debug_path: shards draw no pictures; leave it "
                   "out, or run TsarRefine.pass all");
+    }
+    for (const std::string& root :
+         {command.workspace_path, command.output_path}) {
+      if (!root.empty()) {
+        RequireOutsideInputs(
+            root, command.debug_path, "--TsarRefine.debug_path");
+      }
     }
     pictures.emplace(command.debug_path);
   }

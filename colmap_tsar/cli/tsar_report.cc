@@ -12,11 +12,13 @@
 #include "colmap_tsar/report/png.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/report/write_page.h"
+#include "colmap_tsar/workspace/input_folders.h"
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <unistd.h>
@@ -65,8 +67,9 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
       "The folder of the page. If not given: report in the workspace.");
   options->Add("overwrite",
                &command->page.overwrite,
-               "Replace an earlier page in that folder. A folder with anything "
-               "else in it is never touched.");
+               "Replace an earlier page in that folder, and the file that "
+               "--output_path names. A folder with anything else in it, also "
+               "in the folders of a page, is never touched.");
   options->Add("debug_path",
                &command->debug_path,
                "What --TsarRefine.debug_path was when the workspace was "
@@ -117,7 +120,8 @@ void AddSizeOptions(ReportCommand* command, OptionSet* options) {
   options->Add("output_path",
                &command->output_path,
                "The picture to draw, if any: a row for each image, with depth "
-               "and normals before and after.");
+               "and normals before and after. A file that is there is replaced "
+               "with --overwrite 1 alone.");
   options->Add("num_images",
                &command->num_images,
                "How many images that picture shows, spread evenly over the "
@@ -136,7 +140,31 @@ Workspace OpenWorkspace(const ReportCommand& command) {
   return takes_photometric ? photometric : geometric;
 }
 
+// Before the work is done.
+void CheckPicturePath(const ReportCommand& command) {
+  const std::filesystem::path path = command.output_path;
+  RequireOutsideInputs(command.workspace_path, path, "--output_path");
+  std::error_code error;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
+    return;
+  }
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "is there already and is no picture",
+                      "choose another --output_path");
+  }
+  if (!command.page.overwrite) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "is there already",
+                      "give --overwrite 1 to replace it, or choose another "
+                      "--output_path");
+  }
+}
+
 void WritePicture(const Workspace& workspace, const ReportCommand& command) {
+  CheckPicturePath(command);
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
     throw Error::File(ErrorCode::kNotFound,

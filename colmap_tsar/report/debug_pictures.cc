@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/report/debug_pictures.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/report/depth_colors.h"
@@ -12,10 +13,13 @@
 #include "colmap_tsar/report/provenance_colors.h"
 #include "colmap_tsar/report/value_colors.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -46,6 +50,32 @@ std::string FileName(RefineStage stage) {
   char number[16];
   std::snprintf(number, sizeof(number), "%02d_", index);
   return number + RefineStages()[static_cast<size_t>(index)].name + ".png";
+}
+
+// Whether a file has the name of a picture, or of what a killed program left of
+// one.
+bool IsPictureName(std::string name) {
+  const std::string_view suffix = AtomicFile::kTemporarySuffix;
+  if (name.ends_with(suffix)) {
+    name.resize(name.size() - suffix.size());
+  }
+  const std::vector<RefineStageInfo>& stages = RefineStages();
+  return std::any_of(
+      stages.begin(), stages.end(), [&](const RefineStageInfo& info) {
+        return FileName(info.stage) == name;
+      });
+}
+
+// What is not of debug pictures is not to be mixed with them, or replaced.
+void RequirePicturesAlone(const std::filesystem::path& folder) {
+  for (const TreeEntry& entry : ListTree({folder, {}})) {
+    if (!entry.is_folder && !IsPictureName(entry.path.Filename().string())) {
+      throw Error::File(ErrorCode::kUnsupported,
+                        entry.path.string(),
+                        "is no picture of TsarRefine.debug_path",
+                        "give another folder, where nothing else is");
+    }
+  }
 }
 
 Image<float> ToFloat(const Image<uint8_t>& values) {
@@ -144,6 +174,7 @@ class ImagePictures : public StageObserver {
 
 DebugPictures::DebugPictures(const std::filesystem::path& folder)
     : folder_(folder) {
+  RequirePicturesAlone(folder_);
   CreateFolders({folder_, {}});
 }
 

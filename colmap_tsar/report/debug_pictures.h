@@ -17,8 +17,9 @@ namespace tsar {
 // such as "left/0001.jpg/07_score.png".
 class DebugPictures : public RefineObserver {
  public:
-  // Creates the folder, which may exist; pictures in it are replaced. Throws
-  // Error kIo.
+  // Creates the folder, which may hold pictures of earlier runs; those of these
+  // names are replaced. Throws Error: kUnsupported where anything else is in it,
+  // kIo.
   explicit DebugPictures(const std::filesystem::path& folder);
 
   // Drawing throws Error kIo.

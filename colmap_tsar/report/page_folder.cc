@@ -4,20 +4,29 @@
 #include "colmap_tsar/report/page_folder.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/report/page_files.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <exception>
+#include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <vector>
+
+#include <sys/file.h>
 
 namespace tsar {
 namespace {
 
 namespace fs = std::filesystem;
 
+// Of a former page, where the file system cannot exchange it for the new one.
 constexpr const char* kFormerSuffix = ".tsar_old";
+constexpr const char* kAnotherPath = "or give another folder as --report_path";
 
 // Without the separator that a user may write at the end.
 fs::path Normal(const fs::path& path) {
@@ -25,30 +34,171 @@ fs::path Normal(const fs::path& path) {
   return normal.has_filename() ? normal : normal.parent_path();
 }
 
-// Whether the folder holds what a page consists of and nothing else.
-bool HoldsPageAlone(const fs::path& path) {
-  std::error_code error;
-  fs::directory_iterator it(path, error);
-  for (const fs::directory_iterator end; !error && it != end;
-       it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    const std::vector<PageFile>& files = PageFiles();
-    if (name != "data" && name != "images" &&
-        std::none_of(files.begin(), files.end(), [&](const PageFile& file) {
-          return file.name == name;
-        })) {
-      return false;
-    }
-  }
-  return !error;
+Error Refused(const fs::path& path,
+              const std::string& what,
+              const std::string& advice) {
+  return Error::File(ErrorCode::kUnsupported,
+                     path.string(),
+                     what,
+                     advice + ", " + kAnotherPath);
 }
 
-void CheckPlace(const fs::path& path, bool overwrite) {
+// What has the name, links not followed.
+fs::file_type TypeOf(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(path, error)) ||
-      (fs::is_directory(path, error) && fs::is_empty(path, error))) {
-    return;
+  const fs::file_type type = fs::symlink_status(path, error).type();
+  if (type == fs::file_type::none) {
+    ThrowSystemError(path, "cannot be looked at", error.value());
   }
+  return type;
+}
+
+bool IsThere(const fs::path& path) {
+  return TypeOf(path) != fs::file_type::not_found;
+}
+
+// Whether it is an unfinished page of this program: an empty folder, or one
+// that was marked, if only the marker's temporary is there.
+bool IsUnfinished(const fs::path& path) {
+  if (TypeOf(path) != fs::file_type::directory) {
+    return false;
+  }
+  const std::vector<Folder::Entry> entries = Folder(UserPath(path)).List();
+  const std::string marker = kUnfinishedPageFile;
+  return std::all_of(entries.begin(),
+                     entries.end(),
+                     [&](const Folder::Entry& entry) {
+                       return entry.name ==
+                              marker + AtomicFile::kTemporarySuffix;
+                     }) ||
+         std::any_of(
+             entries.begin(), entries.end(), [&](const Folder::Entry& entry) {
+               return entry.name == marker && !entry.is_folder;
+             });
+}
+
+void Mark(const fs::path& folder) {
+  AtomicFile marker(UserPath(folder) / kUnfinishedPageFile);
+  marker.Stream() << "tsar_report removes this folder when it is called with "
+                     "the same --report_path.\n";
+  marker.Commit();
+}
+
+// Removes all but the marker.
+void EmptyUnfinished(const fs::path& path) {
+  const ContainedPath folder = UserPath(path);
+  const fs::path marker = path / kUnfinishedPageFile;
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      RemoveTree(entry->path);
+    } else if (entry->path.Path() != marker) {
+      RemoveFile(entry->path);
+    }
+  }
+}
+
+// The marker goes last, so that what a kill leaves is known for what it is.
+void RemoveUnfinished(const fs::path& path) {
+  EmptyUnfinished(path);
+  RemoveTree(UserPath(path));
+}
+
+// Held until the folder is closed, however the program ends. Some network file
+// systems cannot lock folders; nothing is said about that, since a page is
+// hardly ever written by two programs.
+void Lock(const Folder& folder) {
+  if (flock(folder.Descriptor(), LOCK_EX | LOCK_NB) != 0 &&
+      errno == EWOULDBLOCK) {
+    throw Refused(folder.Path(),
+                  "another tsar_report is at work there",
+                  "wait until it has ended");
+  }
+}
+
+std::string NameIn(const ContainedPath& folder, const TreeEntry& entry) {
+  return entry.path.Relative()
+      .lexically_relative(folder.Relative())
+      .generic_string();
+}
+
+void WriteList(const fs::path& path) {
+  const ContainedPath folder = UserPath(path);
+  std::set<std::string> names;
+  for (const TreeEntry& entry : ListTree(folder)) {
+    if (!entry.is_folder) {
+      names.insert(NameIn(folder, entry));
+    }
+  }
+  names.erase(kUnfinishedPageFile);
+  const ContainedPath list = folder / kPageListFile;
+  CreateFolders(list.Parent());
+  AtomicFile file(list);
+  for (const std::string& name : names) {
+    file.Stream() << name << "\n";
+  }
+  file.Stream() << kPageListFile << "\n";
+  file.Commit();
+}
+
+// Nothing where there is no list, or only a part of one.
+std::optional<std::set<std::string>> ReadList(const fs::path& path) {
+  InputFile file(path / kPageListFile);
+  std::set<std::string> names;
+  std::string name;
+  while (std::getline(file, name)) {
+    names.insert(name);
+  }
+  return names.count(kPageListFile) != 0 ? std::optional(names) : std::nullopt;
+}
+
+// Throws where anything below the folder is not of the page.
+void CheckHoldsPageAlone(const fs::path& path) {
+  const std::optional<std::set<std::string>> files = ReadList(path);
+  if (!files) {
+    throw Refused(path,
+                  "holds a report without the list of its files (" +
+                      std::string(kPageListFile) +
+                      "), so that other files in it would not be noticed",
+                  "move or delete it");
+  }
+  std::set<std::string> folders;
+  for (const fs::path file : *files) {
+    for (fs::path folder = file.parent_path(); folder.has_relative_path();
+         folder = folder.parent_path()) {
+      folders.insert(folder.generic_string());
+    }
+  }
+  const ContainedPath folder = UserPath(path);
+  const std::string marker = kUnfinishedPageFile;
+  for (const TreeEntry& entry : ListTree(folder)) {
+    const std::string name = NameIn(folder, entry);
+    const bool is_known =
+        entry.is_folder
+            ? folders.count(name) != 0
+            : !entry.is_link && (files->count(name) != 0 || name == marker ||
+                                 name == marker + AtomicFile::kTemporarySuffix);
+    if (!is_known) {
+      throw Refused(
+          entry.path, "is not of the report in this folder", "move it away");
+    }
+  }
+}
+
+// Whether a page stands there that is to be replaced.
+bool CheckPlace(const fs::path& path, bool overwrite) {
+  const fs::file_type type = TypeOf(path);
+  if (type == fs::file_type::not_found) {
+    return false;
+  }
+  if (type == fs::file_type::symlink) {
+    throw Refused(path, "is a link", "remove it");
+  }
+  if (type == fs::file_type::directory &&
+      Folder(UserPath(path)).List().empty()) {
+    return false;
+  }
+  std::error_code error;
   if (!fs::is_regular_file(path / kPageDataFile, error)) {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),
@@ -56,49 +206,98 @@ void CheckPlace(const fs::path& path, bool overwrite) {
                       "give another folder as --report_path");
   }
   if (!overwrite) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      path.string(),
-                      "holds a report already",
-                      "give --overwrite 1 to replace it, or another folder as "
-                      "--report_path");
+    throw Refused(
+        path, "holds a report already", "give --overwrite 1 to replace it");
   }
-  if (!HoldsPageAlone(path)) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      path.string(),
-                      "holds other files beside a report",
-                      "move them, or give another folder as --report_path");
-  }
+  CheckHoldsPageAlone(path);
+  return true;
 }
 
-void RemoveFolder(const fs::path& path) { RemoveTree(UserPath(path)); }
+// The names for a former page, of which there are more than one where others
+// are taken.
+fs::path FormerPath(const fs::path& path, int number) {
+  std::string name = path.string() + kFormerSuffix;
+  if (number > 0) {
+    name.append("_").append(std::to_string(number));
+  }
+  return name;
+}
+
+fs::path FreeFormerPath(const fs::path& path) {
+  int number = 0;
+  while (IsThere(FormerPath(path, number))) {
+    ++number;
+  }
+  return FormerPath(path, number);
+}
+
+void RemoveFormerPages(const fs::path& path) {
+  for (int i = 0; IsThere(FormerPath(path, i)); ++i) {
+    if (IsUnfinished(FormerPath(path, i))) {
+      RemoveUnfinished(FormerPath(path, i));
+    }
+  }
+}
 
 }  // namespace
 
 PageFolder::PageFolder(const fs::path& path, bool overwrite)
     : path_(Normal(path)),
-      temporary_(path_.string() + AtomicFile::kTemporarySuffix) {
-  CheckPlace(path_, overwrite);
-  RemoveFolder(temporary_);  // Of a program that was killed.
-  CreateFolders(UserPath(temporary_));
+      temporary_(path_.string() + AtomicFile::kTemporarySuffix),
+      overwrite_(overwrite) {
+  CheckPlace(path_, overwrite_);
+  if (IsThere(temporary_) && !IsUnfinished(temporary_)) {
+    throw Refused(temporary_,
+                  "is no unfinished report, and its name is needed for one",
+                  "move it away");
+  }
+  lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
+  Lock(*lock_);
+  EmptyUnfinished(temporary_);  // Of a program that was killed.
+  try {
+    Mark(temporary_);
+  } catch (const Error&) {
+    RemoveFolderIfEmpty(UserPath(temporary_));
+    throw;
+  }
 }
 
 PageFolder::~PageFolder() {
   try {
-    RemoveFolder(temporary_);
+    if (IsUnfinished(temporary_)) {
+      RemoveUnfinished(temporary_);
+    }
   } catch (const std::exception&) {
     // The next page in its place removes it.
   }
 }
 
 void PageFolder::Commit() {
-  const fs::path former = path_.string() + kFormerSuffix;
-  RemoveFolder(former);
-  std::error_code error;
-  if (fs::exists(path_, error)) {
-    RenameFile(UserPath(path_), UserPath(former));
+  WriteList(temporary_);
+  if (CheckPlace(path_, overwrite_)) {
+    Mark(path_);
+    if (!ExchangeFiles(UserPath(temporary_), UserPath(path_))) {
+      ReplaceInTwoSteps();
+    }
+  } else {
+    RenameFile(UserPath(temporary_), UserPath(path_));
   }
-  RenameFile(UserPath(temporary_), UserPath(path_));
-  RemoveFolder(former);
+  RemoveFile(UserPath(path_) / kUnfinishedPageFile);
+  if (IsUnfinished(temporary_)) {
+    RemoveUnfinished(temporary_);
+  }
+  RemoveFormerPages(path_);
+}
+
+void PageFolder::ReplaceInTwoSteps() {
+  const ContainedPath former = UserPath(FreeFormerPath(path_));
+  RenameFile(UserPath(path_), former);
+  try {
+    RenameFile(UserPath(temporary_), UserPath(path_));
+  } catch (const Error&) {
+    RenameFile(former, UserPath(path_));
+    throw;
+  }
 }
 
 }  // namespace tsar

@@ -12,6 +12,7 @@
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/input_folders.h"
 #include "colmap_tsar/workspace/record.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
@@ -223,6 +224,7 @@ int WritePage(const Workspace& workspace,
               Progress& progress,
               const std::function<bool()>& should_stop) {
   Check(options);
+  RequireOutsideInputs(workspace.Root(), options.report_path, "--report_path");
   // So that the maps before and after belong together.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   std::optional<WorkspaceLock> input_lock;

@@ -15,7 +15,7 @@ namespace tsar {
 
 struct PageOptions {
   std::filesystem::path report_path;
-  bool overwrite = false;  // An earlier page may be replaced.
+  bool overwrite = false;  // An earlier page alone may be replaced.
   // What --TsarRefine.debug_path was when the maps were made; may be empty.
   std::filesystem::path debug_path;
   // Fused clouds (PLY) for the 3D view, both or none; without, its points are
@@ -38,8 +38,8 @@ struct PageOptions {
 //
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (one cloud without the other; scans without clouds),
-// kInterrupted once should_stop returned true, what WorkspaceLock (shared: a
-// program is changing the workspace), PageFolder, WriteImagePage, SampleCloud
+// kInterrupted once should_stop returned true, what RequireOutsideInputs,
+// WorkspaceLock (shared: a program is changing the workspace), PageFolder, WriteImagePage, SampleCloud
 // and the evaluations throw.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,

@@ -9,6 +9,7 @@
 #include "colmap_tsar/workspace/written_map.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <optional>
 #include <streambuf>
@@ -299,6 +300,26 @@ void RenameFile(const ContainedPath& from, const ContainedPath& to) {
   // Between two names of one file, a rename does nothing.
   unlinkat(from_folder.Descriptor(), from_name.c_str(), 0);
   to_folder.Flush();
+}
+
+bool ExchangeFiles(const ContainedPath& first, const ContainedPath& second) {
+  const Folder first_folder(first.Parent());
+  const Folder second_folder(second.Parent());
+  if (renameat2(first_folder.Descriptor(),
+                first.Filename().c_str(),
+                second_folder.Descriptor(),
+                second.Filename().c_str(),
+                RENAME_EXCHANGE) != 0) {
+    if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) {
+      return false;
+    }
+    ThrowSystemError(second.Path(),
+                     "cannot be exchanged with " + first.Filename().string(),
+                     errno);
+  }
+  first_folder.Flush();
+  second_folder.Flush();
+  return true;
 }
 
 void RemoveFile(const ContainedPath& path) {

@@ -74,6 +74,10 @@ void CopyFile(const std::filesystem::path& source,
 // systems, files are copied and the former name is removed then.
 void RenameFile(const ContainedPath& from, const ContainedPath& to);
 
+// Exchanges what two names stand for, in one step, and flushes the folders;
+// false where the file system cannot, and nothing has changed. Error kIo.
+bool ExchangeFiles(const ContainedPath& first, const ContainedPath& second);
+
 // Removes a file or link where there is one; Error kIo.
 void RemoveFile(const ContainedPath& path);
 

@@ -9,6 +9,7 @@
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/content_hash.h"
 #include "colmap_tsar/workspace/folder.h"
+#include "colmap_tsar/workspace/input_folders.h"
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/originals.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -49,15 +51,25 @@ void RequireOutside(const std::filesystem::path& input,
   if (canonical == input) {
     throw Refused(output, "the output is the input workspace itself");
   }
-  for (const char* folder : {"images", "sparse", "stereo"}) {
-    if (Contains(std::filesystem::canonical(input / folder), canonical)) {
-      throw Refused(
-          output, std::string("the output is in the input's folder ") + folder);
-    }
+  const std::string folder = FindInputFolder(input, output);
+  if (!folder.empty()) {
+    throw Refused(output, "the output is in the input's folder " + folder);
   }
   if (Contains(canonical, input)) {
     throw Refused(output, "the output is a folder around the input");
   }
+}
+
+// Whether nothing is in it but what a call leaves that was killed before it had
+// written the marker.
+bool IsEmptyOrBegun(const std::filesystem::path& output) {
+  const ContainedPath marker =
+      GetTsarFolder(output) /
+      (std::string(kMarkerName) + AtomicFile::kTemporarySuffix);
+  const std::vector<TreeEntry> tree = ListTree({output, {}});
+  return std::all_of(tree.begin(), tree.end(), [&](const TreeEntry& entry) {
+    return Contains(entry.path.Path(), marker.Path());
+  });
 }
 
 void RequireEmptyOrOutputOf(const std::filesystem::path& input,
@@ -72,7 +84,7 @@ void RequireEmptyOrOutputOf(const std::filesystem::path& input,
   if (marked && *marked != input) {
     throw Refused(output, "it is the output for " + marked->string());
   }
-  if (!marked && !std::filesystem::is_empty(output)) {
+  if (!marked && !IsEmptyOrBegun(output)) {
     throw Refused(output,
                   "the folder is not empty and not an output workspace");
   }

@@ -101,6 +101,11 @@ class Scene:
     def __init__(self, name, folder):
         self.name = name
         self.folder = pathlib.Path(folder)
+        # What the steps make, they remove as well: nothing else may be there.
+        if (self.folder.exists() and not (self.folder / "lock").is_file()
+                and any(self.folder.iterdir())):
+            raise DatasetError(f"{self.folder}: is there already and was not made by this "
+                               "script; name another --output_path")
         self.folder.mkdir(parents=True, exist_ok=True)
         self.lock = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
         try:

@@ -155,6 +155,16 @@ TEST_F(TsarRefineTest, APathForPicturesThatIsNoFolderIsOneLine) {
                 {"file"});
 }
 
+TEST_F(TsarRefineTest, PicturesGoWhereNothingElseIs) {
+  ExpectFailure({"--TsarRefine.debug_path", (root_ / "images").string()},
+                {"folder images", "--TsarRefine.debug_path"});
+  ExpectFailure({"--TsarRefine.debug_path", root_.string()}, {"no picture"});
+  const auto debug = folder_.Path() / "debug";
+  WriteText(debug / "v0.png/thesis.tex", "years of work");
+  ExpectFailure({"--TsarRefine.debug_path", debug.string()},
+                {"v0.png/thesis.tex", "no picture"});
+}
+
 TEST_F(TsarRefineTest, ShardsDrawNoPictures) {
   const auto debug = folder_.Path() / "debug";
   ExpectFailure({"--TsarRefine.debug_path",

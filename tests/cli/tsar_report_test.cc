@@ -89,11 +89,29 @@ TEST_F(TsarReportTest, DrawsThePictureAloneOrWithAPage) {
   EXPECT_TRUE(fs::is_regular_file(page / "index.html"));
 }
 
+TEST_F(TsarReportTest, ReplacesAPictureOnlyWhenAsked) {
+  const fs::path picture = folder_.Path() / "comparison.png";
+  WriteText(picture, "years of work");
+  ExpectFailure({"--output_path", picture.string()}, "--overwrite 1");
+  EXPECT_EQ(
+      Run({"--output_path", picture.string(), "--overwrite", "1"}).exit_code,
+      0);
+  EXPECT_NE(ReadText(picture), "years of work");
+  for (const char* path :
+       {"images/a.png", "images/new.png", "sparse/new.png", "stereo/new.png"}) {
+    ExpectFailure(
+        {"--output_path", (root_ / path).string(), "--overwrite", "1"},
+        "choose another --output_path");
+  }
+}
+
 TEST_F(TsarReportTest, WrongInputIsOneLine) {
   ExpectFailure({"--input_type", "photometric"}, "run tsar_refine on it first");
   ExpectFailure({"--input_type", "photometric", "--output_path", "x.png"},
                 "run tsar_refine on it first");
-  ExpectFailure({"--report_path", (root_ / "images").string()}, "is no report");
+  ExpectFailure({"--report_path", root_.string()}, "is no report");
+  ExpectFailure({"--report_path", (root_ / "images").string()},
+                "is in the folder images of a workspace");
   ExpectFailure({"--before_path", "a.ply"}, "--after_path");
   ExpectFailure({"--before_path", "a.ply", "--after_path", "b.ply"},
                 "a.ply: there is no such file");

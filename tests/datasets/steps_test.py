@@ -99,6 +99,12 @@ dense.run_main(dense.make_parser("test", "", ""), run)
         self.assertEqual(process.wait(), 128 + signal.SIGTERM)
         self.assertRaises(ProcessLookupError, os.kill, pid, 0)
 
+    def test_only_in_a_folder_of_its_own(self):
+        mine = self.write("mine/before.ply", "mine")
+        self.rejects("not made by this script", Scene, "scene", self.root / "mine")
+        self.assertEqual(mine.read_text(), "mine")
+        self.assertEqual(os.listdir(mine.parent), ["before.ply"])
+
     def test_one_run_at_a_time(self):
         self.rejects("another run", Scene, "scene", self.root / "out")
 

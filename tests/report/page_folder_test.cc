@@ -6,7 +6,10 @@
 #include "colmap_tsar/base/error.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "tests/pipeline/drawn_workspace.h"
 #include "tests/workspace/test_workspace.h"
 
 namespace tsar {
@@ -20,6 +23,14 @@ class PageFolderTest : public testing::Test {
     PageFolder folder(path_, overwrite);
     WriteText(folder.Temporary() / kPageDataFile, text);
     folder.Commit();
+  }
+  // Expects an error with these texts, and every file as it was.
+  template <typename Function>
+  void ExpectUntouched(const std::vector<std::string>& texts,
+                       Function function) const {
+    const auto before = ReadTree(parent_.Path());
+    ExpectError(ErrorCode::kUnsupported, texts, function);
+    EXPECT_TRUE(ReadTree(parent_.Path()) == before);
   }
   size_t NumEntries() const {
     return static_cast<size_t>(
@@ -56,30 +67,108 @@ TEST_F(PageFolderTest, ReplacesAPageOnlyWhenAsked) {
     EXPECT_EQ(ReadText(path_ / kPageDataFile), "old");
   }
   EXPECT_EQ(ReadText(path_ / kPageDataFile), "old");
-  WriteText(path_ / "images" / "of_the_old_page.png", "");
+  {
+    PageFolder folder(path_, true);
+    WriteText(folder.Temporary() / kPageDataFile, "old");
+    WriteText(folder.Temporary() / "images/of_the_old_page.png", "");
+    folder.Commit();
+  }
   WritePageWith("new", true);
   EXPECT_EQ(ReadText(path_ / kPageDataFile), "new");
   EXPECT_FALSE(fs::exists(path_ / "images"));
+  EXPECT_FALSE(fs::exists(path_ / kUnfinishedPageFile));
   EXPECT_EQ(NumEntries(), 1u);
+}
+
+TEST_F(PageFolderTest, ListsItsFiles) {
+  PageFolder folder(path_, false);
+  WriteText(folder.Temporary() / kPageDataFile, "new");
+  WriteText(folder.Temporary() / "images/a/b.png", "");
+  folder.Commit();
+  EXPECT_EQ(ReadText(path_ / kPageListFile),
+            "data/report.js\nimages/a/b.png\ndata/files.txt\n");
 }
 
 TEST_F(PageFolderTest, NeverTouchesAnythingElse) {
   WriteText(path_ / "thesis.tex", "years of work");
   for (const bool overwrite : {false, true}) {
-    ExpectError(ErrorCode::kUnsupported, {"--report_path"}, [&] {
-      PageFolder(path_, overwrite);
-    });
+    ExpectUntouched({"report", "--report_path"},
+                    [&] { PageFolder(path_, overwrite); });
   }
-  EXPECT_EQ(ReadText(path_ / "thesis.tex"), "years of work");
-  WriteText(path_ / kPageDataFile, "old");
-  ExpectError(ErrorCode::kUnsupported, {"report", "beside", "move them"}, [&] {
-    PageFolder(path_, true);
-  });
-  EXPECT_EQ(ReadText(path_ / "thesis.tex"), "years of work");
   const fs::path file = parent_.Path() / "file";
   WriteText(file, "");
+  ExpectUntouched({"file"}, [&] { PageFolder(file, true); });
+}
+
+TEST_F(PageFolderTest, NeverTouchesWhatIsBesideOrBelowAPage) {
+  for (const char* name : {"thesis.tex",
+                           "data/thesis.tex",
+                           "images/thesis.tex",
+                           "images/mine/thesis.tex",
+                           "data/report.js.orig"}) {
+    fs::remove_all(path_);
+    WritePageWith("old");
+    WriteText(path_ / name, "years of work");
+    ExpectUntouched({name, "not of the report", "move it", "--report_path"},
+                    [&] { PageFolder(path_, true); });
+  }
+  fs::remove_all(path_);
+  WritePageWith("old");
+  fs::create_directories(path_ / "images/empty");
+  ExpectUntouched({"images"}, [&] { PageFolder(path_, true); });
+  EXPECT_TRUE(fs::exists(path_ / "images/empty"));
+}
+
+TEST_F(PageFolderTest, NeverTouchesWhatCameWhileAPageWasWritten) {
+  WritePageWith("old");
+  PageFolder folder(path_, true);
+  WriteText(folder.Temporary() / kPageDataFile, "new");
+  WriteText(path_ / "data/thesis.tex", "years of work");
   ExpectError(
-      ErrorCode::kUnsupported, {"file"}, [&] { PageFolder(file, true); });
+      ErrorCode::kUnsupported, {"data/thesis.tex"}, [&] { folder.Commit(); });
+  EXPECT_EQ(ReadText(path_ / kPageDataFile), "old");
+  EXPECT_EQ(ReadText(path_ / "data/thesis.tex"), "years of work");
+}
+
+TEST_F(PageFolderTest, ReplacesNoPageWithoutItsWholeList) {
+  WritePageWith("old");
+  const std::string list = ReadText(path_ / kPageListFile);
+  fs::remove(path_ / kPageListFile);
+  const std::vector<std::string> texts = {
+      "report", kPageListFile, "move or delete it", "--report_path"};
+  ExpectUntouched(texts, [&] { PageFolder(path_, true); });
+  for (const std::string& part :
+       {std::string(), list.substr(0, list.size() / 2), std::string("/a\n")}) {
+    WriteText(path_ / kPageListFile, part);
+    ExpectUntouched(texts, [&] { PageFolder(path_, true); });
+  }
+  // One that names what is nowhere is as good as any.
+  WriteText(path_ / kPageListFile, "/etc/passwd\n../../a\n" + list);
+  WritePageWith("new", true);
+  EXPECT_EQ(ReadText(path_ / kPageDataFile), "new");
+}
+
+TEST_F(PageFolderTest, FollowsNoLinks) {
+  const fs::path mine = parent_.Path() / "mine";
+  const fs::path link = parent_.Path() / "link";
+  WritePageWith("old");
+  fs::create_directories(mine);
+  fs::create_directory_symlink(mine, link);
+  ExpectUntouched({"link", "is a link"}, [&] { PageFolder(link, true); });
+  // A page in the place of which a link was put, and in that of its folders.
+  fs::remove(link);
+  fs::create_directory_symlink(path_, link);
+  ExpectUntouched({"link", "is a link"}, [&] { PageFolder(link, true); });
+  fs::remove(mine);
+  fs::rename(path_ / "data", mine);
+  fs::create_directory_symlink(mine, path_ / "data");
+  ExpectUntouched({"report/data"}, [&] { PageFolder(path_, true); });
+  fs::remove(path_ / "data");
+  fs::rename(mine, path_ / "data");
+  // Even under the name of one of its files.
+  fs::rename(path_ / kPageDataFile, mine);
+  fs::create_symlink(mine, path_ / kPageDataFile);
+  ExpectUntouched({kPageDataFile}, [&] { PageFolder(path_, true); });
 }
 
 TEST_F(PageFolderTest, TakesAnEmptyFolderAndASeparatorAtTheEnd) {
@@ -90,10 +179,58 @@ TEST_F(PageFolderTest, TakesAnEmptyFolderAndASeparatorAtTheEnd) {
   EXPECT_EQ(ReadText(path_ / kPageDataFile), "new");
 }
 
-TEST_F(PageFolderTest, ForgetsWhatAKilledProgramLeft) {
-  WriteText(path_.string() + ".tsar_tmp/half.png", "");
-  WritePageWith("new");
-  EXPECT_FALSE(fs::exists(path_ / "half.png"));
+TEST_F(PageFolderTest, TakesUpWhatAKilledProgramLeft) {
+  const fs::path temporary = path_.string() + ".tsar_tmp";
+  const std::string marker = kUnfinishedPageFile;
+  for (const std::string& name : {marker, marker + ".tsar_tmp"}) {
+    WriteText(temporary / name, "");
+    if (name == marker) {
+      WriteText(temporary / "images/half.png", "");
+    }
+    fs::remove_all(path_);
+    WritePageWith("new");
+    EXPECT_FALSE(fs::exists(path_ / "images"));
+    EXPECT_FALSE(fs::exists(path_ / kUnfinishedPageFile));
+    EXPECT_EQ(NumEntries(), 1u);
+  }
+  fs::create_directories(temporary);
+  WritePageWith("newer", true);
+  EXPECT_EQ(NumEntries(), 1u);
+  // Between the two folders' exchange and the end, both have the marker.
+  for (const std::string& name : {marker, marker + ".tsar_tmp"}) {
+    WriteText(path_ / name, "");
+    fs::copy(path_, temporary, fs::copy_options::recursive);
+    WriteText(temporary / marker, "");
+    WritePageWith("newest", true);
+    EXPECT_FALSE(fs::exists(path_ / name));
+    EXPECT_EQ(NumEntries(), 1u);
+  }
+}
+
+TEST_F(PageFolderTest, NeverTouchesOthersFoldersBesideIt) {
+  WritePageWith("old");
+  const fs::path temporary = path_.string() + ".tsar_tmp";
+  const fs::path former = path_.string() + ".tsar_old";
+  WriteText(former / "thesis.tex", "years of work");
+  WritePageWith("new", true);
+  EXPECT_EQ(ReadText(former / "thesis.tex"), "years of work");
+  WriteText(temporary / "thesis.tex", "years of work");
+  ExpectUntouched({"report.tsar_tmp", "no unfinished report", "move it"},
+                  [&] { PageFolder(path_, true); });
+  fs::remove_all(temporary);
+  WriteText(temporary, "years of work");
+  ExpectUntouched({"report.tsar_tmp"}, [&] { PageFolder(path_, true); });
+  fs::remove(temporary);
+  // Not even one that holds the marker, where it is a link.
+  WriteText(former / kUnfinishedPageFile, "");
+  fs::create_directory_symlink(former, temporary);
+  ExpectUntouched({"report.tsar_tmp"}, [&] { PageFolder(path_, true); });
+}
+
+TEST_F(PageFolderTest, IsWrittenByOneProgramAtATime) {
+  const PageFolder first(path_, false);
+  ExpectUntouched({"another tsar_report", "wait"},
+                  [&] { PageFolder(path_, false); });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "colmap_tsar/workspace/workspace_lock.h"
 #include "colmap_tsar/workspace/write_back.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "tests/pipeline/drawn_workspace.h"
@@ -129,6 +130,33 @@ TEST_F(WritePageTest, ThreadsChangeNothing) {
   options_.overwrite = true;
   Write();
   EXPECT_TRUE(ReadTree(options_.report_path) == by_one);
+}
+
+TEST_F(WritePageTest, ListsAllItsFiles) {
+  Write();
+  std::istringstream list(ReadText(options_.report_path / "data/files.txt"));
+  std::vector<std::string> names;
+  for (std::string name; std::getline(list, name);) {
+    names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  std::vector<std::string> found;
+  for (const auto& [path, content] : ReadTree(options_.report_path)) {
+    if (content != "folder") {
+      found.push_back(path);
+    }
+  }
+  EXPECT_EQ(names, found);
+}
+
+TEST_F(WritePageTest, GoesIntoNoFolderOfInputs) {
+  for (const char* folder : {"images", "sparse", "stereo"}) {
+    options_.report_path = root_ / folder / "report";
+    ExpectFailure(ErrorCode::kUnsupported, {folder, "--report_path"});
+    fs::create_directory_symlink(root_ / folder, folder_.Path() / folder);
+    options_.report_path = folder_.Path() / folder / "report";
+    ExpectFailure(ErrorCode::kUnsupported, {folder, "--report_path"});
+  }
 }
 
 TEST_F(WritePageTest, KeepsToTheGivenSizes) {

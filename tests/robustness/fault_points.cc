@@ -8,6 +8,7 @@
 //   TSAR_FAULT_KILL_AT=K     SIGKILL before call number K (from 1 on); where
 //                            that is a write, after half of it
 //   TSAR_FAULT_STOP_AT=K     SIGSTOP before call number K
+//   TSAR_FAULT_NO_EXCHANGE=1 the file system cannot exchange two names
 //
 // Calls on descriptors count where these stand for files and folders, not for
 // terminals and pipes.
@@ -24,6 +25,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdarg>
+#include <cstdio>
 #include <cstdlib>
 #include <new>
 #include <string>
@@ -193,6 +195,10 @@ int renameat2(int from_folder,
               int to_folder,
               const char* to,
               unsigned flags) noexcept {
+  if ((flags & RENAME_EXCHANGE) != 0 && NumberOf("TSAR_FAULT_NO_EXCHANGE")) {
+    errno = EINVAL;
+    return -1;
+  }
   Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
   return Next<int (*)(int, const char*, int, const char*, unsigned)>(
       "renameat2")(from_folder, from, to_folder, to, flags);

@@ -24,7 +24,8 @@ COMMANDS = {
     "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], start.bare),
 }
-REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png")]
+REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png"),
+          "--overwrite", 1]
 
 
 def rename_image(root, name):

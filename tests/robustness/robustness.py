@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 SKIPPED = 77  # To ctest.
 
@@ -55,7 +56,7 @@ class Program:
 
     def start(self, *words, prepare=None, **faults):
         """prepare: called in the new process before the program. faults: kill_at,
-        stop_at or log, of fault_points.cc."""
+        stop_at, log or no_exchange, of fault_points.cc."""
         environment = dict(os.environ)
         if faults:
             environment["LD_PRELOAD"] = self.shim
@@ -85,6 +86,17 @@ class Program:
         for text in texts:
             check(text in lines[0], f"no '{text}' in: {lines[0]}")
         return lines[0]
+
+
+def wait_until_stopped(process):
+    """Until a program that was started with stop_at is there."""
+    while True:
+        with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
+            state = file.read().rpartition(")")[2].split()[0]
+        if state == "T":
+            return
+        check(state != "Z", "the program ended")
+        time.sleep(0.01)
 
 
 def read_tree(root):

@@ -6,10 +6,9 @@ one clear line and changes nothing, and the first one ends as if alone."""
 import os
 import shutil
 import signal
-import time
 
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
-                        without_accounts)
+                        wait_until_stopped, without_accounts)
 from start_workspaces import STEREO, StartWorkspaces
 
 args = parse_arguments("shim")
@@ -28,17 +27,6 @@ COMMANDS = {
 SOURCES = {"refine": start.mapped, "restore": start.refined, "import": start.mapped,
            "undo": start.imported, "stereo": start.bare,
            "refine to a second workspace": start.mapped}
-
-
-def wait_until_stopped(process):
-    while True:
-        with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
-            state = file.read().rpartition(")")[2].split()[0]
-        if state == "T":
-            return
-        check(state != "Z", "the first program ended")
-        time.sleep(0.01)
-
 
 start.make(program)
 

@@ -1,0 +1,24 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace tsar {
+
+// Of images, sparse and stereo in the workspace `root`, the name of the one
+// that a path is or lies in, whatever links lead there; empty where it is
+// outside of all. Neither the path nor the workspace has to exist.
+std::string FindInputFolder(const std::filesystem::path& root,
+                            const std::filesystem::path& path);
+
+// What stands in these folders is what programs work from, and nothing else is
+// to be written there. Throws Error kUnsupported, naming the option, where
+// `path` lies in one of this workspace or of the one that it is the output of.
+void RequireOutsideInputs(const std::filesystem::path& root,
+                          const std::filesystem::path& path,
+                          const std::string& option);
+
+}  // namespace tsar

@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Kills tsar_report before each call by which it changes files. After every kill
+a whole page stands under its name, the former or the new one, and the next call
+ends with the new one and nothing else beside it. Only where the file system
+cannot exchange two folders there may be none until that call."""
+import os
+import shutil
+
+from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
+from start_workspaces import StartWorkspaces
+
+# While the pictures are drawn, nothing is replaced: one kill of so many.
+STEP = 10
+MARKER = ("unfinished_page", "unfinished_page.tsar_tmp")
+
+args = parse_arguments("shim")
+program = Program(args.program, args.shim)
+folder = make_folder(args.folder)
+site, kept = (os.path.join(folder.name, name) for name in ("site", "kept"))
+page = os.path.join(site, "report")
+start = StartWorkspaces(folder.name)
+start.make(program)
+debug = os.path.join(folder.name, "debug")
+program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
+REPORT = ["tsar_report", start.refined, "--report_path", page, "--num_threads", 1,
+          "--overwrite", 1]
+
+
+def read_page():
+    tree = read_tree(page)
+    return {path: content for path, content in tree.items() if path not in MARKER}
+
+
+def start_anew(former):
+    shutil.rmtree(site, ignore_errors=True)
+    if former:
+        copy(kept, site)
+    else:
+        os.mkdir(site)
+
+
+def read_log(command, **faults):
+    """The calls of an undisturbed run."""
+    path = os.path.join(folder.name, "log")
+    program.run(*command, log=path, **faults)
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    os.remove(path)
+    return lines
+
+
+def check_flushed(log):
+    """That all of a page is on the disk before it gets its name."""
+    dirty = set()
+    for line in log:
+        name, first, second = line.split("\t")
+        if name in ("create", "write", "mkdir"):
+            dirty.add(os.path.dirname(first) if name == "mkdir" else first)
+        elif name == "fsync":
+            dirty.discard(first)
+        elif name == "rename":
+            check(first not in dirty, f"{first} is renamed before it is flushed")
+            dirty.discard(first)
+            dirty.add(os.path.dirname(second))
+            if second == page:
+                unflushed = [path for path in dirty if path.startswith(page)]
+                check(not unflushed, f"{unflushed} are not on the disk")
+
+
+start_anew(False)
+# Of other files, and of other content.
+program.run(*REPORT, "--debug_path", debug, "--max_points", 1)
+old = read_page()
+copy(site, kept)
+start_anew(False)
+program.run(*REPORT)
+new = read_page()
+check(old.keys() - new.keys() and old["data/report.js"] != new["data/report.js"], "they differ")
+
+num_kills = 0
+for former, faults in ((False, {}), (True, {}), (True, {"no_exchange": 1})):
+    case = f"{'replacing' if former else 'writing'} a page {faults or ''}"
+    start_anew(former)
+    log = read_log(REPORT, **faults)
+    check_flushed(log)
+    check_same(read_page(), new, case)
+    begin = next(i for i, line in enumerate(log, 1) if "data/files.txt" in line)
+    check(len(log) - begin >= (20 if former else 5), f"{case}: {len(log)} calls")
+    for kill_at in [*range(1, begin, STEP), *range(begin, len(log) + 1)]:
+        at = f"{case}: kill {kill_at}, at {log[kill_at - 1]}"
+        start_anew(former)
+        code, errors = program.call(*REPORT, kill_at=kill_at, **faults)
+        check(code == -9, f"{at}: ended with {code}: {errors}")
+        num_kills += 1
+        tree = read_page()
+        may_miss = not former or "no_exchange" in faults
+        check(tree in (old, new) or (may_miss and not tree), f"{at}: no whole page")
+        code, errors = program.call(*REPORT, **faults)
+        check(code == 0, f"{at}: going on ended with {code}: {errors}")
+        check_same(read_tree(page), new, f"{at}: after going on")
+        check(os.listdir(site) == ["report"], f"{at}: left {os.listdir(site)}")
+print(f"{num_kills} kills")

@@ -1,0 +1,191 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Puts users' files in every place that tsar_report, and the pictures of
+--TsarRefine.debug_path, write to or remove: one clear line, and all of them are
+as they were."""
+import os
+import shutil
+import signal
+
+import drawn_workspace
+from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
+                        wait_until_stopped)
+from start_workspaces import StartWorkspaces
+
+args = parse_arguments("shim")
+program = Program(args.program, args.shim)
+folder = make_folder(args.folder)
+site, outside = (os.path.join(folder.name, name) for name in ("site", "outside"))
+page = os.path.join(site, "report")
+start = StartWorkspaces(folder.name)
+start.make(program)
+WORK = start.refined
+REPORT = ["tsar_report", WORK, "--report_path", page]
+REPLACE = [*REPORT, "--overwrite", 1]
+PRECIOUS = b"years of work"
+num_cases = 0
+
+
+def describe(root):
+    """What every name stands for: a file's bytes, a link's target, a folder."""
+    found = {}
+    for parent, folders, names in os.walk(root):
+        for name in folders + names:
+            path = os.path.join(parent, name)
+            if os.path.islink(path):
+                content = os.readlink(path)
+            elif os.path.isfile(path):
+                with open(path, "rb") as file:
+                    content = file.read()
+            else:
+                content = None
+            found[os.path.relpath(path, root)] = content
+    return found
+
+
+def fails(case, command, *texts):
+    """That a command fails and every file of the test stays as it was."""
+    global num_cases
+    before = describe(folder.name)
+    line = program.fails_with_one_line(*command)
+    for text in texts:
+        check(text in line, f"{case}: no '{text}' in: {line}")
+    check_same(describe(folder.name), before, case)
+    num_cases += 1
+
+
+def make_page():
+    shutil.rmtree(site, ignore_errors=True)
+    os.mkdir(site)
+    program.run(*REPORT)
+
+
+# Below a page.
+make_page()
+kept = os.path.join(folder.name, "kept")
+copy(site, kept)
+folders = sorted(name for name, content in describe(page).items() if content is None)
+check("images" in folders and "data" in folders and len(folders) >= 4, f"a page has {folders}")
+fails("a page without --overwrite", REPORT, "--overwrite 1")
+for place in ["", *folders]:
+    for name in ("thesis.tex", "mine/thesis.tex", "..data"):
+        copy(kept, site)
+        path = os.path.join(place, name)
+        drawn_workspace.write(os.path.join(page, path), PRECIOUS)
+        fails(f"a file {path}", REPLACE, os.path.join(page, place), "move it", "--report_path")
+    copy(kept, site)
+    path = os.path.join(page, place, "link.png")
+    os.symlink(os.path.join(WORK, "images", "v0.png"), path)
+    fails(f"a link in {place}", REPLACE, path)
+
+# Links in the place of a page, its folders and its files.
+for name in ["", *folders, "index.html", "data/report.js", "data/files.txt"]:
+    copy(kept, site)
+    path = os.path.join(page, name).rstrip("/")
+    os.rename(path, outside)
+    os.symlink(outside, path)
+    fails(f"a link as {name or 'the page'}", REPLACE, path)
+    os.remove(path)
+    if not name:
+        os.symlink("nowhere", path)
+        fails("a dangling link as the page", REPLACE, path)
+    shutil.rmtree(outside) if os.path.isdir(outside) else os.remove(outside)
+
+# Pages without their whole list.
+with open(os.path.join(kept, "report", "data", "files.txt"), "rb") as file:
+    files = file.read()
+for content in (None, b"", files[:len(files) // 2], b"\0" * 100):
+    copy(kept, site)
+    path = os.path.join(page, "data", "files.txt")
+    os.remove(path)
+    if content is not None:
+        drawn_workspace.write(path, content)
+    fails("a page without its list", REPLACE, "data/files.txt", "move or delete it")
+
+# Beside a page.
+for name in ("report.tsar_tmp", "report.tsar_tmp/thesis.tex", "report.tsar_tmp/data/report.js"):
+    copy(kept, site)
+    drawn_workspace.write(os.path.join(site, name), PRECIOUS)
+    fails(name, REPLACE, "report.tsar_tmp", "move it away")
+    shutil.rmtree(page)
+    fails(f"{name}, no page", REPORT, "report.tsar_tmp", "move it away")
+copy(kept, site)
+drawn_workspace.write(os.path.join(outside, "unfinished_page"), PRECIOUS)
+os.symlink(outside, page + ".tsar_tmp")
+fails("a link as report.tsar_tmp", REPLACE, "report.tsar_tmp")
+shutil.rmtree(outside)
+for faults in ({}, {"no_exchange": 1}):
+    copy(kept, site)
+    drawn_workspace.write(page + ".tsar_old", PRECIOUS)
+    drawn_workspace.write(page + ".tsar_old_1/data/report.js", PRECIOUS)
+    before = describe(site)
+    program.run(*REPLACE, **faults)
+    check_same(describe(site), before, "folders that are called as former pages")
+    num_cases += 1
+
+# Two at a time.
+copy(kept, site)
+process = program.start(*REPLACE, stop_at=60)
+try:
+    wait_until_stopped(process)
+    fails("a second tsar_report", REPLACE, "another tsar_report")
+finally:
+    process.send_signal(signal.SIGCONT)
+    _, errors = process.communicate()
+check(process.returncode == 0, f"the first tsar_report: {errors}")
+check_same(describe(site), describe(kept), "after two at a time")
+
+# Into the folders of the workspace, through links or not, and of the one that it
+# is the output of.
+output = os.path.join(folder.name, "output")
+program.run("tsar_refine", start.mapped, "--output_path", output)
+os.symlink(WORK, os.path.join(folder.name, "by_link"))
+for name in ("images", "sparse", "stereo", "stereo/depth_maps", "images/new"):
+    first = name.split("/", maxsplit=1)[0]
+    for work, root in ((WORK, WORK), (WORK, os.path.join(folder.name, "by_link")),
+                       (WORK, os.path.join(site, "..", "refined")), (output, start.mapped)):
+        place = os.path.join(root, name)
+        fails(f"a page in {place}", ["tsar_report", work, "--report_path",
+                                     os.path.join(place, "report")], f"folder {first} of", "--report_path")
+        for file in ("picture.png", "v0.png"):
+            fails(f"a picture in {place}", ["tsar_report", work, "--overwrite", 1, "--output_path",
+                                            os.path.join(place, file)], f"folder {first} of")
+        fails(f"debug pictures in {place}", ["tsar_refine", work, "--TsarRefine.debug_path",
+                                             os.path.join(place, "debug")], f"folder {first} of")
+fails("debug pictures in an output's input", [
+    "tsar_refine", start.mapped, "--output_path", output, "--TsarRefine.debug_path",
+    os.path.join(output, "stereo", "debug")], "folder stereo of")
+
+# Pictures over what is there.
+picture = os.path.join(site, "picture.png")
+DRAW = ["tsar_report", WORK, "--output_path", picture]
+drawn_workspace.write(picture, PRECIOUS)
+fails("a picture over a file", DRAW, "is there already", "--overwrite 1")
+program.run(*DRAW, "--overwrite", 1)
+check(read_tree(site)["picture.png"] != PRECIOUS, "a picture is replaced where that is asked for")
+MAKERS = (os.mkdir, os.mkfifo, lambda path: os.symlink("/dev/full", path),
+          lambda path: os.symlink(os.path.join(WORK, "images", "v0.png"), path))
+for make in MAKERS:
+    os.remove(picture)
+    make(picture)
+    fails("a picture over no file", [*DRAW, "--overwrite", 1], "choose another --output_path")
+    if os.path.isdir(picture):
+        os.rmdir(picture)
+        drawn_workspace.write(picture, b"")
+
+# Debug pictures among other files.
+debug = os.path.join(folder.name, "debug")
+copy(start.mapped, outside)
+DEBUG = ["tsar_refine", outside, "--TsarRefine.debug_path", debug]
+for _ in range(2):
+    program.run(*DEBUG)
+for name in ("thesis.tex", "v0.png/thesis.tex", "v0.png/07_score.png.orig", "left/07_score"):
+    path = os.path.join(debug, name)
+    drawn_workspace.write(path, PRECIOUS)
+    fails(f"debug pictures beside {name}", DEBUG, path, "no picture")
+    os.remove(path)
+drawn_workspace.write(os.path.join(debug, "v0.png", "07_score.png.tsar_tmp"), b"half")
+program.run(*DEBUG)
+fails("debug pictures in the workspace itself", [*DEBUG[:-1], outside], "no picture")
+print(f"{num_cases} cases")
