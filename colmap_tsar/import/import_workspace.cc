@@ -8,6 +8,7 @@
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/target_workspace.h"
 #include "colmap_tsar/workspace/sparse_model.h"
+#include "colmap_tsar/workspace/originals.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
@@ -81,8 +82,10 @@ class Importer {
     const StereoFolder stereo(root_);
     const WorkspaceLock lock(root_);
     RequireUnrefined(root_);
-    if (!options_.overwrite) {
-      for (const PriorFiles& files : matched_.files) {
+    for (const PriorFiles& files : matched_.files) {
+      RequireNoStrayResults(
+          GetMapPaths(root_, NameOf(files), options_.match.type));
+      if (!options_.overwrite) {
         RequireNoForeignMaps(root_, NameOf(files), options_.match.type);
       }
     }
