@@ -13,6 +13,7 @@
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/output_workspace.h"
+#include "colmap_tsar/workspace/photo.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
@@ -24,6 +25,7 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -118,14 +120,54 @@ std::string ReadText(const fs::path& path) {
                      std::istreambuf_iterator<char>());
 }
 
+// The size of an image's maps.
+std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size) {
+  const int side = std::max(camera.width, camera.height);
+  const double scale = max_image_size > 0 && max_image_size < side
+                           ? static_cast<double>(max_image_size) / side
+                           : 1.0;
+  return {std::max(1, static_cast<int>(std::lround(camera.width * scale))),
+          std::max(1, static_cast<int>(std::lround(camera.height * scale)))};
+}
+
+bool IsMapOfSize(const fs::path& path, int width, int height) {
+  try {
+    const MapSize size = ReadMapSize(path);
+    return size.width == width && size.height == height;
+  } catch (const Error&) {
+    return false;  // Not even a map.
+  }
+}
+
+// Whether all maps that lie there have the sizes of this run's: images may have
+// been undistorted to another size meanwhile.
+bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
+  const Passes passes(workspace, options);
+  for (const StereoProblem& problem : workspace.Problems()) {
+    const auto [width, height] = MapSizeOf(
+        workspace.Model().images[static_cast<size_t>(problem.reference)].camera,
+        options.max_image_size);
+    for (int pass = 0; pass < passes.Num(); ++pass) {
+      const MapFiles files = passes.Files(pass, problem.reference);
+      for (const fs::path& path : {files.depth, files.normal}) {
+        if (fs::exists(path) && !IsMapOfSize(path, width, height)) {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
 // Sees to it that all maps there are come from a run with these options, of
 // which a former run may have done a part.
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
                bool overwrite) {
   const fs::path state_path = OwnFolder(workspace) / "options.txt";
-  const bool is_ours =
-      fs::exists(state_path) && ReadText(state_path) == options.Text();
+  const bool is_ours = fs::exists(state_path) &&
+                       ReadText(state_path) == options.Text() &&
+                       HaveRightSizes(workspace, options);
   // All of it is looked at before the first file goes.
   std::vector<fs::path> foreign;
   for (const StereoProblem& problem : workspace.Problems()) {
@@ -162,16 +204,6 @@ void ClaimMaps(const Workspace& workspace,
     file.Stream() << options.Text();
     file.Commit();
   }
-}
-
-// The size of an image's maps.
-std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size) {
-  const int side = std::max(camera.width, camera.height);
-  const double scale = max_image_size > 0 && max_image_size < side
-                           ? static_cast<double>(max_image_size) / side
-                           : 1.0;
-  return {std::max(1, static_cast<int>(std::lround(camera.width * scale))),
-          std::max(1, static_cast<int>(std::lround(camera.height * scale)))};
 }
 
 // One run over a workspace.
@@ -351,21 +383,18 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
     overview.max_num_image_pixels =
         std::max(overview.max_num_image_pixels,
                  static_cast<int64_t>(camera.width) * camera.height);
-    if (!fs::exists(workspace.ImagePath(image))) {
-      throw Error::File(ErrorCode::kNotFound,
-                        workspace.ImagePath(image).string(),
-                        "there is no such image",
-                        "put it there, or run image_undistorter again");
-    }
+    CheckPhotoFile(workspace.ImagePath(image));
   };
+  std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
-    look_at(problem.reference);
-    std::for_each(problem.sources.begin(), problem.sources.end(), look_at);
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
     overview.max_num_sources =
         std::max(overview.max_num_sources,
                  std::min(options.num_sources,
                           static_cast<int>(problem.sources.size())));
   }
+  std::for_each(images.begin(), images.end(), look_at);
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
 }

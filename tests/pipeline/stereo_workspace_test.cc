@@ -270,6 +270,33 @@ TEST_F(StereoWorkspaceTest, NamesAMissingImage) {
   ExpectError(ErrorCode::kNotFound, "left/v2.png", [&] { Run(); });
 }
 
+TEST_F(StereoWorkspaceTest, NamesAnImageThatIsCutOffAndChangesNothing) {
+  DrawWorkspace(root_);
+  const std::string photo = ReadText(root_ / "images/left/v2.png");
+  WriteText(root_ / "images/left/v2.png", photo.substr(0, photo.size() / 10));
+  const auto before = ReadTree(root_);
+  ExpectError(ErrorCode::kCorrupt, "left/v2.png: the image is damaged", [&] {
+    Run(/*overwrite=*/true);
+  });
+  auto after = ReadTree(root_);
+  after.erase("stereo/tsar");
+  after.erase("stereo/tsar/lock");
+  EXPECT_TRUE(after == before);
+}
+
+// As where the images were undistorted to another size meanwhile.
+TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
+  options_.num_iterations = 1;
+  Run();
+  const Workspace workspace(root_, MapType::kGeometric);
+  const std::filesystem::path path =
+      workspace.DepthPath(1, MapType::kGeometric);
+  WriteDepthMap(path, Image<float>(72, 96, 5.f));
+  ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
+  EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
+  EXPECT_EQ(ReadMapSize(path).width, DrawnWorkspace::kWidth);
+}
+
 TEST(StereoOptions, RejectsDepthsThatMakeNoRange) {
   for (const auto& [min, max] :
        {std::pair{1.0, -1.0}, {-1.0, 1.0}, {2.0, 1.0}, {0.0, 1.0}}) {
