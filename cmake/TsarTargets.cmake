@@ -19,6 +19,7 @@ target_compile_definitions(colmap_tsar PRIVATE
 target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
+          JPEG::JPEG TIFF::TIFF ZLIB::ZLIB
           Boost::program_options ColmapTsar::glog ColmapTsar::flann
           $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>
           $<$<BOOL:${TSAR_CUDA_ENABLED}>:CUDA::cudart_static>)

@@ -4,15 +4,16 @@
 #include "colmap_tsar/evaluation/depth_evaluation.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/map_shape.h"
+#include "colmap_tsar/workspace/photo.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace tsar {
@@ -46,18 +47,13 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
 
 // 1 where the image, brought to this size, has no texture.
 Image<uint8_t> FindTextureless(const fs::path& path, int width, int height) {
-  // OpenCV would print a warning of its own for a missing file.
-  cv::Mat grey;
-  if (fs::is_regular_file(path)) {
-    grey = cv::imread(path.string(),
-                      cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  }
-  if (grey.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "there is no readable image",
-                      "the textureless areas are found in it; put it there");
-  }
+  Image<uint8_t> photo = ReadGrayPhoto(path);
+  RequireShape(path,
+               {photo.Width(), photo.Height()},
+               {width, height},
+               "its ground truth",
+               "give ground truth of this image");
+  const cv::Mat grey(photo.Height(), photo.Width(), CV_8UC1, photo.Data());
   cv::Mat resized;
   cv::resize(grey, resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
   resized.convertTo(resized, CV_32F);
@@ -142,6 +138,11 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
     ++evaluation.num_images;
     const Image<float> estimate = ReadDepthMap(map_path);
     const Image<float> truth = ReadDepthMap(truth_folder / (name + ".bin"));
+    RequireShape(map_path,
+                 {estimate.Width(), estimate.Height()},
+                 {truth.Width(), truth.Height()},
+                 "its ground truth",
+                 "give ground truth of this image");
     const Image<uint8_t> textureless = FindTextureless(
         workspace_path / "images" / name, truth.Width(), truth.Height());
     for (DepthScore& score : evaluation.scores) {

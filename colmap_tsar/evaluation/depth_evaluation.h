@@ -51,8 +51,9 @@ struct DepthEvaluation {
 // textureless areas, where the standard deviation of grey in a window of 11 x
 // 11 pixels is below 4 of 255 levels. Where map and ground truth differ in
 // size, the ground truth is looked up at the map's pixels. Throws Error:
-// kNotFound (no ground truth, no maps, or no image), kBadOption (tolerances),
-// and what ReadDepthMap throws.
+// kNotFound (no ground truth, or no maps), kMismatch (a map or an image is not
+// of the shape of its ground truth), kBadOption (tolerances), and what
+// ReadDepthMap and ReadGrayPhoto throw.
 DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
                                   const DepthEvaluationOptions& options);
 

@@ -6,6 +6,7 @@
 #include "colmap_tsar/import/npy.h"
 #include "colmap_tsar/import/pfm.h"
 #include "colmap_tsar/import/picture_header.h"
+#include "colmap_tsar/workspace/tiff_strips.h"
 
 #include <algorithm>
 #include <array>
@@ -83,6 +84,9 @@ DepthImage DecodePicture(std::span<const uint8_t> bytes,
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   } else {
     CheckTiff(bytes, name);
+    if (const std::string defect = FindTiffDefect(bytes); !defect.empty()) {
+      throw reader.Corrupt("the TIFF file is damaged: " + defect);
+    }
   }
   const cv::Mat pixels = Decode(bytes);
   if (pixels.empty() && extension == ".exr" &&

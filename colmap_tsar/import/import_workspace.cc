@@ -7,12 +7,12 @@
 #include "colmap_tsar/import/check_cameras.h"
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/target_workspace.h"
-#include "colmap_tsar/workspace/sparse_model.h"
+#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/originals.h"
+#include "colmap_tsar/workspace/sparse_model.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <system_error>
@@ -29,37 +29,11 @@ std::string Text(const char* format, double value) {
   return text;
 }
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 // Widens a range by another one; (0, 0) is none.
 void Widen(float near, float far, float* total_near, float* total_far) {
   if (far > 0.f) {
     *total_near = *total_far > 0.f ? std::min(*total_near, near) : near;
     *total_far = std::max(*total_far, far);
-  }
-}
-
-// Maps may be smaller or larger than their images, but not of another shape:
-// rounding each side costs less than a pixel.
-void RequireShape(const Path& path,
-                  const Image<float>& depth,
-                  const SparseModel::ModelImage& image) {
-  const double width = image.camera.width;
-  const double height = image.camera.height;
-  const double scale_x = depth.Width() / width;
-  const double scale_y = depth.Height() / height;
-  const double error_x = std::abs(depth.Width() - scale_y * width);
-  const double error_y = std::abs(depth.Height() - scale_x * height);
-  if (error_x > 1.0 + width / height && error_y > 1.0 + height / width) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "the map has " + SizeText(depth.Width(), depth.Height()) +
-                          " pixels, which is not the shape of the image " +
-                          image.name + " of " +
-                          SizeText(image.camera.width, image.camera.height),
-                      "use maps of the undistorted images of this workspace");
   }
 }
 
@@ -130,8 +104,10 @@ class Importer {
     for (const PriorFiles& files : matched_.files) {
       const PriorMaps prior = ReadPriorMaps(files, options_.match.format);
       RequireShape(files.depth,
-                   prior.depth,
-                   model_.images[static_cast<size_t>(files.image)]);
+                   {prior.depth.Width(), prior.depth.Height()},
+                   {CameraOf(files).width, CameraOf(files).height},
+                   "the image " + NameOf(files),
+                   "use maps of the undistorted images of this workspace");
       NoteOtherType(files, prior.depth);
       if (prior.camera) {
         cameras_.push_back({files.image, *prior.camera});
@@ -161,11 +137,12 @@ class Importer {
     }
     const MapSize size = ReadMapSize(path);
     if (size.width != depth.Width() || size.height != depth.Height()) {
-      summary_.warnings.push_back(path.string() + ": is of another size (" +
-                                  SizeText(size.width, size.height) +
-                                  ") than the imported map (" +
-                                  SizeText(depth.Width(), depth.Height()) +
-                                  "); take it away before tsar_refine");
+      summary_.warnings.push_back(
+          path.string() + ": is of another size (" +
+          ToString(RasterSize{size.width, size.height}) +
+          ") than the imported map (" +
+          ToString(RasterSize{depth.Width(), depth.Height()}) +
+          "); take it away before tsar_refine");
     }
   }
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/picture_header.h"
 
 #include "colmap_tsar/import/byte_reader.h"
+#include "colmap_tsar/workspace/png_chunks.h"
 
 #include <array>
 #include <optional>
@@ -126,16 +127,9 @@ PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name) {
   PngKind kind;
   kind.num_bits = reader.Read<uint8_t>();
   kind.is_gray = reader.Read<uint8_t>() == 0;
-  reader.Take(3 + 4);  // The rest of the header and its checksum.
   RequirePossibleSize(reader, width, height, bytes.size());
-  for (bool at_end = false; !at_end;) {
-    const uint32_t length = ReadBigEndian(&reader);
-    const auto type = reader.Read<std::array<char, 4>>();
-    if (type == std::array<char, 4>{'I', 'H', 'D', 'R'}) {
-      throw reader.Corrupt("the PNG file has two headers");
-    }
-    at_end = type == std::array<char, 4>{'I', 'E', 'N', 'D'};
-    reader.Take(size_t{length} + 4);
+  if (const std::string defect = FindPngDefect(bytes); !defect.empty()) {
+    throw reader.Corrupt("the PNG file is damaged: " + defect);
   }
   return kind;
 }

@@ -20,7 +20,7 @@ struct PngKind {
   bool is_gray = false;
 };
 
-// Any PNG; also makes sure that the file is not cut off.
+// Any PNG; also makes sure that the file is whole (see FindPngDefect).
 PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name);
 
 // The same, of 16 bits in grey.

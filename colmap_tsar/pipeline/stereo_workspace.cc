@@ -16,6 +16,7 @@
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/output_workspace.h"
+#include "colmap_tsar/workspace/photo.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
@@ -26,6 +27,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -279,21 +281,18 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
     overview.max_num_image_pixels =
         std::max(overview.max_num_image_pixels,
                  static_cast<int64_t>(camera.width) * camera.height);
-    if (!fs::exists(workspace.ImagePath(image))) {
-      throw Error::File(ErrorCode::kNotFound,
-                        workspace.ImagePath(image).string(),
-                        "there is no such image",
-                        "put it there, or run image_undistorter again");
-    }
+    CheckPhotoFile(workspace.ImagePath(image));
   };
+  std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
-    look_at(problem.reference);
-    std::for_each(problem.sources.begin(), problem.sources.end(), look_at);
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
     overview.max_num_sources =
         std::max(overview.max_num_sources,
                  std::min(options.num_sources,
                           static_cast<int>(problem.sources.size())));
   }
+  std::for_each(images.begin(), images.end(), look_at);
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
 }

@@ -5,7 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/originals.h"
+#include "colmap_tsar/workspace/photo.h"
+#include "colmap_tsar/workspace/photo_error.h"
 #include "colmap_tsar/workspace/record.h"
 #include "colmap_tsar/workspace/written_map.h"
 
@@ -18,14 +21,10 @@
 #include <system_error>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
-
 namespace tsar {
 namespace {
 
 constexpr const char* kAgain = "run patch_match_stereo again for this image";
-// More OpenCV does not decode; and pixels are numbered by an int.
-constexpr int64_t kMaxNumPixels = int64_t{1} << 30;
 
 bool Exists(const std::filesystem::path& path) {
   std::error_code error;
@@ -33,7 +32,7 @@ bool Exists(const std::filesystem::path& path) {
 }
 
 std::string SizeText(const MapSize& size) {
-  return std::to_string(size.width) + " x " + std::to_string(size.height);
+  return ToString(RasterSize{size.width, size.height});
 }
 
 void RequireSameSize(const std::filesystem::path& path,
@@ -64,10 +63,11 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
   return num_pixels;
 }
 
-// The size of a map, or nothing where there is none. Where its original is
-// kept elsewhere both are looked at, since either may turn out to be the one to
-// read.
-std::optional<MapSize> CheckMap(const std::filesystem::path& current,
+// The size of an image's map, or nothing where there is none. Where its
+// original is kept elsewhere both are looked at, since either may turn out to
+// be the one to read.
+std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
+                                const std::filesystem::path& current,
                                 const std::filesystem::path& stored,
                                 int num_channels) {
   std::optional<MapSize> size;
@@ -78,8 +78,8 @@ std::optional<MapSize> CheckMap(const std::filesystem::path& current,
     try {
       size = ReadMapSize(*path);
     } catch (const Error&) {
-      // A shard that keeps an image's maps has put the stored one back. And what
-      // stands in the place of a stored one may be damaged.
+      // A shard that keeps an image's maps has put the stored one back. And
+      // what stands in the place of a stored one may be damaged.
       if (path == &stored ? !Exists(stored) : size.has_value()) {
         continue;
       }
@@ -93,6 +93,11 @@ std::optional<MapSize> CheckMap(const std::filesystem::path& current,
                             std::to_string(num_channels),
                         kAgain);
     }
+    RequireShape(*path,
+                 {size->width, size->height},
+                 {image.camera.width, image.camera.height},
+                 "the image " + image.name,
+                 kAgain);
   }
   return size;
 }
@@ -101,9 +106,13 @@ std::optional<MapSize> CheckMaps(const Workspace& workspace,
                                  int image,
                                  MapType type) {
   const MapPaths paths = workspace.SourcePaths(image, type);
+  const SparseModel::ModelImage& model_image =
+      workspace.Model().images[static_cast<size_t>(image)];
   RequireNoStrayResults(paths);
-  const auto depth = CheckMap(paths.depth, paths.original_depth, 1);
-  const auto normal = CheckMap(paths.normal, paths.original_normal, 3);
+  const auto depth =
+      CheckMap(model_image, paths.depth, paths.original_depth, 1);
+  const auto normal =
+      CheckMap(model_image, paths.normal, paths.original_normal, 3);
   if (depth.has_value() != normal.has_value()) {
     throw Error::File(
         ErrorCode::kNotFound,
@@ -124,29 +133,11 @@ void CheckCosts(const Workspace& workspace,
                 const MapSize& depth_size,
                 WorkspaceOverview* overview) {
   const std::filesystem::path path = workspace.CostPath(image, type);
-  const std::optional<MapSize> size = CheckMap(path, {}, 2);
+  const std::optional<MapSize> size = CheckMap(
+      workspace.Model().images[static_cast<size_t>(image)], path, {}, 2);
   if (size) {
     RequireSameSize(path, *size, depth_size);
     overview->has_costs = true;
-  }
-}
-
-void CheckImageFile(const std::filesystem::path& path) {
-  constexpr const char* kAdvice =
-      "make the workspace again with image_undistorter";
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw Error::File(
-        ErrorCode::kNotFound, path.string(), "no such image", kAdvice);
-  }
-  if (std::filesystem::file_size(path, error) == 0) {
-    throw Error::File(
-        ErrorCode::kCorrupt, path.string(), "the file is empty", kAdvice);
-  }
-  // By its first bytes; broken pixel data shows only when it is decoded.
-  if (!cv::haveImageReader(path.string())) {
-    throw Error::File(
-        ErrorCode::kCorrupt, path.string(), "not a readable image", kAdvice);
   }
 }
 
@@ -159,7 +150,7 @@ bool CheckImage(const Workspace& workspace,
   if (!size) {
     return false;
   }
-  CheckImageFile(workspace.ImagePath(image));
+  CheckPhotoFile(workspace.ImagePath(image));
   CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;

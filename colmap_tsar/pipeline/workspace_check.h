@@ -29,7 +29,8 @@ bool HasAnyMap(const Workspace& workspace, MapType type);
 // seen at its start. Images without maps are no error. Throws Error: kNotFound
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
-// empty), kMismatch (sizes differ).
+// empty, cut off or of no known format), kMismatch (sizes differ, or a map is
+// not of its image's shape).
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Finds the originals of all images of which some are stored, so that what

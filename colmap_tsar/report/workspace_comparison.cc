@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/report/workspace_comparison.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/report/png.h"
 #include "colmap_tsar/workspace/map_io.h"
 
@@ -11,6 +12,22 @@
 #include <utility>
 
 namespace tsar {
+namespace {
+
+template <typename T>
+Image<T> RequireSizeOf(const Image<float>& depth,
+                       const std::filesystem::path& path,
+                       Image<T> map) {
+  if (!map.HasSizeOf(depth)) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "is of another size than the map was before",
+                      "refine the workspace again");
+  }
+  return map;
+}
+
+}  // namespace
 
 std::vector<int> FindRefinedImages(const Workspace& workspace) {
   const MapType type = workspace.Type();
@@ -42,9 +59,12 @@ ComparisonRow ReadComparisonRow(const Workspace& workspace, int image) {
   DepthNormal original = workspace.ReadOriginalMaps(image, type);
   row.before = std::move(original.depth);
   row.normals_before = std::move(original.normal);
-  row.after = ReadDepthMap(workspace.DepthPath(image, type));
-  row.normals_after = ReadNormalMap(workspace.NormalPath(image, type));
-  row.provenance = ReadGrayPng(workspace.ProvenancePath(image, type));
+  const MapPaths paths = workspace.Paths(image, type);
+  row.after = RequireSizeOf(row.before, paths.depth, ReadDepthMap(paths.depth));
+  row.normals_after =
+      RequireSizeOf(row.before, paths.normal, ReadNormalMap(paths.normal));
+  row.provenance = RequireSizeOf(
+      row.before, paths.provenance, ReadGrayPng(paths.provenance));
   row.image =
       workspace.ReadImage(image, row.before.Width(), row.before.Height());
   return row;

@@ -5,8 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/originals.h"
 #include "colmap_tsar/workspace/output_workspace.h"
+#include "colmap_tsar/workspace/photo.h"
 
 #include <algorithm>
 #include <optional>
@@ -14,7 +16,6 @@
 #include <system_error>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace tsar {
@@ -41,30 +42,6 @@ void RequireSafeName(const std::filesystem::path& root,
                       "the image name " + name + " leads out of the workspace",
                       "rename the image and make the workspace again");
   }
-}
-
-cv::Mat DecodeImage(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "no such image",
-                      "make the workspace again with image_undistorter");
-  }
-  cv::Mat image;
-  try {
-    image = cv::imread(path.string(),
-                       cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    image.release();
-  }
-  if (image.empty()) {
-    throw Error::File(ErrorCode::kCorrupt,
-                      path.string(),
-                      "not a readable image",
-                      "make the workspace again with image_undistorter");
-  }
-  return image;
 }
 
 std::string SizeText(int width, int height) {
@@ -181,22 +158,22 @@ bool Workspace::HasMaps(int image, MapType type) const {
 Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
   const std::filesystem::path path = ImagePath(image);
   const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
-  cv::Mat pixels = DecodeImage(path);
-  if (pixels.cols != camera.width || pixels.rows != camera.height) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "the image has " + SizeText(pixels.cols, pixels.rows) +
-                          " pixels, its camera " +
-                          SizeText(camera.width, camera.height),
-                      "make the workspace again with image_undistorter");
+  Image<Rgb> photo = ReadPhoto(path);
+  if (photo.Width() != camera.width || photo.Height() != camera.height) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        path.string(),
+        "the image has " + SizeText(photo.Width(), photo.Height()) +
+            " pixels, its camera " + SizeText(camera.width, camera.height),
+        "make the workspace again with image_undistorter");
   }
-  if (pixels.cols != width || pixels.rows != height) {
-    cv::resize(pixels, pixels, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  if (photo.Width() == width && photo.Height() == height) {
+    return photo;
   }
-  static_assert(sizeof(Rgb) == 3);
-  Image<Rgb> result(width, height);
+  auto result = Image<Rgb>::Uninitialized(width, height);
+  const cv::Mat pixels(photo.Height(), photo.Width(), CV_8UC3, photo.Data());
   cv::Mat target(height, width, CV_8UC3, result.Data());
-  cv::cvtColor(pixels, target, cv::COLOR_BGR2RGB);
+  cv::resize(pixels, target, target.size(), 0, 0, cv::INTER_AREA);
   return result;
 }
 
@@ -213,11 +190,25 @@ DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
   DepthNormal maps;
   int64_t num_bad_depths = 0;
   int64_t num_bad_normals = 0;
+  const auto require_shape = [&](const std::filesystem::path& path,
+                                 const auto& map) {
+    const SparseModel::ModelImage& model_image =
+        model_.images[static_cast<size_t>(image)];
+    RequireShape(path,
+                 {map.Width(), map.Height()},
+                 {model_image.camera.width, model_image.camera.height},
+                 "the image " + model_image.name,
+                 "run patch_match_stereo again for this image");
+  };
   const auto read_depth = [&](const std::filesystem::path& path) {
-    return ReadDepthMap(path, &num_bad_depths);
+    Image<float> map = ReadDepthMap(path, &num_bad_depths);
+    require_shape(path, map);
+    return map;
   };
   const auto read_normal = [&](const std::filesystem::path& path) {
-    return ReadNormalMap(path, &num_bad_normals);
+    Image<Vec3f> map = ReadNormalMap(path, &num_bad_normals);
+    require_shape(path, map);
+    return map;
   };
   if (trusts_stored) {
     maps.depth =

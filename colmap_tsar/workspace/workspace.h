@@ -62,15 +62,15 @@ class Workspace {
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
 
-  // The undistorted image, reduced to width x height by averaging. The EXIF
-  // orientation is ignored, as COLMAP does. Throws Error: kNotFound, kCorrupt
-  // (not a readable image), kMismatch (its size is not the camera's).
+  // The undistorted image, reduced to width x height by averaging. Throws
+  // Error: what ReadPhoto throws, kMismatch (its size is not the camera's).
   Image<Rgb> ReadImage(int image, int width, int height) const;
 
   // The maps as COLMAP wrote them, also where they have been refined since.
   // Maps that COLMAP has written anew after that count as the originals.
   // Throws Error: kNotFound (one of the two is missing), kMismatch (sizes
-  // differ; or the original is lost), and what the readers of map_io.h throw.
+  // differ; a map is not of the image's shape; or the original is lost), and
+  // what the readers of map_io.h throw.
   DepthNormal ReadOriginalMaps(int image, MapType type) const;
 
  private:

@@ -47,6 +47,20 @@ def truncate_a_map():
     write(path, content[: len(content) // 2])
 
 
+def cut_an_image():
+    path = "dense/images/v003.jpg"
+    with open(path, "rb") as file:
+        content = file.read()
+    write(path, content[: len(content) // 10])
+
+
+def transpose_a_map():
+    path = "dense/stereo/depth_maps/v003.jpg.geometric.bin"
+    with open(path, "rb") as file:
+        content = file.read()
+    write(path, content.replace(b"480&360&", b"360&480&", 1))
+
+
 def lock():
     """Held as long as the file is open: until the folder goes."""
     os.makedirs("dense/stereo/tsar")
@@ -129,9 +143,11 @@ SITUATIONS = {
     "There are no maps yet": lambda: remove_maps("geometric", "photometric"),
     "The maps are of the other type": lambda: remove_maps("geometric"),
     "A map is cut off": truncate_a_map,
+    "A map is of another shape": transpose_a_map,
     "A map has no partner":
         lambda: os.remove("dense/stereo/normal_maps/v003.jpg.geometric.bin"),
     "An image is gone": lambda: os.remove("dense/images/v003.jpg"),
+    "An image is damaged": cut_an_image,
     "patch-match.cfg names an unknown image": lambda: edit(
         "dense/stereo/patch-match.cfg", "v001.jpg", "v001.png"),
     "Another program works there": lock,

@@ -42,6 +42,8 @@ extern const FuzzTarget kPngTarget;
 extern const FuzzTarget kTiffTarget;
 extern const FuzzTarget kExrTarget;
 extern const FuzzTarget kGrayPngTarget;
+extern const FuzzTarget kJpegTarget;
+extern const FuzzTarget kPhotoTarget;
 extern const FuzzTarget kPlyTarget;
 extern const FuzzTarget kMeshlabTarget;
 

@@ -37,7 +37,8 @@ constexpr const FuzzTarget* kTargets[] = {
     &kApdTarget,         &kDmapTarget,         &kStoredCameraTarget,
     &kNpyTarget,         &kPfmTarget,          &kPngTarget,
     &kTiffTarget,        &kExrTarget,          &kGrayPngTarget,
-    &kPlyTarget,         &kMeshlabTarget};
+    &kJpegTarget,        &kPhotoTarget,        &kPlyTarget,
+    &kMeshlabTarget};
 
 const FuzzTarget* current_target = nullptr;
 

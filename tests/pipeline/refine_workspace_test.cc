@@ -46,6 +46,13 @@ Tree MapsOf(const std::filesystem::path& root) {
   return maps;
 }
 
+// A photo with both ends, but zeros between them: that shows only when it is
+// decoded.
+std::string WithZeros(std::string photo) {
+  const size_t middle = photo.size() / 2;
+  return photo.replace(middle, 20, 20, '\0');
+}
+
 // Equality without printing megabytes where it fails.
 void ExpectSameFiles(const Tree& a, const Tree& b) {
   for (const auto& [name, content] : a) {
@@ -567,14 +574,16 @@ TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
   // Not an image at all: seen before anything is done.
   WriteText(root_ / "images/v3.png", "no picture");
   ExpectRefusal(ErrorCode::kCorrupt, {"v3.png", "not a readable"});
-  // Its beginning alone: seen when it is decoded.
-  WriteText(root_ / "images/v3.png", image.substr(0, 24));
+  // Its beginning alone, too.
+  WriteText(root_ / "images/v3.png", image.substr(0, image.size() / 10));
+  ExpectRefusal(ErrorCode::kCorrupt, {"v3.png", "the image is damaged"});
+  WriteText(root_ / "images/v3.png", WithZeros(image));
   const Tree before = MapsOf(root_);
   const std::string depth = ReadText(Paths(3).depth);
   for (const bool scene_planes : {true, false}) {
     RefineOptions options;
     options.scene_planes = scene_planes;
-    ExpectError(ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] {
+    ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] {
       Refine(Options(root_), options);
     });
     EXPECT_EQ(Manifest()["num_images"]["failed"], 1);
@@ -607,9 +616,8 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   // Now v0 needs what v1 observes, and that needs the image of v3.
   WriteText(config, "v0.png\nv1.png\nv1.png\nv0.png, v3.png\nv3.png\nv1.png\n");
   const std::string image = ReadText(root_ / "images/v3.png");
-  WriteText(root_ / "images/v3.png", image.substr(0, 24));
-  ExpectError(
-      ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] { Refine(); });
+  WriteText(root_ / "images/v3.png", WithZeros(image));
+  ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] { Refine(); });
   ExpectSameFiles(before, MapsOf(root_));
   const nlohmann::json manifest = Manifest();
   EXPECT_EQ(manifest["num_images"]["failed"], 0);
@@ -624,8 +632,7 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
 
   // Where the maps of v1 are others by now, it is v1 that fails.
   WriteDepthMap(UserPath(Paths(1).depth), Image<float>(96, 72, 5.f));
-  ExpectError(
-      ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] { Refine(); });
+  ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] { Refine(); });
   EXPECT_EQ(Manifest()["images"][1]["status"], "failed");
   EXPECT_EQ(Manifest()["num_images"]["done"], 1);
 }
@@ -818,6 +825,9 @@ TEST_F(RefineWorkspaceTest, RefusesMissingAndEmptyImageFiles) {
 TEST_F(RefineWorkspaceTest, RefusesImagesThatAreTooLargeToDecode) {
   WriteText(root_ / "sparse/cameras.txt",
             "1 PINHOLE 32768 32769 80 80 48 36\n");
+  RemoveMaps(0, MapType::kPhotometric);
+  WriteDepthMap(Paths(0).depth, Image<float>(72, 72, 5.f));
+  WriteNormalMap(Paths(0).normal, Image<Vec3f>(72, 72, Vec3f{0.f, 0.f, -1.f}));
   ExpectRefusal(ErrorCode::kUnsupported,
                 {"v0.png", "32768 x 32769", "2^30", "--max_image_size"});
 }
@@ -849,7 +859,7 @@ TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
   EXPECT_TRUE(look().has_other_type);
   RemoveMaps(3, MapType::kPhotometric);
   EXPECT_FALSE(look().has_other_type);
-  std::filesystem::create_directories(Paths(2).cost.parent_path());
+  CreateFolders(Paths(2).cost.Parent());
   WritePlanarMap(UserPath(Paths(2).cost),
                  {96, 72, 2, std::vector<float>(2 * 96 * 72)});
   EXPECT_TRUE(look().has_costs);
@@ -892,8 +902,47 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
                 {Paths(2).depth.string(), "no depth map"});
 }
 
+// Of references and sources, of both types, and of what is stored.
+TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
+  Refine();
+  WriteText(root_ / "stereo/patch-match.cfg", "v0.png\nv1.png, v3.png\n");
+  const auto geometric = Paths(3);
+  const auto photometric = Paths(3, MapType::kPhotometric);
+  for (const auto& [path, num_channels] : {std::pair(geometric.depth, 1),
+                                           {geometric.normal, 3},
+                                           {geometric.original_depth, 1},
+                                           {geometric.original_normal, 3},
+                                           {photometric.depth, 1},
+                                           {photometric.normal, 3},
+                                           {Paths(0).depth, 1},
+                                           {Paths(0).cost, 2}}) {
+    const bool is_there = std::filesystem::exists(path);
+    const std::string bytes = is_there ? ReadText(path) : "";
+    for (const auto& [width, height] :
+         {std::pair(72, 96), {4000, 2}, {96, 36}}) {
+      CreateFolders(path.Parent());
+      WritePlanarMap(
+          path,
+          {width,
+           height,
+           num_channels,
+           std::vector<float>(
+               static_cast<size_t>(width * height * num_channels), 1.f)});
+      ExpectRefusal(ErrorCode::kMismatch,
+                    {path.string() + ": has " + std::to_string(width) + " x " +
+                         std::to_string(height) + " pixels",
+                     "not the shape of the image",
+                     "of 96 x 72; run patch_match_stereo again"});
+    }
+    std::filesystem::remove(path);
+    if (is_there) {
+      WriteText(path, bytes);
+    }
+  }
+}
+
 TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
-  std::filesystem::create_directories(Paths(0).cost.parent_path());
+  CreateFolders(Paths(0).cost.Parent());
   WriteDepthMap(UserPath(Paths(0).cost), Image<float>(96, 72, 1.f));
   ExpectRefusal(ErrorCode::kCorrupt, {Paths(0).cost.string(), "channels"});
 }

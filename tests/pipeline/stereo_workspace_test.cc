@@ -253,7 +253,7 @@ TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
   DrawWorkspace(root_);
   const Workspace workspace(root_, MapType::kGeometric);
   const MapPaths paths = workspace.Paths(3, MapType::kGeometric);
-  std::filesystem::create_directories(paths.original_depth.parent_path());
+  CreateFolders(paths.original_depth.Parent());
   std::filesystem::copy_file(paths.depth, paths.original_depth);
   const auto before = Maps();
   ExpectError(
@@ -312,6 +312,33 @@ TEST_F(StereoWorkspaceTest, NeedsDepthsToLookFor) {
 TEST_F(StereoWorkspaceTest, NamesAMissingImage) {
   std::filesystem::remove(root_ / "images/left/v2.png");
   ExpectError(ErrorCode::kNotFound, "left/v2.png", [&] { Run(); });
+}
+
+TEST_F(StereoWorkspaceTest, NamesAnImageThatIsCutOffAndChangesNothing) {
+  DrawWorkspace(root_);
+  const std::string photo = ReadText(root_ / "images/left/v2.png");
+  WriteText(root_ / "images/left/v2.png", photo.substr(0, photo.size() / 10));
+  const auto before = ReadTree(root_);
+  ExpectError(ErrorCode::kCorrupt, "left/v2.png: the image is damaged", [&] {
+    Run(/*overwrite=*/true);
+  });
+  auto after = ReadTree(root_);
+  after.erase("stereo/tsar");
+  after.erase("stereo/tsar/lock");
+  EXPECT_TRUE(after == before);
+}
+
+// As where the images were undistorted to another size meanwhile.
+TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
+  options_.num_iterations = 1;
+  Run();
+  const Workspace workspace(root_, MapType::kGeometric);
+  const std::filesystem::path path =
+      workspace.DepthPath(1, MapType::kGeometric);
+  WriteDepthMap(path, Image<float>(72, 96, 5.f));
+  ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
+  EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
+  EXPECT_EQ(ReadMapSize(path).width, DrawnWorkspace::kWidth);
 }
 
 TEST(StereoOptions, RejectsDepthsThatMakeNoRange) {

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/report/workspace_comparison.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/write_back.h"
 
@@ -91,6 +92,21 @@ TEST_F(WorkspaceComparisonTest, ReadsBeforeAndAfter) {
   EXPECT_EQ(row.normals_after(3, 3).y, -1.f);
   EXPECT_EQ(row.provenance(3, 3), 2);
   EXPECT_GT(DrawComparison({row}).Height(), 0);
+}
+
+TEST_F(WorkspaceComparisonTest, RefusesMapsOfAnotherSizeThanBefore) {
+  const Workspace workspace(root_, MapType::kGeometric);
+  Refine(workspace, 1);
+  const fs::path path = workspace.NormalPath(1, MapType::kGeometric);
+  WriteNormalMap(path, Image<Vec3f>(kWidth / 2, kHeight / 2));
+  try {
+    ReadComparisonRow(workspace, 1);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.Code(), ErrorCode::kMismatch);
+    EXPECT_EQ(std::string(error.what()).find(path.string()), 0u)
+        << error.what();
+  }
 }
 
 TEST(PickEvenly, SpreadsOverAllValues) {

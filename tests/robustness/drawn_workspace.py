@@ -7,7 +7,8 @@ import math
 import os
 import random
 import struct
-import zlib
+
+from drawn_photos import png
 
 NAMES = ("v0.png", "left/v1.png", "v2.png", "v3.png")
 WIDTH, HEIGHT = 56, 42
@@ -29,21 +30,9 @@ def write(path, content):
         file.write(content)
 
 
-def png(rows):
-    """A picture in grey, as colours."""
-    def chunk(kind, body):
-        return (struct.pack(">I", len(body)) + kind + body
-                + struct.pack(">I", zlib.crc32(kind + body)))
-
-    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
-    body = b"".join(b"\0" + bytes(level for level in row for _ in range(3)) for row in rows)
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
-            + chunk(b"IDAT", zlib.compress(body)) + chunk(b"IEND", b""))
-
-
-def map_file(channels):
-    """COLMAP's raster file of these channels, each a list of WIDTH * HEIGHT."""
-    header = f"{WIDTH}&{HEIGHT}&{len(channels)}&".encode()
+def map_file(channels, width=WIDTH, height=HEIGHT):
+    """COLMAP's raster file of these channels, each a list of width * height."""
+    header = f"{width}&{height}&{len(channels)}&".encode()
     return header + b"".join(struct.pack(f"<{len(c)}f", *c) for c in channels)
 
 
@@ -63,6 +52,10 @@ def level(view, x, y):
     u, v = wall(view, x, y)
     wave = math.sin(9 * u + 3 * v) + math.sin(7 * v - 4 * u * u) + math.sin(31 * u * v)
     return int(110 + 25 * wave)
+
+
+def photo_rows(view):
+    return [[level(view, x, y) for x in range(WIDTH)] for y in range(HEIGHT)]
 
 
 def depth_map(view, kind):
@@ -110,8 +103,7 @@ def draw(root, num_images, with_maps=True):
     for folder in ("depth_maps", "normal_maps"):
         os.makedirs(os.path.join(stereo, folder), exist_ok=True)
     for view, name in enumerate(names):
-        write(os.path.join(root, "images", name),
-              png([[level(view, x, y) for x in range(WIDTH)] for y in range(HEIGHT)]))
+        write(os.path.join(root, "images", name), png(photo_rows(view)))
         for kind in ("photometric", "geometric") if with_maps else ():
             depths = depth_map(view, kind)
             facing = [-1.0 if depth > 0 else 0.0 for depth in depths]

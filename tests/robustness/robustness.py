@@ -76,6 +76,12 @@ class Program:
         code, errors = self.call(*words, **faults)
         check(code == 0, f"{' '.join(words[:2])} ended with {code}: {errors}")
 
+    def evaluate(self, workspace):
+        """(exit code, standard error) of tsar_evaluate depth"""
+        result = subprocess.run([self.path, "tsar_evaluate", "depth", "--workspace_path", workspace],
+                                capture_output=True, text=True, check=False)
+        return result.returncode, result.stderr
+
     def fails_with_one_line(self, *words, texts=(), **how):
         """That the command ends with exit code 1 and one clear line."""
         code, errors = self.call(*words, **how)

@@ -129,10 +129,22 @@ TEST_F(WorkspaceTest, NamesTheMissingMap) {
 TEST_F(WorkspaceTest, RefusesMapsOfDifferentSizes) {
   const Workspace workspace(root_, kGeometric);
   WriteDepthMap(UserPath(workspace.DepthPath(0, kGeometric)),
-                Image<float>(3, 4, 1.f));
+                Image<float>(8, 6, 1.f));
   ExpectError(ErrorCode::kMismatch,
-              {workspace.NormalPath(0, kGeometric).string(), "4 x 3", "3 x 4"},
+              {workspace.NormalPath(0, kGeometric).string(), "4 x 3", "8 x 6"},
               [&] { workspace.ReadOriginalMaps(0, kGeometric); });
+}
+
+TEST_F(WorkspaceTest, RefusesMapsOfAnotherShapeThanTheImage) {
+  Workspace workspace(root_, kGeometric);
+  const std::filesystem::path path = workspace.DepthPath(0, kGeometric);
+  WriteDepthMap(path, Image<float>(3, 8, 1.f));
+  const auto read = [&] { workspace.ReadOriginalMaps(0, kGeometric); };
+  ExpectError(ErrorCode::kMismatch,
+              {path.string(), "has 3 x 8 pixels", "the image a.png of 8 x 6"},
+              read);
+  workspace.TrustStoredOriginals();
+  ExpectError(ErrorCode::kMismatch, {path.string(), "3 x 8"}, read);
 }
 
 // The test image has blue = x, green = 10 y, red = 200.
@@ -167,6 +179,12 @@ TEST_F(WorkspaceTest, NamesUnreadableImages) {
       workspace.ReadImage(0, 8, 6);
     });
   }
+  MakeTestWorkspace(root_);
+  const std::string whole = ReadText(path);
+  WriteText(path, whole.substr(0, whole.size() / 2));
+  ExpectError(ErrorCode::kCorrupt, {path.string(), "is damaged"}, [&] {
+    workspace.ReadImage(0, 8, 6);
+  });
   std::filesystem::remove(path);
   ExpectError(ErrorCode::kNotFound, {path.string()}, [&] {
     workspace.ReadImage(0, 8, 6);

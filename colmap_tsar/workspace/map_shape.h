@@ -1,0 +1,33 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace tsar {
+
+// In pixels; both sides are positive.
+struct RasterSize {
+  int width = 0;
+  int height = 0;
+};
+
+// "640 x 480", for messages.
+std::string ToString(const RasterSize& size);
+
+// Whether a raster of this size can show what a whole of that size shows.
+// Maps may be smaller or larger than their images, since max_image_size scales
+// them, but not of another shape: rounding each side costs less than a pixel.
+bool HasShapeOf(const RasterSize& size, const RasterSize& whole);
+
+// Throws Error kMismatch, naming the file and both sizes, where the file's size
+// is not of that shape. whole_name: such as "the image v0.png".
+void RequireShape(const std::filesystem::path& path,
+                  const RasterSize& size,
+                  const RasterSize& whole,
+                  const std::string& whole_name,
+                  const std::string& advice);
+
+}  // namespace tsar

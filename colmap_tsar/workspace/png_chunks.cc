@@ -1,0 +1,97 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/png_chunks.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include <zlib.h>
+
+namespace tsar {
+namespace {
+
+constexpr std::array<uint8_t, 8> kSignature = {
+    0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+
+// Of a chunk, without its content; and the content of the first chunk.
+constexpr size_t kFrame = 12;
+constexpr size_t kHeaderLength = 13;
+
+uint32_t ReadBigEndian(std::span<const uint8_t> bytes) {
+  return uint32_t{bytes[0]} << 24 | uint32_t{bytes[1]} << 16 |
+         uint32_t{bytes[2]} << 8 | uint32_t{bytes[3]};
+}
+
+struct Chunk {
+  std::span<const uint8_t> bytes;  // Length, type, content, checksum.
+
+  std::span<const uint8_t> Type() const { return bytes.subspan(4, 4); }
+  bool Is(std::string_view type) const {
+    return std::equal(type.begin(), type.end(), Type().begin());
+  }
+  // A decoder may ignore what has a small first letter.
+  bool IsCritical() const { return (Type()[0] & 0x20) == 0; }
+  bool IsWhole() const {
+    const std::span<const uint8_t> covered = bytes.subspan(4, bytes.size() - 8);
+    const uLong sum =
+        crc32_z(crc32_z(0, nullptr, 0), covered.data(), covered.size());
+    return sum == ReadBigEndian(bytes.last(4));
+  }
+};
+
+// The chunk at the beginning of what is left of a file.
+std::optional<Chunk> FirstChunk(std::span<const uint8_t> left) {
+  if (left.size() < kFrame || ReadBigEndian(left) > left.size() - kFrame) {
+    return std::nullopt;
+  }
+  return Chunk{left.first(ReadBigEndian(left) + kFrame)};
+}
+
+}  // namespace
+
+std::string FindPngDefect(std::span<const uint8_t> bytes) {
+  if (bytes.size() < kSignature.size() ||
+      !std::equal(kSignature.begin(), kSignature.end(), bytes.begin())) {
+    return "it does not begin as a PNG file";
+  }
+  std::span<const uint8_t> left = bytes.subspan(kSignature.size());
+  for (bool is_first = true;; is_first = false) {
+    const std::optional<Chunk> chunk = FirstChunk(left);
+    if (!chunk) {
+      return "it breaks off";
+    }
+    if (chunk->Is("IHDR") != is_first) {
+      return is_first ? "it has no header" : "it has two headers";
+    }
+    if (is_first && chunk->bytes.size() != kFrame + kHeaderLength) {
+      return "its header is of another length";
+    }
+    if (chunk->IsCritical() && !chunk->IsWhole()) {
+      return "a checksum is wrong";
+    }
+    if (chunk->Is("IEND")) {
+      return "";
+    }
+    left = left.subspan(chunk->bytes.size());
+  }
+}
+
+std::vector<uint8_t> KeepCriticalChunks(std::span<const uint8_t> bytes) {
+  std::vector<uint8_t> kept(kSignature.begin(), kSignature.end());
+  kept.reserve(bytes.size());
+  std::span<const uint8_t> left = bytes.subspan(kSignature.size());
+  for (bool is_last = false; !is_last;) {
+    const Chunk chunk = FirstChunk(left).value();
+    if (chunk.IsCritical()) {
+      kept.insert(kept.end(), chunk.bytes.begin(), chunk.bytes.end());
+    }
+    is_last = chunk.Is("IEND");
+    left = left.subspan(chunk.bytes.size());
+  }
+  return kept;
+}
+
+}  // namespace tsar
