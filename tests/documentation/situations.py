@@ -6,6 +6,7 @@ workspace, in the current folder. Its files are hard links: they are replaced,
 never written into."""
 import contextlib
 import fcntl
+import json
 import os
 import struct
 import subprocess
@@ -129,6 +130,20 @@ def depth_in_other_units():
     remove_maps("geometric", "photometric")
 
 
+def depth_alone_made_anew():
+    """After a refinement, of which this is all that undoing it looks at."""
+    name = "v000.jpg.geometric"
+    for kind in ("depth_maps", "normal_maps"):
+        with open(f"dense/stereo/{kind}/{name}.bin", "rb") as file:
+            write(f"dense/stereo/tsar/original/{kind}/{name}.bin", file.read())
+    write(f"dense/stereo/tsar/records/{name}.json", json.dumps({
+        "version": "0.1.0", "image": "v000.jpg", "type": "geometric", "status": "done",
+        "options_hash": "", "inputs": {}, "written_depth": ["0@0:"], "written_normal": ["0@0:"],
+        "original_depth_hash": "0", "original_normal_hash": "0", "counts": {}, "seconds": {},
+        "note": ""}))
+    write(f"dense/stereo/depth_maps/{name}.bin", b"1&1&1&" + struct.pack("<f", 1.0))
+
+
 SITUATIONS = {
     "The path is wrong": lambda: None,
     "The folder is not a dense workspace":
@@ -156,6 +171,9 @@ SITUATIONS = {
     "A value was forgotten": lambda: None,
     "A project file has an unknown key": lambda: write(
         "project.ini", "workspace_path=dense\n[TsarRefine]\nscene_plane=0\n"),
+    "The originals are gone": lambda: write(
+        "dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement"),
+    "Restoring leaves maps as they are": depth_alone_made_anew,
     "There is nothing to restore": lambda: None,
     "The output folder is in use": lambda: write("refined/notes.txt", "mine\n"),
     "The report comes before the refinement": lambda: None,
