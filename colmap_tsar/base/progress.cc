@@ -4,12 +4,12 @@
 #include "colmap_tsar/base/progress.h"
 
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iomanip>
-#include <sstream>
 #include <utility>
 
 namespace tsar {
@@ -41,7 +41,7 @@ std::string ProgressText(int num_done,
                          int num_worked,
                          int num_total,
                          double seconds) {
-  std::ostringstream text;
+  TextStream text;
   text << "[" << num_done << "/" << num_total << "]";
   if (num_worked > 0 && seconds > 0.0) {
     const double speed = num_worked / seconds;

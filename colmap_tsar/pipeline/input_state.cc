@@ -3,12 +3,12 @@
 
 #include "colmap_tsar/pipeline/input_state.h"
 
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/workspace/content_hash.h"
 
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
-#include <sstream>
 #include <system_error>
 
 namespace tsar {
@@ -22,7 +22,7 @@ std::string FingerprintOf(const std::string& text) {
 }
 
 std::string FingerprintOf(const Camera& camera) {
-  std::ostringstream text;
+  TextStream text;
   text << std::hexfloat << camera.width << " " << camera.height;
   for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) {
     text << " " << value;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ std::string FingerprintOfSources(const Workspace& workspace,
 }
 
 std::string FingerprintOfDepths(const DepthInterval& depths) {
-  std::ostringstream text;
+  TextStream text;
   text << std::hexfloat << depths.min << " " << depths.max;
   return FingerprintOf(text.str());
 }
@@ -126,8 +127,7 @@ std::optional<StereoInputs> ReadStereoInputs(
   return inputs;
 }
 
-void WriteStereoInputs(const ContainedPath& path,
-                       const StereoInputs& inputs) {
+void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   AtomicFile file(path);
   for (const auto& [name, state] : inputs) {
     for (const Part& part : kParts) {

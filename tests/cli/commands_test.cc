@@ -4,16 +4,22 @@
 #include "colmap_tsar/cli/commands.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/failure_report.h"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <new>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/cli/captured_run.h"
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <unistd.h>
 
 namespace tsar {
@@ -108,11 +114,97 @@ TEST(RunCommand, PrintsForeignErrorsOnOneLine) {
       "ERROR: unexpected failure: one two\n");
 }
 
-TEST(RunCommand, SaysThatMemoryDidNotSuffice) {
+TEST(RunCommand, PrintsWhatNoTerminalObeys) {
   EXPECT_EQ(ErrorOf([](int, char**) -> int {
-              throw std::bad_alloc();
-            }).find("ERROR: out of memory"),
-            0u);
+              throw Error(ErrorCode::kIo,
+                          "a\xC2\x9B"
+                          "2J\x1b.png\x9B: caf\xC3\xA9");
+            }),
+            "ERROR: a?2J?.png?: caf\xC3\xA9\n");
+}
+
+TEST(RunCommand, SaysThatMemoryDidNotSuffice) {
+  const std::string text =
+      "ERROR: out of memory; close other programs or work on smaller images\n";
+  EXPECT_EQ(ErrorOf([](int, char**) -> int { throw std::bad_alloc(); }), text);
+  EXPECT_EQ(
+      ErrorOf([](int, char**) -> int { CV_Error(cv::Error::StsNoMem, "no"); }),
+      text);
+}
+
+TEST(RunCommand, SaysWhereStandardOutputCannotBeWritten) {
+  const int before = dup(STDOUT_FILENO);
+  const int full = open("/dev/full", O_WRONLY | O_CLOEXEC);
+  ASSERT_GE(full, 0);
+  dup2(full, STDOUT_FILENO);
+  const std::string text = ErrorOf([](int, char**) {
+    std::cout << "a result\n";
+    return 0;
+  });
+  dup2(before, STDOUT_FILENO);
+  close(before);
+  close(full);
+  EXPECT_EQ(text,
+            "ERROR: standard output: what was printed is lost (No space left "
+            "on device); check where it leads to\n");
+  EXPECT_TRUE(std::cout);
+}
+
+// The system would end this program otherwise.
+TEST(RunCommand, AFileThatGrowsTooLargeIsAnError) {
+  struct sigaction before = {};
+  sigaction(SIGXFSZ, nullptr, &before);
+  EXPECT_EQ(RunCommand([](int, char**) { return raise(SIGXFSZ); }, 0, nullptr),
+            0);
+  struct sigaction after = {};
+  sigaction(SIGXFSZ, nullptr, &after);
+  EXPECT_EQ(after.sa_handler, before.sa_handler);
+}
+
+// In a process of its own, since this one needs its streams.
+TEST(RunCommand, OpensClosedStreamsToNothing) {
+  EXPECT_EXIT(
+      {
+        close(STDIN_FILENO);
+        close(STDOUT_FILENO);
+        const int exit_code = RunCommand(
+            [](int, char**) {
+              const int file = open("/dev/zero", O_RDONLY | O_CLOEXEC);
+              char byte = 0;
+              return file > STDERR_FILENO &&
+                             read(STDIN_FILENO, &byte, 1) == 0 &&
+                             write(STDOUT_FILENO, "x", 1) == 1
+                         ? 17
+                         : 18;
+            },
+            0,
+            nullptr);
+        _exit(exit_code);
+      },
+      testing::ExitedWithCode(17),
+      "");
+}
+
+TEST(RunCommandDeathTest, AFailureThatNothingCatchesIsOneLine) {
+  struct FailingCleanup {
+    static void Fail() { throw std::bad_alloc(); }
+    ~FailingCleanup() { Fail(); }
+  };
+  EXPECT_EXIT(
+      {
+        ReportUncaughtFailures();
+        const FailingCleanup cleanup;
+      },
+      testing::ExitedWithCode(1),
+      "^ERROR: out of memory; close other programs or work on smaller "
+      "images\n$");
+  EXPECT_EXIT(
+      {
+        ReportUncaughtFailures();
+        std::thread([] { throw std::runtime_error("one\ntwo"); }).join();
+      },
+      testing::ExitedWithCode(1),
+      "^ERROR: unexpected failure: one two\n$");
 }
 
 TEST(TsarEvaluate, NeedsToKnowWhatToEvaluate) {

@@ -8,6 +8,7 @@ import contextlib
 import fcntl
 import json
 import os
+import resource
 import struct
 import subprocess
 import time
@@ -26,6 +27,17 @@ def write(path, content):
 def read(path):
     with open(path) as file:
         return file.read()
+
+
+class SmallFiles:
+    """Files may have so few bytes as long as it lives."""
+
+    def __init__(self, num_bytes):
+        self.before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (num_bytes, self.before[1]))
+
+    def __del__(self):
+        resource.setrlimit(resource.RLIMIT_FSIZE, self.before)
 
 
 def remove_maps(*kinds):
@@ -153,6 +165,8 @@ SITUATIONS = {
                  os.rename("model", "dense/sparse/0")),
     "The images are not undistorted": lambda: edit(
         "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "OPENCV 640 480 0 0 0 0 "),
+    "An image has an impossible name": lambda: edit(
+        "dense/sparse/images.txt", "v000.jpg", "v\x1b[2J000.jpg"),
     "The images were changed": lambda: edit(
         "dense/sparse/cameras.txt", "640 480", "1280 960"),
     "There are no maps yet": lambda: remove_maps("geometric", "photometric"),
@@ -166,6 +180,7 @@ SITUATIONS = {
     "patch-match.cfg names an unknown image": lambda: edit(
         "dense/stereo/patch-match.cfg", "v001.jpg", "v001.png"),
     "Another program works there": lock,
+    "A file may not become as large": lambda: SmallFiles(1000),
     "A name is misspelt": lambda: None,
     "A value is wrong": lambda: None,
     "A value was forgotten": lambda: None,

@@ -244,15 +244,16 @@ class RefineTest(SampleTest):
         (self.workspace / "images/v001.jpg").unlink()
         self.expect_error(not_found, ["images/v001.jpg"], refine, self.workspace)
 
-    def test_names_need_not_be_utf8(self):
-        path = os.fsencode(self.folder) + b"/\xff"
+    def test_names_need_not_be_utf8_and_are_printable(self):
+        path = os.fsencode(self.folder) + b"/\xff\x1b[2J\xc2\x9b\xc3\xa9"
+        shown = str(self.folder) + "/??[2J?\u00e9"
         with self.assertRaises(colmap_tsar.NotFoundError) as caught:
             refine(path)
-        self.assertIn(os.fsdecode(path), str(caught.exception))
+        self.assertIn(shown, str(caught.exception))
         os.rename(self.workspace, path)
         summary = refine(path, self.quick)
         self.assertEqual(os.fsencode(summary.workspace_path), path)
-        self.assertIn(os.fsdecode(path), str(summary))
+        self.assertIn(shown, str(summary))
 
     def test_gpus_that_are_not_there(self):
         with self.assertRaises(colmap_tsar.DeviceError) as caught:

@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the library does in one place alone, because it is easily done wrong in
+others, is not in the sources elsewhere."""
+import argparse
+import fnmatch
+import glob
+import os
+import re
+
+from sample_testing import check
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--repository", required=True)
+args = parser.parse_args()
+
+# What must not be there, in which files it may, and what to take instead.
+RULES = (
+    (r"<glog/|\bV?LOG\(", ("base/warning.cc",), "Warn() of base/warning.h"),
+    (r"std::(cout|cerr|clog)\b|<iostream>|\bprintf\(", ("cli/*",),
+     "an error, Warn(), or a stream that the caller gives"),
+    (r"std::(j?thread|async)\(|<pthread", ("base/start_thread.h", "evaluation/parallel_blocks.h"),
+     "StartThread() of base/start_thread.h"),
+    (r"std::ostringstream", ("base/text_stream.h",),
+     "TextStream of base/text_stream.h"),
+)
+
+num_files = 0
+broken = []
+root = os.path.join(args.repository, "colmap_tsar")
+for path in sorted(glob.glob(os.path.join(root, "**", "*.*"), recursive=True)):
+    name = os.path.relpath(path, root)
+    if not name.endswith((".cc", ".cu", ".h")):
+        continue
+    num_files += 1
+    with open(path, encoding="utf-8") as file:
+        source = re.sub(r"//.*", "", file.read())
+    for pattern, allowed, instead in RULES:
+        found = re.search(pattern, source)
+        if found and not any(fnmatch.fnmatch(name, other) for other in allowed):
+            broken.append(f"{name} holds {found.group(0)}; use {instead}")
+check(num_files > 100, f"{num_files} sources were read")
+check(not broken, "sources keep to the rules" + "".join("\n  " + line for line in broken))
