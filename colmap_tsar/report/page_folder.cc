@@ -171,17 +171,23 @@ void CheckHoldsPageAlone(const fs::path& path) {
   }
   const ContainedPath folder = UserPath(path);
   const std::string marker = kUnfinishedPageFile;
-  for (const TreeEntry& entry : ListTree(folder)) {
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  const TreeEntry* foreign = nullptr;  // A file rather than the folder above.
+  for (const TreeEntry& entry : tree) {
     const std::string name = NameIn(folder, entry);
     const bool is_known =
         entry.is_folder
             ? folders.count(name) != 0
             : !entry.is_link && (files->count(name) != 0 || name == marker ||
                                  name == marker + AtomicFile::kTemporarySuffix);
-    if (!is_known) {
-      throw Refused(
-          entry.path, "is not of the report in this folder", "move it away");
+    if (!is_known &&
+        (foreign == nullptr || (foreign->is_folder && !entry.is_folder))) {
+      foreign = &entry;
     }
+  }
+  if (foreign != nullptr) {
+    throw Refused(
+        foreign->path, "is not of the report in this folder", "move it away");
   }
 }
 

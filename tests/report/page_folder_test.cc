@@ -101,21 +101,26 @@ TEST_F(PageFolderTest, NeverTouchesAnythingElse) {
 }
 
 TEST_F(PageFolderTest, NeverTouchesWhatIsBesideOrBelowAPage) {
+  const auto write_page = [&] {
+    fs::remove_all(path_);
+    PageFolder folder(path_, false);
+    WriteText(folder.Temporary() / kPageDataFile, "old");
+    WriteText(folder.Temporary() / "images/0/photo.jpg", "");
+    folder.Commit();
+  };
   for (const char* name : {"thesis.tex",
                            "data/thesis.tex",
                            "images/thesis.tex",
                            "images/mine/thesis.tex",
                            "data/report.js.orig"}) {
-    fs::remove_all(path_);
-    WritePageWith("old");
+    write_page();
     WriteText(path_ / name, "years of work");
     ExpectUntouched({name, "not of the report", "move it", "--report_path"},
                     [&] { PageFolder(path_, true); });
   }
-  fs::remove_all(path_);
-  WritePageWith("old");
+  write_page();
   fs::create_directories(path_ / "images/empty");
-  ExpectUntouched({"images"}, [&] { PageFolder(path_, true); });
+  ExpectUntouched({"images/empty"}, [&] { PageFolder(path_, true); });
   EXPECT_TRUE(fs::exists(path_ / "images/empty"));
 }
 

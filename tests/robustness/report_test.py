@@ -73,7 +73,7 @@ for place in ["", *folders]:
         copy(kept, site)
         path = os.path.join(place, name)
         drawn_workspace.write(os.path.join(page, path), PRECIOUS)
-        fails(f"a file {path}", REPLACE, os.path.join(page, place), "move it", "--report_path")
+        fails(f"a file {path}", REPLACE, os.path.join(page, path), "move it", "--report_path")
     copy(kept, site)
     path = os.path.join(page, place, "link.png")
     os.symlink(os.path.join(WORK, "images", "v0.png"), path)
