@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/pipeline/stereo_inputs.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/originals.h"
 
 #include <iterator>
@@ -51,6 +52,28 @@ Error Changed(const Workspace& workspace, const StereoChange& change) {
       "give --overwrite 1 to make all maps anew, or work on a copy");
 }
 
+// Whether the maps that lie there have the size of this run's: somebody may
+// have put others in their place.
+bool HaveRightSize(const MapPaths& paths,
+                   const Camera& camera,
+                   const StereoOptions& options) {
+  const auto [width, height] = MapSizeOf(camera, options.max_image_size);
+  for (const fs::path& path : {paths.depth.Path(), paths.normal.Path()}) {
+    if (!fs::exists(path)) {
+      continue;
+    }
+    try {
+      const MapSize size = ReadMapSize(path);
+      if (size.width != width || size.height != height) {
+        return false;
+      }
+    } catch (const Error&) {
+      return false;  // Not even a map.
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 ContainedPath GetStereoFolder(const Workspace& workspace) {
@@ -73,12 +96,13 @@ void ClaimMaps(const Workspace& workspace,
   // All of it is looked at before the first file goes.
   std::vector<ContainedPath> foreign;
   for (const StereoProblem& problem : workspace.Problems()) {
-    const std::string& name =
-        workspace.Model().images[static_cast<size_t>(problem.reference)].name;
+    const SparseModel::ModelImage& image =
+        workspace.Model().images[static_cast<size_t>(problem.reference)];
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
       RequireUnrefined(paths);
-      if (goes_on && known->contains(name)) {
+      if (goes_on && known->contains(image.name) &&
+          HaveRightSize(paths, image.camera, options)) {
         continue;
       }
       for (const ContainedPath& path :

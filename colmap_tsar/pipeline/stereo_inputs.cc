@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <sstream>
 #include <utility>
@@ -73,6 +74,15 @@ DepthInterval StereoDepths(const Workspace& workspace,
                       "give --TsarStereo.depth_min and depth_max");
   }
   return *range;
+}
+
+std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size) {
+  const int side = std::max(camera.width, camera.height);
+  const double scale = max_image_size > 0 && max_image_size < side
+                           ? static_cast<double>(max_image_size) / side
+                           : 1.0;
+  return {std::max(1, static_cast<int>(std::lround(camera.width * scale))),
+          std::max(1, static_cast<int>(std::lround(camera.height * scale)))};
 }
 
 StereoInputs FindStereoInputs(const Workspace& workspace,

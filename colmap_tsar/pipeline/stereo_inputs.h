@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -26,6 +27,10 @@ DepthInterval StereoDepths(const Workspace& workspace,
                            int image,
                            const StereoOptions& options);
 
+// Width and height of the maps that are made for an image. max_image_size: as
+// in StereoOptions.
+std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
+
 // By the names of the images that are matched, or matched with, what is used of
 // them: "camera", "photo" and, of the former, "sources" and "depths". Every map
 // depends on all of them, over the passes.
@@ -37,8 +42,7 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
 
 // As a file of text. Nothing where there is no such file or it is not whole.
 std::optional<StereoInputs> ReadStereoInputs(const std::filesystem::path& path);
-void WriteStereoInputs(const ContainedPath& path,
-                       const StereoInputs& inputs);
+void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs);
 
 // The first image that is in both and differs, what does, and how many other
 // such images there are: for an error. Nothing where none differs.

@@ -106,16 +106,6 @@ void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
   WriteDepthMap(files.depth, maps.depth);
 }
 
-// The size of an image's maps.
-std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size) {
-  const int side = std::max(camera.width, camera.height);
-  const double scale = max_image_size > 0 && max_image_size < side
-                           ? static_cast<double>(max_image_size) / side
-                           : 1.0;
-  return {std::max(1, static_cast<int>(std::lround(camera.width * scale))),
-          std::max(1, static_cast<int>(std::lround(camera.height * scale)))};
-}
-
 // One run over a workspace.
 class StereoRun {
  public:

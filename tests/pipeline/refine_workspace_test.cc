@@ -183,7 +183,7 @@ TEST_F(RefineWorkspaceTest, FillsTheBareWallAndKeepsTheOriginals) {
          {std::pair(paths.original_depth, paths.depth),
           std::pair(paths.original_normal, paths.normal)}) {
       EXPECT_TRUE(ReadText(stored) ==
-                  before.at(current.lexically_relative(root_)));
+                  before.at(current.Path().lexically_relative(root_)));
     }
     EXPECT_TRUE(std::filesystem::exists(paths.confidence));
     EXPECT_TRUE(std::filesystem::exists(paths.provenance));
@@ -688,7 +688,7 @@ using RefineWorkspaceDeathTest = RefineWorkspaceTest;
 TEST_F(RefineWorkspaceDeathTest, GoesOnAfterBeingKilledInEitherPass) {
   const Tree expected = RefinedInOneGo();
   for (const std::filesystem::path& file :
-       {Evidence(root_, 1), Paths(1).record}) {
+       {Evidence(root_, 1), Paths(1).record.Path()}) {
     std::filesystem::remove_all(root_);
     DrawWorkspace(root_);
     EXPECT_EXIT(Refine(Options(root_),

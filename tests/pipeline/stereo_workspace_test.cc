@@ -335,7 +335,7 @@ TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
   const Workspace workspace(root_, MapType::kGeometric);
   const std::filesystem::path path =
       workspace.DepthPath(1, MapType::kGeometric);
-  WriteDepthMap(path, Image<float>(72, 96, 5.f));
+  WriteDepthMap(UserPath(path), Image<float>(72, 96, 5.f));
   ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
   EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
   EXPECT_EQ(ReadMapSize(path).width, DrawnWorkspace::kWidth);

@@ -98,7 +98,7 @@ TEST_F(WorkspaceComparisonTest, RefusesMapsOfAnotherSizeThanBefore) {
   const Workspace workspace(root_, MapType::kGeometric);
   Refine(workspace, 1);
   const fs::path path = workspace.NormalPath(1, MapType::kGeometric);
-  WriteNormalMap(path, Image<Vec3f>(kWidth / 2, kHeight / 2));
+  WriteNormalMap(UserPath(path), Image<Vec3f>(kWidth / 2, kHeight / 2));
   try {
     ReadComparisonRow(workspace, 1);
     FAIL() << "no error";

@@ -7,6 +7,7 @@ harmless, such as maps that are links to files that may not change, works."""
 import os
 import resource
 import shutil
+import sys
 
 import drawn_workspace
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
@@ -119,6 +120,7 @@ drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
 
 # In a tree so deep that there are fewer descriptors than levels.
 DEEP = "x/" * 1100
+sys.setrecursionlimit(10000)  # For Python's own walks.
 for case, (command, source) in COMMANDS.items():
     copy(source, work)
     path = os.path.join(work, "stereo", "depth_maps")

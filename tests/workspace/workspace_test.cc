@@ -138,7 +138,7 @@ TEST_F(WorkspaceTest, RefusesMapsOfDifferentSizes) {
 TEST_F(WorkspaceTest, RefusesMapsOfAnotherShapeThanTheImage) {
   Workspace workspace(root_, kGeometric);
   const std::filesystem::path path = workspace.DepthPath(0, kGeometric);
-  WriteDepthMap(path, Image<float>(3, 8, 1.f));
+  WriteDepthMap(UserPath(path), Image<float>(3, 8, 1.f));
   const auto read = [&] { workspace.ReadOriginalMaps(0, kGeometric); };
   ExpectError(ErrorCode::kMismatch,
               {path.string(), "has 3 x 8 pixels", "the image a.png of 8 x 6"},
