@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
 
 #include <exception>
 #include <string>
@@ -43,9 +44,9 @@ void RaiseInPython(std::exception_ptr exception) {
     std::rethrow_exception(std::move(exception));
   } catch (const Error& error) {
     try {
-      const py::object made =
-          py::module_::import("colmap_tsar._errors")
-              .attr("make_error")(CodeName(error.Code()), ToText(error.what()));
+      const py::object made = py::module_::import("colmap_tsar._errors")
+                                  .attr("make_error")(CodeName(error.Code()),
+                                                      Printable(error.what()));
       PyErr_SetObject(py::type::handle_of(made).ptr(), made.ptr());
     } catch (py::error_already_set& failure) {
       failure.restore();

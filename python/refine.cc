@@ -3,6 +3,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/start_thread.h"
+#include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/cli/standard_streams.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
@@ -15,12 +19,11 @@
 #include <mutex>
 #include <optional>
 #include <ostream>
-#include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "python/bindings.h"
-#include <glog/logging.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -54,14 +57,11 @@ class TextQueue : public std::stringbuf {
   std::string flushed_;
 };
 
-// Warnings go to standard error, as those of the program. Another module may
-// share the library that writes them, and may have set it up already.
-void PrepareLogging() {
-  if (!google::IsGoogleLoggingInitialized()) {
-    FLAGS_logtostderr = true;
-    FLAGS_log_prefix = false;
-    google::InitGoogleLogging("colmap_tsar");
-  }
+// Warnings go to standard error, as those of the program; into none of the maps
+// where that is closed.
+void PrepareStreams() {
+  OpenClosedStandardStreams();
+  PrepareWarnings("colmap_tsar");
 }
 
 py::dict ToDict(const RunSummary& summary) {
@@ -73,7 +73,7 @@ py::dict ToDict(const RunSummary& summary) {
   for (const RunSummary::GpuMemory& peak : summary.peak_gpu_memory) {
     peak_gpu_memory[py::str(peak.gpu)] = peak.num_bytes;
   }
-  std::ostringstream text;
+  TextStream text;
   PrintSummary(summary, text);
   py::dict dict;
   dict["workspace_path"] = summary.workspace_path;
@@ -117,10 +117,12 @@ RunSummary RefineWhileServingPython(const WorkspaceRefineOptions& workspace,
   std::ostream out(&text);
   Progress progress(out, is_terminal);
   std::atomic<bool> should_stop = false;
-  std::future<RunSummary> work = std::async(std::launch::async, [&] {
+  std::packaged_task<RunSummary()> task([&] {
     return RefineWorkspace(
         workspace, options, progress, [&] { return should_stop.load(); });
   });
+  std::future<RunSummary> work = task.get_future();
+  const std::jthread thread = StartThread(std::move(task));
   std::exception_ptr raised;
   for (bool is_done = false; !is_done;) {
     {
@@ -166,22 +168,33 @@ py::dict Refine(const std::filesystem::path& workspace_path,
   workspace.cache_size = cache_size;
   workspace.shard = shard;
   workspace.pass = pass;
-  PrepareLogging();
+  PrepareStreams();
   return ToDict(RefineWhileServingPython(
       workspace, ToRefineOptions(options), report, is_terminal));
 }
 
-py::dict RestoreOriginals(const std::filesystem::path& workspace_path) {
-  PrepareLogging();
+py::list ToList(const std::vector<std::filesystem::path>& paths) {
+  py::list list;
+  for (const std::filesystem::path& path : paths) {
+    list.append(ToText(path.string()));
+  }
+  return list;
+}
+
+py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
+                          const std::string& conflicts) {
+  PrepareStreams();
   RestoreResult result;
   {
     const py::gil_scoped_release release;
     const WorkspaceLock lock(workspace_path);
-    result = Restore(workspace_path);
+    result = Restore(workspace_path, ParseRestoreConflicts(conflicts));
   }
   py::dict dict;
   dict["num_restored"] = result.num_restored;
-  dict["num_newer"] = result.num_newer;
+  dict["kept"] = ToList(result.kept);
+  dict["superseded"] = ToList(result.superseded);
+  dict["conflicts"] = ToList(result.conflicts);
   return dict;
 }
 
@@ -213,7 +226,10 @@ void BindRefine(py::module_* module) {
               py::arg("pass_"),
               py::arg("report"),
               py::arg("is_terminal"));
-  module->def("restore", &RestoreOriginals, py::arg("workspace_path"));
+  module->def("restore",
+              &RestoreOriginals,
+              py::arg("workspace_path"),
+              py::arg("conflicts"));
 }
 
 }  // namespace tsar

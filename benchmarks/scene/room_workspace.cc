@@ -39,7 +39,7 @@ std::vector<std::string> MakeNames(int num_images) {
 }
 
 void WriteText(const std::filesystem::path& path, const std::string& text) {
-  AtomicFile file(path);
+  AtomicFile file(UserPath(path));
   file.Stream() << text;
   file.Commit();
 }
@@ -96,8 +96,9 @@ void WriteView(const std::filesystem::path& root,
                const std::string& name,
                const RenderedView& view,
                const PriorMaps& maps) {
-  WriteJpeg(root / "images" / name, view.color);
-  WriteDepthMap(root / "ground_truth" / "depth" / (name + ".bin"), view.depth);
+  WriteJpeg(UserPath(root / "images" / name), view.color);
+  WriteDepthMap(UserPath(root / "ground_truth" / "depth" / (name + ".bin")),
+                view.depth);
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
     const DepthNormal& map =
         type == MapType::kPhotometric ? maps.photometric : maps.geometric;
@@ -118,7 +119,7 @@ void WriteRoomWorkspace(const std::filesystem::path& root,
                              "stereo/depth_maps",
                              "stereo/normal_maps",
                              "stereo/consistency_graphs"}) {
-    CreateFolders(root / folder);
+    CreateFolders(UserPath(root / folder));
   }
   const Room room(options.seed);
   const std::vector<Camera> cameras =

@@ -51,7 +51,7 @@ std::ostream& TextStream(AtomicFile& file) {
 
 void WriteCameras(const std::filesystem::path& path,
                   const std::vector<Camera>& cameras) {
-  AtomicFile file(path);
+  AtomicFile file(UserPath(path));
   std::ostream& out = TextStream(file);
   for (size_t i = 0; i < cameras.size(); ++i) {
     const Camera& camera = cameras[i];
@@ -96,7 +96,7 @@ void WriteSparseModel(const std::filesystem::path& folder,
                       const std::vector<std::string>& names,
                       const std::vector<Camera>& cameras,
                       const std::vector<SparsePoint>& points) {
-  CreateFolders(folder);
+  CreateFolders(UserPath(folder));
   WriteCameras(folder / "cameras.txt", cameras);
 
   // Points of each image, in the order of the points.

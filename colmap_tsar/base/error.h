@@ -11,15 +11,15 @@ namespace tsar {
 // What went wrong, for callers that react to it. The command line prints the
 // message and ends with exit code 1, whatever the cause.
 enum class ErrorCode {
-  kNotFound,      // A file, folder or named thing does not exist.
-  kCorrupt,       // A file's content breaks its format.
-  kMismatch,      // Two inputs contradict each other (sizes, names, counts).
-  kUnsupported,   // Valid, but not something this program can work on.
-  kIo,            // Reading or writing failed (permissions, full disk).
-  kBadOption,     // A command-line option or its value is wrong.
-  kDevice,        // The GPU or its driver failed.
-  kOutOfMemory,   // Host or GPU memory did not suffice.
-  kInterrupted,   // The user asked to stop.
+  kNotFound,     // A file, folder or named thing does not exist.
+  kCorrupt,      // A file's content breaks its format.
+  kMismatch,     // Two inputs contradict each other (sizes, names, counts).
+  kUnsupported,  // Valid, but not something this program can work on.
+  kIo,           // Reading or writing failed (permissions, full disk).
+  kBadOption,    // A command-line option or its value is wrong.
+  kDevice,       // The GPU or its driver failed.
+  kOutOfMemory,  // Host or GPU memory, or threads, did not suffice.
+  kInterrupted,  // The user asked to stop.
 };
 
 // The one exception type of this project. The message is a single line for the

@@ -3,8 +3,12 @@
 
 #include "colmap_tsar/base/input_file.h"
 
+#include "colmap_tsar/base/error.h"
+
 #include <cerrno>
 #include <cstring>
+#include <sstream>
+#include <utility>
 
 #include <ext/stdio_filebuf.h>
 #include <fcntl.h>
@@ -15,15 +19,50 @@ namespace tsar {
 namespace {
 
 const char* KindText(mode_t mode) {
-  return S_ISDIR(mode)    ? "it is a folder, not a file"
-         : S_ISFIFO(mode) ? "it is a FIFO, not a file"
-         : S_ISSOCK(mode) ? "it is a socket, not a file"
-                          : "it is a device, not a file";
+  return S_ISDIR(mode)    ? "it is a folder, not a regular file"
+         : S_ISFIFO(mode) ? "it is a FIFO, not a regular file"
+         : S_ISSOCK(mode) ? "it is a socket, not a regular file"
+                          : "it is a device, not a regular file";
 }
+
+// Calls a function of the library's, whose exceptions name no file.
+template <typename Function>
+auto Reading(const std::filesystem::path& path, const Function& function) {
+  try {
+    return function();
+  } catch (const std::ios_base::failure& error) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be read (" + error.code().message() + ")",
+                      "check the disk");
+  }
+}
+
+class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
+ public:
+  FileBuffer(const std::filesystem::path& path, int descriptor)
+      : stdio_filebuf(descriptor, std::ios::in | std::ios::binary),
+        path_(path) {}
+
+ protected:
+  int_type underflow() override {
+    return Reading(path_, [&] { return stdio_filebuf::underflow(); });
+  }
+  std::streamsize xsgetn(char* data, std::streamsize size) override {
+    return Reading(path_, [&] { return stdio_filebuf::xsgetn(data, size); });
+  }
+
+ private:
+  const std::filesystem::path path_;
+};
 
 }  // namespace
 
-InputFile::InputFile() : std::istream(nullptr) {}
+// Some readers ask for the buffer of a failed stream, too.
+InputFile::InputFile()
+    : std::istream(nullptr), buffer_(std::make_unique<std::stringbuf>()) {
+  rdbuf(buffer_.get());
+}
 
 InputFile::InputFile(const std::filesystem::path& path) : InputFile() {
   Open(path);
@@ -32,32 +71,39 @@ InputFile::InputFile(const std::filesystem::path& path) : InputFile() {
 InputFile::~InputFile() = default;
 
 void InputFile::Open(const std::filesystem::path& path) {
-  rdbuf(nullptr);
-  buffer_.reset();
+  exceptions(std::ios::goodbit);
+  std::unique_ptr<std::streambuf> buffer = std::make_unique<std::stringbuf>();
   size_ = 0;
   reason_.clear();
-  is_missing_ = false;
   // A terminal must not become that of this program, either.
   const int descriptor =
       open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  const int error = descriptor < 0 ? errno : 0;
   struct stat state = {};
-  if (descriptor < 0 || fstat(descriptor, &state) != 0) {
-    is_missing_ = errno == ENOENT || errno == ENOTDIR;
-    reason_ = std::strerror(errno);
-  } else if (!S_ISREG(state.st_mode)) {
+  // Sockets, and devices that are not there, cannot be opened.
+  const bool has_state = descriptor < 0 ? stat(path.c_str(), &state) == 0
+                                        : fstat(descriptor, &state) == 0;
+  is_missing_ = error == ENOENT || error == ENOTDIR;
+  is_no_file_ = has_state && !S_ISREG(state.st_mode);
+  if (is_no_file_) {
     reason_ = KindText(state.st_mode);
+  } else if (error != 0 || !has_state) {
+    reason_ = std::strerror(error != 0 ? error : errno);
   }
   if (!reason_.empty()) {
     if (descriptor >= 0) {
       close(descriptor);
     }
-    setstate(std::ios::failbit);
-    return;
+  } else {
+    size_ = static_cast<uintmax_t>(state.st_size);
+    buffer = std::make_unique<FileBuffer>(path, descriptor);
   }
-  size_ = static_cast<uintmax_t>(state.st_size);
-  buffer_ = std::make_unique<__gnu_cxx::stdio_filebuf<char>>(
-      descriptor, std::ios::in | std::ios::binary);
-  rdbuf(buffer_.get());  // Clears the state, too.
+  rdbuf(buffer.get());  // Clears the state, too.
+  buffer_ = std::move(buffer);
+  if (!reason_.empty()) {
+    setstate(std::ios::failbit);
+  }
+  exceptions(std::ios::badbit);
 }
 
 }  // namespace tsar

@@ -16,7 +16,9 @@ namespace tsar {
 // device, the opening of which would hang, and a device has no end.
 //
 // As with std::ifstream, a file that cannot be opened leaves the stream in a
-// failed state; Reason() then says why.
+// failed state; Reason() then says why. A disk that fails while the file is
+// read, and memory that runs out, are exceptions (kIo, std::bad_alloc): streams
+// take both for the end of the file otherwise.
 class InputFile : public std::istream {
  public:
   InputFile();
@@ -30,16 +32,19 @@ class InputFile : public std::istream {
   uintmax_t Size() const { return size_; }
 
   // Why the file could not be opened, such as "Permission denied" or "it is a
-  // FIFO, not a file"; empty where it was.
+  // FIFO, not a regular file"; empty where it was.
   const std::string& Reason() const { return reason_; }
-  // Whether the reason is that there is no such file.
+  // Whether the reason is that there is no such file, or that what has its name
+  // is none.
   bool IsMissing() const { return is_missing_; }
+  bool IsNoFile() const { return is_no_file_; }
 
  private:
   std::unique_ptr<std::streambuf> buffer_;
   uintmax_t size_ = 0;
   std::string reason_;
   bool is_missing_ = false;
+  bool is_no_file_ = false;
 };
 
 }  // namespace tsar

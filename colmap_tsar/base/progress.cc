@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/base/progress.h"
 
+#include "colmap_tsar/base/printable.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -64,7 +66,7 @@ Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
 
 void Progress::Start(int num_total, const std::string& pass) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  pass_ = pass.empty() ? "" : pass + " ";
+  pass_ = pass.empty() ? "" : Printable(pass) + " ";
   num_total_ = num_total;
   num_done_ = 0;
   num_worked_ = 0;

@@ -4,31 +4,22 @@
 #include "colmap_tsar/cli/commands.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/opencv_threads.h"
+#include "colmap_tsar/cli/failure_report.h"
+#include "colmap_tsar/cli/file_size_limit.h"
+#include "colmap_tsar/cli/low_memory.h"
 #include "colmap_tsar/cli/name_suggestion.h"
+#include "colmap_tsar/cli/standard_streams.h"
 #include "colmap_tsar/cli/version.h"
 
 #include <algorithm>
-#include <exception>
-#include <filesystem>
 #include <iomanip>
 #include <iostream>
-#include <new>
 
 #include <nlohmann/json.hpp>
 
 namespace tsar {
 namespace {
-
-// Errors of libraries may span lines, and names in files may hold what a
-// terminal obeys; the user gets one line.
-void PrintError(std::string message) {
-  std::replace_if(
-      message.begin(),
-      message.end(),
-      [](unsigned char c) { return c < 0x20 || c == 0x7f; },
-      ' ');
-  std::cerr << "ERROR: " << message << std::endl;
-}
 
 // The function with its errors reported.
 template <CommandFunction kFunction>
@@ -70,7 +61,7 @@ void PrintProgramHelpJson() {
   std::cout << json.dump(2) << "\n";
 }
 
-void PrintUnknownCommand(const std::string& written) {
+[[noreturn]] void ThrowUnknownCommand(const std::string& written) {
   std::vector<std::string> names;
   std::string list;
   for (const Command& command : Commands()) {
@@ -78,11 +69,27 @@ void PrintUnknownCommand(const std::string& written) {
     list += (list.empty() ? "" : ", ") + command.name;
   }
   const std::vector<std::string> suggestions = SuggestNames(written, names);
-  PrintError("unknown command '" + written + "'; " +
-             (suggestions.empty()
-                  ? std::string("the")
-                  : "did you mean " + suggestions[0] + "? The") +
-             " commands are " + list);
+  throw Error(
+      ErrorCode::kBadOption,
+      "unknown command '" + written + "'; " +
+          (suggestions.empty() ? std::string("the")
+                               : "did you mean " + suggestions[0] + "? The") +
+          " commands are " + list);
+}
+
+// What the program does where no command is named.
+int TellAboutProgram(int argc, char** argv) {
+  const std::string name = argc > 1 ? argv[1] : "help";
+  if (name == "help" || name == "-h" || name == "--help") {
+    PrintProgramHelp();
+  } else if (name == "--help_json") {
+    PrintProgramHelpJson();
+  } else if (name == "--version") {
+    std::cout << VersionText() << "\n";
+  } else {
+    ThrowUnknownCommand(name);
+  }
+  return 0;
 }
 
 }  // namespace
@@ -109,43 +116,28 @@ const std::vector<Command>& Commands() {
 }
 
 int RunCommand(CommandFunction function, int argc, char** argv) {
+  OpenClosedStandardStreams();
+  const FileSizeLimitFails file_size_limit_fails;
   try {
-    return function(argc, argv);
-  } catch (const Error& error) {
-    PrintError(error.what());
-  } catch (const std::bad_alloc&) {
-    PrintError("out of memory; close other programs or work on smaller images");
-  } catch (const std::filesystem::filesystem_error& error) {
-    PrintError(error.path1().string() + ": " + error.code().message() +
-               "; check the path and its permissions");
-  } catch (const std::exception& error) {
-    PrintError(std::string("unexpected failure: ") + error.what());
+    PrepareForLowMemory();
+    const OpenCvWithoutThreads opencv_without_threads;
+    const int exit_code = function(argc, argv);
+    FlushStandardOutput();
+    return exit_code;
+  } catch (...) {
+    ReportFailure();
   }
   return 1;
 }
 
 int RunProgram(int argc, char** argv) {
-  const std::string name = argc > 1 ? argv[1] : "help";
-  if (name == "help" || name == "-h" || name == "--help") {
-    PrintProgramHelp();
-    return 0;
-  }
-  if (name == "--help_json") {
-    PrintProgramHelpJson();
-    return 0;
-  }
-  if (name == "--version") {
-    std::cout << VersionText() << "\n";
-    return 0;
-  }
   for (const Command& command : Commands()) {
-    if (command.name == name) {
+    if (argc > 1 && command.name == argv[1]) {
       argv[1] = argv[0];
       return command.run(argc - 1, argv + 1);
     }
   }
-  PrintUnknownCommand(name);
-  return 1;
+  return RunCommand(&TellAboutProgram, argc, argv);
 }
 
 }  // namespace tsar

@@ -1,13 +1,34 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/failure_report.h"
+#include "colmap_tsar/cli/low_memory.h"
+#include "colmap_tsar/cli/standard_streams.h"
 
-#include <glog/logging.h>
+#include <cstdlib>
+
+namespace {
+
+// Before the libraries set themselves up, which open files and take memory.
+void PrepareStart() {
+  tsar::OpenClosedStandardStreams();
+  tsar::ReportUncaughtFailures();
+  if (!tsar::HasMemoryToStart()) {
+    tsar::ReportOutOfMemory();
+    std::_Exit(EXIT_FAILURE);
+  }
+}
+
+// The system calls what stands in this section first of all.
+[[gnu::section(".preinit_array"),
+  gnu::used]] void (*const prepare_start)() = &PrepareStart;
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  FLAGS_logtostderr = true;
-  FLAGS_log_prefix = false;
-  google::InitGoogleLogging(argv[0]);
+  tsar::KeepStandardErrorPrintable();
+  tsar::PrepareWarnings(argv[0]);
   return tsar::RunProgram(argc, argv);
 }

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/cli/option_help.h"
 
+#include "colmap_tsar/base/printable.h"
+
 #include <ostream>
 #include <sstream>
 #include <variant>
@@ -37,8 +39,9 @@ std::vector<std::string> Choices(const Option& option) {
 }  // namespace
 
 void PrintHelp(const CommandHelp& help,
-               const std::string& program,
+               const std::string& program_name,
                std::ostream& out) {
+  const std::string program = Printable(program_name);
   std::string usage = program + " " + help.command;
   for (const Option& option : help.options) {
     if (option.required) {

@@ -4,12 +4,12 @@
 #include "colmap_tsar/cli/option_set.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/cli/name_suggestion.h"
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <utility>
 
@@ -197,18 +197,18 @@ std::map<std::string, std::string> OptionSet::ReadCommandLine(
 
 std::set<std::string> OptionSet::ReadIni(
     const std::string& path, const std::set<std::string>& overridden) const {
-  if (!std::filesystem::is_regular_file(path)) {
+  InputFile file(path);
+  if (file.IsMissing()) {
     throw Error::File(ErrorCode::kNotFound,
                       path,
                       "there is no such file",
                       "give --project_path an ini file");
   }
-  std::ifstream file(path);
   if (!file) {
     throw Error::File(ErrorCode::kIo,
                       path,
-                      "the file cannot be opened",
-                      "check its permissions");
+                      "the file cannot be opened (" + file.Reason() + ")",
+                      "check that it is a file and that you may read it");
   }
   po::options_description description;
   po::parsed_options parsed(&description);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/evaluation/cloud_evaluation.h"
@@ -48,13 +49,13 @@ void PrintRow(const std::vector<std::string>& cells) {
 }
 
 std::string Share(double value) {
-  std::ostringstream text;
+  TextStream text;
   text << std::fixed << std::setprecision(4) << value;
   return text.str();
 }
 
 std::string Tolerance(double value) {
-  std::ostringstream text;
+  TextStream text;
   text << value;
   return text.str();
 }

@@ -5,6 +5,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/restore_options.h"
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/import_workspace.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
@@ -37,6 +38,7 @@ struct ImportCommand {
   std::string image_list;
   std::string normal_frame = "auto";
   bool restore = false;
+  std::string restore_conflicts = "report";
   ImportOptions import;
 };
 
@@ -106,7 +108,9 @@ void AddConversionOptions(ImportCommand* command, OptionSet* options) {
   options->Add("restore",
                &command->restore,
                "Undo all imports: put the former maps back, remove what was "
-               "imported, and do nothing else.");
+               "imported, and do nothing else. What others wrote in its place "
+               "since is never removed.");
+  AddRestoreConflicts(&command->restore_conflicts, options);
 }
 
 int UndoImports(const ImportCommand& command) {
@@ -116,13 +120,11 @@ int UndoImports(const ImportCommand& command) {
         "--restore undoes imports; leave --input_path and --format out");
   }
   const WorkspaceLock lock(command.workspace_path);
-  const UndoResult result = UndoImport(command.workspace_path);
+  const UndoResult result = UndoImport(
+      command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
   std::cout << "Undid the import of " << result.num_images
             << (result.num_images == 1 ? " image" : " images") << ".\n";
-  if (result.num_newer > 0) {
-    std::cout << "Left the maps of " << result.num_newer
-              << " as they were, which another program has written since.\n";
-  }
+  ReportRestored(result.kept, result.superseded, result.conflicts);
   return 0;
 }
 

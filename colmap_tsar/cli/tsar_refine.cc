@@ -2,17 +2,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/device_options.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/restore_options.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_workspace.h"
 #include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/workspace/restore.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -44,6 +47,7 @@ struct RefineCommand {
   std::string output_path;
   std::string preset = "default";
   bool restore = false;
+  std::string restore_conflicts = "report";
   std::string debug_path;
   WorkspaceRefineOptions workspace;
   RefineOptions refine;
@@ -72,7 +76,9 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
   options->Add("restore",
                &command->restore,
                "Put the original maps back, remove all that tsar_refine wrote, "
-               "and do nothing else.");
+               "and do nothing else. What others wrote in their place since is "
+               "never removed.");
+  AddRestoreConflicts(&command->restore_conflicts, options);
 }
 
 void AddRunOptions(RefineCommand* command, OptionSet* options) {
@@ -132,13 +138,15 @@ int RestoreWorkspace(const RefineCommand& command) {
                 "--restore puts maps back in place; leave --output_path out");
   }
   const WorkspaceLock lock(command.workspace_path);
-  const RestoreResult result = Restore(command.workspace_path);
+  const RestoreResult result = Restore(
+      command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
   std::cout << "Put the original maps of " << result.num_restored
             << (result.num_restored == 1 ? " image" : " images") << " back.\n";
-  if (result.num_newer > 0) {
-    std::cout << "Left the maps of " << result.num_newer
-              << " as they were, which patch_match_stereo has written since.\n";
+  for (const std::filesystem::path& output : result.relinked) {
+    std::cout << "Made the links of " << Printable(output.string())
+              << " to these maps again.\n";
   }
+  ReportRestored(result.kept, result.superseded, result.conflicts);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
@@ -147,8 +148,8 @@ void WritePicture(const Workspace& workspace, const ReportCommand& command) {
   for (const int image : PickEvenly(refined, command.num_images)) {
     rows.push_back(ReadComparisonRow(workspace, image));
   }
-  WritePng(command.output_path, DrawComparison(rows));
-  std::cout << "Wrote " << command.output_path << std::endl;
+  WritePng(UserPath(command.output_path), DrawComparison(rows));
+  std::cout << "Wrote " << Printable(command.output_path) << std::endl;
 }
 
 void WriteReport(const Workspace& workspace, ReportCommand* command) {
@@ -169,8 +170,8 @@ void WriteReport(const Workspace& workspace, ReportCommand* command) {
       workspace, page, progress, [&] { return interruption.Requested(); });
   std::cout << "Wrote a page about " << num_images
             << (num_images == 1 ? " image" : " images") << "\nOpen "
-            << (page.report_path / "index.html").string() << " in a browser"
-            << std::endl;
+            << Printable((page.report_path / "index.html").string())
+            << " in a browser" << std::endl;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/device_options.h"
 #include "colmap_tsar/cli/interruption.h"
@@ -129,7 +130,7 @@ void Print(const StereoSummary& summary, const StereoOptions& options) {
   std::snprintf(seconds, sizeof(seconds), "%.1f", summary.wall_seconds);
   std::cout << ": " << seconds << " s\n";
   for (const std::string& name : summary.without_sources) {
-    std::cout << "  " << name
+    std::cout << "  " << Printable(name)
               << " has no maps: no other image shares enough of its sparse "
                  "points\n";
   }
@@ -143,7 +144,7 @@ void Print(const StereoSummary& summary, const StereoOptions& options) {
               << " GB of its memory held\n";
   }
   std::cout << "Next: tsar_refine --workspace_path "
-            << summary.workspace_path.string()
+            << ShellWord(Printable(summary.workspace_path.string()))
             << ", or stereo_fusion with --input_type "
             << (options.geom_consistency ? "geometric" : "photometric") << "\n";
 }

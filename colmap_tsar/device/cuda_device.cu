@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/cuda_device.h"
-
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/device/cuda_check.h"
+#include "colmap_tsar/device/cuda_device.h"
 
 #include <cstdint>
 #include <thread>
@@ -21,9 +21,10 @@ CudaDevice::CudaDevice(int gpu_index)
   CheckCuda(cudaGetDeviceCount(&count), "looking for GPUs");
   if (gpu_index < 0 || gpu_index >= count) {
     throw Error(ErrorCode::kDevice,
-                "GPU " + std::to_string(gpu_index) + " does not exist; this "
-                "machine has " + std::to_string(count) +
-                ", change --TsarRefine.gpu_index");
+                "GPU " + std::to_string(gpu_index) +
+                    " does not exist; this "
+                    "machine has " +
+                    std::to_string(count) + ", change --TsarRefine.gpu_index");
   }
   Activate();
   cudaDeviceProp properties;
@@ -127,13 +128,14 @@ int Device::NumCudaDevices() {
 
 void Device::PrepareCudaDevices(const std::vector<int>& gpu_indices) {
   std::vector<std::jthread> threads;
+  threads.reserve(gpu_indices.size());
   for (const int gpu_index : gpu_indices) {
-    threads.emplace_back([gpu_index] {
+    threads.push_back(StartThread([gpu_index] {
       if (cudaSetDevice(gpu_index) != cudaSuccess ||
           cudaFree(nullptr) != cudaSuccess) {
         ForgetCudaError();
       }
-    });
+    }));
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/device/thread_pool.h"
 
+#include "colmap_tsar/base/start_thread.h"
+
 #include <algorithm>
 
 namespace tsar {
@@ -12,20 +14,25 @@ ThreadPool::ThreadPool(int num_threads) {
     num_threads =
         std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   }
-  for (int i = 1; i < num_threads; ++i) {
-    workers_.emplace_back([this] { WorkerLoop(); });
+  workers_.reserve(static_cast<size_t>(num_threads - 1));
+  try {
+    for (int i = 1; i < num_threads; ++i) {
+      workers_.push_back(StartThread([this] { WorkerLoop(); }));
+    }
+  } catch (...) {
+    Stop();
+    throw;
   }
 }
 
-ThreadPool::~ThreadPool() {
+ThreadPool::~ThreadPool() { Stop(); }
+
+void ThreadPool::Stop() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     stop_ = true;
   }
   wake_.notify_all();
-  for (std::thread& worker : workers_) {
-    worker.join();
-  }
 }
 
 void ThreadPool::Run(int64_t count,

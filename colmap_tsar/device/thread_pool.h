@@ -18,7 +18,8 @@ namespace tsar {
 // the number of threads.
 class ThreadPool {
  public:
-  // num_threads < 1 means one per core.
+  // num_threads < 1 means one per core. Throws kOutOfMemory where the system
+  // does not start as many.
   explicit ThreadPool(int num_threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -32,10 +33,11 @@ class ThreadPool {
   void Run(int64_t count, const std::function<void(int64_t, int64_t)>& body);
 
  private:
+  // Has the workers come to their end.
+  void Stop();
   void WorkerLoop();
   void WorkOnPieces();
 
-  std::vector<std::thread> workers_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable idle_;
@@ -47,6 +49,8 @@ class ThreadPool {
   uint64_t generation_ = 0;
   bool stop_ = false;
   std::exception_ptr exception_;
+  // Last, so that they end before what they use does.
+  std::vector<std::jthread> workers_;
 };
 
 }  // namespace tsar

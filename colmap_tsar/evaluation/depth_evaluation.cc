@@ -4,6 +4,7 @@
 #include "colmap_tsar/evaluation/depth_evaluation.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -117,6 +118,7 @@ double DepthScore::F1() const { return HarmonicMean(Precision(), Recall()); }
 DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
                                   const DepthEvaluationOptions& options) {
   CheckTolerances(options.tolerances);
+  const OpenCvWithoutThreads opencv_without_threads;
   const fs::path truth_folder = options.ground_truth_path.empty()
                                     ? workspace_path / "ground_truth" / "depth"
                                     : options.ground_truth_path;

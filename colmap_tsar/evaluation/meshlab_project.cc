@@ -4,9 +4,9 @@
 #include "colmap_tsar/evaluation/meshlab_project.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 
 #include <algorithm>
-#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -32,13 +32,19 @@ constexpr std::ptrdiff_t kMaxNumTags = 4096;
 }
 
 pt::ptree ReadXml(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) {
+  InputFile file(path);
+  if (file.IsMissing()) {
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
                       "there is no such file",
                       "check the path");
   }
-  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "the file cannot be opened (" + file.Reason() + ")",
+                      "check that it is a file and that you may read it");
+  }
   std::stringstream content;
   content << file.rdbuf();
   if (!file) {

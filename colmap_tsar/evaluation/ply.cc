@@ -4,6 +4,7 @@
 #include "colmap_tsar/evaluation/ply.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +12,6 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -80,11 +80,16 @@ struct Element {
 class PlyFile {
  public:
   explicit PlyFile(const std::filesystem::path& path) : path_(path.string()) {
-    if (!std::filesystem::is_regular_file(path)) {
+    InputFile file(path);
+    if (file.IsMissing()) {
       Fail(ErrorCode::kNotFound, "there is no such file", "check the path");
     }
-    std::ifstream file(path, std::ios::binary);
-    content_.resize(std::filesystem::file_size(path));
+    if (!file) {
+      Fail(ErrorCode::kIo,
+           "the file cannot be opened (" + file.Reason() + ")",
+           "check that it is a file and that you may read it");
+    }
+    content_.resize(file.Size());
     if (!file.read(content_.data(),
                    static_cast<std::streamsize>(content_.size()))) {
       Fail(ErrorCode::kIo, "the file cannot be read", "check its permissions");

@@ -3,10 +3,11 @@
 
 #include "colmap_tsar/import/byte_reader.h"
 
+#include "colmap_tsar/base/input_file.h"
+
 #include <algorithm>
 #include <bit>
-#include <fstream>
-#include <system_error>
+#include <string>
 
 namespace tsar {
 
@@ -15,23 +16,21 @@ static_assert(std::endian::native == std::endian::little,
 
 std::vector<uint8_t> ReadFileBytes(const std::filesystem::path& path,
                                    size_t max_num_bytes) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
+  InputFile file(path);
+  if (file.IsMissing()) {
     throw Error::File(
         ErrorCode::kNotFound, path.string(), "no such file", "check the path");
   }
-  const uintmax_t num_bytes = std::filesystem::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  std::vector<uint8_t> bytes(
-      error || !file ? 0 : std::min<size_t>(num_bytes, max_num_bytes));
-  if (!error) {
-    file.read(reinterpret_cast<char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  }
-  if (error || !file) {
+  std::vector<uint8_t> bytes(std::min<size_t>(file.Size(), max_num_bytes));
+  file.read(reinterpret_cast<char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  if (!file) {
     throw Error::File(ErrorCode::kIo,
                       path.string(),
-                      "cannot be read",
+                      "cannot be read (" +
+                          (file.Reason().empty() ? std::string("reading failed")
+                                                 : file.Reason()) +
+                          ")",
                       "check that it is a file and that you may read it");
   }
   return bytes;

@@ -4,10 +4,10 @@
 #include "colmap_tsar/import/image_order.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <numeric>
 #include <set>
 #include <system_error>
@@ -26,12 +26,12 @@ std::string Trimmed(const std::string& text) {
 // The images by their numbers, from a file.
 std::vector<int> ReadImageList(const std::filesystem::path& path,
                                const SparseModel& model) {
-  std::error_code error;
-  std::ifstream file(path);
-  if (!file || !std::filesystem::is_regular_file(path, error)) {
+  InputFile file(path);
+  if (!file) {
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
-                      "the list of images is missing or cannot be read",
+                      "the list of images is missing or cannot be read (" +
+                          file.Reason() + ")",
                       "check --image_list");
   }
   std::vector<int> images;

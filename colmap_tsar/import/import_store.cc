@@ -4,16 +4,20 @@
 #include "colmap_tsar/import/import_store.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/content_hash.h"
+#include "colmap_tsar/workspace/folder.h"
+#include "colmap_tsar/workspace/map_state.h"
 #include "colmap_tsar/workspace/output_workspace.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
+#include "colmap_tsar/workspace/superseded.h"
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <map>
 #include <optional>
+#include <set>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -31,32 +35,36 @@ constexpr size_t kDepth = 0;
 constexpr size_t kNormal = 1;
 constexpr size_t kCost = 2;
 
-// The fingerprints of all files that imports may have left under a map's name,
-// for each of kFolders.
-using Record = std::array<std::vector<uint64_t>, kFolders.size()>;
+// The maps that imports may have left under a name, for each of kFolders.
+using Record = std::array<std::vector<WrittenMap>, kFolders.size()>;
 
 std::string KeyOf(const std::string& image_name, MapType type) {
   return image_name + "." + ToString(type);
 }
 
-std::filesystem::path CurrentPath(const std::filesystem::path& root,
-                                  size_t kind,
-                                  const std::string& key) {
-  return root / "stereo" / kFolders[kind] / (key + ".bin");
+ContainedPath CurrentPath(const std::filesystem::path& root,
+                          size_t kind,
+                          const std::string& key) {
+  return {root,
+          std::filesystem::path("stereo") / kFolders[kind] / (key + ".bin")};
 }
 
-std::filesystem::path FormerPath(const std::filesystem::path& root,
-                                 size_t kind,
-                                 const std::string& key) {
-  return GetImportFolder(root) / "former" / kFolders[kind] / (key + ".bin");
+ContainedPath FormerFolder(const std::filesystem::path& root, size_t kind) {
+  return GetImportFolder(root) / "former" / kFolders[kind];
 }
 
-std::filesystem::path RecordFolder(const std::filesystem::path& root) {
+ContainedPath FormerPath(const std::filesystem::path& root,
+                         size_t kind,
+                         const std::string& key) {
+  return FormerFolder(root, kind) / (key + ".bin");
+}
+
+ContainedPath RecordFolder(const std::filesystem::path& root) {
   return GetImportFolder(root) / "records";
 }
 
-std::filesystem::path RecordPath(const std::filesystem::path& root,
-                                 const std::string& key) {
+ContainedPath RecordPath(const std::filesystem::path& root,
+                         const std::string& key) {
   return RecordFolder(root) / (key + ".json");
 }
 
@@ -65,101 +73,164 @@ bool Exists(const std::filesystem::path& path) {
   return std::filesystem::exists(path, error);
 }
 
-// Empty lists where there is no record.
-Record ReadImportRecord(const std::filesystem::path& path) {
-  Record record;
-  if (!Exists(path)) {
-    return record;
+// Nothing where there is no record.
+std::optional<Record> ReadImportRecord(const std::filesystem::path& path) {
+  InputFile file(path);
+  if (file.IsMissing()) {
+    return std::nullopt;
   }
-  std::ifstream file(path);
+  Record record;
   try {
     const nlohmann::json json = nlohmann::json::parse(file);
     for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-      record[kind] = json.at(kFolders[kind]).get<std::vector<uint64_t>>();
+      for (const nlohmann::json& entry : json.at(kFolders[kind])) {
+        record[kind].push_back(WrittenMapFromText(entry.get<std::string>()));
+      }
     }
+    return record;
   } catch (const nlohmann::json::exception&) {
-    throw Error::File(
-        ErrorCode::kCorrupt,
-        path.string(),
-        "not a record of this program",
-        "look at the maps in stereo/tsar_import/former, move them "
-        "back by hand and delete stereo/tsar_import");
+  } catch (const std::logic_error&) {
+    // A map that is none.
   }
-  return record;
+  throw Error::File(ErrorCode::kCorrupt,
+                    path.string(),
+                    "not a record of this program",
+                    "look at the maps in stereo/tsar_import/former, move them "
+                    "back by hand and delete stereo/tsar_import");
 }
 
-void WriteImportRecord(const std::filesystem::path& path,
-                       const Record& record) {
+void WriteImportRecord(const ContainedPath& path, const Record& record) {
   nlohmann::json json;
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-    json[kFolders[kind]] = record[kind];
+    nlohmann::json list = nlohmann::json::array();
+    for (const WrittenMap& map : record[kind]) {
+      list.push_back(ToText(map));
+    }
+    json[kFolders[kind]] = std::move(list);
   }
-  CreateFolders(path.parent_path());
+  CreateFolders(path.Parent());
   AtomicFile file(path);
   file.Stream() << json.dump(2) << "\n";
   file.Commit();
 }
 
-bool Contains(const std::vector<uint64_t>& hashes, uint64_t hash) {
-  return std::find(hashes.begin(), hashes.end(), hash) != hashes.end();
+bool Contains(const std::vector<WrittenMap>& maps, uint64_t hash) {
+  return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
+    return map.hash == hash;
+  });
 }
 
 // Whether a file is there that no import has written.
 bool IsForeign(const std::filesystem::path& path,
-               const std::vector<uint64_t>& ours) {
+               const std::vector<WrittenMap>& ours) {
   return Exists(path) && (ours.empty() || !Contains(ours, HashFile(path)));
 }
 
 // Removes folders that hold nothing, from `folder` up to below `top`.
-void RemoveEmptyFolders(std::filesystem::path folder,
-                        const std::filesystem::path& top) {
-  std::error_code error;
-  while (folder != top && std::filesystem::remove(folder, error)) {
-    folder = folder.parent_path();
+void RemoveEmptyFoldersUpTo(ContainedPath folder, const ContainedPath& top) {
+  while (folder.Path() != top.Path() && RemoveFolderIfEmpty(folder)) {
+    folder = folder.Parent();
   }
 }
 
-void UndoImage(const std::filesystem::path& root,
-               const std::string& key,
-               UndoResult* result) {
-  Record record = ReadImportRecord(RecordPath(root, key));
-  bool is_newer = false;
-  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-    const std::filesystem::path current = CurrentPath(root, kind, key);
-    const std::filesystem::path former = FormerPath(root, kind, key);
-    // A former map of the same bytes is the link that an interrupted import
-    // made before it changed anything.
-    const bool is_unchanged = Exists(current) && Exists(former) &&
-                              HashFile(current) == HashFile(former);
-    if (IsForeign(current, record[kind]) && !is_unchanged) {
-      is_newer = true;
-      RemoveFile(former);
-    } else if (Exists(former)) {
-      if (Contains(record[kind], HashFile(former))) {
-        // An import wrote the same bytes. Were the next step the last one, the
-        // map would then be taken for an imported one.
-        record[kind].clear();
-        LinkOrCopyFile(former, current);
-        WriteImportRecord(RecordPath(root, key), record);
-      }
-      CreateFolders(current.parent_path());
-      RenameFile(former, current);
-    } else if (Exists(current)) {
-      RemoveFile(current);
+// Undoes the import of one image's maps of one type.
+class ImageUndoer {
+ public:
+  ImageUndoer(const std::filesystem::path& root,
+              const std::string& key,
+              RestoreConflicts conflicts,
+              UndoResult* result)
+      : root_(root), key_(key), conflicts_(conflicts), result_(result) {
+    const std::optional<Record> record =
+        ReadImportRecord(RecordPath(root, key));
+    has_record_ = record.has_value();
+    record_ = record.value_or(Record());
+    for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+      states_[kind] = InspectMap(CurrentPath(root, kind, key),
+                                 FormerPath(root, kind, key),
+                                 has_record_ ? &record_[kind] : nullptr);
     }
   }
-  RemoveEmptyFolders(CurrentPath(root, kCost, key).parent_path(),
-                     root / "stereo");
-  ++result->num_images;
-  result->num_newer += is_newer ? 1 : 0;
-  // Last: an interrupted undo still needs it.
-  RemoveFile(RecordPath(root, key));
+
+  void Run() {
+    const std::filesystem::path depth = CurrentPath(root_, kDepth, key_);
+    const MapOwner owner = FindOwner(states_[kDepth], states_[kNormal]);
+    const bool puts_back = owner == MapOwner::kThisProgram || !has_record_ ||
+                           conflicts_ == RestoreConflicts::kOriginal;
+    if (puts_back) {
+      for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+        Undo(kind);
+      }
+      RemoveEmptyFoldersUpTo(CurrentPath(root_, kCost, key_).Parent(),
+                             ContainedPath(root_, "stereo"));
+      ++result_->num_images;
+      // Last: an interrupted undo still needs it.
+      RemoveFile(RecordPath(root_, key_));
+    } else if (owner == MapOwner::kOtherProgram ||
+               conflicts_ == RestoreConflicts::kKeep) {
+      result_->kept.push_back(depth);
+    } else {
+      result_->conflicts.push_back(depth);
+    }
+  }
+
+ private:
+  void Undo(size_t kind) {
+    const ContainedPath current = CurrentPath(root_, kind, key_);
+    const ContainedPath former = FormerPath(root_, kind, key_);
+    const MapState state = states_[kind];
+    const bool has_former = Exists(former);
+    if (state == MapState::kWritten && !has_former) {
+      RemoveFile(current);
+      return;
+    }
+    const bool is_foreign = state != MapState::kMissing &&
+                            state != MapState::kWritten &&
+                            state != MapState::kOriginal;
+    // Costs that came since are none of an import's business.
+    if (is_foreign && (has_former || kind != kCost)) {
+      result_->superseded.push_back(Supersede(current, current).Path());
+    }
+    if (!has_former) {
+      return;
+    }
+    if (Contains(record_[kind], HashFile(former))) {
+      // An import wrote the same bytes. Were the next step the last one, the
+      // map would then be taken for an imported one.
+      record_[kind].clear();
+      LinkOrCopyFile(former, current);
+      WriteImportRecord(RecordPath(root_, key_), record_);
+    }
+    CreateFolders(current.Parent());
+    RenameFile(former, current);
+  }
+
+  const std::filesystem::path& root_;
+  const std::string& key_;
+  const RestoreConflicts conflicts_;
+  UndoResult* const result_;
+  bool has_record_ = false;
+  Record record_;
+  std::array<MapState, kFolders.size()> states_ = {};
+};
+
+// Adds the keys of the files below a folder.
+void AddKeys(const ContainedPath& folder,
+             std::string_view suffix,
+             std::set<std::string>* keys) {
+  for (const TreeEntry& entry : ListTree(folder)) {
+    const std::string name =
+        entry.path.Path().lexically_relative(folder.Path()).string();
+    if (!entry.is_folder && name.ends_with(suffix)) {
+      keys->insert(name.substr(0, name.size() - suffix.size()));
+    }
+  }
 }
 
 }  // namespace
 
-std::filesystem::path GetImportFolder(const std::filesystem::path& root) {
-  return root / "stereo" / "tsar_import";
+ContainedPath GetImportFolder(const std::filesystem::path& root) {
+  return {root, std::filesystem::path("stereo") / "tsar_import"};
 }
 
 void RequireUnrefined(const std::filesystem::path& root) {
@@ -170,15 +241,11 @@ void RequireUnrefined(const std::filesystem::path& root) {
         "tsar_refine made this workspace from " + source->string(),
         "import into that one");
   }
-  std::error_code error;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(GetTsarFolder(root), error)) {
-    if (entry.path().filename() != WorkspaceLock::kFileName) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        GetTsarFolder(root).string(),
-                        "tsar_refine has worked on this workspace",
-                        "undo that first with tsar_refine --restore 1");
-    }
+  if (HasRunState(root)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      GetTsarFolder(root).string(),
+                      "tsar_refine has worked on this workspace",
+                      "undo that first with tsar_refine --restore 1");
   }
 }
 
@@ -186,9 +253,10 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
                           const std::string& image_name,
                           MapType type) {
   const std::string key = KeyOf(image_name, type);
-  const Record record = ReadImportRecord(RecordPath(root, key));
+  const Record record =
+      ReadImportRecord(RecordPath(root, key)).value_or(Record());
   for (const size_t kind : {kDepth, kNormal}) {
-    const std::filesystem::path path = CurrentPath(root, kind, key);
+    const ContainedPath path = CurrentPath(root, kind, key);
     if (IsForeign(path, record[kind])) {
       throw Error::File(ErrorCode::kUnsupported,
                         path.string(),
@@ -205,26 +273,35 @@ void WriteImported(const std::filesystem::path& root,
                    MapType type,
                    const ImportedMaps& maps) {
   const std::string key = KeyOf(image_name, type);
-  const Record earlier = ReadImportRecord(RecordPath(root, key));
+  const Record earlier =
+      ReadImportRecord(RecordPath(root, key)).value_or(Record());
   Record record = earlier;
   std::vector<AtomicFile> files;
   const bool has_cost = !maps.cost.values.empty();
   for (size_t kind = 0; kind < (has_cost ? 3u : 2u); ++kind) {
-    const std::filesystem::path path = CurrentPath(root, kind, key);
-    CreateFolders(path.parent_path());
+    const ContainedPath path = CurrentPath(root, kind, key);
+    CreateFolders(path.Parent());
     AtomicFile& file = files.emplace_back(path);
-    const uint64_t hash = kind == kDepth    ? PutDepthMap(maps.depth, &file)
-                          : kind == kNormal ? PutNormalMap(maps.normal, &file)
-                                            : PutPlanarMap(maps.cost, &file);
+    WrittenMap written = kind == kDepth    ? PutDepthMap(maps.depth, &file)
+                         : kind == kNormal ? PutNormalMap(maps.normal, &file)
+                                           : PutPlanarMap(maps.cost, &file);
     file.Prepare();
-    if (!Contains(record[kind], hash)) {
-      record[kind].push_back(hash);
+    written.time = file.Time();
+    if (!Contains(record[kind], written.hash)) {
+      record[kind].push_back(std::move(written));
     }
   }
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-    const std::filesystem::path current = CurrentPath(root, kind, key);
+    const ContainedPath current = CurrentPath(root, kind, key);
+    const ContainedPath former = FormerPath(root, kind, key);
     if (IsForeign(current, earlier[kind])) {
-      LinkOrCopyFile(current, FormerPath(root, kind, key));
+      std::error_code error;
+      if (Exists(former) &&
+          !std::filesystem::equivalent(former, current, error)) {
+        // What was there before an earlier import.
+        Supersede(former, current);
+      }
+      LinkOrCopyFile(current, former);
     }
   }
   WriteImportRecord(RecordPath(root, key), record);
@@ -237,19 +314,14 @@ void WriteImported(const std::filesystem::path& root,
   }
 }
 
-UndoResult UndoImport(const std::filesystem::path& root) {
+UndoResult UndoImport(const std::filesystem::path& root,
+                      RestoreConflicts conflicts) {
   RequireUnrefined(root);
-  const std::filesystem::path records = RecordFolder(root);
-  constexpr std::string_view kSuffix = ".json";
-  std::vector<std::string> keys;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator it(records, error), end;
-       !error && it != end;
-       it.increment(error)) {
-    const std::string name = it->path().lexically_relative(records).string();
-    if (!it->is_directory() && name.ends_with(kSuffix)) {
-      keys.push_back(name.substr(0, name.size() - kSuffix.size()));
-    }
+  std::set<std::string> keys;
+  AddKeys(RecordFolder(root), ".json", &keys);
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    // An import that was killed may have no record yet.
+    AddKeys(FormerFolder(root, kind), ".bin", &keys);
   }
   if (keys.empty()) {
     throw Error::File(ErrorCode::kNotFound,
@@ -258,14 +330,20 @@ UndoResult UndoImport(const std::filesystem::path& root) {
                       "check --workspace_path");
   }
   UndoResult result;
+  // All is looked at before the first file is changed.
+  std::vector<ImageUndoer> images;
   for (const std::string& key : keys) {
-    UndoImage(root, key, &result);
+    images.emplace_back(root, key, conflicts, &result);
+  }
+  for (ImageUndoer& image : images) {
+    image.Run();
   }
   // Also those of images that have no record yet.
   for (const char* folder : kFolders) {
-    RemoveTemporaries(root / "stereo" / folder);
+    RemoveTemporaries({root, std::filesystem::path("stereo") / folder});
   }
-  std::filesystem::remove_all(GetImportFolder(root), error);
+  RemoveTemporaries(GetImportFolder(root));
+  RemoveEmptyFolders(GetImportFolder(root));
   return result;
 }
 

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/import/import_summary.h"
 
+#include "colmap_tsar/base/printable.h"
+
 #include <algorithm>
 #include <cstdio>
 
@@ -55,15 +57,15 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
   constexpr size_t kMaxWarnings = 20;
   const size_t num_shown = std::min(summary.warnings.size(), kMaxWarnings);
   for (size_t i = 0; i < num_shown; ++i) {
-    out << "WARNING: " << summary.warnings[i] << "\n";
+    out << "WARNING: " << Printable(summary.warnings[i]) << "\n";
   }
   if (num_shown < summary.warnings.size()) {
     out << "WARNING: and " << summary.warnings.size() - num_shown
         << " more like these\n";
   }
   out << "Next: colmap_tsar tsar_refine --workspace_path "
-      << summary.workspace_path.string() << " --input_type "
-      << ToString(summary.type) << "\n";
+      << ShellWord(Printable(summary.workspace_path.string()))
+      << " --input_type " << ToString(summary.type) << "\n";
 }
 
 }  // namespace tsar

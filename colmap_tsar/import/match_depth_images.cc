@@ -5,6 +5,7 @@
 #include "colmap_tsar/import/depth_image.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
+#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
 #include <map>
@@ -67,12 +68,9 @@ class NamedFiles {
  private:
   static std::vector<Path> ListDepthImages(const Path& folder) {
     std::vector<Path> files;
-    std::error_code error;
-    for (std::filesystem::recursive_directory_iterator it(folder, error), end;
-         !error && it != end;
-         it.increment(error)) {
-      if (IsFile(it->path()) && IsDepthImageName(it->path())) {
-        files.push_back(it->path());
+    for (const TreeEntry& entry : ListTree({folder, {}})) {
+      if (IsFile(entry.path) && IsDepthImageName(entry.path)) {
+        files.push_back(entry.path);
       }
     }
     std::sort(files.begin(), files.end());

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/import/match_formats.h"
+#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
 #include <string>
@@ -25,14 +26,13 @@ std::filesystem::path Normalized(const std::filesystem::path& path) {
 std::vector<std::filesystem::path> ListEntries(
     const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> entries;
-  std::error_code error;
-  for (std::filesystem::directory_iterator it(folder, error), end;
-       !error && it != end;
-       it.increment(error)) {
-    entries.push_back(it->path());
+  // What is none has no entries; one that cannot be listed is an error.
+  if (IsFolder(folder)) {
+    const Folder open({folder, {}});
+    for (const Folder::Entry& entry : open.List()) {
+      entries.push_back(folder / entry.name);
+    }
   }
-  // The order of a folder's entries is the file system's.
-  std::sort(entries.begin(), entries.end());
   return entries;
 }
 

@@ -13,7 +13,7 @@
 namespace tsar {
 namespace {
 
-void WriteTextFile(const std::filesystem::path& path, const std::string& text) {
+void WriteTextFile(const ContainedPath& path, const std::string& text) {
   AtomicFile file(path);
   file.Stream() << text;
   file.Commit();
@@ -55,17 +55,19 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
 }
 
 StereoFolder::StereoFolder(const std::filesystem::path& root)
-    : path_(root / "stereo") {
+    : path_(root, "stereo") {
   std::error_code error;
-  is_new_ = !std::filesystem::exists(path_, error);
+  is_new_ = !std::filesystem::exists(path_.Path(), error);
   CreateFolders(path_);
 }
 
 StereoFolder::~StereoFolder() {
-  std::error_code error;
   if (is_new_) {
-    // Fails, as it should, where something is in it.
-    std::filesystem::remove(path_, error);
+    try {
+      RemoveFolderIfEmpty(path_);
+    } catch (const std::exception&) {
+      // It stays, empty.
+    }
   }
 }
 
@@ -78,11 +80,11 @@ void WriteMissingConfigs(const std::filesystem::path& root,
     fusion += image.name + "\n";
   }
   std::error_code error;
-  const std::filesystem::path stereo = root / "stereo";
-  if (!std::filesystem::exists(stereo / "patch-match.cfg", error)) {
+  const ContainedPath stereo(root, "stereo");
+  if (!std::filesystem::exists((stereo / "patch-match.cfg").Path(), error)) {
     WriteTextFile(stereo / "patch-match.cfg", patch_match);
   }
-  if (!std::filesystem::exists(stereo / "fusion.cfg", error)) {
+  if (!std::filesystem::exists((stereo / "fusion.cfg").Path(), error)) {
     WriteTextFile(stereo / "fusion.cfg", fusion);
   }
 }

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
 #include "colmap_tsar/workspace/sparse_model.h"
 
 #include <filesystem>
@@ -24,7 +25,7 @@ class StereoFolder {
   StereoFolder& operator=(const StereoFolder&) = delete;
 
  private:
-  std::filesystem::path path_;
+  ContainedPath path_;
   bool is_new_ = false;
 };
 

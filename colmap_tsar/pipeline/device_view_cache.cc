@@ -30,9 +30,14 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
     }
     const size_t num_bytes = 2 * sizeof(float) * view.depth.NumPixels();
     spare = MakeRoom(num_bytes);
-    images_.push_front(image);
-    entries_[image] = {
-        nullptr, promise.get_future().share(), num_bytes, images_.begin()};
+    // All that may fail comes first.
+    std::list<int> position = {image};
+    entries_.emplace(image,
+                     Entry{nullptr,
+                           promise.get_future().share(),
+                           num_bytes,
+                           position.begin()});
+    images_.splice(images_.begin(), position);
     num_bytes_ += num_bytes;
   }
   View uploaded;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/evidence_store.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/evidence_file.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
@@ -14,7 +15,7 @@
 namespace tsar {
 namespace {
 
-std::filesystem::path EvidenceFolder(const Workspace& workspace) {
+ContainedPath EvidenceFolder(const Workspace& workspace) {
   return GetTsarFolder(workspace.Root()) / "evidence";
 }
 
@@ -88,18 +89,10 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
 }
 
 void EvidenceStore::Clear(const Workspace& workspace) {
-  const std::filesystem::path folder = EvidenceFolder(workspace);
-  std::error_code error;
-  std::filesystem::remove_all(folder, error);
-  if (error) {
-    throw Error::File(ErrorCode::kIo,
-                      folder.string(),
-                      "cannot be removed: " + error.message(),
-                      "remove the folder by hand");
-  }
+  RemoveTree(EvidenceFolder(workspace));
 }
 
-std::filesystem::path EvidenceStore::Path(int image) const {
+ContainedPath EvidenceStore::Path(int image) const {
   const std::string& name =
       workspace_.Model().images[static_cast<size_t>(image)].name;
   return EvidenceFolder(workspace_) /

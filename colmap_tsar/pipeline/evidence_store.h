@@ -58,7 +58,7 @@ class EvidenceStore {
   static void Clear(const Workspace& workspace);
 
  private:
-  std::filesystem::path Path(int image) const;
+  ContainedPath Path(int image) const;
 
   // Of what the evidence of a reference is made, and with which options.
   std::string Fingerprint(int image);

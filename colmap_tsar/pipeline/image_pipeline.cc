@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/pipeline/image_pipeline.h"
 
+#include "colmap_tsar/base/start_thread.h"
+
 #include <chrono>
 #include <optional>
 #include <thread>
@@ -31,15 +33,17 @@ void ImagePipeline::Run(size_t num_workers) {
   num_computing_ = num_workers;
   {
     std::vector<std::jthread> threads;
+    threads.reserve(static_cast<size_t>(sizes_.num_writers) + num_workers +
+                    static_cast<size_t>(sizes_.num_loaders));
     try {
       for (int i = 0; i < sizes_.num_writers; ++i) {
-        threads.emplace_back([this] { WriteImages(); });
+        threads.push_back(StartThread([this] { WriteImages(); }));
       }
       for (size_t i = 0; i < num_workers; ++i) {
-        threads.emplace_back([this, i] { ComputeImages(i); });
+        threads.push_back(StartThread([this, i] { ComputeImages(i); }));
       }
       for (int i = 0; i < sizes_.num_loaders; ++i) {
-        threads.emplace_back([this] { LoadImages(); });
+        threads.push_back(StartThread([this] { LoadImages(); }));
       }
     } catch (...) {
       // The system gives no more threads: those that there are shall end.

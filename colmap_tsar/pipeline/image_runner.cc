@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/image_runner.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/workspace/write_back.h"
 
@@ -13,8 +14,6 @@
 #include <iterator>
 #include <optional>
 #include <utility>
-
-#include <glog/logging.h>
 
 namespace tsar {
 namespace {
@@ -385,7 +384,7 @@ void ImageRunner::WarnOfChanges(size_t index) {
           ? "it was refined by another version"
           : inputs_.ChangesOfResult(image, record->inputs);
   if (!reason.empty()) {
-    LOG(WARNING) << Name(image) << ": refined again, since " << reason;
+    Warn(Name(image) + ": refined again, since " + reason);
   }
 }
 

@@ -4,6 +4,8 @@
 #include "colmap_tsar/pipeline/refine_devices.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 
@@ -12,11 +14,8 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
-#include <sstream>
 #include <thread>
 #include <utility>
-
-#include <glog/logging.h>
 
 namespace tsar {
 namespace {
@@ -112,7 +111,7 @@ class GpuOpener {
       throw Error(*not_opened_);
     }
     for (const std::string& warning : warnings_) {
-      LOG(WARNING) << warning;
+      Warn(warning);
     }
     return std::move(opened_);
   }
@@ -172,7 +171,7 @@ std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
     opened = opener.Take(is_auto);
   }
   if (opened.empty()) {
-    LOG(WARNING) << "there is no GPU that can be used; going on with the CPU";
+    Warn("there is no GPU that can be used; going on with the CPU");
   }
   return opened;
 }
@@ -190,8 +189,8 @@ void AddDevices(int num_images,
       const auto failure =
           Attempt([&] { gpu.devices.push_back(gpus.create(gpu.index)); });
       if (failure) {
-        LOG(WARNING) << failure->what() << "; " << gpu.name << " works on "
-                     << gpu.devices.size() << " image at a time";
+        Warn(failure->what() + ("; " + gpu.name) + " works on " +
+             std::to_string(gpu.devices.size()) + " image at a time");
         gpu.max_num_workers = round;
       } else {
         --num_left;
@@ -325,7 +324,7 @@ double Gigabytes(int64_t num_bytes) {
 
 // To a tenth, and not less.
 std::string GigabytesText(int64_t num_bytes) {
-  std::ostringstream text;
+  TextStream text;
   text << std::ceil(Gigabytes(num_bytes) * 10) / 10 << " GB";
   return text.str();
 }
@@ -379,11 +378,11 @@ class MemoryDivision {
                       WhatFits(budget.machine_bytes, needed, num_workers));
     }
     if (needed > budget.num_bytes) {
-      LOG(WARNING) << WhatNeeds(overview_, needed) << ", more than "
-                   << LimitText(budget, cache_size)
-                   << "; the run takes that much. If it is not there, run "
-                      "patch_match_stereo with fewer source images or a "
-                      "smaller --PatchMatchStereo.max_image_size";
+      Warn(WhatNeeds(overview_, needed) + ", more than " +
+           LimitText(budget, cache_size) +
+           "; the run takes that much. If it is not there, run "
+           "patch_match_stereo with fewer source images or a smaller "
+           "--PatchMatchStereo.max_image_size");
     }
   }
 
@@ -400,7 +399,7 @@ class MemoryDivision {
   }
 
   static std::string LimitText(const MemoryBudget& budget, double cache_size) {
-    std::ostringstream text;
+    TextStream text;
     if (budget.IsBoundByMachine(cache_size)) {
       text << "four fifths of the " << GigabytesText(budget.machine_bytes)
            << " that this machine gives";

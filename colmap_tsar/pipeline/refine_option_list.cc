@@ -3,13 +3,13 @@
 
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/workspace/content_hash.h"
 
 #include <charconv>
 #include <cstdint>
 #include <iomanip>
-#include <sstream>
 #include <system_error>
 #include <type_traits>
 
@@ -227,7 +227,7 @@ std::string HashRefineOptions(const RefineOptions& options) {
   }
   ContentHash hash;
   hash.Update(text.data(), text.size());
-  std::ostringstream hex;
+  TextStream hex;
   hex << std::hex << std::setfill('0') << std::setw(16) << hash.Value();
   return hex.str();
 }

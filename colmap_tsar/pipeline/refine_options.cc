@@ -4,9 +4,9 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
-#include <sstream>
 #include <type_traits>
 
 namespace tsar {
@@ -18,7 +18,7 @@ void CheckRange(const RefineField& field, const T* value) {
     // Not the negation, which NaN would pass.
     const bool is_inside = *value >= field.min && *value <= field.max;
     if (!is_inside) {
-      std::ostringstream text;
+      TextStream text;
       text << "TsarRefine." << field.name << ": " << *value
            << " makes no sense; give a value from " << field.min << " to "
            << field.max;

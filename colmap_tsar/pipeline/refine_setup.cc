@@ -3,40 +3,22 @@
 
 #include "colmap_tsar/pipeline/refine_setup.h"
 
+#include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/workspace_check.h"
 
 #include <algorithm>
 #include <exception>
-#include <sstream>
-
-#include <glog/logging.h>
-#include <opencv2/core.hpp>
 
 namespace tsar {
-
-OpenCvWithoutThreads::OpenCvWithoutThreads() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (num_alive_++ == 0) {
-    num_threads_before_ = cv::getNumThreads();
-    cv::setNumThreads(1);
-  }
-}
-
-OpenCvWithoutThreads::~OpenCvWithoutThreads() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (--num_alive_ == 0) {
-    cv::setNumThreads(num_threads_before_);
-  }
-}
 
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   Workspace workspace(options.workspace_path,
                       options.input_type.value_or(MapType::kGeometric));
   if (!options.input_type && !HasAnyMap(workspace, MapType::kGeometric) &&
       HasAnyMap(workspace, MapType::kPhotometric)) {
-    LOG(WARNING) << options.workspace_path.string()
-                 << ": there are no geometric maps; refining the photometric "
-                    "ones";
+    Warn(options.workspace_path.string() +
+         ": there are no geometric maps; refining the photometric ones");
     return Workspace(options.workspace_path, MapType::kPhotometric);
   }
   return workspace;
@@ -44,7 +26,7 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
 
 std::map<std::string, std::string> RuntimeText(
     const WorkspaceRefineOptions& options, const RefineDevices& devices) {
-  std::ostringstream cache_size;
+  TextStream cache_size;
   cache_size << options.cache_size;
   std::map<std::string, std::string> text = {
       {"device", options.device},

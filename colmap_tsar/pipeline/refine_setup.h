@@ -10,28 +10,11 @@
 #include "colmap_tsar/workspace/workspace.h"
 
 #include <map>
-#include <mutex>
 #include <string>
 
 namespace tsar {
 
 // What runs over all images of a workspace and over a part of them share.
-
-// While one of these lives, OpenCV uses no threads of its own: images are
-// worked on side by side, and its threads would only compete with them. The
-// number is the whole process's, so that the last one puts it back.
-class OpenCvWithoutThreads {
- public:
-  OpenCvWithoutThreads();
-  ~OpenCvWithoutThreads();
-  OpenCvWithoutThreads(const OpenCvWithoutThreads&) = delete;
-  OpenCvWithoutThreads& operator=(const OpenCvWithoutThreads&) = delete;
-
- private:
-  static inline std::mutex mutex_;
-  static inline int num_alive_ = 0;
-  static inline int num_threads_before_ = 0;
-};
 
 // With the type of maps that was asked for, or that there is.
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options);

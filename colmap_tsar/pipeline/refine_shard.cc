@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_shard.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
 #include "colmap_tsar/pipeline/image_runner.h"
@@ -54,12 +55,15 @@ class ShardRun {
     if (workspace_.IsOutput()) {
       // So that nobody changes the originals while they are read.
       input_lock_.emplace(workspace_.SourceRoot(),
-                          WorkspaceLock::Mode::kShared);
+                          WorkspaceLock::Mode::kSharedIfThere);
     }
   }
 
   RunSummary Run() {
     const WorkspaceOverview overview = CheckWorkspace(workspace_);
+    if (pass_ == RefinePass::kObserve) {
+      CheckOriginals(workspace_);
+    }
     if (!Images().empty()) {
       devices_ = CreateRefineDevices(
           workspace_options_, overview, static_cast<int>(Images().size()));

@@ -4,6 +4,8 @@
 #include "colmap_tsar/pipeline/refine_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
@@ -48,11 +50,7 @@ void MarkFailures(const ImagePipeline& pipeline,
       continue;
     }
     Manifest::Entry& entry = manifest->images[i];
-    try {
-      std::rethrow_exception(pipeline.Failures()[i]);
-    } catch (const std::exception& error) {
-      entry.note = error.what();
-    }
+    entry.note = FailureText(pipeline.Failures()[i]);
     if (WasRefinedBefore(runner, i)) {
       // It was only to be observed, and its maps are as good as before.
       entry.note = "cannot be observed for other images: " + entry.note;
@@ -121,9 +119,13 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   }
   if (!in_place || workspace.IsOutput()) {
     // So that nobody changes the originals while they are read.
-    input_lock.emplace(workspace.SourceRoot(), WorkspaceLock::Mode::kShared);
+    input_lock.emplace(workspace.SourceRoot(),
+                       workspace.IsOutput()
+                           ? WorkspaceLock::Mode::kSharedIfThere
+                           : WorkspaceLock::Mode::kShared);
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
+  CheckOriginals(workspace);
   RefineDevices devices =
       CreateRefineDevices(workspace_options,
                           overview,

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/pipeline/run_summary.h"
 
+#include "colmap_tsar/base/printable.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <utility>
@@ -30,10 +32,8 @@ int64_t Count(const RunSummary& summary, const std::string& name) {
   return found == summary.counts.end() ? 0 : found->second;
 }
 
-// As a shell takes it for one word.
 std::string Quoted(const std::filesystem::path& path) {
-  const std::string text = path.string();
-  return text.find(' ') == std::string::npos ? text : "'" + text + "'";
+  return ShellWord(Printable(path.string()));
 }
 
 std::string Images(int64_t count) {
@@ -61,7 +61,8 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
   }
   out << "\n";
   for (size_t i = 0; i < std::min(summary.kept.size(), kMaxKeptListed); ++i) {
-    out << "  kept " << summary.kept[i].name << ": " << summary.kept[i].reason
+    out << "  kept "
+        << Printable(summary.kept[i].name + ": " + summary.kept[i].reason)
         << "\n";
   }
   if (summary.kept.size() > kMaxKeptListed) {
@@ -98,7 +99,7 @@ void PrintPixels(const RunSummary& summary, std::ostream& out) {
 
 void PrintTimes(const RunSummary& summary, std::ostream& out) {
   out << "Time: " << Fixed(summary.wall_seconds, 1) << " s on "
-      << summary.device;
+      << Printable(summary.device);
   if (summary.num_workers > 1) {
     out << ", " << Images(summary.num_workers) << " at a time";
   }
@@ -115,7 +116,7 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
   out << "  seconds per image:";
   const char* separator = " ";
   for (const auto& [negative_seconds, stage] : stages) {
-    out << separator << stage << " "
+    out << separator << Printable(stage) << " "
         << Fixed(-negative_seconds / summary.num_refined, 3);
     separator = ", ";
   }

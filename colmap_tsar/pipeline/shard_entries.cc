@@ -4,6 +4,8 @@
 #include "colmap_tsar/pipeline/shard_entries.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_setup.h"
 #include "colmap_tsar/workspace/atomic_file.h"
@@ -13,7 +15,6 @@
 #include <system_error>
 #include <utility>
 
-#include <glog/logging.h>
 #include <unistd.h>
 
 namespace tsar {
@@ -69,9 +70,9 @@ void WarnOfOtherMachine(const ShardRecord& own, const ShardRecord& earlier) {
   const auto host = earlier.runtime.find("host");
   if (!earlier.is_complete && host != earlier.runtime.end() &&
       host->second != own.runtime.at("host")) {
-    LOG(WARNING) << "shard " << own.index << " of " << own.count
-                 << " was begun on " << host->second
-                 << " and has not come to its end; going on with it here";
+    Warn("shard " + std::to_string(own.index) + " of " +
+         std::to_string(own.count) + " was begun on " + host->second +
+         " and has not come to its end; going on with it here");
   }
 }
 
@@ -116,8 +117,7 @@ std::map<std::string, std::string> ShardRuntime(
 
 void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   RequireNoOtherWork(root, own);
-  const std::filesystem::path path =
-      GetShardPath(root, own.pass, own.index, own.count);
+  const ContainedPath path = GetShardPath(root, own.pass, own.index, own.count);
   const std::optional<ShardRecord> earlier = ReadIfThere(path);
   if (earlier) {
     WarnOfOtherMachine(own, *earlier);
@@ -129,8 +129,7 @@ void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   } catch (const Error&) {
     if (!earlier) {
       RemoveFile(path);
-      std::error_code error;
-      std::filesystem::remove(GetShardFolder(root), error);
+      RemoveFolderIfEmpty(GetShardFolder(root));
     }
     throw;
   }
@@ -236,11 +235,7 @@ bool NoteFailures(const std::vector<std::exception_ptr>& failures,
       continue;
     }
     has_failure = true;
-    try {
-      std::rethrow_exception(failures[i]);
-    } catch (const std::exception& error) {
-      record->images[i].note = error.what();
-    }
+    record->images[i].note = FailureText(failures[i]);
   }
   return has_failure;
 }

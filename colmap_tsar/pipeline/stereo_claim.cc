@@ -4,14 +4,14 @@
 #include "colmap_tsar/pipeline/stereo_claim.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/pipeline/stereo_inputs.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/originals.h"
 
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 namespace tsar {
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string ReadText(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  InputFile file(path);
   return std::string(std::istreambuf_iterator<char>(file),
                      std::istreambuf_iterator<char>());
 }
@@ -32,6 +32,7 @@ void RequireUnrefined(const MapPaths& paths) {
                       "has been refined",
                       "run tsar_refine with --restore 1 first");
   }
+  RequireNoStrayResults(paths);
 }
 
 Error Foreign(const fs::path& path) {
@@ -52,15 +53,15 @@ Error Changed(const Workspace& workspace, const StereoChange& change) {
 
 }  // namespace
 
-fs::path GetStereoFolder(const Workspace& workspace) {
-  return workspace.Root() / "stereo" / "tsar_stereo";
+ContainedPath GetStereoFolder(const Workspace& workspace) {
+  return {workspace.Root(), fs::path("stereo") / "tsar_stereo"};
 }
 
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
                bool overwrite) {
-  const fs::path options_path = GetStereoFolder(workspace) / "options.txt";
-  const fs::path inputs_path = GetStereoFolder(workspace) / "inputs.txt";
+  const ContainedPath options_path = GetStereoFolder(workspace) / "options.txt";
+  const ContainedPath inputs_path = GetStereoFolder(workspace) / "inputs.txt";
   const StereoInputs inputs = FindStereoInputs(workspace, options);
   std::optional<StereoInputs> known;
   std::optional<StereoChange> change;
@@ -70,7 +71,7 @@ void ClaimMaps(const Workspace& workspace,
   }
   const bool goes_on = known && !change;
   // All of it is looked at before the first file goes.
-  std::vector<fs::path> foreign;
+  std::vector<ContainedPath> foreign;
   for (const StereoProblem& problem : workspace.Problems()) {
     const std::string& name =
         workspace.Model().images[static_cast<size_t>(problem.reference)].name;
@@ -80,7 +81,8 @@ void ClaimMaps(const Workspace& workspace,
       if (goes_on && known->contains(name)) {
         continue;
       }
-      for (const fs::path& path : {paths.depth, paths.normal, paths.cost}) {
+      for (const ContainedPath& path :
+           {paths.depth, paths.normal, paths.cost}) {
         if (fs::exists(path)) {
           foreign.push_back(path);
         }
@@ -90,7 +92,7 @@ void ClaimMaps(const Workspace& workspace,
   if (!foreign.empty() && !overwrite) {
     throw change ? Changed(workspace, *change) : Foreign(foreign.front());
   }
-  for (const fs::path& path : foreign) {
+  for (const ContainedPath& path : foreign) {
     RemoveFile(path);
   }
   if (goes_on) {
@@ -103,8 +105,7 @@ void ClaimMaps(const Workspace& workspace,
     }
     return;
   }
-  std::error_code ignored;
-  fs::remove_all(GetStereoFolder(workspace), ignored);
+  RemoveTree(GetStereoFolder(workspace));
   CreateFolders(GetStereoFolder(workspace));
   WriteStereoInputs(inputs_path, inputs);
   // Last: without it, nothing counts.

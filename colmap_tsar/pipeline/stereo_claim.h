@@ -6,13 +6,11 @@
 #include "colmap_tsar/pipeline/stereo_options.h"
 #include "colmap_tsar/workspace/workspace.h"
 
-#include <filesystem>
-
 namespace tsar {
 
 // stereo/tsar_stereo: what MatchWorkspace keeps between the passes and from run
 // to run.
-std::filesystem::path GetStereoFolder(const Workspace& workspace);
+ContainedPath GetStereoFolder(const Workspace& workspace);
 
 // Sees to it that all maps there are of the images to match are those that a
 // run with these options on these inputs makes, of which a former run may have

@@ -4,12 +4,12 @@
 #include "colmap_tsar/pipeline/stereo_inputs.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -105,7 +105,7 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
 
 std::optional<StereoInputs> ReadStereoInputs(
     const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  InputFile file(path);
   if (!file) {
     return std::nullopt;
   }
@@ -126,7 +126,7 @@ std::optional<StereoInputs> ReadStereoInputs(
   return inputs;
 }
 
-void WriteStereoInputs(const std::filesystem::path& path,
+void WriteStereoInputs(const ContainedPath& path,
                        const StereoInputs& inputs) {
   AtomicFile file(path);
   for (const auto& [name, state] : inputs) {

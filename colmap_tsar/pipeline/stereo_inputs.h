@@ -37,7 +37,7 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
 
 // As a file of text. Nothing where there is no such file or it is not whole.
 std::optional<StereoInputs> ReadStereoInputs(const std::filesystem::path& path);
-void WriteStereoInputs(const std::filesystem::path& path,
+void WriteStereoInputs(const ContainedPath& path,
                        const StereoInputs& inputs);
 
 // The first image that is in both and differs, what does, and how many other

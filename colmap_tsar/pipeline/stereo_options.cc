@@ -4,8 +4,7 @@
 #include "colmap_tsar/pipeline/stereo_options.h"
 
 #include "colmap_tsar/base/error.h"
-
-#include <sstream>
+#include "colmap_tsar/base/text_stream.h"
 
 namespace tsar {
 
@@ -26,7 +25,7 @@ void StereoOptions::Check() const {
 }
 
 std::string StereoOptions::Text() const {
-  std::ostringstream text;
+  TextStream text;
   text.precision(17);
   text << "version " << TSAR_VERSION << "\nmax_image_size " << max_image_size
        << "\ndepth_min " << depth_min << "\ndepth_max " << depth_max

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/stereo_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/pipeline/image_runner.h"
 #include "colmap_tsar/pipeline/memory_plan.h"
 #include "colmap_tsar/pipeline/refine_devices.h"
@@ -24,11 +25,10 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
-
-#include <glog/logging.h>
 
 namespace tsar {
 namespace {
@@ -36,13 +36,13 @@ namespace {
 namespace fs = std::filesystem;
 
 struct MapFiles {
-  fs::path depth;
-  fs::path normal;
-  fs::path cost;  // Empty between the passes.
+  ContainedPath depth;
+  ContainedPath normal;
+  std::optional<ContainedPath> cost;  // Not between the passes.
 
   bool Exist() const {
     return fs::exists(depth) && fs::exists(normal) &&
-           (cost.empty() || fs::exists(cost));
+           (!cost || fs::exists(*cost));
   }
 };
 
@@ -62,11 +62,11 @@ class Passes {
     if (pass > 0 && pass < num_geometric_) {
       const std::string key =
           workspace_.Model().images[static_cast<size_t>(image)].name;
-      const fs::path folder =
+      const ContainedPath folder =
           GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
       return {folder / "depth" / (key + ".bin"),
               folder / "normal" / (key + ".bin"),
-              {}};
+              std::nullopt};
     }
     const MapPaths paths = workspace_.Paths(
         image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
@@ -76,10 +76,8 @@ class Passes {
   // Once the last pass is done.
   void RemoveFilesBetween() const {
     for (int pass = 1; pass < num_geometric_; ++pass) {
-      std::error_code ignored;
-      fs::remove_all(
-          GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass)),
-          ignored);
+      RemoveTree(GetStereoFolder(workspace_) /
+                 ("pass_" + std::to_string(pass)));
     }
   }
 
@@ -89,12 +87,10 @@ class Passes {
 };
 
 void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
-  for (const fs::path& path : {files.depth, files.normal, files.cost}) {
-    if (!path.empty()) {
-      CreateFolders(path.parent_path());
-    }
-  }
-  if (!files.cost.empty()) {
+  CreateFolders(files.depth.Parent());
+  CreateFolders(files.normal.Parent());
+  if (files.cost) {
+    CreateFolders(files.cost->Parent());
     PlanarMap costs;
     costs.width = maps.depth.Width();
     costs.height = maps.depth.Height();
@@ -102,7 +98,7 @@ void WriteMaps(const MapFiles& files, const StereoMaps& maps) {
     costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
     costs.values.insert(
         costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
-    WritePlanarMap(files.cost, costs);
+    WritePlanarMap(*files.cost, costs);
   }
   WriteNormalMap(files.normal, maps.normal);
   WriteDepthMap(files.depth, maps.depth);
@@ -156,19 +152,22 @@ class StereoRun {
     std::atomic<int> num_skipped = 0;
     {
       std::vector<std::jthread> threads;
-      for (RefineWorker& worker : devices_.workers) {
-        threads.emplace_back([&] {
-          while (!has_failed_ && !should_stop_()) {
-            const size_t index = next++;
-            if (index >= workspace_.Problems().size()) {
-              return;
-            }
-            Try([&] {
-              const bool was_done =
-                  !RunImage(pass, index, *worker.device, cache);
-              num_skipped += was_done ? 1 : 0;
-            });
+      threads.reserve(devices_.workers.size());
+      const auto work = [&](RefineWorker& worker) {
+        while (!has_failed_ && !should_stop_()) {
+          const size_t index = next++;
+          if (index >= workspace_.Problems().size()) {
+            return;
           }
+          Try([&] {
+            const bool was_done = !RunImage(pass, index, *worker.device, cache);
+            num_skipped += was_done ? 1 : 0;
+          });
+        }
+      };
+      for (RefineWorker& worker : devices_.workers) {
+        Try([&] {
+          threads.push_back(StartThread([&work, &worker] { work(worker); }));
         });
       }
     }
@@ -321,7 +320,7 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
   // folders.
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     if (fs::is_directory(run.workspace_path / "stereo")) {
-      CreateFolders(run.workspace_path / "stereo" / folder);
+      CreateFolders({run.workspace_path, fs::path("stereo") / folder});
     }
   }
   const Workspace workspace(run.workspace_path, MapType::kPhotometric);

@@ -36,7 +36,7 @@ const ViewData& ViewCache::Lease::Get(int image) const {
 
 void ViewCache::Lease::Release(int image) {
   if (std::erase(images_, image) > 0) {
-    cache_->Release({image});
+    cache_->Release({&image, 1});
   }
 }
 
@@ -48,6 +48,9 @@ ViewCache::ViewCache(size_t max_num_bytes, size_t num_view_bytes, Loader loader)
 ViewCache::Lease ViewCache::Reserve(std::vector<int> images) {
   std::sort(images.begin(), images.end());
   images.erase(std::unique(images.begin(), images.end()), images.end());
+  // Gives back what it holds where claiming the rest fails.
+  Lease lease(this, {});
+  lease.images_.reserve(images.size());
   std::unique_lock<std::mutex> lock(mutex_);
   changed_.wait(lock, [&] {
     return num_bytes_in_use_ == 0 ||
@@ -55,13 +58,14 @@ ViewCache::Lease ViewCache::Reserve(std::vector<int> images) {
   });
   for (const int image : images) {
     Claim(image);
+    lease.images_.push_back(image);
   }
   FreeUnused(&lock);
   changed_.wait(lock, [&] {
     return num_bytes_ <= max_num_bytes_ || num_bytes_being_freed_ == 0;
   });
   lock.unlock();
-  return Lease(this, std::move(images));
+  return lease;
 }
 
 size_t ViewCache::NumBytes() const {
@@ -83,26 +87,28 @@ size_t ViewCache::NumBytesNotInUse(const std::vector<int>& images) const {
 }
 
 void ViewCache::Claim(int image) {
-  const auto [found, is_new] = entries_.try_emplace(image);
-  Entry& entry = found->second;
-  if (is_new) {
-    entry.num_bytes = num_view_bytes_;
-    num_bytes_ += entry.num_bytes;
-    entry.position = images_.insert(images_.begin(), image);
+  const auto found = entries_.find(image);
+  if (found == entries_.end()) {
+    std::list<Place> place = {{image, nullptr}};
+    entries_.emplace(image,
+                     Entry{nullptr, false, 0, num_view_bytes_, place.begin()});
+    places_.splice(places_.begin(), place);
+    num_bytes_ += num_view_bytes_;
   } else {
-    images_.splice(images_.begin(), images_, entry.position);
+    places_.splice(places_.begin(), places_, found->second.position);
   }
+  Entry& entry = entries_.at(image);
   if (entry.num_leases++ == 0) {
     num_bytes_in_use_ += entry.num_bytes;
   }
 }
 
-void ViewCache::FreeUnused(std::unique_lock<std::mutex>* lock) {
-  std::vector<View> dropped;
+void ViewCache::FreeUnused(std::unique_lock<std::mutex>* lock) noexcept {
+  std::list<Place> dropped;
   size_t num_bytes = 0;
-  for (auto it = images_.end(); it != images_.begin();) {
+  for (auto it = places_.end(); it != places_.begin();) {
     --it;
-    const auto entry = entries_.find(*it);
+    const auto entry = entries_.find(it->image);
     // A view that was reserved but never loaded is worth nothing.
     const bool is_needed =
         entry->second.num_leases > 0 ||
@@ -113,9 +119,10 @@ void ViewCache::FreeUnused(std::unique_lock<std::mutex>* lock) {
     }
     num_bytes += entry->second.num_bytes;
     num_bytes_being_freed_ += entry->second.num_bytes;
-    dropped.push_back(std::move(entry->second.view));
+    it->dropped = std::move(entry->second.view);
     entries_.erase(entry);
-    it = images_.erase(it);
+    const auto place = it++;
+    dropped.splice(dropped.end(), places_, place);
   }
   // The system takes its time to take memory back; it counts until then.
   lock->unlock();
@@ -176,7 +183,7 @@ const ViewData& ViewCache::Get(int image) const {
   return *entries_.at(image).view;
 }
 
-void ViewCache::Release(const std::vector<int>& images) {
+void ViewCache::Release(std::span<const int> images) noexcept {
   std::unique_lock<std::mutex> lock(mutex_);
   for (const int image : images) {
     Entry& entry = entries_.at(image);

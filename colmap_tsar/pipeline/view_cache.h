@@ -11,6 +11,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -68,25 +69,32 @@ class ViewCache {
   size_t NumBytes() const;
 
  private:
+  // Of an image in the order of their use.
+  struct Place {
+    int image = 0;
+    View dropped;  // Only where the image has left the cache.
+  };
   struct Entry {
     View view;  // Null until it has been loaded.
     bool is_loading = false;
     int num_leases = 0;
     size_t num_bytes = 0;
-    std::list<int>::iterator position;
+    std::list<Place>::iterator position;
   };
 
   // These are called with the mutex locked.
   size_t NumBytesNotInUse(const std::vector<int>& images) const;
+  // Changes nothing where it throws.
   void Claim(int image);
-  // Unlocks it while memory is given back.
-  void FreeUnused(std::unique_lock<std::mutex>* lock);
+  // Unlocks it while memory is given back. Needs none itself, so that it can be
+  // done when memory has run out.
+  void FreeUnused(std::unique_lock<std::mutex>* lock) noexcept;
 
   bool LoadAll(const std::vector<int>& images,
                const std::function<bool()>& should_stop);
   void LoadOne(int image, std::unique_lock<std::mutex>* lock);
   const ViewData& Get(int image) const;
-  void Release(const std::vector<int>& images);
+  void Release(std::span<const int> images) noexcept;
 
   const size_t max_num_bytes_;
   const size_t num_view_bytes_;
@@ -94,7 +102,7 @@ class ViewCache {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::unordered_map<int, Entry> entries_;
-  std::list<int> images_;  // The latest reserved first.
+  std::list<Place> places_;  // The latest reserved first.
   size_t num_bytes_ = 0;
   size_t num_bytes_in_use_ = 0;
   size_t num_bytes_being_freed_ = 0;

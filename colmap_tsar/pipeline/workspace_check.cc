@@ -5,13 +5,18 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/originals.h"
+#include "colmap_tsar/workspace/record.h"
+#include "colmap_tsar/workspace/written_map.h"
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -73,8 +78,9 @@ std::optional<MapSize> CheckMap(const std::filesystem::path& current,
     try {
       size = ReadMapSize(*path);
     } catch (const Error&) {
-      // A shard that keeps an image's maps has put the stored one back.
-      if (path == &stored && !Exists(stored)) {
+      // A shard that keeps an image's maps has put the stored one back. And what
+      // stands in the place of a stored one may be damaged.
+      if (path == &stored ? !Exists(stored) : size.has_value()) {
         continue;
       }
       throw;
@@ -95,6 +101,7 @@ std::optional<MapSize> CheckMaps(const Workspace& workspace,
                                  int image,
                                  MapType type) {
   const MapPaths paths = workspace.SourcePaths(image, type);
+  RequireNoStrayResults(paths);
   const auto depth = CheckMap(paths.depth, paths.original_depth, 1);
   const auto normal = CheckMap(paths.normal, paths.original_normal, 3);
   if (depth.has_value() != normal.has_value()) {
@@ -199,6 +206,63 @@ Error NoMaps(const Workspace& workspace) {
                      "--input_type");
 }
 
+std::set<int> ImagesOfProblems(const Workspace& workspace) {
+  std::set<int> images;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
+  }
+  return images;
+}
+
+// In lower case, as far as it is ASCII.
+std::string Folded(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return name;
+}
+
+// On file systems where upper and lower case are one, two images may have one
+// map.
+void RequireMapsOfTheirOwn(const Workspace& workspace,
+                           const std::set<int>& images) {
+  std::map<std::string, int> first_of_name;
+  for (const int image : images) {
+    const auto name_of = [&](int index) -> const std::string& {
+      return workspace.Model().images[static_cast<size_t>(index)].name;
+    };
+    const auto [other, is_new] =
+        first_of_name.emplace(Folded(name_of(image)), image);
+    std::error_code error;
+    const std::filesystem::path path =
+        workspace.DepthPath(image, workspace.Type());
+    if (!is_new && std::filesystem::equivalent(
+                       path,
+                       workspace.DepthPath(other->second, workspace.Type()),
+                       error)) {
+      throw Error::File(ErrorCode::kUnsupported,
+                        path.string(),
+                        "is the map of both " + name_of(other->second) +
+                            " and " + name_of(image) +
+                            ", since this file system does not tell upper from "
+                            "lower case",
+                        "rename one of them, or move the workspace");
+    }
+  }
+}
+
+// By their times alone.
+bool AreAsWritten(const MapPaths& paths) {
+  const std::optional<ImageRecord> record = ReadRecord(paths.record);
+  const auto is_as_written = [](const std::filesystem::path& path,
+                                const std::vector<WrittenMap>& written) {
+    return !written.empty() && TimeOf(path) == written.front().time;
+  };
+  return record && is_as_written(paths.depth, record->written_depth) &&
+         is_as_written(paths.normal, record->written_normal);
+}
+
 }  // namespace
 
 bool HasAnyMap(const Workspace& workspace, MapType type) {
@@ -212,12 +276,21 @@ bool HasAnyMap(const Workspace& workspace, MapType type) {
       });
 }
 
-WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
-  std::set<int> images;
-  for (const StereoProblem& problem : workspace.Problems()) {
-    images.insert(problem.reference);
-    images.insert(problem.sources.begin(), problem.sources.end());
+void CheckOriginals(const Workspace& workspace) {
+  for (const int image : ImagesOfProblems(workspace)) {
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      const MapPaths paths = workspace.SourcePaths(image, type);
+      if ((Exists(paths.original_depth) || Exists(paths.original_normal)) &&
+          !AreAsWritten(paths)) {
+        FindOriginals(paths);
+      }
+    }
   }
+}
+
+WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
+  const std::set<int> images = ImagesOfProblems(workspace);
+  RequireMapsOfTheirOwn(workspace, images);
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
   for (const int image : images) {

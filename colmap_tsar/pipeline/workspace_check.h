@@ -32,4 +32,10 @@ bool HasAnyMap(const Workspace& workspace, MapType type);
 // empty), kMismatch (sizes differ).
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
+// Finds the originals of all images of which some are stored, so that what
+// FindOriginals() refuses ends a run before anything is changed. Reads maps
+// that have changed since they were written. Nobody may be changing maps
+// meanwhile.
+void CheckOriginals(const Workspace& workspace);
+
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/report/comparison_picture.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/report/canvas.h"
 #include "colmap_tsar/report/depth_colors.h"
 #include "colmap_tsar/report/normal_colors.h"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <sstream>
 
 namespace tsar {
 namespace {
@@ -49,7 +49,7 @@ void CheckRow(const ComparisonRow& row) {
 std::string Coverage(const Image<float>& depth) {
   const auto valid = std::count_if(
       depth.begin(), depth.end(), [](float value) { return value > 0.f; });
-  std::ostringstream text;
+  TextStream text;
   text << std::fixed << std::setprecision(1)
        << 100.0 * valid / depth.NumPixels() << " % of the pixels";
   return text.str();
@@ -64,7 +64,7 @@ void WriteLine(Canvas& canvas, const std::vector<std::string>& texts) {
 
 void DrawRow(Canvas& canvas, const ComparisonRow& row) {
   const DepthRange range = RobustDepthRange(row.before, row.after);
-  std::ostringstream scale;
+  TextStream scale;
   scale << std::setprecision(3) << ", red " << range.nearest << " to blue "
         << range.farthest;
   WriteLine(

@@ -83,7 +83,7 @@ Image<Rgb> ColorizeEvidence(const Image<uint8_t>& evidence) {
 
 class ImagePictures : public StageObserver {
  public:
-  ImagePictures(std::filesystem::path folder, const Image<float>& depth)
+  ImagePictures(ContainedPath folder, const Image<float>& depth)
       : folder_(std::move(folder)),
         range_(RobustDepthRange(depth, Image<float>())) {}
 
@@ -135,7 +135,7 @@ class ImagePictures : public StageObserver {
     WritePng(folder_ / FileName(stage), picture);
   }
 
-  const std::filesystem::path folder_;
+  const ContainedPath folder_;
   const DepthRange range_;
   Image<Rgb> image_;  // That of kImage.
 };
@@ -144,12 +144,12 @@ class ImagePictures : public StageObserver {
 
 DebugPictures::DebugPictures(const std::filesystem::path& folder)
     : folder_(folder) {
-  CreateFolders(folder_);
+  CreateFolders({folder_, {}});
 }
 
 std::unique_ptr<StageObserver> DebugPictures::Observe(
     const std::string& image_name, const Image<float>& depth) {
-  const std::filesystem::path folder = folder_ / image_name;
+  const ContainedPath folder(folder_, image_name);
   CreateFolders(folder);
   return std::make_unique<ImagePictures>(folder, depth);
 }

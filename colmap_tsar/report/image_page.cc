@@ -101,7 +101,7 @@ ImagePage WriteImagePage(const Workspace& workspace,
     page.seconds = record->seconds;
   }
 
-  const fs::path pictures = folder / page.folder;
+  const ContainedPath pictures(folder, page.folder);
   CreateFolders(pictures);
   const auto write = [&](const std::string& name, const Image<Rgb>& picture) {
     WritePng(pictures / (name + ".png"),

@@ -70,16 +70,7 @@ void CheckPlace(const fs::path& path, bool overwrite) {
   }
 }
 
-void RemoveFolder(const fs::path& path) {
-  std::error_code error;
-  fs::remove_all(path, error);
-  if (error) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "the folder cannot be removed (" + error.message() + ")",
-                      "remove it");
-  }
-}
+void RemoveFolder(const fs::path& path) { RemoveTree(UserPath(path)); }
 
 }  // namespace
 
@@ -88,12 +79,15 @@ PageFolder::PageFolder(const fs::path& path, bool overwrite)
       temporary_(path_.string() + AtomicFile::kTemporarySuffix) {
   CheckPlace(path_, overwrite);
   RemoveFolder(temporary_);  // Of a program that was killed.
-  CreateFolders(temporary_);
+  CreateFolders(UserPath(temporary_));
 }
 
 PageFolder::~PageFolder() {
-  std::error_code error;
-  fs::remove_all(temporary_, error);
+  try {
+    RemoveFolder(temporary_);
+  } catch (const std::exception&) {
+    // The next page in its place removes it.
+  }
 }
 
 void PageFolder::Commit() {
@@ -101,9 +95,9 @@ void PageFolder::Commit() {
   RemoveFolder(former);
   std::error_code error;
   if (fs::exists(path_, error)) {
-    RenameFile(path_, former);
+    RenameFile(UserPath(path_), UserPath(former));
   }
-  RenameFile(temporary_, path_);
+  RenameFile(UserPath(temporary_), UserPath(path_));
   RemoveFolder(former);
 }
 

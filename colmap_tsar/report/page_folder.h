@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+
 #include <filesystem>
 
 namespace tsar {

@@ -64,7 +64,7 @@ Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures) {
   return ToImage(joined);
 }
 
-void WriteJpeg(const std::filesystem::path& path, const Image<Rgb>& image) {
+void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image) {
   cv::Mat bgr;
   cv::cvtColor(AsMat(image), bgr, cv::COLOR_RGB2BGR);
   std::vector<uint8_t> bytes;

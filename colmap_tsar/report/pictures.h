@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/report/scaling.h"
+#include "colmap_tsar/workspace/contained_path.h"
 
-#include <filesystem>
 #include <vector>
 
 namespace tsar {
@@ -18,6 +18,6 @@ Image<Rgb> FitPicture(const Image<Rgb>& picture, int max_size, Scaling scaling);
 Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures);
 
 // For photos: as JPEG. Replaces the file in one step. Throws Error kIo.
-void WriteJpeg(const std::filesystem::path& path, const Image<Rgb>& image);
+void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image);
 
 }  // namespace tsar

@@ -15,7 +15,7 @@
 
 namespace tsar {
 
-void WritePng(const std::filesystem::path& path, const Image<Rgb>& image) {
+void WritePng(const ContainedPath& path, const Image<Rgb>& image) {
   const cv::Mat rgb(
       image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
   cv::Mat bgr;
@@ -34,7 +34,7 @@ void WritePng(const std::filesystem::path& path, const Image<Rgb>& image) {
 }
 
 Image<uint8_t> ReadGrayPng(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) {
+  if (!std::filesystem::exists(path)) {
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
                       "there is no such file",

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/workspace/contained_path.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -12,7 +13,7 @@ namespace tsar {
 
 // Replaces the file in one step; the name should end in ".png". Throws Error
 // kIo.
-void WritePng(const std::filesystem::path& path, const Image<Rgb>& image);
+void WritePng(const ContainedPath& path, const Image<Rgb>& image);
 
 // Reads a picture with one channel of 8 bits. Throws Error kNotFound, and
 // kCorrupt for anything else than such a picture.

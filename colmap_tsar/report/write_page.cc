@@ -44,8 +44,8 @@ void Check(const PageOptions& options) {
   }
 }
 
-void WriteText(const fs::path& path, std::string_view text) {
-  CreateFolders(path.parent_path());
+void WriteText(const ContainedPath& path, std::string_view text) {
+  CreateFolders(path.Parent());
   AtomicFile file(path);
   file.Stream() << text;
   file.Commit();
@@ -58,7 +58,7 @@ void WriteStaticFiles(const std::string& title, const fs::path& folder) {
          at = content.find(kTitle, at + title.size())) {
       content.replace(at, kTitle.size(), title);
     }
-    WriteText(folder / file.name, content);
+    WriteText({folder, file.name}, content);
   }
 }
 
@@ -225,6 +225,11 @@ int WritePage(const Workspace& workspace,
   Check(options);
   // So that the maps before and after belong together.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  std::optional<WorkspaceLock> input_lock;
+  if (workspace.IsOutput()) {
+    input_lock.emplace(workspace.SourceRoot(),
+                       WorkspaceLock::Mode::kSharedIfThere);
+  }
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
     throw Error::File(ErrorCode::kNotFound,
@@ -266,10 +271,10 @@ int WritePage(const Workspace& workspace,
     const std::string name(kPointNames[i]);
     data.points.num_shown[i] = static_cast<int64_t>(samples[i].NumPoints());
     data.points.num_all[i] = samples[i].num_all;
-    WriteText(root / "data" / ("points_" + name + ".js"),
+    WriteText({root, fs::path("data") / ("points_" + name + ".js")},
               PointScript(name, samples[i]));
   }
-  WriteText(root / kPageDataFile, PageDataScript(data));
+  WriteText({root, kPageDataFile}, PageDataScript(data));
   WriteStaticFiles(EscapeHtml(data.workspace), root);
   folder.Commit();
   return static_cast<int>(refined.size());

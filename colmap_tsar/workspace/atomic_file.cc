@@ -4,58 +4,53 @@
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/workspace/folder.h"
+#include "colmap_tsar/workspace/written_map.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <optional>
 #include <streambuf>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace tsar {
 namespace {
 
-Error SystemError(const std::filesystem::path& path,
-                  const std::string& what,
-                  int error) {
-  return Error::File(ErrorCode::kIo,
-                     path.string(),
-                     what + " (" + std::strerror(error) + ")",
-                     "check the free space and the permissions there");
+std::string TemporaryOf(const std::string& name) {
+  return name + AtomicFile::kTemporarySuffix;
 }
 
-std::filesystem::path TemporaryOf(const std::filesystem::path& path) {
-  std::filesystem::path temporary = path;
-  temporary += AtomicFile::kTemporarySuffix;
-  return temporary;
-}
-
-// Makes a rename durable. Not all file systems can; those that cannot have
-// nothing to flush.
-void FlushFolderOf(const std::filesystem::path& path) {
-  const std::filesystem::path folder =
-      path.has_parent_path() ? path.parent_path() : ".";
-  const int descriptor =
-      open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor >= 0) {
-    fsync(descriptor);
-    close(descriptor);
-  }
-}
+constexpr mode_t kPermissions = 0777;
 
 // Other programs may leave what they write to the system's memory.
-void FlushFile(const std::filesystem::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+void FlushFile(const Folder& folder, const std::string& name) {
+  const int descriptor =
+      openat(folder.Descriptor(),
+             name.c_str(),
+             O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (descriptor >= 0) {
     fsync(descriptor);
     close(descriptor);
   }
+}
+
+// Returns 0 or the system's error number.
+int RemoveFolder(const ContainedPath& path) {
+  const std::optional<Folder> parent = Folder::OpenIfThere(path.Parent());
+  if (!parent) {
+    return ENOENT;
+  }
+  return unlinkat(
+             parent->Descriptor(), path.Filename().c_str(), AT_REMOVEDIR) == 0
+             ? 0
+             : errno;
 }
 
 // Buffered writing to a file descriptor that remembers the system's error.
@@ -120,42 +115,78 @@ class DescriptorBuffer : public std::streambuf {
 }  // namespace
 
 struct AtomicFile::State {
-  State(const std::filesystem::path& file_path, int file_descriptor)
+  State(const ContainedPath& file_path)
       : path(file_path),
-        temporary(TemporaryOf(file_path)),
-        descriptor(file_descriptor),
-        buffer(file_descriptor),
+        folder(file_path.Parent()),
+        name(file_path.Filename().string()),
+        temporary(TemporaryOf(name)),
+        descriptor(Open()),
+        buffer(descriptor),
         stream(&buffer) {}
   ~State() {
     Close();
     if (!committed) {
-      unlink(temporary.c_str());
+      RemoveTemporary();
     }
   }
+
+  int Open() {
+    struct stat state;
+    if (fstatat(folder.Descriptor(), name.c_str(), &state, 0) == 0 &&
+        S_ISREG(state.st_mode)) {
+      replaced = state;
+    }
+    // What a killed program left may be a link to a file that must not change.
+    RemoveTemporary();
+    const int opened =
+        openat(folder.Descriptor(),
+               temporary.c_str(),
+               O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+               replaced ? replaced->st_mode & kPermissions : 0666);
+    if (opened < 0) {
+      ThrowSystemError(path.Path(), "cannot be written", errno);
+    }
+    return opened;
+  }
+
+  // Not all file systems know owners and permissions.
+  void SetAttributes() {
+    if (replaced) {
+      if (fchown(descriptor, replaced->st_uid, replaced->st_gid) != 0) {
+        // Only the superuser may give files away.
+        errno = 0;
+      }
+      fchmod(descriptor, replaced->st_mode & kPermissions);
+    }
+    if (time) {
+      const timespec times[] = {{0, UTIME_OMIT}, *time};
+      futimens(descriptor, times);
+    }
+  }
+
   bool Close() {
     const int closing = std::exchange(descriptor, -1);
     return closing < 0 || close(closing) == 0;
   }
 
-  std::filesystem::path path;
-  std::filesystem::path temporary;
+  void RemoveTemporary() {
+    unlinkat(folder.Descriptor(), temporary.c_str(), 0);
+  }
+
+  ContainedPath path;
+  Folder folder;
+  std::string name;
+  std::string temporary;
+  std::optional<struct stat> replaced;  // Whose attributes it gets.
+  std::optional<timespec> time;         // Of the last change, if not now.
   int descriptor;
   bool committed = false;
   DescriptorBuffer buffer;
   std::ostream stream;
 };
 
-AtomicFile::AtomicFile(const std::filesystem::path& path) {
-  const std::filesystem::path temporary = TemporaryOf(path);
-  // What a killed program left may be a link to a file that must not change.
-  unlink(temporary.c_str());
-  const int descriptor =
-      open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
-    throw SystemError(path, "cannot be written", errno);
-  }
-  state_ = std::make_unique<State>(path, descriptor);
-}
+AtomicFile::AtomicFile(const ContainedPath& path)
+    : state_(std::make_unique<State>(path)) {}
 
 AtomicFile::~AtomicFile() = default;
 AtomicFile::AtomicFile(AtomicFile&&) noexcept = default;
@@ -171,6 +202,7 @@ void AtomicFile::Prepare() {
   if (error == 0 && !state_->stream) {
     error = EIO;
   }
+  state_->SetAttributes();
   if (error == 0 && fsync(state_->descriptor) != 0) {
     error = errno;
   }
@@ -178,111 +210,145 @@ void AtomicFile::Prepare() {
     error = errno;
   }
   if (error != 0) {
-    unlink(state_->temporary.c_str());
-    throw SystemError(state_->path, "writing failed", error);
+    state_->RemoveTemporary();
+    ThrowSystemError(state_->path.Path(), "writing failed", error);
   }
+}
+
+int64_t AtomicFile::Time() const {
+  struct stat state = {};
+  fstatat(state_->folder.Descriptor(),
+          state_->temporary.c_str(),
+          &state,
+          AT_SYMLINK_NOFOLLOW);
+  return ToNanoseconds(state.st_mtim);
 }
 
 void AtomicFile::Commit() {
   Prepare();
-  if (rename(state_->temporary.c_str(), state_->path.c_str()) != 0) {
+  const int folder = state_->folder.Descriptor();
+  if (renameat(
+          folder, state_->temporary.c_str(), folder, state_->name.c_str()) !=
+      0) {
     const int error = errno;
-    unlink(state_->temporary.c_str());
-    throw SystemError(state_->path, "cannot be replaced", error);
+    state_->RemoveTemporary();
+    ThrowSystemError(state_->path.Path(), "cannot be replaced", error);
   }
   state_->committed = true;
-  FlushFolderOf(state_->path);
+  state_->folder.Flush();
 }
 
-void CreateFolders(const std::filesystem::path& path) {
-  std::error_code error;
-  std::vector<std::filesystem::path> missing;
-  for (std::filesystem::path folder = path;
-       !folder.empty() && !std::filesystem::exists(folder, error);
-       folder = folder.parent_path()) {
-    missing.push_back(folder);
-  }
-  std::filesystem::create_directories(path, error);
-  if (error) {
-    throw SystemError(path, "the folder cannot be created", error.value());
-  }
-  // From the outermost on, so that what is on the disk is always to be found.
-  for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
-    FlushFolderOf(*folder);
-  }
-}
+void CreateFolders(const ContainedPath& path) { Folder::Create(path); }
 
 void LinkOrCopyFile(const std::filesystem::path& source,
-                    const std::filesystem::path& path) {
-  CreateFolders(path.parent_path());
-  const std::filesystem::path temporary = TemporaryOf(path);
-  unlink(temporary.c_str());
+                    const ContainedPath& path) {
+  const Folder folder = Folder::Create(path.Parent());
+  const std::string name = path.Filename().string();
+  const std::string temporary = TemporaryOf(name);
+  unlinkat(folder.Descriptor(), temporary.c_str(), 0);
   if (linkat(AT_FDCWD,
              source.c_str(),
-             AT_FDCWD,
+             folder.Descriptor(),
              temporary.c_str(),
              AT_SYMLINK_FOLLOW) == 0) {
-    FlushFile(temporary);
-    RenameFile(temporary, path);
+    FlushFile(folder, temporary);
+    RenameFile(path.Parent() / temporary, path);
     return;
   }
   CopyFile(source, path, true);
 }
 
 void CopyFile(const std::filesystem::path& source,
-              const std::filesystem::path& path,
+              const ContainedPath& path,
               bool keeps_time) {
-  std::ifstream input(source, std::ios::binary);
-  if (!input) {
-    throw SystemError(source, "cannot be read", errno);
+  InputFile input(source);
+  struct stat state;
+  if (!input || stat(source.c_str(), &state) != 0) {
+    throw Error::File(ErrorCode::kIo,
+                      source.string(),
+                      "cannot be read (" + input.Reason() + ")",
+                      "check the permissions there");
   }
   AtomicFile copy(path);
+  copy.state_->replaced = state;
+  if (keeps_time) {
+    copy.state_->time = state.st_mtim;
+  }
   // An empty file has no characters to insert, which operator<< takes for a
   // failure.
-  if (input.peek() != std::ifstream::traits_type::eof()) {
+  if (input.peek() != InputFile::traits_type::eof()) {
     copy.Stream() << input.rdbuf();
-  }
-  copy.Prepare();
-  std::error_code error;
-  const auto time = std::filesystem::last_write_time(source, error);
-  if (keeps_time && !error) {
-    std::filesystem::last_write_time(TemporaryOf(path), time, error);
   }
   copy.Commit();
 }
 
-void RemoveFile(const std::filesystem::path& path) {
-  std::error_code error;
-  std::filesystem::remove(path, error);
-  if (error) {
-    throw SystemError(path, "cannot be removed", error.value());
+void RenameFile(const ContainedPath& from, const ContainedPath& to) {
+  const Folder from_folder(from.Parent());
+  const Folder to_folder(to.Parent());
+  const std::string from_name = from.Filename().string();
+  if (renameat(from_folder.Descriptor(),
+               from_name.c_str(),
+               to_folder.Descriptor(),
+               to.Filename().c_str()) != 0) {
+    if (errno != EXDEV) {
+      ThrowSystemError(to.Path(), "cannot be replaced by " + from_name, errno);
+    }
+    // The copy is complete and on the disk before the first one goes.
+    CopyFile(from.Path(), to, true);
+  }
+  // Between two names of one file, a rename does nothing.
+  unlinkat(from_folder.Descriptor(), from_name.c_str(), 0);
+  to_folder.Flush();
+}
+
+void RemoveFile(const ContainedPath& path) {
+  const std::optional<Folder> folder = Folder::OpenIfThere(path.Parent());
+  if (folder &&
+      unlinkat(folder->Descriptor(), path.Filename().c_str(), 0) != 0 &&
+      errno != ENOENT) {
+    ThrowSystemError(path.Path(), "cannot be removed", errno);
   }
 }
 
-void RemoveTemporaries(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> temporaries;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator it(folder, error), end;
-       !error && it != end;
-       it.increment(error)) {
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(it->symlink_status(ignored)) &&
-        it->path().string().ends_with(AtomicFile::kTemporarySuffix)) {
-      temporaries.push_back(it->path());
+bool RemoveFolderIfEmpty(const ContainedPath& path) {
+  return RemoveFolder(path) == 0;
+}
+
+void RemoveEmptyFolders(const ContainedPath& folder) {
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      RemoveFolderIfEmpty(entry->path);
     }
   }
-  std::for_each(temporaries.begin(), temporaries.end(), &RemoveFile);
+  RemoveFolderIfEmpty(folder);
 }
 
-void RenameFile(const std::filesystem::path& from,
-                const std::filesystem::path& to) {
-  if (rename(from.c_str(), to.c_str()) != 0) {
-    throw SystemError(
-        to, "cannot be replaced by " + from.filename().string(), errno);
+void RemoveTree(const ContainedPath& folder) {
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  const auto remove_folder = [](const ContainedPath& path) {
+    const int error = RemoveFolder(path);
+    if (error != 0 && error != ENOENT) {
+      ThrowSystemError(path.Path(), "cannot be removed", error);
+    }
+  };
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      remove_folder(entry->path);
+    } else {
+      RemoveFile(entry->path);
+    }
   }
-  // Between two names of one file, rename() does nothing.
-  unlink(from.c_str());
-  FlushFolderOf(to);
+  remove_folder(folder);
+}
+
+void RemoveTemporaries(const ContainedPath& folder) {
+  for (const TreeEntry& entry : ListTree(folder)) {
+    if (!entry.is_folder &&
+        entry.path.string().ends_with(AtomicFile::kTemporarySuffix)) {
+      RemoveFile(entry.path);
+    }
+  }
 }
 
 }  // namespace tsar

@@ -4,12 +4,11 @@
 #include "colmap_tsar/workspace/content_hash.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <vector>
 
 namespace tsar {
@@ -78,13 +77,12 @@ uint64_t ContentHash::Value() const {
 }
 
 uint64_t HashFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  InputFile file(path);
   if (!file) {
-    throw Error::File(
-        errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-        path.string(),
-        std::string("cannot be opened (") + std::strerror(errno) + ")",
-        "check that the file exists and may be read");
+    throw Error::File(file.IsMissing() ? ErrorCode::kNotFound : ErrorCode::kIo,
+                      path.string(),
+                      "cannot be opened (" + file.Reason() + ")",
+                      "check that the file exists and may be read");
   }
   ContentHash hash;
   std::vector<char> buffer(size_t{1} << 20);

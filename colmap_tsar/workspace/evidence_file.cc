@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/evidence_file.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/content_hash.h"
 
@@ -11,7 +12,6 @@
 #include <array>
 #include <bit>
 #include <cstddef>
-#include <fstream>
 #include <span>
 #include <system_error>
 #include <type_traits>
@@ -206,22 +206,21 @@ Error CorruptEvidence(const std::filesystem::path& path,
 class EvidenceReader {
  public:
   explicit EvidenceReader(const std::filesystem::path& path) : path_(path) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) {
+    file_.Open(path);
+    if (file_.IsMissing()) {
       throw Error::File(ErrorCode::kNotFound,
                         path.string(),
                         "no such file",
                         "run again without removing files meanwhile");
     }
-    num_bytes_ = std::filesystem::file_size(path, error);
-    if (error) {
-      throw CorruptEvidence(path, "it is not a regular file");
+    if (file_.IsNoFile()) {
+      throw CorruptEvidence(path, file_.Reason());
     }
-    file_.open(path, std::ios::binary);
+    num_bytes_ = file_.Size();
     if (!file_) {
       throw Error::File(ErrorCode::kIo,
                         path.string(),
-                        "the file cannot be opened",
+                        "the file cannot be opened (" + file_.Reason() + ")",
                         "check that you may read it");
     }
     ReadHeader();
@@ -329,7 +328,7 @@ class EvidenceReader {
 
   std::filesystem::path path_;
   uintmax_t num_bytes_ = 0;
-  std::ifstream file_;
+  InputFile file_;
   Header header_;
   std::string options_hash_;
 };
@@ -356,7 +355,7 @@ uint64_t Fingerprint(const Arrays& arrays) {
 
 }  // namespace
 
-void WriteEvidence(const std::filesystem::path& path,
+void WriteEvidence(const ContainedPath& path,
                    const std::string& options_hash,
                    const ViewEvidence& evidence) {
   if (const auto fault = FindFault(evidence, EvidenceParts::kAll)) {
@@ -381,7 +380,7 @@ void WriteEvidence(const std::filesystem::path& path,
   header.own_fingerprint = Fingerprint(OwnArrays(evidence));
   header.header_fingerprint = HeaderFingerprint(header, options_hash);
 
-  CreateFolders(path.parent_path());
+  CreateFolders(path.Parent());
   AtomicFile file(path);
   const auto put = [&file](const void* data, size_t num_bytes) {
     file.Stream().write(static_cast<const char*>(data),

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/planes/view_evidence.h"
+#include "colmap_tsar/workspace/contained_path.h"
 
 #include <filesystem>
 #include <optional>
@@ -26,7 +27,7 @@ enum class EvidenceParts {
 // In one step; creates the folder. The same evidence gives the same bytes.
 // options_hash: stands for everything that the evidence was computed from.
 // Error kMismatch for evidence that ReadEvidence() would not accept, kIo.
-void WriteEvidence(const std::filesystem::path& path,
+void WriteEvidence(const ContainedPath& path,
                    const std::string& options_hash,
                    const ViewEvidence& evidence);
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
 #include "colmap_tsar/workspace/originals.h"
 
 #include <filesystem>
@@ -12,19 +13,21 @@ namespace tsar {
 // Makes `link` a symbolic link to the canonical path of `target`, in one step,
 // in the place of a file or link of that name. Creates the folder. Error kIo.
 void ReplaceByLink(const std::filesystem::path& target,
-                   const std::filesystem::path& link);
+                   const ContainedPath& link);
 
 // Links one map of an output workspace to its original; where the input has no
 // such map, removes what is there.
 void LinkMap(OriginalState state,
              const std::filesystem::path& original,
-             const std::filesystem::path& link);
+             const ContainedPath& link);
 
 // Throws Error kUnsupported where a folder of `stereo`, or that itself, is a
 // link that leads out of the workspace: what is written and removed there would
-// be somebody else's. Folders that are never written to may be such links:
-// consistency_graphs and, in an output workspace, cost_maps. Links that are
-// files are replaced, never written through.
+// be somebody else's. It would not be, since folders are opened as folder.h
+// tells; but so it is found out before anything is changed. Folders that are
+// never written to may be such links: consistency_graphs and, in an output
+// workspace, cost_maps. Links that are files are replaced, never written
+// through. Throws kIo where a folder cannot be listed.
 void RequireFoldersInside(const std::filesystem::path& root);
 
 }  // namespace tsar

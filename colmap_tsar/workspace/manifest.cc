@@ -75,7 +75,7 @@ void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
                                {"counts", manifest.counts},
                                {"seconds", manifest.seconds},
                                {"images", images}};
-  const std::filesystem::path folder = GetTsarFolder(workspace.Root());
+  const ContainedPath folder = GetTsarFolder(workspace.Root());
   CreateFolders(folder);
   AtomicFile file(folder / "manifest.json");
   file.Stream() << json.dump(

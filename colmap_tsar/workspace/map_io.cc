@@ -4,15 +4,17 @@
 #include "colmap_tsar/workspace/map_io.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/workspace/content_hash.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <span>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -48,27 +50,23 @@ int ReadHeaderNumber(std::istream& stream) {
 class MapReader {
  public:
   explicit MapReader(const std::filesystem::path& path) : path_(path) {
-    std::error_code error;
-    const std::filesystem::file_status status =
-        std::filesystem::status(path, error);
-    if (!std::filesystem::exists(status)) {
+    file_.Open(path);
+    if (file_.IsMissing()) {
       throw Error::File(ErrorCode::kNotFound,
                         path.string(),
                         "no such map",
                         "run patch_match_stereo for this image");
     }
-    const uintmax_t num_bytes = std::filesystem::file_size(path, error);
-    if (error) {
-      throw CorruptMap(path, "it is not a regular file");
+    if (file_.IsNoFile()) {
+      throw CorruptMap(path, file_.Reason());
     }
-    file_.open(path, std::ios::binary);
     if (!file_) {
       throw Error::File(ErrorCode::kIo,
                         path.string(),
-                        "the map cannot be opened",
+                        "the map cannot be opened (" + file_.Reason() + ")",
                         "check that you may read it");
     }
-    ReadHeader(num_bytes);
+    ReadHeader(file_.Size());
   }
 
   const MapSize& Size() const { return size_; }
@@ -130,7 +128,7 @@ class MapReader {
   }
 
   std::filesystem::path path_;
-  std::ifstream file_;
+  InputFile file_;
   MapSize size_;
   size_t header_size_ = 0;
 };
@@ -161,7 +159,10 @@ void SetCount(int64_t* target, int64_t count) {
 class MapWriter {
  public:
   MapWriter(int width, int height, int channels, AtomicFile* file)
-      : file_(file) {
+      : file_(file),
+        num_values_(static_cast<size_t>(width) * static_cast<size_t>(height) *
+                    static_cast<size_t>(channels)) {
+    written_.samples.reserve(kNumSamples);
     Require(width > 0 && height > 0 && channels > 0, "empty");
     const std::string header = std::to_string(width) + "&" +
                                std::to_string(height) + "&" +
@@ -179,9 +180,22 @@ class MapWriter {
       Require(is_finite, "not finite");
       Put(piece.data(), piece.size_bytes());
     });
+    num_written_ += values.size();
+    for (size_t i = written_.samples.size(); i < kNumSamples; ++i) {
+      const size_t position = SamplePosition(i, num_values_);
+      if (position >= num_written_) {
+        break;
+      }
+      written_.samples.push_back(std::bit_cast<uint32_t>(
+          values[position - (num_written_ - values.size())]));
+    }
   }
 
-  uint64_t Hash() const { return hash_.Value(); }
+  // Of all that was written; the file's time is not known yet.
+  WrittenMap Written() {
+    written_.hash = hash_.Value();
+    return std::move(written_);
+  }
 
  private:
   static void Require(bool condition, const char* what) {
@@ -200,7 +214,10 @@ class MapWriter {
   }
 
   AtomicFile* file_;
+  const size_t num_values_;
+  size_t num_written_ = 0;
   ContentHash hash_;
+  WrittenMap written_;
 };
 
 }  // namespace
@@ -268,13 +285,13 @@ PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
   return map;
 }
 
-uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file) {
+WrittenMap PutDepthMap(const Image<float>& depth, AtomicFile* file) {
   MapWriter writer(depth.Width(), depth.Height(), 1, file);
   writer.Write({depth.Data(), depth.NumPixels()});
-  return writer.Hash();
+  return writer.Written();
 }
 
-uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
+WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
   MapWriter writer(normal.Width(), normal.Height(), 3, file);
   std::vector<float> channel;
   for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
@@ -286,33 +303,28 @@ uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
       writer.Write(channel);
     });
   }
-  return writer.Hash();
+  return writer.Written();
 }
 
-uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
+WrittenMap PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
   MapWriter writer(map.width, map.height, map.channels, file);
   writer.Write(map.values);
-  return writer.Hash();
+  return writer.Written();
 }
 
-uint64_t WriteDepthMap(const std::filesystem::path& path,
-                       const Image<float>& depth) {
+void WriteDepthMap(const ContainedPath& path, const Image<float>& depth) {
   AtomicFile file(path);
-  const uint64_t hash = PutDepthMap(depth, &file);
+  PutDepthMap(depth, &file);
   file.Commit();
-  return hash;
 }
 
-uint64_t WriteNormalMap(const std::filesystem::path& path,
-                        const Image<Vec3f>& normal) {
+void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal) {
   AtomicFile file(path);
-  const uint64_t hash = PutNormalMap(normal, &file);
+  PutNormalMap(normal, &file);
   file.Commit();
-  return hash;
 }
 
-uint64_t WritePlanarMap(const std::filesystem::path& path,
-                        const PlanarMap& map) {
+void WritePlanarMap(const ContainedPath& path, const PlanarMap& map) {
   const size_t num_values = static_cast<size_t>(map.width) *
                             static_cast<size_t>(map.height) *
                             static_cast<size_t>(map.channels);
@@ -323,9 +335,8 @@ uint64_t WritePlanarMap(const std::filesystem::path& path,
                       "this is a mistake of the program, please report it");
   }
   AtomicFile file(path);
-  const uint64_t hash = PutPlanarMap(map, &file);
+  PutPlanarMap(map, &file);
   file.Commit();
-  return hash;
 }
 
 }  // namespace tsar

@@ -6,7 +6,8 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/workspace/atomic_file.h"
-#include "colmap_tsar/workspace/content_hash.h"
+#include "colmap_tsar/workspace/contained_path.h"
+#include "colmap_tsar/workspace/written_map.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -54,19 +55,17 @@ Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
 // its values as they are in the file.
 PlanarMap ReadPlanarMap(const std::filesystem::path& path);
 
-// The writers replace the file in one step (see AtomicFile) and return the
-// fingerprint that HashFile() gives for it. They refuse, with kMismatch, what
-// COLMAP's fusion cannot stand: empty maps and values that are not finite.
-uint64_t WriteDepthMap(const std::filesystem::path& path,
-                       const Image<float>& depth);
-uint64_t WriteNormalMap(const std::filesystem::path& path,
-                        const Image<Vec3f>& normal);
-uint64_t WritePlanarMap(const std::filesystem::path& path,
-                        const PlanarMap& map);
+// The writers replace the file in one step (see AtomicFile). They refuse, with
+// kMismatch, what COLMAP's fusion cannot stand: empty maps and values that are
+// not finite.
+void WriteDepthMap(const ContainedPath& path, const Image<float>& depth);
+void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal);
+void WritePlanarMap(const ContainedPath& path, const PlanarMap& map);
 
-// The same, into a file that the caller commits.
-uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file);
-uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
-uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file);
+// The same, into a file that the caller commits. They return what to remember
+// of it, but for its time.
+WrittenMap PutDepthMap(const Image<float>& depth, AtomicFile* file);
+WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
+WrittenMap PutPlanarMap(const PlanarMap& map, AtomicFile* file);
 
 }  // namespace tsar

@@ -11,8 +11,8 @@ std::string ToString(MapType type) {
 
 MapPaths GetMapPaths(const std::filesystem::path& root,
                      const std::string& key) {
-  const std::filesystem::path stereo = root / "stereo";
-  const std::filesystem::path original = GetTsarFolder(root) / "original";
+  const ContainedPath stereo(root, "stereo");
+  const ContainedPath original = GetTsarFolder(root) / "original";
   MapPaths paths;
   paths.depth = stereo / "depth_maps" / (key + ".bin");
   paths.normal = stereo / "normal_maps" / (key + ".bin");
@@ -31,8 +31,12 @@ MapPaths GetMapPaths(const std::filesystem::path& root,
   return GetMapPaths(root, image_name + "." + ToString(type));
 }
 
-std::filesystem::path GetTsarFolder(const std::filesystem::path& root) {
-  return root / "stereo" / "tsar";
+ContainedPath GetTsarFolder(const std::filesystem::path& root) {
+  return {root, std::filesystem::path("stereo") / "tsar"};
+}
+
+ContainedPath GetSupersededFolder(const std::filesystem::path& root) {
+  return GetTsarFolder(root) / "superseded";
 }
 
 }  // namespace tsar

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+
 #include <filesystem>
 #include <string>
 
@@ -16,14 +18,14 @@ std::string ToString(MapType type);
 
 // Where everything about one image's maps of one type lies.
 struct MapPaths {
-  std::filesystem::path depth;
-  std::filesystem::path normal;
-  std::filesystem::path cost;
-  std::filesystem::path confidence;
-  std::filesystem::path provenance;
-  std::filesystem::path original_depth;
-  std::filesystem::path original_normal;
-  std::filesystem::path record;
+  ContainedPath depth;
+  ContainedPath normal;
+  ContainedPath cost;
+  ContainedPath confidence;
+  ContainedPath provenance;
+  ContainedPath original_depth;
+  ContainedPath original_normal;
+  ContainedPath record;
 };
 
 // key: image name with type, e.g. "left/0001.jpg.geometric".
@@ -33,6 +35,11 @@ MapPaths GetMapPaths(const std::filesystem::path& root,
                      MapType type);
 
 // stereo/tsar: the folder that belongs to this program alone.
-std::filesystem::path GetTsarFolder(const std::filesystem::path& root);
+ContainedPath GetTsarFolder(const std::filesystem::path& root);
+
+// What stood where an original was put back, or an original in whose place a
+// newer one came; its folders are those of stereo. Never removed by this
+// program.
+ContainedPath GetSupersededFolder(const std::filesystem::path& root);
 
 }  // namespace tsar

@@ -5,12 +5,12 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/workspace/content_hash.h"
+#include "colmap_tsar/workspace/map_state.h"
 
 #include <algorithm>
 #include <optional>
 #include <system_error>
-
-#include <glog/logging.h>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -20,82 +20,117 @@ bool Exists(const std::filesystem::path& path) {
   return std::filesystem::exists(path, error);
 }
 
-bool HaveSameBytes(const std::filesystem::path& a,
-                   const std::filesystem::path& b) {
-  std::error_code error;
-  if (std::filesystem::equivalent(a, b, error)) {
-    return true;
+// One of the two maps of an image.
+struct Map {
+  const std::filesystem::path& current;
+  const std::filesystem::path& stored;
+  const std::vector<WrittenMap>* written;
+};
+
+// Of a map of which nothing is stored.
+OriginalState FindInPlace(const Map& map) {
+  if (!Exists(map.current)) {
+    return OriginalState::kMissing;
   }
-  const uintmax_t size_a = std::filesystem::file_size(a, error);
-  const uintmax_t size_b = std::filesystem::file_size(b, error);
-  return !error && size_a == size_b && HashFile(a) == HashFile(b);
+  // Hashing reads the whole map; in the first run there is nothing to compare.
+  if (map.written != nullptr && !map.written->empty()) {
+    const uint64_t hash = HashFile(map.current);
+    if (std::any_of(map.written->begin(),
+                    map.written->end(),
+                    [&](const WrittenMap& w) { return w.hash == hash; })) {
+      throw Error::File(ErrorCode::kMismatch,
+                        map.current.string(),
+                        "this map has been refined and its original, " +
+                            map.stored.string() + ", is gone",
+                        "run patch_match_stereo again for this image");
+    }
+  }
+  return OriginalState::kInPlace;
 }
 
-std::filesystem::path Choose(OriginalState state,
-                             const std::filesystem::path& current,
-                             const std::filesystem::path& stored) {
-  return state == OriginalState::kStored ? stored : current;
+void RequireUnedited(const Map& map, MapState state) {
+  if (state == MapState::kEdited) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        map.current.string(),
+        "this map was edited after its refinement, so that it is no original; "
+        "the original is " +
+            map.stored.string(),
+        "put the originals back first with --restore 1, which keeps the edited "
+        "maps in stereo/tsar/superseded");
+  }
+}
+
+[[noreturn]] void ThrowUndecided(const Map& depth, const Map& normal) {
+  throw Error::File(
+      ErrorCode::kMismatch,
+      depth.current.string(),
+      "nothing tells whether this map and " + normal.current.string() +
+          ", or " + depth.stored.string() + " and " + normal.stored.string() +
+          ", are the originals",
+      "decide by --restore 1 with --restore_conflicts original or keep, or run "
+      "patch_match_stereo again for this image");
 }
 
 }  // namespace
 
-OriginalState FindOriginal(const std::filesystem::path& current,
-                           const std::filesystem::path& stored,
-                           const std::vector<uint64_t>& ours,
-                           bool has_record) {
-  const bool has_current = Exists(current);
-  const bool has_stored = Exists(stored);
-  if (!has_current) {
-    return has_stored ? OriginalState::kStored : OriginalState::kMissing;
-  }
-  // Hashing reads the whole map; in the first run there is nothing to compare.
-  const bool is_ours =
-      !ours.empty() &&
-      std::find(ours.begin(), ours.end(), HashFile(current)) != ours.end();
-  if (!has_stored) {
-    if (is_ours) {
-      throw Error::File(ErrorCode::kMismatch,
-                        current.string(),
-                        "this map has been refined and its original, " +
-                            stored.string() + ", is gone",
-                        "run patch_match_stereo again for this image");
-    }
-    return OriginalState::kInPlace;
-  }
-  if (is_ours || HaveSameBytes(current, stored)) {
-    return OriginalState::kStored;
-  }
-  if (!has_record) {
-    throw Error::File(ErrorCode::kMismatch,
-                      current.string(),
-                      "no record tells whether this map or " + stored.string() +
-                          " is the original",
-                      "delete the other one of the two");
-  }
-  return OriginalState::kReplaced;
-}
-
 OriginalMaps FindOriginals(const MapPaths& paths) {
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
-  const ImageRecord known = record.value_or(ImageRecord());
+  const Map depth = {paths.depth,
+                     paths.original_depth,
+                     record ? &record->written_depth : nullptr};
+  const Map normal = {paths.normal,
+                      paths.original_normal,
+                      record ? &record->written_normal : nullptr};
+  const bool has_depth = Exists(depth.stored);
+  const bool has_normal = Exists(normal.stored);
   OriginalMaps maps;
-  maps.depth_state = FindOriginal(paths.depth,
-                                  paths.original_depth,
-                                  known.depth_hashes,
-                                  record.has_value());
-  maps.normal_state = FindOriginal(paths.normal,
-                                   paths.original_normal,
-                                   known.normal_hashes,
-                                   record.has_value());
-  maps.depth = Choose(maps.depth_state, paths.depth, paths.original_depth);
-  maps.normal = Choose(maps.normal_state, paths.normal, paths.original_normal);
-  if (maps.depth_state == OriginalState::kReplaced ||
-      maps.normal_state == OriginalState::kReplaced) {
-    LOG(WARNING) << paths.depth.string()
-                 << ": the maps are newer than their refinement; taking them "
-                    "for the originals in the place of those kept before";
+  if (has_depth || has_normal) {
+    const MapState depth_state =
+        InspectMap(depth.current, depth.stored, depth.written);
+    const MapState normal_state =
+        InspectMap(normal.current, normal.stored, normal.written);
+    const MapOwner owner = FindOwner(depth_state, normal_state);
+    if (owner == MapOwner::kUndecided) {
+      ThrowUndecided(depth, normal);
+    }
+    RequireUnedited(depth, depth_state);
+    RequireUnedited(normal, normal_state);
+    const OriginalState state = owner == MapOwner::kThisProgram
+                                    ? OriginalState::kStored
+                                    : OriginalState::kReplaced;
+    maps.depth_state = maps.normal_state = state;
   }
+  // A run that was killed may have stored one of the two.
+  if (!has_depth) {
+    maps.depth_state = FindInPlace(depth);
+  }
+  if (!has_normal) {
+    maps.normal_state = FindInPlace(normal);
+  }
+  const auto choose = [](OriginalState state, const Map& map) {
+    return state == OriginalState::kStored ? map.stored : map.current;
+  };
+  maps.depth = choose(maps.depth_state, depth);
+  maps.normal = choose(maps.normal_state, normal);
   return maps;
+}
+
+void RequireNoStrayResults(const MapPaths& paths) {
+  for (const std::filesystem::path& result :
+       {paths.provenance.Path(), paths.confidence.Path()}) {
+    if (Exists(result) && !Exists(paths.record) &&
+        !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          paths.depth.string(),
+          "this map has been refined, as " + result.string() +
+              " tells, and stereo/tsar, which held the original, is gone",
+          "run patch_match_stereo again and delete stereo/confidence_maps and "
+          "stereo/provenance_maps; delete these alone where the depth and "
+          "normal maps are the originals");
+    }
+  }
 }
 
 }  // namespace tsar

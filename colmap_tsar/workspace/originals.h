@@ -6,27 +6,18 @@
 #include "colmap_tsar/workspace/map_paths.h"
 #include "colmap_tsar/workspace/record.h"
 
-#include <cstdint>
 #include <filesystem>
-#include <vector>
 
 namespace tsar {
 
 // Where the map that COLMAP wrote is to be found.
 enum class OriginalState {
-  kMissing,   // There is no map at all.
-  kInPlace,   // Under its own name; nothing is stored.
-  kStored,    // In stereo/tsar/original; ours, or the same bytes, in its place.
-  kReplaced,  // Under its own name: COLMAP wrote it anew, the stored is stale.
+  kMissing,  // There is no map at all.
+  kInPlace,  // Under its own name; nothing is stored.
+  kStored,   // In stereo/tsar/original; what is in its place is this program's.
+  kReplaced,  // Under its own name: COLMAP wrote both maps of the image anew,
+              // and the stored ones are of former times.
 };
-
-// Looks at a map and at its stored original. record: that of the image, or
-// nullptr; its hashes of this kind of map are `ours`. Throws Error kMismatch
-// where the original is lost or where nothing tells which file it is.
-OriginalState FindOriginal(const std::filesystem::path& current,
-                           const std::filesystem::path& stored,
-                           const std::vector<uint64_t>& ours,
-                           bool has_record);
 
 // The originals of an image's maps.
 struct OriginalMaps {
@@ -36,7 +27,15 @@ struct OriginalMaps {
   std::filesystem::path normal;
 };
 
-// Looks at both maps of an image; logs a warning for stale stored originals.
+// Looks at both maps of an image. Throws Error kMismatch where an original is
+// lost, where refined maps were edited (they are no originals), and where
+// nothing tells whose the maps in place are; what to do then depends on the
+// user, who is told.
 OriginalMaps FindOriginals(const MapPaths& paths);
+
+// Throws Error kMismatch where what lies beside an image's maps tells that they
+// were refined, but stereo/tsar, which held their originals, is gone: refined
+// maps are no originals.
+void RequireNoStrayResults(const MapPaths& paths);
 
 }  // namespace tsar

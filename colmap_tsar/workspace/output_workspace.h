@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 namespace tsar {
 
@@ -22,6 +23,20 @@ namespace tsar {
 Workspace CreateOutputWorkspace(const Workspace& input,
                                 const std::filesystem::path& output,
                                 MapType type);
+
+// In stereo/tsar: where an input notes the output workspaces whose links lead
+// to originals there.
+inline constexpr const char* kOutputsFolder = "outputs";
+
+// The links of output workspaces lead to the originals of their input. Where
+// these move, since the maps of the input are refined or restored in place, the
+// links would lead nowhere: makes them again in all output workspaces that
+// CreateOutputWorkspace noted in this input, and returns their paths. Touches
+// nothing but links to originals of this input, in workspaces whose marker
+// names it; warns where a workspace is being worked on. The caller holds the
+// WorkspaceLock of the input.
+std::vector<std::filesystem::path> RelinkOutputs(
+    const std::filesystem::path& input);
 
 // The input of a workspace that CreateOutputWorkspace made; nothing for others.
 std::optional<std::filesystem::path> ReadOutputMarker(

@@ -4,11 +4,11 @@
 #include "colmap_tsar/workspace/patch_match_config.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/source_selection.h"
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <unordered_set>
@@ -32,12 +32,12 @@ std::string Trimmed(const std::string& text) {
 
 // The lines that are neither blank nor comments.
 std::vector<ConfigLine> ReadConfigLines(const std::filesystem::path& path) {
-  std::error_code error;
-  std::ifstream file(path);
-  if (!file || !std::filesystem::is_regular_file(path, error)) {
+  InputFile file(path);
+  if (!file) {
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
-                      "the configuration file is missing or cannot be read",
+                      "the configuration file is missing or cannot be read (" +
+                          file.Reason() + ")",
                       "make the workspace with image_undistorter");
   }
   std::vector<ConfigLine> lines;

@@ -4,12 +4,12 @@
 #include "colmap_tsar/workspace/record.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include <array>
 #include <cinttypes>
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -43,20 +43,20 @@ uint64_t FromHex(const std::string& text) {
   return std::stoull(text, nullptr, 16);
 }
 
-nlohmann::json ToHexList(const std::vector<uint64_t>& values) {
+nlohmann::json ToJson(const std::vector<WrittenMap>& maps) {
   nlohmann::json list = nlohmann::json::array();
-  for (const uint64_t value : values) {
-    list.push_back(ToHex(value));
+  for (const WrittenMap& map : maps) {
+    list.push_back(ToText(map));
   }
   return list;
 }
 
-std::vector<uint64_t> FromHexList(const nlohmann::json& list) {
-  std::vector<uint64_t> values;
-  for (const nlohmann::json& text : list) {
-    values.push_back(FromHex(text.get<std::string>()));
+std::vector<WrittenMap> WrittenFromJson(const nlohmann::json& list) {
+  std::vector<WrittenMap> maps;
+  for (const nlohmann::json& entry : list) {
+    maps.push_back(WrittenMapFromText(entry.get<std::string>()));
   }
-  return values;
+  return maps;
 }
 
 ImageStatus StatusFromString(const std::string& text) {
@@ -75,11 +75,16 @@ std::string ToString(ImageStatus status) {
 }
 
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
+  InputFile file(path);
+  if (file.IsMissing()) {
     return std::nullopt;
   }
-  std::ifstream file(path);
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "the record cannot be read (" + file.Reason() + ")",
+                      "check that it is a file and that you may read it");
+  }
   try {
     const nlohmann::json json = nlohmann::json::parse(file);
     ImageRecord record;
@@ -89,8 +94,8 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.status = StatusFromString(json.at("status").get<std::string>());
     record.options_hash = json.at("options_hash").get<std::string>();
     record.inputs = json.value("inputs", record.inputs);
-    record.depth_hashes = FromHexList(json.at("depth_hashes"));
-    record.normal_hashes = FromHexList(json.at("normal_hashes"));
+    record.written_depth = WrittenFromJson(json.at("written_depth"));
+    record.written_normal = WrittenFromJson(json.at("written_normal"));
     record.original_depth_hash =
         FromHex(json.at("original_depth_hash").get<std::string>());
     record.original_normal_hash =
@@ -107,7 +112,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
   }
 }
 
-void WriteRecord(const std::filesystem::path& path, const ImageRecord& record) {
+void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
   const nlohmann::json json = {
       {"version", record.version},
       {"image", record.image},
@@ -115,15 +120,15 @@ void WriteRecord(const std::filesystem::path& path, const ImageRecord& record) {
       {"status", ToString(record.status)},
       {"options_hash", record.options_hash},
       {"inputs", record.inputs},
-      {"depth_hashes", ToHexList(record.depth_hashes)},
-      {"normal_hashes", ToHexList(record.normal_hashes)},
+      {"written_depth", ToJson(record.written_depth)},
+      {"written_normal", ToJson(record.written_normal)},
       {"original_depth_hash", ToHex(record.original_depth_hash)},
       {"original_normal_hash", ToHex(record.original_normal_hash)},
       {"counts", record.counts},
       {"seconds", record.seconds},
       {"note", record.note},
   };
-  CreateFolders(path.parent_path());
+  CreateFolders(path.Parent());
   AtomicFile file(path);
   // Names need not be UTF-8; the replacement character stands for the rest.
   file.Stream() << json.dump(

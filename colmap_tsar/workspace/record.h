@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+#include "colmap_tsar/workspace/written_map.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -34,10 +37,10 @@ struct ImageRecord {
   // What the maps were made from, as fingerprints by the names of its parts;
   // empty in records of versions that did not note it.
   std::map<std::string, std::string> inputs;
-  // Fingerprints of the maps of ours that may be in place, the latest first.
-  // More than one only while maps are being replaced.
-  std::vector<uint64_t> depth_hashes;
-  std::vector<uint64_t> normal_hashes;
+  // The maps of this program that may be in place, the latest first. More than
+  // one only while maps are being replaced.
+  std::vector<WrittenMap> written_depth;
+  std::vector<WrittenMap> written_normal;
   // Fingerprints of the originals; only in output workspaces, whose originals
   // can change without our knowing.
   uint64_t original_depth_hash = 0;
@@ -51,6 +54,6 @@ struct ImageRecord {
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
 
 // In one step; creates the folder.
-void WriteRecord(const std::filesystem::path& path, const ImageRecord& record);
+void WriteRecord(const ContainedPath& path, const ImageRecord& record);
 
 }  // namespace tsar

@@ -4,46 +4,38 @@
 #include "colmap_tsar/workspace/restore.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/folder.h"
 #include "colmap_tsar/workspace/map_paths.h"
-#include "colmap_tsar/workspace/originals.h"
+#include "colmap_tsar/workspace/map_state.h"
 #include "colmap_tsar/workspace/output_workspace.h"
 #include "colmap_tsar/workspace/record.h"
+#include "colmap_tsar/workspace/superseded.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <algorithm>
 #include <optional>
 #include <set>
-#include <string>
 #include <system_error>
-#include <vector>
-
-#include <glog/logging.h>
 
 namespace tsar {
 namespace {
 
-// The files below a folder whose names end in `suffix`.
-std::vector<std::filesystem::path> ListFiles(
-    const std::filesystem::path& folder, const std::string& suffix) {
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  for (std::filesystem::recursive_directory_iterator it(folder, error), end;
-       !error && it != end;
-       it.increment(error)) {
-    if (!it->is_directory() && it->path().string().ends_with(suffix)) {
-      files.push_back(it->path());
-    }
-  }
-  return files;
-}
+// In stereo/tsar, what outlives a restoration where something is left in it.
+constexpr const char* kOriginals = "original";
+constexpr const char* kRecords = "records";
 
 // Adds the keys (see GetMapPaths) of the files below a folder.
-void AddKeys(const std::filesystem::path& folder,
+void AddKeys(const ContainedPath& folder,
              const std::string& suffix,
              std::set<std::string>* keys) {
-  for (const std::filesystem::path& file : ListFiles(folder, suffix)) {
-    const std::string name = file.lexically_relative(folder).string();
-    keys->insert(name.substr(0, name.size() - suffix.size()));
+  for (const TreeEntry& entry : ListTree(folder)) {
+    const std::string name =
+        entry.path.Path().lexically_relative(folder.Path()).string();
+    if (!entry.is_folder && name.ends_with(suffix)) {
+      keys->insert(name.substr(0, name.size() - suffix.size()));
+    }
   }
 }
 
@@ -53,96 +45,183 @@ std::optional<ImageRecord> ReadRecordIfValid(
   try {
     return ReadRecord(path);
   } catch (const Error& error) {
-    LOG(WARNING) << error.what();
+    if (error.Code() != ErrorCode::kCorrupt) {
+      throw;
+    }
+    Warn(error.what());
     return std::nullopt;
   }
 }
 
-enum class MapResult { kNone, kRestored, kNewer };
-
-MapResult RestoreMap(const std::filesystem::path& current,
-                     const std::filesystem::path& stored,
-                     const std::vector<uint64_t>* ours) {
+bool Exists(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(stored, error)) {
-    return MapResult::kNone;
-  }
-  if (ours != nullptr &&
-      FindOriginal(current, stored, *ours, true) == OriginalState::kReplaced) {
-    LOG(WARNING) << current.string()
-                 << ": this map is newer than its refinement; it stays, and "
-                    "the original kept before is dropped";
-    RemoveFile(stored);
-    return MapResult::kNewer;
-  }
-  CreateFolders(current.parent_path());
-  RenameFile(stored, current);
-  return MapResult::kRestored;
+  return std::filesystem::exists(std::filesystem::symlink_status(path, error));
 }
 
-void RestoreImage(const MapPaths& paths, RestoreResult* result) {
-  const std::optional<ImageRecord> record = ReadRecordIfValid(paths.record);
-  const MapResult normal =
-      RestoreMap(paths.normal,
-                 paths.original_normal,
-                 record ? &record->normal_hashes : nullptr);
-  const MapResult depth = RestoreMap(paths.depth,
-                                     paths.original_depth,
-                                     record ? &record->depth_hashes : nullptr);
-  const auto either = [&](MapResult value) {
-    return depth == value || normal == value ? 1 : 0;
-  };
-  result->num_restored += either(MapResult::kRestored);
-  result->num_newer += either(MapResult::kNewer);
-  RemoveFile(paths.confidence);
-  RemoveFile(paths.provenance);
-  // Last: an interrupted restoration still needs it.
-  RemoveFile(paths.record);
-}
+// The restoration of one image's maps of one type.
+class ImageRestorer {
+ public:
+  ImageRestorer(const MapPaths& paths,
+                RestoreConflicts conflicts,
+                RestoreResult* result)
+      : paths_(paths),
+        conflicts_(conflicts),
+        result_(result),
+        record_(ReadRecordIfValid(paths.record)),
+        depth_(Inspect(paths.depth,
+                       paths.original_depth,
+                       record_ ? &record_->written_depth : nullptr)),
+        normal_(Inspect(paths.normal,
+                        paths.original_normal,
+                        record_ ? &record_->written_normal : nullptr)) {}
 
-// Removes the folders that hold nothing, from the innermost out.
-void RemoveEmptyFolders(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::vector<std::filesystem::path> folders;
-  for (std::filesystem::recursive_directory_iterator it(folder, error), end;
-       !error && it != end;
-       it.increment(error)) {
-    if (it->is_directory() && !it->is_symlink()) {
-      folders.push_back(it->path());
+  void Run() {
+    if (!Exists(paths_.original_depth) && !Exists(paths_.original_normal)) {
+      RemoveResults();
+      // Last: an interrupted restoration still needs it.
+      RemoveFile(paths_.record);
+      return;
+    }
+    switch (FindOwner(depth_, normal_)) {
+      case MapOwner::kThisProgram:
+        PutBack();
+        return;
+      case MapOwner::kOtherProgram:
+        if (conflicts_ == RestoreConflicts::kOriginal) {
+          PutBack();
+        } else {
+          Keep();
+        }
+        return;
+      case MapOwner::kUndecided:
+        break;
+    }
+    if (!record_ || conflicts_ == RestoreConflicts::kOriginal) {
+      PutBack();
+    } else if (conflicts_ == RestoreConflicts::kKeep) {
+      Keep();
+    } else {
+      result_->conflicts.push_back(paths_.depth.Path());
     }
   }
-  for (auto it = folders.rbegin(); it != folders.rend(); ++it) {
-    // Fails, as it should, where something is left.
-    std::filesystem::remove(*it, error);
-  }
-  std::filesystem::remove(folder, error);
-}
 
-// What lies directly in stereo/tsar, apart from the lock.
-std::vector<std::filesystem::path> ListTsarFolder(
-    const std::filesystem::path& root) {
-  std::error_code error;
-  std::vector<std::filesystem::path> entries;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(GetTsarFolder(root), error)) {
-    if (entry.path().filename() != WorkspaceLock::kFileName) {
-      entries.push_back(entry.path());
+ private:
+  static MapState Inspect(const ContainedPath& current,
+                          const ContainedPath& stored,
+                          const std::vector<WrittenMap>* written) {
+    std::error_code error;
+    const auto status = std::filesystem::symlink_status(stored.Path(), error);
+    if (std::filesystem::exists(status) &&
+        !std::filesystem::is_regular_file(status) &&
+        !std::filesystem::is_symlink(status)) {
+      throw Error::File(ErrorCode::kCorrupt,
+                        stored.string(),
+                        "stands in the place of an original and is no file",
+                        "remove it");
     }
+    // A run that was killed may have stored one of the two maps.
+    return Exists(stored) ? InspectMap(current, stored, written)
+                          : MapState::kOriginal;
   }
+
+  void PutBack() {
+    PutBack(normal_, paths_.normal, paths_.original_normal);
+    PutBack(depth_, paths_.depth, paths_.original_depth);
+    ++result_->num_restored;
+    RemoveResults();
+    RemoveFile(paths_.record);
+  }
+
+  void PutBack(MapState state,
+               const ContainedPath& current,
+               const ContainedPath& stored) {
+    if (!Exists(stored)) {
+      return;
+    }
+    CreateFolders(current.Parent());
+    if (state != MapState::kMissing && state != MapState::kWritten &&
+        state != MapState::kOriginal) {
+      result_->superseded.push_back(Supersede(current, current).Path());
+    }
+    RenameFile(stored, current);
+  }
+
+  // Record and originals stay, so that the decision can be another one later.
+  void Keep() {
+    RemoveResults();
+    result_->kept.push_back(paths_.depth.Path());
+  }
+
+  void RemoveResults() {
+    RemoveFile(paths_.confidence);
+    RemoveFile(paths_.provenance);
+  }
+
+  const MapPaths paths_;
+  const RestoreConflicts conflicts_;
+  RestoreResult* const result_;
+  const std::optional<ImageRecord> record_;
+  const MapState depth_;
+  const MapState normal_;
+};
+
+// What lies directly in stereo/tsar and is of runs: not the lock, nor what they
+// superseded.
+std::vector<Folder::Entry> ListTsarFolder(const std::filesystem::path& root) {
+  std::vector<Folder::Entry> entries;
+  if (const auto folder = Folder::OpenIfThere(GetTsarFolder(root))) {
+    entries = folder->List();
+  }
+  std::erase_if(entries, [&](const Folder::Entry& entry) {
+    return entry.name == WorkspaceLock::kFileName ||
+           entry.name == GetSupersededFolder(root).Filename();
+  });
   return entries;
 }
 
 void RemoveTsarFolder(const std::filesystem::path& root) {
-  std::error_code error;
-  for (const std::filesystem::path& entry : ListTsarFolder(root)) {
-    std::filesystem::remove_all(entry, error);
+  const ContainedPath tsar = GetTsarFolder(root);
+  RemoveTemporaries(tsar / kOriginals);
+  RemoveEmptyFolders(tsar / kOriginals);
+  const bool has_originals = Exists(tsar / kOriginals);
+  for (const Folder::Entry& entry : ListTsarFolder(root)) {
+    const ContainedPath path = tsar / entry.name;
+    if (!entry.is_folder) {
+      RemoveFile(path);
+    } else if (entry.name == kRecords) {
+      RemoveTemporaries(path);
+      RemoveEmptyFolders(path);
+    } else if (entry.name != kOriginals &&
+               !(has_originals && entry.name == kOutputsFolder)) {
+      RemoveTree(path);
+    }
   }
-  std::filesystem::remove(GetTsarFolder(root), error);
+  RemoveFolderIfEmpty(tsar);
 }
 
 }  // namespace
 
-RestoreResult Restore(const std::filesystem::path& root) {
+bool HasRunState(const std::filesystem::path& root) {
+  return !ListTsarFolder(root).empty();
+}
+
+RestoreConflicts ParseRestoreConflicts(const std::string& text) {
+  if (text == "report") {
+    return RestoreConflicts::kReport;
+  }
+  if (text == "keep") {
+    return RestoreConflicts::kKeep;
+  }
+  if (text == "original") {
+    return RestoreConflicts::kOriginal;
+  }
+  throw Error(ErrorCode::kBadOption,
+              "restore_conflicts: '" + text +
+                  "' is not known; give report, keep or original");
+}
+
+RestoreResult Restore(const std::filesystem::path& root,
+                      RestoreConflicts conflicts) {
   if (const auto source = ReadOutputMarker(root)) {
     throw Error::File(
         ErrorCode::kUnsupported,
@@ -150,24 +229,30 @@ RestoreResult Restore(const std::filesystem::path& root) {
         "this is an output workspace; its originals are in " + source->string(),
         "delete the output workspace where it is not wanted");
   }
-  const std::filesystem::path tsar = GetTsarFolder(root);
+  const ContainedPath tsar = GetTsarFolder(root);
   // A run that was stopped before its first map leaves no original, but its
   // manifest and what it observed.
-  if (ListTsarFolder(root).empty()) {
+  if (!HasRunState(root)) {
     throw Error::File(ErrorCode::kNotFound,
                       tsar.string(),
                       "there is nothing to restore",
                       "check --workspace_path");
   }
   std::set<std::string> keys;
-  AddKeys(tsar / "records", ".json", &keys);
-  AddKeys(tsar / "original" / "depth_maps", ".bin", &keys);
-  AddKeys(tsar / "original" / "normal_maps", ".bin", &keys);
+  AddKeys(tsar / kRecords, ".json", &keys);
+  AddKeys(tsar / kOriginals / "depth_maps", ".bin", &keys);
+  AddKeys(tsar / kOriginals / "normal_maps", ".bin", &keys);
   RestoreResult result;
+  // All is looked at before the first file is changed.
+  std::vector<ImageRestorer> images;
   for (const std::string& key : keys) {
-    RestoreImage(GetMapPaths(root, key), &result);
+    images.emplace_back(GetMapPaths(root, key), conflicts, &result);
   }
-  const std::filesystem::path stereo = root / "stereo";
+  for (ImageRestorer& image : images) {
+    image.Run();
+  }
+  result.relinked = RelinkOutputs(root);
+  const ContainedPath stereo(root, "stereo");
   for (const char* folder :
        {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
     RemoveTemporaries(stereo / folder);

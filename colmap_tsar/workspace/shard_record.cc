@@ -4,11 +4,12 @@
 #include "colmap_tsar/workspace/shard_record.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/folder.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <array>
-#include <fstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -53,32 +54,31 @@ std::string DifferenceOf(const std::map<std::string, std::string>& own,
 
 }  // namespace
 
-std::filesystem::path GetShardFolder(const std::filesystem::path& root) {
+ContainedPath GetShardFolder(const std::filesystem::path& root) {
   return GetTsarFolder(root) / "shards";
 }
 
-std::filesystem::path GetShardPath(const std::filesystem::path& root,
-                                   const std::string& pass,
-                                   int index,
-                                   int count) {
+ContainedPath GetShardPath(const std::filesystem::path& root,
+                           const std::string& pass,
+                           int index,
+                           int count) {
   return GetShardFolder(root) / (pass + "-" + std::to_string(index) + "-of-" +
                                  std::to_string(count) + ".json");
 }
 
 ShardRecord ReadShardRecord(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) {
-    std::error_code error;
-    if (std::filesystem::exists(path, error)) {
-      throw Error::File(ErrorCode::kIo,
-                        path.string(),
-                        "cannot be read",
-                        "check the permissions there");
-    }
+  InputFile file(path);
+  if (file.IsMissing()) {
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
                       "this shard has not been run",
                       "run it");
+  }
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be read (" + file.Reason() + ")",
+                      "check that it is a file and that you may read it");
   }
   try {
     const nlohmann::json json = nlohmann::json::parse(file);
@@ -106,7 +106,7 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
     if (record.index >= 0 && record.index < record.count &&
         path.filename() ==
             GetShardPath({}, record.pass, record.index, record.count)
-                .filename()) {
+                .Filename()) {
       return record;
     }
   } catch (const nlohmann::json::exception&) {
@@ -150,15 +150,13 @@ void WriteShardRecord(const std::filesystem::path& root,
 std::map<std::filesystem::path, ShardRecord> ListShardRecords(
     const std::filesystem::path& root) {
   std::map<std::filesystem::path, ShardRecord> records;
-  std::error_code error;
-  for (std::filesystem::directory_iterator it(GetShardFolder(root), error), end;
-       !error && it != end;
-       it.increment(error)) {
-    if (it->path().extension() != ".json") {
+  for (const TreeEntry& entry : ListTree(GetShardFolder(root))) {
+    const std::filesystem::path& path = entry.path;
+    if (path.extension() != ".json") {
       continue;  // What a killed program left behind.
     }
     try {
-      records.emplace(it->path(), ReadShardRecord(it->path()));
+      records.emplace(path, ReadShardRecord(path));
     } catch (const Error& failure) {
       // Its shard may have removed it meanwhile.
       if (failure.Code() != ErrorCode::kNotFound) {
@@ -170,21 +168,13 @@ std::map<std::filesystem::path, ShardRecord> ListShardRecords(
 }
 
 void RemoveShardRecords(const std::filesystem::path& root) {
-  const std::filesystem::path folder = GetShardFolder(root);
-  std::filesystem::path removed = folder;
-  removed += ".removed";
-  std::error_code error;
-  std::filesystem::remove_all(removed, error);
-  std::error_code ignored;
-  if (std::filesystem::exists(folder, ignored)) {
+  const ContainedPath folder = GetShardFolder(root);
+  const ContainedPath removed =
+      folder.Parent() / (folder.Filename().string() + ".removed");
+  RemoveTree(removed);
+  if (Folder::OpenIfThere(folder)) {
     RenameFile(folder, removed);
-    std::filesystem::remove_all(removed, error);
-  }
-  if (error) {
-    throw Error::File(ErrorCode::kIo,
-                      removed.string(),
-                      "cannot be removed: " + error.message(),
-                      "remove the folder by hand");
+    RemoveTree(removed);
   }
 }
 

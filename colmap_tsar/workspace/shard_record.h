@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+
 #include <filesystem>
 #include <map>
 #include <string>
@@ -44,11 +46,11 @@ struct ShardRecord {
   std::vector<Entry> images;
 };
 
-std::filesystem::path GetShardFolder(const std::filesystem::path& root);
-std::filesystem::path GetShardPath(const std::filesystem::path& root,
-                                   const std::string& pass,
-                                   int index,
-                                   int count);
+ContainedPath GetShardFolder(const std::filesystem::path& root);
+ContainedPath GetShardPath(const std::filesystem::path& root,
+                           const std::string& pass,
+                           int index,
+                           int count);
 
 // Error kNotFound where there is none, kIo where it cannot be read, kCorrupt
 // where the file is not a record or that of another shard.

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/sparse_model.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
 #include <algorithm>
@@ -77,9 +78,7 @@ Camera MakeCamera(const SparseModelFiles& files, uint32_t id) {
 SparseModel::ModelImage MakeImage(const SparseModelFiles& files,
                                   const SparseModelFiles::FileImage& in) {
   const std::string name = "image " + std::to_string(in.id);
-  const bool has_control_character = std::any_of(
-      in.name.begin(), in.name.end(), [](unsigned char c) { return c < 0x20; });
-  if (in.name.empty() || has_control_character) {
+  if (in.name.empty() || HasControlCharacter(in.name)) {
     throw CorruptModel(files.images_path, name + " has no usable name");
   }
   if (!files.cameras.contains(in.camera_id)) {

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
 #include <bit>
-#include <fstream>
 #include <iterator>
 #include <system_error>
 #include <vector>
@@ -21,13 +21,11 @@ static_assert(std::endian::native == std::endian::little,
 class BinaryReader {
  public:
   explicit BinaryReader(const std::filesystem::path& path)
-      : path_(path), file_(path, std::ios::binary) {
-    std::error_code error;
-    num_left_ = std::filesystem::file_size(path, error);
-    if (error || !file_) {
+      : path_(path), file_(path), num_left_(file_.Size()) {
+    if (!file_) {
       throw Error::File(ErrorCode::kIo,
                         path.string(),
-                        "cannot be read",
+                        "cannot be read (" + file_.Reason() + ")",
                         "check that it is a file and that you may read it");
     }
   }
@@ -88,7 +86,7 @@ class BinaryReader {
   }
 
   std::filesystem::path path_;
-  std::ifstream file_;
+  InputFile file_;
   uint64_t num_left_ = 0;
 };
 

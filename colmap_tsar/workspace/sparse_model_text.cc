@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
 #include <charconv>
-#include <fstream>
 #include <string_view>
 
 namespace tsar {
@@ -21,7 +21,7 @@ class TextReader {
     if (!file_) {
       throw Error::File(ErrorCode::kIo,
                         path.string(),
-                        "cannot be read",
+                        "cannot be read (" + file_.Reason() + ")",
                         "check that it is a file and that you may read it");
     }
   }
@@ -93,7 +93,7 @@ class TextReader {
   }
 
   std::filesystem::path path_;
-  std::ifstream file_;
+  InputFile file_;
   std::string line_;
   size_t position_ = 0;
   int line_number_ = 0;

@@ -4,7 +4,9 @@
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/workspace/folder.h"
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
@@ -14,9 +16,9 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
-#include <glog/logging.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,10 +27,15 @@ namespace {
 
 // Whether the open file still has the name: the holder before may have removed
 // it between our open() and our lock.
-bool HasName(int descriptor, const std::filesystem::path& path) {
+bool HasName(int descriptor, const ContainedPath& path) {
   struct stat opened;
   struct stat named;
-  return fstat(descriptor, &opened) == 0 && stat(path.c_str(), &named) == 0 &&
+  const std::optional<Folder> folder = Folder::OpenIfThere(path.Parent());
+  return folder && fstat(descriptor, &opened) == 0 &&
+         fstatat(folder->Descriptor(),
+                 path.Filename().c_str(),
+                 &named,
+                 AT_SYMLINK_NOFOLLOW) == 0 &&
          opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
@@ -104,7 +111,7 @@ int Lock(int descriptor, Mode mode) {
   }
 }
 
-Error InUse(const std::filesystem::path& path, Mode mode) {
+Error InUse(const ContainedPath& path, Mode mode) {
   return Error::File(
       ErrorCode::kUnsupported,
       path.string(),
@@ -116,17 +123,54 @@ Error InUse(const std::filesystem::path& path, Mode mode) {
 }
 
 // Whether nothing but the lock lies in the folder.
-bool IsAlone(const std::filesystem::path& path) {
-  std::error_code error;
-  for (std::filesystem::directory_iterator it(path.parent_path(), error), end;
-       !error && it != end;
-       it.increment(error)) {
-    if (it->path() != path) {
-      return false;
-    }
-  }
-  return true;
+bool IsAlone(const ContainedPath& path) {
+  const std::optional<Folder> folder = Folder::OpenIfThere(path.Parent());
+  return !folder || folder->List().size() <= 1;
 }
+
+// The file, or -1 with the system's error number.
+struct Opened {
+  int descriptor = -1;
+  int error = 0;
+};
+
+// A link in its place is not followed, and nothing but a file is opened.
+Opened OpenFile(const ContainedPath& path, bool creates) {
+  Opened opened;
+  const std::optional<Folder> folder = creates
+                                           ? Folder::Create(path.Parent())
+                                           : Folder::OpenIfThere(path.Parent());
+  if (!folder) {
+    opened.error = ENOENT;
+    return opened;
+  }
+  opened.descriptor = openat(folder->Descriptor(),
+                             path.Filename().c_str(),
+                             O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY |
+                                 O_CLOEXEC | (creates ? O_CREAT : 0),
+                             0666);
+  struct stat state;
+  if (opened.descriptor < 0) {
+    opened.error = errno;
+  } else if (fstat(opened.descriptor, &state) != 0 || !S_ISREG(state.st_mode)) {
+    close(opened.descriptor);
+    opened = {-1, EINVAL};
+  }
+  return opened;
+}
+
+std::string ReasonText(int error) {
+  return error == ELOOP    ? "it is a link"
+         : error == EINVAL ? "it is no file"
+                           : std::strerror(error);
+}
+
+bool IsReader(Mode mode) {
+  return mode == Mode::kShared || mode == Mode::kSharedIfThere;
+}
+
+// For locks, all readers are of one kind.
+Mode ForLocks(Mode mode) { return IsReader(mode) ? Mode::kShared : mode; }
 
 }  // namespace
 
@@ -141,7 +185,7 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
                       "no such folder, so this is not a dense workspace",
                       "check --workspace_path");
   }
-  if (mode != Mode::kShared) {
+  if (!IsReader(mode)) {
     RequireFoldersInside(root);
   }
   // Some folders can never be made.
@@ -149,33 +193,40 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
   int num_missing = 0;
   do {
     if (descriptor_ >= 0) {
-      close(descriptor_);
+      close(std::exchange(descriptor_, -1));
     }
+    Opened opened;
     try {
-      CreateFolders(path_.parent_path());
-    } catch (const Error&) {
-      if (mode == Mode::kExclusive) {
+      opened = OpenFile(path_, mode != Mode::kSharedIfThere);
+    } catch (const Error& failure) {
+      if (!IsReader(mode)) {
         throw;
       }
-    }
-    descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno == ENOENT && ++num_missing < kMaxMissing) {
-      continue;  // The holder before has just removed the folder.
-    }
-    if (descriptor_ < 0 && mode == Mode::kShared) {
-      LOG(WARNING) << path_.string() << ": the file cannot be written ("
-                   << std::strerror(errno)
-                   << "); do not change this workspace while it is read";
+      Warn(std::string(failure.what()) +
+           "; do not change this workspace while it is read");
       return;
     }
-    if (descriptor_ < 0) {
+    descriptor_ = opened.descriptor;
+    if (opened.error == ENOENT && mode == Mode::kSharedIfThere) {
+      return;
+    }
+    if (opened.error == ENOENT && ++num_missing < kMaxMissing) {
+      continue;  // The holder before has just removed the folder.
+    }
+    if (opened.error != 0 && IsReader(mode)) {
+      Warn(path_.string() + ": the file cannot be written (" +
+           ReasonText(opened.error) +
+           "); do not change this workspace while it is read");
+      return;
+    }
+    if (opened.error != 0) {
       throw Error::File(
           ErrorCode::kIo,
           path_.string(),
-          std::string("cannot be written (") + std::strerror(errno) + ")",
-          "check the permissions there");
+          "cannot be written (" + ReasonText(opened.error) + ")",
+          "check the permissions there, and remove what is no file");
     }
-    int reason = Lock(descriptor_, mode);
+    int reason = Lock(descriptor_, ForLocks(mode));
     if (reason == EAGAIN) {
       close(descriptor_);
       throw InUse(path_, mode);
@@ -193,9 +244,9 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
                         "wait until it has ended");
     }
     if (reason != 0) {
-      LOG(WARNING) << path_.string() << ": the file cannot be locked ("
-                   << std::strerror(reason)
-                   << "); do not start a second program on this workspace";
+      Warn(path_.string() + ": the file cannot be locked (" +
+           std::strerror(reason) +
+           "); do not start a second program on this workspace");
       return;
     }
   } while (!HasName(descriptor_, path_));
@@ -205,6 +256,15 @@ WorkspaceLock::~WorkspaceLock() {
   if (descriptor_ < 0) {
     return;
   }
+  try {
+    Release();
+  } catch (const std::exception&) {
+    // The file stays; whoever comes next takes it over.
+  }
+  close(descriptor_);
+}
+
+void WorkspaceLock::Release() {
   // The last of those that share it removes the file. Whoever opens it
   // meanwhile finds that it has lost its name; on another machine that can go
   // unnoticed, so that shards leave it to whoever ends the work of all.
@@ -212,11 +272,10 @@ WorkspaceLock::~WorkspaceLock() {
   if (mode_ == Mode::kExclusive ||
       ((!is_shard || IsAlone(path_)) &&
        Control(descriptor_, F_OFD_SETLK, F_WRLCK, kEverything) == 0)) {
-    unlink(path_.c_str());
+    RemoveFile(path_);
   }
-  close(descriptor_);
   // Only goes where nothing else was written.
-  rmdir(path_.parent_path().c_str());
+  RemoveFolderIfEmpty(path_.Parent());
 }
 
 }  // namespace tsar

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/contained_path.h"
+
 #include <filesystem>
 #include <optional>
 
@@ -30,6 +32,9 @@ class WorkspaceLock {
     kShared,   // Reads.
     kObserve,  // Works on a shard, in the first pass or
     kCompose,  // in the second.
+    // Reads one that the user did not name, but a file: creates nothing there,
+    // so that without the lock's file there is no lock.
+    kSharedIfThere,
   };
 
   // shard: its number, from 0 on, for the modes of shards: no other program may
@@ -42,7 +47,9 @@ class WorkspaceLock {
   WorkspaceLock& operator=(const WorkspaceLock&) = delete;
 
  private:
-  std::filesystem::path path_;
+  void Release();
+
+  ContainedPath path_;
   Mode mode_;
   int descriptor_ = -1;
 };

@@ -4,10 +4,12 @@
 #include "colmap_tsar/workspace/write_back.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/content_hash.h"
 #include "colmap_tsar/workspace/links.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/originals.h"
+#include "colmap_tsar/workspace/superseded.h"
 
 #include <optional>
 #include <system_error>
@@ -55,17 +57,30 @@ void PutProvenance(const Image<uint8_t>& provenance,
                        static_cast<std::streamsize>(bytes.size()));
 }
 
+// Of a map that was written anew since, so that it is an original no longer.
+void SupersedeOriginal(const ContainedPath& current,
+                       const ContainedPath& stored) {
+  const ContainedPath moved = Supersede(stored, current);
+  Warn(current.string() +
+       ": this map is newer than its refinement and counts "
+       "as the original now; the one before is " +
+       moved.string());
+}
+
 void KeepOriginal(OriginalState state,
-                  const std::filesystem::path& current,
-                  const std::filesystem::path& stored) {
+                  const ContainedPath& current,
+                  const ContainedPath& stored) {
   switch (state) {
     case OriginalState::kMissing:
       throw Error::File(ErrorCode::kNotFound,
                         current.string(),
                         "there is no map to refine",
                         "run patch_match_stereo for this image");
-    case OriginalState::kInPlace:
     case OriginalState::kReplaced:
+      SupersedeOriginal(current, stored);
+      LinkOrCopyFile(current, stored);
+      break;
+    case OriginalState::kInPlace:
       LinkOrCopyFile(current, stored);
       break;
     case OriginalState::kStored:
@@ -75,12 +90,12 @@ void KeepOriginal(OriginalState state,
 
 // The inverse of KeepOriginal.
 void PutOriginalBack(OriginalState state,
-                     const std::filesystem::path& current,
-                     const std::filesystem::path& stored) {
+                     const ContainedPath& current,
+                     const ContainedPath& stored) {
   if (state == OriginalState::kStored) {
     RenameFile(stored, current);
   } else if (state == OriginalState::kReplaced) {
-    RemoveFile(stored);
+    SupersedeOriginal(current, stored);
   }
 }
 
@@ -102,26 +117,28 @@ WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
 
 void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   RequireSameSizes(maps, record_.image);
-  for (const std::filesystem::path* path : {&paths_.depth,
-                                            &paths_.normal,
-                                            &paths_.confidence,
-                                            &paths_.provenance}) {
-    CreateFolders(path->parent_path());
+  for (const ContainedPath* path : {&paths_.depth,
+                                    &paths_.normal,
+                                    &paths_.confidence,
+                                    &paths_.provenance}) {
+    CreateFolders(path->Parent());
     files_.emplace_back(*path);
   }
   // An earlier refinement may still be in place until the files are renamed.
   const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
-  record_.depth_hashes = earlier.depth_hashes;
-  record_.normal_hashes = earlier.normal_hashes;
-  record_.depth_hashes.insert(record_.depth_hashes.begin(),
-                              PutDepthMap(maps.depth, &files_[0]));
-  record_.normal_hashes.insert(record_.normal_hashes.begin(),
-                               PutNormalMap(maps.normal, &files_[1]));
+  record_.written_depth = earlier.written_depth;
+  record_.written_normal = earlier.written_normal;
+  record_.written_depth.insert(record_.written_depth.begin(),
+                               PutDepthMap(maps.depth, &files_[0]));
+  record_.written_normal.insert(record_.written_normal.begin(),
+                                PutNormalMap(maps.normal, &files_[1]));
   PutDepthMap(maps.confidence, &files_[2]);
   PutProvenance(maps.provenance, paths_.provenance, &files_[3]);
   for (AtomicFile& file : files_) {
     file.Prepare();
   }
+  record_.written_depth.front().time = files_[0].Time();
+  record_.written_normal.front().time = files_[1].Time();
 }
 
 void WriteBack::Commit() {
@@ -156,8 +173,8 @@ void WriteBack::RenameFiles() {
 
 void WriteBack::RecordDone() {
   record_.status = ImageStatus::kDone;
-  record_.depth_hashes.resize(1);
-  record_.normal_hashes.resize(1);
+  record_.written_depth.resize(1);
+  record_.written_normal.resize(1);
   WriteRecord(paths_.record, record_);
 }
 
@@ -186,8 +203,8 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   RemoveFile(paths.provenance);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
-  record.depth_hashes.clear();
-  record.normal_hashes.clear();
+  record.written_depth.clear();
+  record.written_normal.clear();
   WriteRecord(paths.record, record);
 }
 
@@ -212,13 +229,14 @@ bool IsDone(const Workspace& workspace,
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
   if (!record || record->status != ImageStatus::kDone ||
       record->options_hash != options_hash || record->version != TSAR_VERSION ||
-      record->inputs != inputs || record->depth_hashes.empty() || record->normal_hashes.empty()) {
+      record->inputs != inputs || record->written_depth.empty() ||
+      record->written_normal.empty()) {
     return false;
   }
   if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
       !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
-      HashFile(paths.depth) != record->depth_hashes[0] ||
-      HashFile(paths.normal) != record->normal_hashes[0]) {
+      HashFile(paths.depth) != record->written_depth[0].hash ||
+      HashFile(paths.normal) != record->written_normal[0].hash) {
     return false;
   }
   if (!workspace.IsOutput()) {

@@ -5,7 +5,7 @@ import dataclasses
 import os
 import pathlib
 import sys
-from typing import Any, Callable, Dict, Mapping, Optional, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Union
 
 from . import _core
 from ._options import RefineOptions
@@ -62,8 +62,15 @@ class RestoreSummary:
 
     num_restored: int
     """Maps of how many images and types were put back."""
-    num_newer: int
-    """Maps that patch_match_stereo has written since: left as they were."""
+    kept: List[str]
+    """Depth maps that patch_match_stereo has written since, or that were kept on
+    demand: left as they were, with their normal maps."""
+    superseded: List[str]
+    """Where the maps are now that stood in the place of originals and were not
+    written by this program as they were."""
+    conflicts: List[str]
+    """Depth maps for which nothing was changed, since nothing tells whose they
+    and their normal maps are."""
 
     def todict(self) -> Dict[str, Any]:
         return dataclasses.asdict(self)
@@ -172,11 +179,17 @@ def refine(
     )
 
 
-def restore(workspace_path: _Path) -> RestoreSummary:
-    """Puts COLMAP's maps back and removes all that refine() wrote.
+def restore(workspace_path: _Path, conflicts: str = "report") -> RestoreSummary:
+    """Puts COLMAP's maps back and removes all that refine() wrote. What others wrote
+    in their place since is never removed.
+
+    conflicts: what to do where nothing tells whose the depth and normal maps of an
+    image are, such as where one of the two alone was written anew: "report" changes
+    nothing for this image, "keep" leaves what is there, "original" puts the
+    originals back, also where another program has made both maps anew.
 
     Raises NotFoundError where there is nothing to restore, and UnsupportedError for
     a workspace that refine() made as output_path: COLMAP's maps are in the other
     one.
     """
-    return RestoreSummary(**_core.restore(os.fspath(workspace_path)))
+    return RestoreSummary(**_core.restore(os.fspath(workspace_path), conflicts))

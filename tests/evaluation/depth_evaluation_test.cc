@@ -27,7 +27,7 @@ class DepthEvaluationTest : public FolderTest {
       }
     }
     fs::create_directories((folder_ / name).parent_path());
-    WriteDepthMap(folder_ / name, map);
+    WriteDepthMap(UserPath(folder_ / name), map);
   }
 
   // Plain grey on the left half, a chessboard of pixels on the right one.

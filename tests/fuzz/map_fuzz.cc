@@ -18,12 +18,12 @@ void Read(std::span<const uint8_t> input) {
 
 std::vector<std::string> MakeSeeds() {
   std::vector<std::string> seeds;
-  WriteDepthMap(FuzzFolder() / "map.bin", Image<float>(4, 3, 2.f));
+  WriteDepthMap(UserPath(FuzzFolder() / "map.bin"), Image<float>(4, 3, 2.f));
   seeds.push_back(TakeFile("map.bin"));
-  WriteNormalMap(FuzzFolder() / "map.bin",
+  WriteNormalMap(UserPath(FuzzFolder() / "map.bin"),
                  Image<Vec3f>(3, 2, Vec3f{0.f, 0.f, -1.f}));
   seeds.push_back(TakeFile("map.bin"));
-  WritePlanarMap(FuzzFolder() / "map.bin",
+  WritePlanarMap(UserPath(FuzzFolder() / "map.bin"),
                  {2, 2, 2, {0.f, 1.f, 2.f, 1.f, 2.f, 2.f, 2.f, 2.f}});
   seeds.push_back(TakeFile("map.bin"));
   return seeds;

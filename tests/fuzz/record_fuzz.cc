@@ -26,11 +26,11 @@ std::vector<std::string> MakeRecordSeeds() {
   record.status = ImageStatus::kDone;
   record.options_hash = "0123456789abcdef";
   record.inputs.emplace("photo", "fedcba9876543210");
-  record.depth_hashes = {1, ~uint64_t{0}};
-  record.normal_hashes = {2};
+  record.written_depth = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
+  record.written_normal = {{2, 0, {}}};
   record.counts["measured"] = 12;
   record.seconds["read"] = 0.5;
-  WriteRecord(FuzzFolder() / "record.json", record);
+  WriteRecord(UserPath(FuzzFolder() / "record.json"), record);
   return {TakeFile("record.json")};
 }
 
@@ -79,7 +79,8 @@ void ReadImportRecordFile(std::span<const uint8_t> input) {
 }
 
 std::vector<std::string> MakeImportRecordSeeds() {
-  return {R"({"depth_maps": [1, 2], "normal_maps": [], "cost_maps": []})"};
+  return {R"({"depth_maps": ["0000000000000001@2:00000003", "4@-5:"],
+               "normal_maps": [], "cost_maps": []})"};
 }
 
 void ReadMarker(std::span<const uint8_t> input) {

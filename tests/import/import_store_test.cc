@@ -52,7 +52,8 @@ TEST_F(ImportStoreTest, KeepsTheFirstFormerMapsThroughSeveralImports) {
   }
   const UndoResult result = UndoImport(root_);
   EXPECT_EQ(result.num_images, 1);
-  EXPECT_EQ(result.num_newer, 0);
+  EXPECT_TRUE(result.kept.empty());
+  EXPECT_TRUE(result.superseded.empty());
   EXPECT_TRUE(ReadTree(root_) == before);
 }
 
@@ -93,7 +94,7 @@ TEST_F(ImportStoreTest, UndoesAnImportThatBarelyBegan) {
         root_ / "stereo" / folder / (kName + ".geometric.bin"), Former(folder));
   }
   const UndoResult result = UndoImport(root_);
-  EXPECT_EQ(result.num_newer, 0);
+  EXPECT_TRUE(result.superseded.empty());
   EXPECT_TRUE(ReadTree(root_) == before);
 }
 

@@ -7,6 +7,7 @@
 #include "colmap_tsar/workspace/map_paths.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
 
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <sstream>
@@ -464,18 +465,40 @@ TEST_F(TsarImportTest, UndoesAnImportIntoAnEmptyWorkspace) {
 }
 
 TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
-  auto before = ReadTree(root_);
+  const auto before = ReadTree(root_);
   ExportPfm();
   ExpectSuccess(Import("depth", {"--overwrite", "1"}));
   const MapPaths paths = Paths(scene_[1]);
-  WriteDepthMap(paths.depth, Image<float>(96, 72, 3.f));
+  const auto write_later = [](const ContainedPath& path, const auto& write) {
+    const auto time = std::filesystem::last_write_time(path);
+    write();
+    std::filesystem::last_write_time(path, time + std::chrono::hours(1));
+  };
+  write_later(paths.depth, [&] {
+    WriteDepthMap(paths.depth, Image<float>(96, 72, 3.f));
+  });
   ExpectImportFailure("depth", {"v1.png.geometric.bin", "--overwrite 1"});
-  const Outcome undone = RunImport({"--restore", "1"});
-  ExpectSuccess(undone, {"Left the maps of 1"});
+  // The depth map alone: whose are the two?
+  const Outcome conflict = RunImport({"--restore", "1"});
+  EXPECT_EQ(conflict.exit_code, 1);
+  EXPECT_THAT(conflict.err, HasSubstr("v1.png.geometric.bin"));
+  EXPECT_THAT(conflict.err, HasSubstr("--restore_conflicts"));
   EXPECT_EQ(ReadDepthMap(paths.depth)(0, 0), 3.f);
+  write_later(paths.normal, [&] {
+    WriteNormalMap(paths.normal, Image<Vec3f>(96, 72, Vec3f{0.6f, 0.f, -0.8f}));
+  });
+  ExpectSuccess(RunImport({"--restore", "1"}), {"Left these"});
+  EXPECT_EQ(ReadDepthMap(paths.depth)(0, 0), 3.f);
+  ExpectSuccess(
+      RunImport({"--restore", "1", "--restore_conflicts", "original"}),
+      {"stereo/tsar/superseded/depth_maps/v1.png.geometric.bin"});
   auto after = ReadTree(root_);
-  EXPECT_EQ(before.erase("stereo/depth_maps/v1.png.geometric.bin"), 1u);
-  EXPECT_EQ(after.erase("stereo/depth_maps/v1.png.geometric.bin"), 1u);
+  EXPECT_EQ(after.erase("stereo/tsar/superseded/depth_maps/"
+                        "v1.png.geometric.bin"),
+            1u);
+  EXPECT_EQ(after.erase("stereo/tsar/superseded/normal_maps/"
+                        "v1.png.geometric.bin"),
+            1u);
   EXPECT_TRUE(after == before);
 }
 

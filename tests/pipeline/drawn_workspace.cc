@@ -89,8 +89,8 @@ void WriteMaps(const std::filesystem::path& root, int view, double scale) {
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
     const MapPaths paths = GetMapPaths(
         root, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
-    std::filesystem::create_directories(paths.depth.parent_path());
-    std::filesystem::create_directories(paths.normal.parent_path());
+    CreateFolders(paths.depth.Parent());
+    CreateFolders(paths.normal.Parent());
     const Image<float> depth = DrawDepth(view, type, scale);
     Image<Vec3f> normal(depth.Width(), depth.Height());
     for (size_t i = 0; i < depth.NumPixels(); ++i) {

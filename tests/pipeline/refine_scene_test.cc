@@ -115,7 +115,7 @@ TEST_F(RefineSceneTest, NothingReliableGetsWorseThanWithASingleView) {
 TEST_F(RefineSceneTest, DoesNotDependOnTheNumberOfThreads) {
   const TemporaryFolder folder;
   const auto bytes = [&](const ViewEvidence& evidence) {
-    WriteEvidence(folder.Path() / "evidence.bin", "", evidence);
+    WriteEvidence(UserPath(folder.Path() / "evidence.bin"), "", evidence);
     return ReadText(folder.Path() / "evidence.bin");
   };
   device_ = Device::CreateCpu(1);

@@ -589,7 +589,7 @@ TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {
     std::filesystem::remove(paths("v1.png").depth);
     std::filesystem::remove(paths("v1.png").normal);
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      WriteDepthMap(GetMapPaths(root, "v3.png", type).depth,
+      WriteDepthMap(UserPath(GetMapPaths(root, "v3.png", type).depth),
                     Image<float>(96, 72, 0.f));
     }
   };

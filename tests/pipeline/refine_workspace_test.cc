@@ -142,9 +142,11 @@ class RefineWorkspaceTest : public testing::Test {
   static void RemoveDepths(const std::filesystem::path& root, int view) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       WriteDepthMap(
-          GetMapPaths(
-              root, DrawnWorkspace::Names()[static_cast<size_t>(view)], type)
-              .depth,
+          UserPath(
+              GetMapPaths(root,
+                          DrawnWorkspace::Names()[static_cast<size_t>(view)],
+                          type)
+                  .depth),
           Image<float>(96, 72, 0.f));
     }
   }
@@ -420,7 +422,7 @@ TEST_F(RefineWorkspaceTest, KeepsImagesThatCannotBeRefined) {
             "v0.png\n__all__\nv1.png\nv0.png\nleft/v2.png\nv1.png\n"
             "v3.png\nv0.png\n");
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    WriteDepthMap(Paths(3, type).depth, Image<float>(96, 72, 0.f));
+    WriteDepthMap(UserPath(Paths(3, type).depth), Image<float>(96, 72, 0.f));
   }
   const std::string before = ReadText(Paths(3).depth);
   const RunSummary summary = Refine(Options(root_), RefineOptions());
@@ -621,7 +623,7 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   EXPECT_EQ(manifest["images"][2]["note"], "");
 
   // Where the maps of v1 are others by now, it is v1 that fails.
-  WriteDepthMap(Paths(1).depth, Image<float>(96, 72, 5.f));
+  WriteDepthMap(UserPath(Paths(1).depth), Image<float>(96, 72, 5.f));
   ExpectError(
       ErrorCode::kCorrupt, {"v3.png", "not a readable"}, [&] { Refine(); });
   EXPECT_EQ(Manifest()["images"][1]["status"], "failed");
@@ -848,7 +850,8 @@ TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
   RemoveMaps(3, MapType::kPhotometric);
   EXPECT_FALSE(look().has_other_type);
   std::filesystem::create_directories(Paths(2).cost.parent_path());
-  WritePlanarMap(Paths(2).cost, {96, 72, 2, std::vector<float>(2 * 96 * 72)});
+  WritePlanarMap(UserPath(Paths(2).cost),
+                 {96, 72, 2, std::vector<float>(2 * 96 * 72)});
   EXPECT_TRUE(look().has_costs);
 }
 
@@ -867,17 +870,18 @@ TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
 }
 
 TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
-  WriteDepthMap(Paths(3, MapType::kPhotometric).depth,
+  WriteDepthMap(UserPath(Paths(3, MapType::kPhotometric).depth),
                 Image<float>(48, 36, 5.f));
-  WriteNormalMap(Paths(3, MapType::kPhotometric).normal,
+  WriteNormalMap(UserPath(Paths(3, MapType::kPhotometric).normal),
                  Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
   ExpectRefusal(ErrorCode::kMismatch, {"v3.png.photometric.bin", "48 x 36"});
   RemoveMaps(3, MapType::kPhotometric);
 
   const std::string normal = ReadText(Paths(2).normal);
-  WriteNormalMap(Paths(2).normal, Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
+  WriteNormalMap(UserPath(Paths(2).normal),
+                 Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
   ExpectRefusal(ErrorCode::kMismatch, {Paths(2).normal.string(), "48 x 36"});
-  WriteDepthMap(Paths(2).normal, Image<float>(96, 72, 5.f));
+  WriteDepthMap(UserPath(Paths(2).normal), Image<float>(96, 72, 5.f));
   ExpectRefusal(ErrorCode::kCorrupt, {Paths(2).normal.string(), "channels"});
   std::filesystem::remove(Paths(2).normal);
   ExpectRefusal(ErrorCode::kNotFound,
@@ -890,7 +894,7 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
 
 TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
   std::filesystem::create_directories(Paths(0).cost.parent_path());
-  WriteDepthMap(Paths(0).cost, Image<float>(96, 72, 1.f));
+  WriteDepthMap(UserPath(Paths(0).cost), Image<float>(96, 72, 1.f));
   ExpectRefusal(ErrorCode::kCorrupt, {Paths(0).cost.string(), "channels"});
 }
 

@@ -35,7 +35,7 @@ TEST_F(PngTest, WrittenColorsAreReadByOthers) {
   image(0, 0) = {255, 10, 20};
   image(1, 0) = {30, 40, 250};
   const fs::path path = folder_ / "colors.png";
-  WritePng(path, image);
+  WritePng(UserPath(path), image);
   const cv::Mat read = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(read.type(), CV_8UC3);
   ASSERT_EQ(read.size(), cv::Size(2, 1));
@@ -44,7 +44,8 @@ TEST_F(PngTest, WrittenColorsAreReadByOthers) {
 }
 
 TEST_F(PngTest, WritingIntoAMissingFolderIsAnError) {
-  EXPECT_THROW(WritePng(folder_ / "none" / "a.png", Image<Rgb>(1, 1)), Error);
+  EXPECT_THROW(WritePng(UserPath(folder_ / "none" / "a.png"), Image<Rgb>(1, 1)),
+               Error);
 }
 
 TEST_F(PngTest, GrayValuesAreKept) {
@@ -83,7 +84,7 @@ TEST_F(PngTest, HostileFilesAreErrors) {
   EXPECT_EQ(CodeOf(text), ErrorCode::kCorrupt);
 
   const fs::path color = folder_ / "color.png";
-  WritePng(color, Image<Rgb>(4, 4));
+  WritePng(UserPath(color), Image<Rgb>(4, 4));
   EXPECT_EQ(CodeOf(color), ErrorCode::kCorrupt);
 }
 

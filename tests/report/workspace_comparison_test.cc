@@ -48,9 +48,9 @@ class WorkspaceComparisonTest : public ::testing::Test {
           (root_ / "images" / name).string(),
           cv::Mat(2 * kHeight, 2 * kWidth, CV_8UC3, cv::Scalar(9, 8, 7)));
       const std::string tail = name + ".geometric.bin";
-      WriteDepthMap(root_ / "stereo/depth_maps" / tail,
+      WriteDepthMap(UserPath(root_ / "stereo/depth_maps" / tail),
                     Image<float>(kWidth, kHeight, kOriginalDepth));
-      WriteNormalMap(root_ / "stereo/normal_maps" / tail,
+      WriteNormalMap(UserPath(root_ / "stereo/normal_maps" / tail),
                      Image<Vec3f>(kWidth, kHeight, Vec3f{0.f, 0.f, -1.f}));
     }
   }

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/report/page_files.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/write_back.h"
 #include "colmap_tsar/workspace/workspace_lock.h"
+#include "colmap_tsar/workspace/write_back.h"
 
 #include <sstream>
 
@@ -170,8 +170,8 @@ TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {
   // The geometric depth before is 2, 4 and 6; after, 9, 9 and 6.
   const fs::path truth = folder_.Path() / "truth";
   fs::create_directories(truth / "left");
-  WriteDepthMap(truth / "a.png.bin", Image<float>(4, 3, 9.f));
-  WriteDepthMap(truth / "c.png.bin", Image<float>(4, 3, 6.f));
+  WriteDepthMap(UserPath(truth / "a.png.bin"), Image<float>(4, 3, 9.f));
+  WriteDepthMap(UserPath(truth / "c.png.bin"), Image<float>(4, 3, 6.f));
   options_.ground_truth_path = truth;
   options_.tolerances = {0.1};
   Write();

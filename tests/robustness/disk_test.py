@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-from robustness import (SKIPPED, Program, check, check_same, copy, maps_of, parse_arguments,
+from robustness import (SKIPPED, Program, check, check_kept, check_same, copy, parse_arguments,
                         read_tree, without_accounts)
 from start_workspaces import STEREO, StartWorkspaces
 
@@ -58,21 +58,6 @@ def free_bytes():
 def fill(num_left):
     with open(filler, "wb", buffering=0) as file:
         file.write(b"\0" * max(0, free_bytes() - num_left))
-
-
-def check_kept(tree, first, last, case):
-    """Maps are of before or of after, and what was before is there."""
-    stored = {"refine": "stereo/tsar/original/", "import": "stereo/tsar_import/former/"}
-    for path, content in maps_of(first).items():
-        check(tree.get(path) in (content, last.get(path)), f"{path} is neither")
-        if case in stored:
-            kept = tree.get(stored[case] + path[len("stereo/"):])
-            check(content in (tree[path], kept), f"{path} is lost")
-    for path, content in maps_of(tree).items():
-        check(content in (first.get(path), last.get(path)), f"{path} is not complete")
-    for path in first.keys() - maps_of(first).keys():
-        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/provenance")):
-            check(tree.get(path) == first[path], f"{path} changed")
 
 
 origins.make(program)

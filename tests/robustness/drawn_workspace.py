@@ -14,6 +14,12 @@ WIDTH, HEIGHT = 56, 42
 FOCAL, DEPTH, BASELINE = 48.0, 5.0, 0.4
 
 
+def enlarge(factor):
+    """Has all that is drawn from now on be so many times as wide and high."""
+    global WIDTH, HEIGHT, FOCAL
+    WIDTH, HEIGHT, FOCAL = WIDTH * factor, HEIGHT * factor, FOCAL * factor
+
+
 def write(path, content):
     """A new file, so that other links to an old one keep what they have."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
@@ -116,11 +122,11 @@ def draw(root, num_images, with_maps=True):
                   map_file([nothing, nothing, facing]))
 
 
-def draw_prior(folder, num_images):
+def draw_prior(folder, num_images, scale=1.0):
     """Depth as another program would give it: arrays of NumPy, by image name."""
     for view, name in enumerate(NAMES[:num_images]):
         header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({HEIGHT}, {WIDTH}), }}"
         header += " " * (-(len(header) + 11) % 64) + "\n"
-        body = struct.pack(f"<{WIDTH * HEIGHT}f", *depth_map(view, "geometric"))
+        body = struct.pack(f"<{WIDTH * HEIGHT}f", *(scale * depth for depth in depth_map(view, "geometric")))
         write(os.path.join(folder, os.path.splitext(name)[0] + ".npy"),
               b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + body)

@@ -11,16 +11,27 @@
 //
 // Calls on descriptors count where these stand for files and folders, not for
 // terminals and pipes.
+//
+// Or it gives less than a program asks for, which is counted apart:
+//
+//   TSAR_FAULT_NO_THREADS_FROM=K   no thread from the K-th on
+//   TSAR_FAULT_NO_MEMORY_AT=K      no memory at the K-th call of operator new
+//   TSAR_FAULT_NO_MEMORY_FROM=K    nor at any after it; from that on the system
+//                                  gives no more memory in other ways either
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdarg>
 #include <cstdlib>
+#include <new>
 #include <string>
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -45,6 +56,12 @@ std::string PathOf(int descriptor) {
   const std::string link = "/proc/self/fd/" + std::to_string(descriptor);
   const ssize_t length = readlink(link.c_str(), path, sizeof(path));
   return std::string(path, static_cast<size_t>(std::max<ssize_t>(length, 0)));
+}
+
+// The path of a name in an open folder.
+std::string PathAt(int folder, const char* name) {
+  return folder == AT_FDCWD || name[0] == '/' ? name
+                                              : PathOf(folder) + "/" + name;
 }
 
 void Log(const std::string& line) {
@@ -92,6 +109,15 @@ int Open(const char* name, const char* path, int flags, mode_t mode) {
   return Next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
 }
 
+int OpenAt(
+    const char* name, int folder, const char* path, int flags, mode_t mode) {
+  if ((flags & O_CREAT) != 0) {
+    Note("create", PathAt(folder, path));
+  }
+  return Next<int (*)(int, const char*, int, ...)>(name)(
+      folder, path, flags, mode);
+}
+
 mode_t ModeOf(int flags, va_list arguments) {
   return (flags & O_CREAT) != 0 ? va_arg(arguments, mode_t) : 0;
 }
@@ -116,6 +142,22 @@ int open64(const char* path, int flags, ...) {
   return Open("open64", path, flags, mode);
 }
 
+int openat(int folder, const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return OpenAt("openat", folder, path, flags, mode);
+}
+
+int openat64(int folder, const char* path, int flags, ...) {
+  va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = ModeOf(flags, arguments);
+  va_end(arguments);
+  return OpenAt("openat64", folder, path, flags, mode);
+}
+
 ssize_t write(int descriptor, const void* data, size_t size) {
   const auto next = Next<ssize_t (*)(int, const void*, size_t)>("write");
   if (IsOnDisk(descriptor) && IsLast("write", PathOf(descriptor))) {
@@ -137,12 +179,31 @@ int rename(const char* from, const char* to) noexcept {
   return Next<int (*)(const char*, const char*)>("rename")(from, to);
 }
 
+int renameat(int from_folder,
+             const char* from,
+             int to_folder,
+             const char* to) noexcept {
+  Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
+  return Next<int (*)(int, const char*, int, const char*)>("renameat")(
+      from_folder, from, to_folder, to);
+}
+
+int renameat2(int from_folder,
+              const char* from,
+              int to_folder,
+              const char* to,
+              unsigned flags) noexcept {
+  Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
+  return Next<int (*)(int, const char*, int, const char*, unsigned)>(
+      "renameat2")(from_folder, from, to_folder, to, flags);
+}
+
 int linkat(int from_folder,
            const char* from,
            int to_folder,
            const char* to,
            int flags) noexcept {
-  Note("link", from, to);
+  Note("link", PathAt(from_folder, from), PathAt(to_folder, to));
   return Next<int (*)(int, const char*, int, const char*, int)>("linkat")(
       from_folder, from, to_folder, to, flags);
 }
@@ -152,13 +213,19 @@ int symlink(const char* target, const char* link) noexcept {
   return Next<int (*)(const char*, const char*)>("symlink")(target, link);
 }
 
+int symlinkat(const char* target, int folder, const char* link) noexcept {
+  Note("symlink", target, PathAt(folder, link));
+  return Next<int (*)(const char*, int, const char*)>("symlinkat")(
+      target, folder, link);
+}
+
 int unlink(const char* path) noexcept {
   Note("unlink", path);
   return Next<int (*)(const char*)>("unlink")(path);
 }
 
 int unlinkat(int folder, const char* path, int flags) noexcept {
-  Note("unlink", path);
+  Note((flags & AT_REMOVEDIR) != 0 ? "rmdir" : "unlink", PathAt(folder, path));
   return Next<int (*)(int, const char*, int)>("unlinkat")(folder, path, flags);
 }
 
@@ -172,9 +239,51 @@ int rmdir(const char* path) noexcept {
   return Next<int (*)(const char*)>("rmdir")(path);
 }
 
+int mkdirat(int folder, const char* path, mode_t mode) noexcept {
+  Note("mkdir", PathAt(folder, path));
+  return Next<int (*)(int, const char*, mode_t)>("mkdirat")(folder, path, mode);
+}
+
 int mkdir(const char* path, mode_t mode) noexcept {
   Note("mkdir", path);
   return Next<int (*)(const char*, mode_t)>("mkdir")(path, mode);
 }
 
+int pthread_create(pthread_t* thread,
+                   const pthread_attr_t* attributes,
+                   void* (*function)(void*),
+                   void* argument) noexcept {
+  static const long from = NumberOf("TSAR_FAULT_NO_THREADS_FROM");
+  static std::atomic<long> num_threads = 0;
+  if (++num_threads >= from && from > 0) {
+    return EAGAIN;
+  }
+  return Next<decltype(&pthread_create)>("pthread_create")(
+      thread, attributes, function, argument);
+}
+
 }  // extern "C"
+
+void* operator new(size_t size) {
+  static const long at = NumberOf("TSAR_FAULT_NO_MEMORY_AT");
+  static const long from = NumberOf("TSAR_FAULT_NO_MEMORY_FROM");
+  static std::atomic<long> num_allocations = 0;
+  const long number = ++num_allocations;
+  if (number == from) {
+    const rlimit nothing = {0, 0};
+    setrlimit(RLIMIT_AS, &nothing);
+  }
+  void* const memory = number == at || (number >= from && from > 0)
+                           ? nullptr
+                           : std::malloc(std::max<size_t>(size, 1));
+  if (memory == nullptr) {
+    throw std::bad_alloc();
+  }
+  return memory;
+}
+
+void operator delete(void* memory) noexcept { std::free(memory); }
+
+void operator delete(void* memory, size_t /*size*/) noexcept {
+  std::free(memory);
+}

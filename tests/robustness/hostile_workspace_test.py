@@ -5,6 +5,7 @@
 outside of the workspace is written or removed, whatever they do; and what is
 harmless, such as maps that are links to files that may not change, works."""
 import os
+import resource
 import shutil
 
 import drawn_workspace
@@ -114,6 +115,61 @@ for link in LINKS:
         num_cases += 1
 shutil.rmtree(outside)
 drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+
+# In a tree so deep that there are fewer descriptors than levels.
+DEEP = "x/" * 1100
+for case, (command, source) in COMMANDS.items():
+    copy(source, work)
+    path = os.path.join(work, "stereo", "depth_maps")
+    os.makedirs(os.path.join(path, DEEP))
+    os.symlink(outside, os.path.join(path, DEEP, "folder"))
+    os.symlink(outside, os.path.join(path, "zzz"))
+    drawn_workspace.write(os.path.join(outside, "v0.png.geometric.bin.tsar_tmp"), b"precious")
+    fails(f"{case} in a deep tree", command, texts=["leads out"],
+          prepare=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (1024, 1024)))
+    num_cases += 1
+os.remove(os.path.join(outside, "v0.png.geometric.bin.tsar_tmp"))
+
+# A link in the place of the lock, to a file that is not there.
+for case, (command, source) in COMMANDS.items():
+    copy(source, work)
+    os.makedirs(os.path.join(work, "stereo", "tsar"), exist_ok=True)
+    os.symlink(os.path.join(outside, "made"), os.path.join(work, "stereo", "tsar", "lock"))
+    fails(f"{case} with a link as lock", command, texts=["lock", "it is a link"])
+    check("made" not in os.listdir(outside), f"{case} with a link as lock makes a file")
+    num_cases += 1
+
+# A marker that calls another workspace the input: it is read, if at all.
+victim = os.path.join(outside, "victim")
+copy(start.mapped, victim)
+for case, (command, source) in COMMANDS.items():
+    copy(source, work)
+    drawn_workspace.write(os.path.join(work, "stereo", "tsar", "output_of.json"),
+                          b'{"input": "%s"}' % victim.encode())
+    before, folders = read_tree(outside), [entry[0] for entry in os.walk(outside)]
+    inode = os.stat(os.path.join(victim, "stereo")).st_mtime_ns
+    program.call(*command)
+    check_same(read_tree(outside), before, f"{case} with a planted marker")
+    check([entry[0] for entry in os.walk(outside)] == folders
+          and os.stat(os.path.join(victim, "stereo")).st_mtime_ns == inode,
+          f"{case} with a planted marker makes folders")
+    num_cases += 1
+shutil.rmtree(victim)
+
+# A note of an output workspace that is somebody else's.
+copy(start.refined, work)
+copy(start.mapped, victim)
+drawn_workspace.write(os.path.join(work, "stereo", "tsar", "outputs", "1.json"),
+                      b'{"output": "%s"}' % victim.encode())
+os.symlink(os.path.join(work, "stereo", "tsar", "original", "nothing"),
+           os.path.join(victim, "stereo", "depth_maps", "v0.png.photometric.bin.old"))
+before = sorted(os.path.join(entry[0], name) for entry in os.walk(victim)
+                for name in entry[1] + entry[2])
+program.run(*COMMANDS["restore"][0])
+check(before == sorted(os.path.join(entry[0], name) for entry in os.walk(victim)
+                       for name in entry[1] + entry[2]), "restoring with a planted note")
+shutil.rmtree(victim)
+num_cases += 1
 
 # What stands in a record counts for nothing: the files' own names do.
 copy(start.refined, work)

@@ -53,19 +53,21 @@ class Program:
                     words += [f"--{group}.{name}", value]
         return words
 
-    def start(self, *words, **faults):
-        """faults: kill_at, stop_at or log, of fault_points.cc."""
+    def start(self, *words, prepare=None, **faults):
+        """prepare: called in the new process before the program. faults: kill_at,
+        stop_at or log, of fault_points.cc."""
         environment = dict(os.environ)
         if faults:
             environment["LD_PRELOAD"] = self.shim
         for name, value in faults.items():
             environment["TSAR_FAULT_" + name.upper()] = str(value)
         return subprocess.Popen(self.arguments(*words), env=environment, text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                preexec_fn=prepare)
 
-    def call(self, *words, **faults):
+    def call(self, *words, **how):
         """(exit code, standard error)"""
-        process = self.start(*words, **faults)
+        process = self.start(*words, **how)
         _, errors = process.communicate()
         return process.returncode, errors
 
@@ -73,9 +75,9 @@ class Program:
         code, errors = self.call(*words, **faults)
         check(code == 0, f"{' '.join(words[:2])} ended with {code}: {errors}")
 
-    def fails_with_one_line(self, *words, texts=()):
+    def fails_with_one_line(self, *words, texts=(), **how):
         """That the command ends with exit code 1 and one clear line."""
-        code, errors = self.call(*words)
+        code, errors = self.call(*words, **how)
         lines = [line for line in errors.splitlines() if line.startswith("ERROR: ")]
         what = f"{' '.join(map(str, words))} ended with {code}: {errors}"
         check(code == 1 and len(lines) == 1 and errors.endswith(lines[0] + "\n"), what)
@@ -118,9 +120,30 @@ def check_same(tree, expected, what):
     check(tree == expected, f"{what}: {difference(tree, expected)} differ")
 
 
+def check_kept(tree, first, last, case):
+    """Maps are of before or of after, and what was before is there."""
+    stored = {"refine": "stereo/tsar/original/", "import": "stereo/tsar_import/former/"}
+    for path, content in maps_of(first).items():
+        check(tree.get(path) in (content, last.get(path)), f"{path} is neither")
+        if case in stored:
+            kept = tree.get(stored[case] + path[len("stereo/"):])
+            check(content in (tree[path], kept), f"{path} is lost")
+    for path, content in maps_of(tree).items():
+        check(content in (first.get(path), last.get(path)), f"{path} is not complete")
+    for path in first.keys() - maps_of(first).keys():
+        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/provenance")):
+            check(tree.get(path) == first[path], f"{path} changed")
+
+
 def copy(source, target):
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(source, target, symlinks=True)
+
+
+def set_time(path, hours):
+    """Has the file changed so many hours later: clocks may stand still in a test."""
+    state = os.stat(path)
+    os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns + hours * 3600 * 10**9))
 
 
 def fingerprint(text):

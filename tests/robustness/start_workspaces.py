@@ -28,10 +28,13 @@ class StartWorkspaces:
             for name in ("bare", "mapped", "refined", "imported", "prior"))
         self.import_options = import_options(self.prior)
 
+    def write_prior(self, scale):
+        drawn_workspace.draw_prior(self.prior, NUM_IMAGES, scale)
+
     def make(self, program):
         drawn_workspace.draw(self.bare, NUM_IMAGES, with_maps=False)
         drawn_workspace.draw(self.mapped, NUM_IMAGES)
-        drawn_workspace.draw_prior(self.prior, NUM_IMAGES)
+        self.write_prior(1.0)
         copy(self.mapped, self.refined)
         program.run("tsar_refine", self.refined)
         copy(self.mapped, self.imported)

@@ -22,7 +22,7 @@ TEST(AtomicFileTest, ShowsTheOldContentUntilTheCommit) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";
   WriteText(path, "old");
-  AtomicFile file(path);
+  AtomicFile file(UserPath(path));
   file.Stream() << "new";
   EXPECT_EQ(ReadText(path), "old");
   file.Prepare();
@@ -36,7 +36,7 @@ TEST(AtomicFileTest, LeavesNothingBehindWithoutCommit) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";
   {
-    AtomicFile file(path);
+    AtomicFile file(UserPath(path));
     file.Stream() << "new";
     file.Prepare();
   }
@@ -47,7 +47,7 @@ TEST(AtomicFileTest, WritesMoreThanItsBuffer) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";
   std::string text;
-  AtomicFile file(path);
+  AtomicFile file(UserPath(path));
   for (int i = 0; i < 300; ++i) {
     const std::string piece(static_cast<size_t>(i * 13 % 1000),
                             static_cast<char>('a' + i % 26));
@@ -68,7 +68,7 @@ TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
   WriteText(victim, "untouched");
   std::filesystem::create_symlink(victim,
                                   path.string() + AtomicFile::kTemporarySuffix);
-  AtomicFile file(path);
+  AtomicFile file(UserPath(path));
   file.Stream() << "new";
   file.Commit();
   EXPECT_EQ(ReadText(path), "new");
@@ -80,11 +80,12 @@ TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsNone) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "file", "");
   const auto path = folder.Path() / "file" / "below";
+  ExpectError(
+      ErrorCode::kIo,
+      {path.parent_path().string() + ": the folder", "Not a directory"},
+      [&] { AtomicFile file(UserPath(path)); });
   ExpectError(ErrorCode::kIo, {path.string(), "Not a directory"}, [&] {
-    AtomicFile file(path);
-  });
-  ExpectError(ErrorCode::kIo, {path.string(), "Not a directory"}, [&] {
-    CreateFolders(path);
+    CreateFolders(UserPath(path));
   });
 }
 
@@ -98,7 +99,7 @@ TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsReadOnly) {
       std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   const auto path = folder.Path() / "file";
   ExpectError(ErrorCode::kIo, {path.string(), "Permission denied"}, [&] {
-    AtomicFile file(path);
+    AtomicFile file(UserPath(path));
   });
   std::filesystem::permissions(folder.Path(),
                                std::filesystem::perms::owner_all);
@@ -108,7 +109,7 @@ TEST(AtomicFileTest, KeepsTheOldFileWhereARenameFails) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "taken";
   WriteText(path / "inside", "");
-  AtomicFile file(path);
+  AtomicFile file(UserPath(path));
   ExpectError(
       ErrorCode::kIo, {path.string(), "directory"}, [&] { file.Commit(); });
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
@@ -126,7 +127,7 @@ TEST(AtomicFileTest, KeepsTheOldFileWhereWritingFails) {
   small.rlim_cur = 100000;
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
   ExpectError(ErrorCode::kIo, {path.string(), "File too large"}, [&] {
-    AtomicFile file(path);
+    AtomicFile file(UserPath(path));
     file.Stream() << std::string(200000, 'x') << "more";
     file.Commit();
   });
@@ -141,14 +142,14 @@ TEST(LinkOrCopyFileTest, GivesTheSameContentAndReplaces) {
   const auto source = folder.Path() / "source";
   const auto target = folder.Path() / "new" / "target";
   WriteText(source, "one");
-  LinkOrCopyFile(source, target);
+  LinkOrCopyFile(source, UserPath(target));
   EXPECT_EQ(ReadText(target), "one");
   // Once more onto itself, which rename() alone would leave half done.
-  LinkOrCopyFile(source, target);
+  LinkOrCopyFile(source, UserPath(target));
   EXPECT_EQ(NumEntries(target.parent_path()), 1u);
   WriteText(source, "two");
   EXPECT_EQ(ReadText(target), "one");
-  LinkOrCopyFile(source, target);
+  LinkOrCopyFile(source, UserPath(target));
   EXPECT_EQ(ReadText(target), "two");
 }
 
@@ -157,7 +158,7 @@ TEST(LinkOrCopyFileTest, LinksTheFileBehindASymbolicLink) {
   WriteText(folder.Path() / "source", "one");
   std::filesystem::create_symlink("source", folder.Path() / "link");
   const auto target = folder.Path() / "new" / "target";
-  LinkOrCopyFile(folder.Path() / "link", target);
+  LinkOrCopyFile(folder.Path() / "link", UserPath(target));
   EXPECT_FALSE(std::filesystem::is_symlink(target));
   EXPECT_EQ(ReadText(target), "one");
 }
@@ -166,12 +167,12 @@ TEST(CopyFileTest, CopiesAlsoEmptyFiles) {
   const TemporaryFolder folder;
   for (const std::string& text : {std::string(), std::string(70000, 'x')}) {
     WriteText(folder.Path() / "source", text);
-    CopyFile(folder.Path() / "source", folder.Path() / "target");
+    CopyFile(folder.Path() / "source", UserPath(folder.Path() / "target"));
     EXPECT_EQ(ReadText(folder.Path() / "target"), text);
   }
   const auto missing = folder.Path() / "missing";
   ExpectError(ErrorCode::kIo, {missing.string()}, [&] {
-    CopyFile(missing, folder.Path() / "target");
+    CopyFile(missing, UserPath(folder.Path() / "target"));
   });
 }
 
@@ -182,10 +183,10 @@ TEST(CopyFileTest, KeepsTheTimeWhereItIsToldTo) {
   const auto time =
       std::filesystem::last_write_time(source) - std::chrono::hours(5);
   std::filesystem::last_write_time(source, time);
-  CopyFile(source, folder.Path() / "same", true);
+  CopyFile(source, UserPath(folder.Path() / "same"), true);
   EXPECT_EQ(std::filesystem::last_write_time(folder.Path() / "same"), time);
   EXPECT_EQ(ReadText(folder.Path() / "same"), "content");
-  CopyFile(source, folder.Path() / "newer");
+  CopyFile(source, UserPath(folder.Path() / "newer"));
   EXPECT_NE(std::filesystem::last_write_time(folder.Path() / "newer"), time);
 }
 
@@ -193,7 +194,7 @@ TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "a", "text");
   std::filesystem::create_hard_link(folder.Path() / "a", folder.Path() / "b");
-  RenameFile(folder.Path() / "a", folder.Path() / "b");
+  RenameFile(UserPath(folder.Path() / "a"), UserPath(folder.Path() / "b"));
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
   EXPECT_EQ(ReadText(folder.Path() / "b"), "text");
 }
@@ -201,7 +202,7 @@ TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {
 TEST(AtomicFileTest, RemovesTemporariesAndNothingElse) {
   const TemporaryFolder folder;
   const std::filesystem::path root = folder.Path() / "maps";
-  RemoveTemporaries(root);  // No such folder.
+  RemoveTemporaries(UserPath(root));  // No such folder.
   const std::filesystem::path kept = root / "left.tsar_tmp" / "b.bin";
   WriteText(kept, "map");
   WriteText(root / "left.tsar_tmp" / "b.bin.tsar_tmp", "half");
@@ -211,7 +212,7 @@ TEST(AtomicFileTest, RemovesTemporariesAndNothingElse) {
                                   root / "c.bin.tsar_tmp");
   std::filesystem::create_symlink(root / "d.bin.tsar_tmp",
                                   root / "d.bin.tsar_tmp");
-  RemoveTemporaries(root);
+  RemoveTemporaries(UserPath(root));
   EXPECT_EQ(ReadText(kept), "map");
   EXPECT_EQ(NumEntries(kept.parent_path()), 1u);
   EXPECT_EQ(NumEntries(root), 1u);

@@ -202,18 +202,18 @@ class EvidenceFileTest : public testing::Test {
 };
 
 TEST_F(EvidenceFileTest, ReadsWhatWasWritten) {
-  WriteEvidence(path_, kOptionsHash, evidence_);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   ExpectSame(ReadEvidence(path_), evidence_);
   EXPECT_EQ(ReadEvidenceHash(path_), kOptionsHash);
 }
 
 TEST_F(EvidenceFileTest, WritesTheDocumentedBytes) {
-  WriteEvidence(path_, kOptionsHash, evidence_);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   EXPECT_EQ(ReadText(path_), FileBytes(HeaderFields(evidence_), evidence_));
 }
 
 TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
-  WriteEvidence(path_, kOptionsHash, evidence_);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   const ViewEvidence read = ReadEvidence(path_, EvidenceParts::kForNeighbours);
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
@@ -232,7 +232,7 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.region_planes = Image<uint16_t>(1, 2);
   nothing.strong_depth = Image<float>(1, 2);
   nothing.trust = Image<uint8_t>(1, 2);
-  WriteEvidence(path_, "", nothing);
+  WriteEvidence(UserPath(path_), "", nothing);
   ExpectSame(ReadEvidence(path_), nothing);
   EXPECT_EQ(ReadEvidenceHash(path_), "");
 }
@@ -248,15 +248,15 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   evidence.region_planes(0, 0) = 3;
   evidence.error_per_depth = 0.f;
   evidence.noise = 0.f;
-  WriteEvidence(path_, kOptionsHash, evidence);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
 }
 
 TEST_F(EvidenceFileTest, ReplacesAnOlderFile) {
-  WriteEvidence(path_, "old", evidence_);
+  WriteEvidence(UserPath(path_), "old", evidence_);
   ViewEvidence evidence = evidence_;
   evidence.trust = Image<uint8_t>(2, 1, 9);
-  WriteEvidence(path_, kOptionsHash, evidence);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
   EXPECT_EQ(ReadEvidenceHash(path_), kOptionsHash);
   const std::filesystem::directory_iterator entries(path_.parent_path());
@@ -300,7 +300,7 @@ TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
 }
 
 TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
-  WriteEvidence(path_, kOptionsHash, evidence_);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   const std::string good = ReadText(path_);
   ASSERT_GT(good.size(), 1000u);
   for (size_t length = 0; length < good.size(); length += 97) {
@@ -318,7 +318,7 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
 }
 
 TEST_F(EvidenceFileTest, SeesEveryChangedByte) {
-  WriteEvidence(path_, kOptionsHash, evidence_);
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   const std::string good = ReadText(path_);
   const size_t own_begin = good.size() - OwnBytes(evidence_).size();
   const size_t header_end = own_begin - NeighbourBytes(evidence_).size();
@@ -515,7 +515,7 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
     ViewEvidence evidence = evidence_;
     fault.make(&evidence);
     ExpectError(ErrorCode::kMismatch, {path_.string(), fault.what}, [&] {
-      WriteEvidence(path_, kOptionsHash, evidence);
+      WriteEvidence(UserPath(path_), kOptionsHash, evidence);
     });
   }
   EXPECT_EQ(ReadText(path_), "old");

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/base/input_file.h"
 
+#include "colmap_tsar/base/error.h"
+
 #include <fstream>
 #include <iterator>
 
@@ -30,6 +32,9 @@ class InputFileTest : public testing::Test {
     EXPECT_FALSE(file);
     EXPECT_NE(file.Reason().find(reason), std::string::npos) << file.Reason();
     EXPECT_EQ(file.get(), InputFile::traits_type::eof());
+    // As parsers do, that know nothing of the stream's state.
+    ASSERT_TRUE(file.rdbuf());
+    EXPECT_EQ(file.rdbuf()->sgetc(), InputFile::traits_type::eof());
   }
 
   TemporaryFolder folder_;
@@ -50,14 +55,13 @@ TEST_F(InputFileTest, ReadsAsStreamsDo) {
   EXPECT_EQ(std::string(text, 4), "irst");
   file.seekg(2, std::ios::cur);
   EXPECT_EQ(ReadAll(file), "econd\n");
-  EXPECT_TRUE(file.eof());
 }
 
 TEST_F(InputFileTest, OpensAnotherFile) {
   WriteText(path_, "one");
   WriteText(folder_.Path() / "other", "another");
   InputFile file;
-  EXPECT_FALSE(file.rdbuf());
+  EXPECT_EQ(file.get(), InputFile::traits_type::eof());
   file.Open(folder_.Path() / "missing");
   EXPECT_FALSE(file);
   EXPECT_TRUE(file.IsMissing());
@@ -87,6 +91,48 @@ TEST_F(InputFileTest, WaitsForNoFifoAndReadsNoDevice) {
   ExpectRefused(path_ / "below", "Not a directory");
   std::filesystem::create_symlink("/dev/zero", folder_.Path() / "link");
   ExpectRefused(folder_.Path() / "link", "device");
+}
+
+// The system finds nothing at the first address of the memory of a process.
+TEST_F(InputFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
+  const auto expect_error = [](const auto& read) {
+    InputFile file("/proc/self/mem");
+    ASSERT_TRUE(file) << file.Reason();
+    try {
+      read(file);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.Code(), ErrorCode::kIo);
+      EXPECT_EQ(
+          std::string(error.what()).find("/proc/self/mem: cannot be read"), 0u)
+          << error.what();
+    }
+  };
+  expect_error([](InputFile& file) { file.get(); });
+  expect_error([](InputFile& file) { ReadAll(file); });
+  expect_error([](InputFile& file) {
+    std::string line;
+    std::getline(file, line);
+  });
+  expect_error([](InputFile& file) {
+    std::string large(size_t{1} << 20, ' ');
+    file.read(large.data(), static_cast<std::streamsize>(large.size()));
+  });
+  expect_error([](InputFile& file) {
+    int number = 0;
+    file >> number;
+  });
+}
+
+// A file that could not be read leaves nothing behind for the next one.
+TEST_F(InputFileTest, OpensAnotherFileAfterOneThatFails) {
+  InputFile file("/proc/self/mem");
+  EXPECT_THROW(file.get(), Error);
+  file.Open(folder_.Path() / "missing");
+  EXPECT_FALSE(file);
+  WriteText(path_, "one");
+  file.Open(path_);
+  EXPECT_EQ(ReadAll(file), "one");
 }
 
 }  // namespace

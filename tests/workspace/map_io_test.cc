@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/workspace/map_io.h"
 
+#include "colmap_tsar/workspace/content_hash.h"
+
 #include <limits>
 
 #include "tests/workspace/test_workspace.h"
@@ -36,6 +38,19 @@ class MapIoTest : public testing::Test {
                 [&] { ReadDepthMap(path); });
     ExpectError(
         ErrorCode::kCorrupt, {path.string()}, [&] { ReadMapSize(path); });
+  }
+  // That what is remembered of a written map is what the file tells.
+  void ExpectRemembered(const std::filesystem::path& path,
+                        const std::function<WrittenMap(AtomicFile*)>& put) {
+    AtomicFile file(UserPath(path));
+    const WrittenMap written = put(&file);
+    file.Prepare();
+    const int64_t time = file.Time();
+    file.Commit();
+    EXPECT_EQ(written.hash, HashFile(path));
+    EXPECT_EQ(written.samples.size(), kNumSamples);
+    EXPECT_EQ(written.samples, ReadSamples(path));
+    EXPECT_EQ(time, TimeOf(path));
   }
   TemporaryFolder folder_;
 };
@@ -84,15 +99,16 @@ TEST_F(MapIoTest, WritesTheBytesThatColmapReads) {
   Image<Vec3f> normal(2, 1);
   normal(0, 0) = {1, 3, 5};
   normal(1, 0) = {2, 4, 6};
-  uint64_t hash = WriteNormalMap(path, normal);
-  EXPECT_EQ(hash, HashFile(path));
+  ExpectRemembered(
+      path, [&](AtomicFile* file) { return PutNormalMap(normal, file); });
   EXPECT_EQ(ReadText(path), MapBytes("2&1&3&", {1, 2, 3, 4, 5, 6}));
-  hash = WriteDepthMap(path, Image<float>(1, 2, 7.f));
-  EXPECT_EQ(hash, HashFile(path));
+  ExpectRemembered(path, [&](AtomicFile* file) {
+    return PutDepthMap(Image<float>(1, 2, 7.f), file);
+  });
   EXPECT_EQ(ReadText(path), MapBytes("1&2&1&", {7, 7}));
   const PlanarMap map = {2, 1, 2, {1, 2, 3, 4}};
-  hash = WritePlanarMap(path, map);
-  EXPECT_EQ(hash, HashFile(path));
+  ExpectRemembered(path,
+                   [&](AtomicFile* file) { return PutPlanarMap(map, file); });
   EXPECT_EQ(ReadText(path), MapBytes("2&1&2&", {1, 2, 3, 4}));
   const PlanarMap read = ReadPlanarMap(path);
   EXPECT_EQ(read.width, 2);
@@ -167,17 +183,17 @@ TEST_F(MapIoTest, RefusesToWriteWhatFusionCannotRead) {
   WriteText(path, "old");
   for (const float value : {kNan, kInf}) {
     ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
-      WriteDepthMap(path, Image<float>(2, 2, value));
+      WriteDepthMap(UserPath(path), Image<float>(2, 2, value));
     });
     ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
-      WriteNormalMap(path, Image<Vec3f>(2, 2, Vec3f{0, 0, value}));
+      WriteNormalMap(UserPath(path), Image<Vec3f>(2, 2, Vec3f{0, 0, value}));
     });
   }
   ExpectError(ErrorCode::kMismatch, {"empty"}, [&] {
-    WriteDepthMap(path, Image<float>());
+    WriteDepthMap(UserPath(path), Image<float>());
   });
   ExpectError(ErrorCode::kMismatch, {path.string()}, [&] {
-    WritePlanarMap(path, {2, 2, 1, {1, 2, 3}});
+    WritePlanarMap(UserPath(path), {2, 2, 1, {1, 2, 3}});
   });
   EXPECT_EQ(ReadText(path), "old");
 }

@@ -80,10 +80,18 @@ void WriteTestMaps(const std::filesystem::path& root,
                    MapType type,
                    float depth) {
   const MapPaths paths = GetMapPaths(root, image, type);
-  std::filesystem::create_directories(paths.depth.parent_path());
-  std::filesystem::create_directories(paths.normal.parent_path());
+  CreateFolders(paths.depth.Parent());
+  CreateFolders(paths.normal.Parent());
   WriteDepthMap(paths.depth, Image<float>(4, 3, depth));
   WriteNormalMap(paths.normal, Image<Vec3f>(4, 3, Vec3f{0.f, 0.f, -depth}));
+  // The clock of a file system may stand still between two writes of a test.
+  static int num_seconds = 0;
+  for (const ContainedPath& path : {paths.depth, paths.normal}) {
+    std::filesystem::last_write_time(
+        path,
+        std::filesystem::file_time_type::clock::now() +
+            std::chrono::seconds(++num_seconds));
+  }
 }
 
 RefinedMaps MakeRefinedMaps(float depth) {

@@ -128,7 +128,8 @@ TEST_F(WorkspaceTest, NamesTheMissingMap) {
 
 TEST_F(WorkspaceTest, RefusesMapsOfDifferentSizes) {
   const Workspace workspace(root_, kGeometric);
-  WriteDepthMap(workspace.DepthPath(0, kGeometric), Image<float>(3, 4, 1.f));
+  WriteDepthMap(UserPath(workspace.DepthPath(0, kGeometric)),
+                Image<float>(3, 4, 1.f));
   ExpectError(ErrorCode::kMismatch,
               {workspace.NormalPath(0, kGeometric).string(), "4 x 3", "3 x 4"},
               [&] { workspace.ReadOriginalMaps(0, kGeometric); });

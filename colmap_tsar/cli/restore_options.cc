@@ -1,0 +1,75 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/restore_options.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
+
+#include <iostream>
+
+namespace tsar {
+namespace {
+
+constexpr size_t kMaxListed = 20;
+
+void PrintList(const std::string& title,
+               const std::vector<std::filesystem::path>& paths) {
+  if (paths.empty()) {
+    return;
+  }
+  std::cout << title << "\n";
+  for (size_t i = 0; i < std::min(paths.size(), kMaxListed); ++i) {
+    std::cout << "  " << Printable(paths[i].string()) << "\n";
+  }
+  if (paths.size() > kMaxListed) {
+    std::cout << "  and " << paths.size() - kMaxListed << " more\n";
+  }
+}
+
+}  // namespace
+
+void AddRestoreConflicts(std::string* value, OptionSet* options) {
+  options->AddChoice(
+      "restore_conflicts",
+      value,
+      {"report", "keep", "original"},
+      "For --restore, where nothing tells whose the depth and normal maps of "
+      "an "
+      "image are, such as where one of the two alone was written anew. report: "
+      "change nothing for this image and say so. keep: leave what is there. "
+      "original: put the originals back, also where another program has made "
+      "both maps anew; what is there moves to stereo/tsar/superseded.");
+}
+
+void ReportRestored(const std::vector<std::filesystem::path>& kept,
+                    const std::vector<std::filesystem::path>& superseded,
+                    const std::vector<std::filesystem::path>& conflicts) {
+  PrintList(
+      "Left these and their normal maps as they are, which were written since; "
+      "the maps before are kept beside them (--restore_conflicts original puts "
+      "those back):",
+      kept);
+  PrintList(
+      "What stood in the place of these maps, and was not written by this "
+      "program as it was, is now here:",
+      superseded);
+  if (conflicts.empty()) {
+    return;
+  }
+  PrintList("Changed nothing for these and their normal maps:", conflicts);
+  std::cout << std::flush;
+  throw Error(
+      ErrorCode::kMismatch,
+      conflicts.front().string() +
+          (conflicts.size() == 1
+               ? std::string()
+               : " and " + std::to_string(conflicts.size() - 1) + " more") +
+          ": depth and normals are not of one source, and nothing "
+          "tells whether they or the originals that are kept should "
+          "stay; give --restore_conflicts original to put the "
+          "originals back (what is there moves to "
+          "stereo/tsar/superseded), or keep to leave what is there");
+}
+
+}  // namespace tsar

@@ -1,0 +1,108 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/standard_streams.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <ext/stdio_sync_filebuf.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+// A write function as fopencookie() wants it. Takes no memory, since that it
+// has run out may be what is to be printed.
+ssize_t WritePrintable(void* /*cookie*/, const char* data, size_t size) {
+  char buffer[1024];
+  size_t length = 0;
+  std::string_view text(data, size);
+  while (!text.empty()) {
+    // A line ends, and Progress begins its line on a terminal again.
+    const bool is_ours =
+        text[0] == '\n' || (text[0] == '\r' && text.size() == size);
+    std::string_view printable = text.substr(0, 1);
+    if (is_ours) {
+      text.remove_prefix(1);
+    } else {
+      printable = TakePrintable(&text);
+    }
+    std::memcpy(buffer + length, printable.data(), printable.size());
+    length += printable.size();
+    constexpr size_t kMaxCharacter = 4;
+    if ((text.empty() || length + kMaxCharacter > sizeof(buffer)) &&
+        !WriteToStandardError({buffer, std::exchange(length, 0)})) {
+      return 0;
+    }
+  }
+  return static_cast<ssize_t>(size);
+}
+
+}  // namespace
+
+void OpenClosedStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) {
+      continue;
+    }
+    // The smallest number that is free is this one. A folder, which nothing can
+    // be written into, serves where there are no devices.
+    if (open("/dev/null", O_RDWR) < 0) {
+      open("/", O_RDONLY | O_DIRECTORY);
+    }
+  }
+}
+
+bool WriteToStandardError(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(STDERR_FILENO, bytes.data(), bytes.size());
+    if (written >= 0) {
+      bytes.remove_prefix(static_cast<size_t>(written));
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void KeepStandardErrorPrintable() {
+  cookie_io_functions_t functions = {};
+  functions.write = &WritePrintable;
+  std::FILE* const file = fopencookie(nullptr, "w", functions);
+  if (file == nullptr) {
+    return;
+  }
+  setvbuf(file, nullptr, _IOLBF, BUFSIZ);
+  stderr = file;
+  // Never destroyed: destructors of others may still print.
+  static auto* const buffer = new __gnu_cxx::stdio_sync_filebuf<char>(file);
+  std::cerr.rdbuf(buffer);
+  std::clog.rdbuf(buffer);
+}
+
+void FlushStandardOutput() {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) != 0 || !std::cout) {
+    // Unknown where it was an earlier write that failed.
+    const std::string reason =
+        errno == 0 ? "" : std::string(" (") + std::strerror(errno) + ")";
+    std::cout.clear();
+    throw Error(ErrorCode::kIo,
+                "standard output: what was printed is lost" + reason +
+                    "; check where it leads to");
+  }
+}
+
+}  // namespace tsar

@@ -1,0 +1,42 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/workspace/written_map.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace tsar {
+
+// What stands under the name of a map that this program has replaced, whose
+// original it keeps.
+enum class MapState {
+  kMissing,   // Nothing.
+  kWritten,   // What this program wrote.
+  kOriginal,  // The same bytes as the original.
+  kEdited,    // What this program wrote, edited: masked or thresholded.
+  kDamaged,   // No complete map.
+  kNew,       // A complete map of other values and of another time than what
+              // this program wrote: another one wrote it.
+  kUnknown,   // Another map; nothing tells whose.
+};
+
+// original: may be missing. written: what may have been written under this
+// name; null where no record tells.
+MapState InspectMap(const std::filesystem::path& current,
+                    const std::filesystem::path& original,
+                    const std::vector<WrittenMap>* written);
+
+// Whose the maps of an image are, since depth and normals always come from one
+// source.
+enum class MapOwner {
+  kThisProgram,   // Whatever is there: the originals are those that are kept.
+  kOtherProgram,  // patch_match_stereo made both anew.
+  kUndecided,
+};
+
+MapOwner FindOwner(MapState depth, MapState normal);
+
+}  // namespace tsar

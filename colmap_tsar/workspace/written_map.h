@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// What is remembered of a map that this program wrote, so that it is known
+// again: as it is, and where somebody edited it.
+struct WrittenMap {
+  uint64_t hash = 0;  // See content_hash.h.
+  int64_t time = 0;   // Of the file's last change, see TimeOf(); 0: not known.
+  // The bits of some values, see SamplePosition(). A mask or a threshold that
+  // is laid over a map leaves most of those as they were, and no other program
+  // comes to the same ones.
+  std::vector<uint32_t> samples;
+};
+
+// As one word for records; the inverse throws std::invalid_argument or
+// std::out_of_range for other texts.
+std::string ToText(const WrittenMap& map);
+WrittenMap WrittenMapFromText(const std::string& text);
+
+constexpr size_t kNumSamples = 128;
+
+// Which of the values in a file the i-th sample is: they are spread evenly.
+constexpr size_t SamplePosition(size_t i, size_t num_values) {
+  return (2 * i + 1) * num_values / (2 * kNumSamples);
+}
+
+// The samples of a map in a file; throws what ReadMapSize() throws.
+std::vector<uint32_t> ReadSamples(const std::filesystem::path& path);
+
+// The time of a file's last change, in nanoseconds; 0 where there is none.
+int64_t TimeOf(const std::filesystem::path& path);
+int64_t ToNanoseconds(const timespec& time);
+
+}  // namespace tsar
