@@ -156,8 +156,6 @@ TEST_F(DepthEvaluationTest, MissingInputsAreNotFound) {
   EXPECT_EQ(code(), ErrorCode::kNotFound);
   Write("images/a.pgm", "not a picture");
   EXPECT_EQ(code(), ErrorCode::kCorrupt);
-<<<<<<< ours
-=======
   Write("images/a.pgm", "P5\n8 8\n255\ncut off");
   EXPECT_EQ(code(), ErrorCode::kCorrupt);
   WritePicture("a.pgm", 8);
@@ -168,11 +166,10 @@ TEST_F(DepthEvaluationTest, MapsAndImagesHaveTheShapeOfTheGroundTruth) {
   const auto code = [&] {
     return CodeOf([&] { EvaluateDepthMaps(folder_, {}); });
   };
->>>>>>> theirs
   WritePicture("a.pgm", 8);
   WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
   WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
-  WriteDepthMap(folder_ / Map("a.pgm"), Image<float>(8, 3, 1.f));
+  WriteDepthMap(UserPath(folder_ / Map("a.pgm")), Image<float>(8, 3, 1.f));
   EXPECT_EQ(code(), ErrorCode::kMismatch);
   WriteMap(Map("a.pgm"), 16, [](int, int) { return 1.f; });
   EXPECT_EQ(code(), std::nullopt);
