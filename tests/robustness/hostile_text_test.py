@@ -288,10 +288,13 @@ def png_with_profile(name):
 
 
 # Pictures, and clouds.
-fresh(start.mapped)
-write(os.path.join(work, "images", "v0.png"), png_with_profile(b"a" + ESCAPE + RAW_CSI + CSI + b"\r"))
-for command in (REFINE, TO_STEREO, REPORT):
-    check(printed("a profile", command)[0] == 0, "a profile")
+for command, source in ((TO_STEREO, start.bare), (REFINE, start.mapped), (REPORT, None)):
+    if source:
+        fresh(source)
+        write(os.path.join(work, "images", "v0.png"),
+              png_with_profile(b"a" + ESCAPE + RAW_CSI + CSI + b"\r"))
+    code, text = printed("a profile", command)
+    check(code == 0, f"a profile: {text}")
 write(os.path.join(work, "ground_truth/depth/v0.png.bin"),
       drawn_workspace.map_file([drawn_workspace.depth_map(0, "geometric")]))
 check(printed("a profile", EVALUATE)[0] == 0, "a profile")
