@@ -71,7 +71,7 @@ class RefineTest(SampleTest):
 
         self.assertEqual(
             colmap_tsar.restore(self.workspace).todict(),
-            {"num_restored": self.num_images, "num_newer": 0},
+            {"num_restored": self.num_images, "kept": [], "superseded": [], "conflicts": []},
         )
         self.assertEqual(digests(self.workspace), before)
 
