@@ -30,9 +30,9 @@ def write(path, content):
         file.write(content)
 
 
-def map_file(channels, width=WIDTH, height=HEIGHT):
+def map_file(channels, width=None, height=None):
     """COLMAP's raster file of these channels, each a list of width * height."""
-    header = f"{width}&{height}&{len(channels)}&".encode()
+    header = f"{width or WIDTH}&{height or HEIGHT}&{len(channels)}&".encode()
     return header + b"".join(struct.pack(f"<{len(c)}f", *c) for c in channels)
 
 

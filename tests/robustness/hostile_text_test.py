@@ -26,7 +26,7 @@ OBEYED = {"Cc", "Cf", "Zl", "Zp", "Cs"}
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, prior, aside = (os.path.join(folder.name, name) for name in ("work", "arrays", "aside"))
+work, prior = (os.path.join(folder.name, name) for name in ("work", "arrays"))
 start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
@@ -44,10 +44,10 @@ def printed(what, words):
     """(exit code, all that a command prints), which no terminal obeys."""
     global num_cases
     num_cases += 1
+    words = [os.fsdecode(word) if isinstance(word, bytes) else str(word) for word in words]
     if words[0] != "tsar_evaluate":
         words = program.arguments(*words)[1:]
-    result = subprocess.run([args.program.encode(), *map(os.fsencode, map(str_or_bytes, words))],
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    result = subprocess.run([args.program, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     output = result.stdout
     try:
         text = output.decode()
@@ -58,10 +58,6 @@ def printed(what, words):
     check(result.returncode in (0, 1), f"{what} ended with {result.returncode}: {text}")
     check(text.count("ERROR: ") == result.returncode, f"{what}: {text}")
     return result.returncode, text
-
-
-def str_or_bytes(word):
-    return word if isinstance(word, (str, bytes)) else str(word)
 
 
 def write(path, content):
@@ -110,17 +106,6 @@ def write_binary_model(names):
         struct.pack("<I7dI", view + 1, 1, 0, 0, 0, -drawn_workspace.BASELINE * view, 0, 0, 1)
         + name + b"\0" + struct.pack("<Q", 0) for view, name in enumerate(names)))
     write(os.path.join(sparse, "points3D.bin"), struct.pack("<Q", len(points)) + b"".join(points))
-
-
-def keep_an_image():
-    """Has the first image keep its maps, so that it is named and why."""
-    write(os.path.join(work, "stereo", "patch-match.cfg"),
-          b"".join(line for name in image_names() for line in (name, b"\n__auto__, 1\n")))
-
-
-def image_names():
-    with open(os.path.join(work, "stereo", "patch-match.cfg"), "rb") as file:
-        return file.read().split(b"\n")[0:-1:2]
 
 
 # Names that no program writes are refused, by every command and without effect.
@@ -288,10 +273,12 @@ def png_with_profile(name):
 
 
 # Pictures, and clouds.
-fresh(start.mapped)
-write(os.path.join(work, "images", "v0.png"), png_with_profile(b"a" + ESCAPE + RAW_CSI + CSI + b"\r"))
-for command in (REFINE, TO_STEREO, REPORT):
-    check(printed("a profile", command)[0] == 0, "a profile")
+for command, source in ((TO_STEREO, start.bare), (REPORT, start.refined), (REFINE, start.mapped)):
+    fresh(source)
+    write(os.path.join(work, "images", "v0.png"),
+          png_with_profile(b"a" + ESCAPE + RAW_CSI + CSI + b"\r"))
+    code, text = printed("a profile", command)
+    check(code == 0, text)
 write(os.path.join(work, "ground_truth/depth/v0.png.bin"),
       drawn_workspace.map_file([drawn_workspace.depth_map(0, "geometric")]))
 check(printed("a profile", EVALUATE)[0] == 0, "a profile")

