@@ -102,7 +102,7 @@ void WriteSparseModel(const std::filesystem::path& folder,
   // Points of each image, in the order of the points.
   std::vector<std::string> observations(cameras.size());
   std::vector<int> num_observations(cameras.size(), 0);
-  AtomicFile points_file(folder / "points3D.txt");
+  AtomicFile points_file(UserPath(folder / "points3D.txt"));
   std::ostream& out = TextStream(points_file);
   for (size_t k = 0; k < points.size(); ++k) {
     const SparsePoint& point = points[k];
@@ -119,7 +119,7 @@ void WriteSparseModel(const std::filesystem::path& folder,
   }
   points_file.Commit();
 
-  AtomicFile images_file(folder / "images.txt");
+  AtomicFile images_file(UserPath(folder / "images.txt"));
   std::ostream& images = TextStream(images_file);
   for (size_t i = 0; i < cameras.size(); ++i) {
     const Eigen::Quaterniond q(cameras[i].rotation);

@@ -198,7 +198,7 @@ std::map<std::string, std::string> OptionSet::ReadCommandLine(
 std::set<std::string> OptionSet::ReadIni(
     const std::string& path, const std::set<std::string>& overridden) const {
   InputFile file(path);
-  if (file.IsMissing()) {
+  if (file.IsMissing() || file.IsNoFile()) {
     throw Error::File(ErrorCode::kNotFound,
                       path,
                       "there is no such file",

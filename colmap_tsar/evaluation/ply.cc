@@ -81,7 +81,7 @@ class PlyFile {
  public:
   explicit PlyFile(const std::filesystem::path& path) : path_(path.string()) {
     InputFile file(path);
-    if (file.IsMissing()) {
+    if (file.IsMissing() || file.IsNoFile()) {
       Fail(ErrorCode::kNotFound, "there is no such file", "check the path");
     }
     if (!file) {

@@ -10,6 +10,7 @@
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/originals.h"
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -52,8 +53,6 @@ Error Changed(const Workspace& workspace, const StereoChange& change) {
       "give --overwrite 1 to make all maps anew, or work on a copy");
 }
 
-// Whether the maps that lie there have the size of this run's: somebody may
-// have put others in their place.
 bool HaveRightSize(const MapPaths& paths,
                    const Camera& camera,
                    const StereoOptions& options) {
@@ -74,6 +73,28 @@ bool HaveRightSize(const MapPaths& paths,
   return true;
 }
 
+// Whether the maps that lie there have the sizes of this run's: somebody may
+// have put others in their place.
+bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
+  return std::all_of(
+      workspace.Problems().begin(),
+      workspace.Problems().end(),
+      [&](const StereoProblem& problem) {
+        const Camera& camera =
+            workspace.Model()
+                .images[static_cast<size_t>(problem.reference)]
+                .camera;
+        return HaveRightSize(
+                   workspace.Paths(problem.reference, MapType::kPhotometric),
+                   camera,
+                   options) &&
+               HaveRightSize(
+                   workspace.Paths(problem.reference, MapType::kGeometric),
+                   camera,
+                   options);
+      });
+}
+
 }  // namespace
 
 ContainedPath GetStereoFolder(const Workspace& workspace) {
@@ -92,7 +113,7 @@ void ClaimMaps(const Workspace& workspace,
     known = ReadStereoInputs(inputs_path);
     change = known ? FindStereoChange(*known, inputs) : std::nullopt;
   }
-  const bool goes_on = known && !change;
+  const bool goes_on = known && !change && HaveRightSizes(workspace, options);
   // All of it is looked at before the first file goes.
   std::vector<ContainedPath> foreign;
   for (const StereoProblem& problem : workspace.Problems()) {
@@ -101,8 +122,7 @@ void ClaimMaps(const Workspace& workspace,
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
       RequireUnrefined(paths);
-      if (goes_on && known->contains(image.name) &&
-          HaveRightSize(paths, image.camera, options)) {
+      if (goes_on && known->contains(image.name)) {
         continue;
       }
       for (const ContainedPath& path :

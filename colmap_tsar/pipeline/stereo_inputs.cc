@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <utility>
 
 namespace tsar {
@@ -122,17 +121,17 @@ std::optional<StereoInputs> ReadStereoInputs(
   }
   StereoInputs inputs;
   for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
     InputState state;
+    size_t begin = 0;
     for (const Part& part : kParts) {
-      words >> state[part.key];
+      const size_t end = line.find(' ', begin);
+      if (end == std::string::npos) {
+        return std::nullopt;
+      }
+      state[part.key] = line.substr(begin, end - begin);
+      begin = end + 1;
     }
-    std::string name;
-    words.get();
-    if (!std::getline(words, name) || name.empty()) {
-      return std::nullopt;
-    }
-    inputs[name] = std::move(state);
+    inputs[line.substr(begin)] = std::move(state);
   }
   return inputs;
 }

@@ -39,7 +39,7 @@ bool HaveSameSize(const MapSize& a, const MapSize& b) {
   return a.width == b.width && a.height == b.height && a.channels == b.channels;
 }
 
-// How many of the values that this program changed are still as it left them.
+// How many values are still as this program left them, of those that tell.
 struct Comparison {
   int num_compared = 0;
   int num_same = 0;
@@ -50,12 +50,13 @@ Comparison CompareSamples(const std::vector<uint32_t>& current,
                           const std::vector<uint32_t>& written) {
   Comparison comparison;
   for (size_t i = 0; i < std::min(current.size(), written.size()); ++i) {
-    // Zero is none. Values of the original tell nothing: patch_match_stereo may
-    // have come to them again.
-    const bool is_changed = original.empty() || written[i] != original[i];
-    if (current[i] != 0 && written[i] != 0 && is_changed) {
+    // Zero is none. A value that is also the original's tells nothing:
+    // patch_match_stereo may have come to it again.
+    const bool is_same = current[i] == written[i];
+    const bool tells = !is_same || original.empty() || written[i] != original[i];
+    if (current[i] != 0 && written[i] != 0 && tells) {
       ++comparison.num_compared;
-      comparison.num_same += current[i] == written[i] ? 1 : 0;
+      comparison.num_same += is_same ? 1 : 0;
     }
   }
   return comparison;

@@ -61,12 +61,13 @@ void RequireUnedited(const Map& map, MapState state) {
   }
 }
 
-[[noreturn]] void ThrowUndecided(const Map& depth, const Map& normal) {
+// foreign: the one that this program has not written; other: of the same image.
+[[noreturn]] void ThrowUndecided(const Map& foreign, const Map& other) {
   throw Error::File(
       ErrorCode::kMismatch,
-      depth.current.string(),
-      "nothing tells whether this map and " + normal.current.string() +
-          ", or " + depth.stored.string() + " and " + normal.stored.string() +
+      foreign.current.string(),
+      "nothing tells whether this map and " + other.current.string() + ", or " +
+          foreign.stored.string() + " and " + other.stored.string() +
           ", are the originals",
       "decide by --restore 1 with --restore_conflicts original or keep, or run "
       "patch_match_stereo again for this image");
@@ -92,7 +93,10 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
         InspectMap(normal.current, normal.stored, normal.written);
     const MapOwner owner = FindOwner(depth_state, normal_state);
     if (owner == MapOwner::kUndecided) {
-      ThrowUndecided(depth, normal);
+      const bool is_depth_foreign =
+          depth_state == MapState::kNew || depth_state == MapState::kUnknown;
+      is_depth_foreign ? ThrowUndecided(depth, normal)
+                       : ThrowUndecided(normal, depth);
     }
     RequireUnedited(depth, depth_state);
     RequireUnedited(normal, normal_state);
@@ -119,8 +123,10 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
 void RequireNoStrayResults(const MapPaths& paths) {
   for (const std::filesystem::path& result :
        {paths.provenance.Path(), paths.confidence.Path()}) {
-    if (Exists(result) && !Exists(paths.record) &&
-        !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(result, error) &&
+        !Exists(paths.record) && !Exists(paths.original_depth) &&
+        !Exists(paths.original_normal)) {
       throw Error::File(
           ErrorCode::kMismatch,
           paths.depth.string(),

@@ -155,7 +155,7 @@ TEST_F(DepthEvaluationTest, MissingInputsAreNotFound) {
   WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
   EXPECT_EQ(code(), ErrorCode::kNotFound);
   Write("images/a.pgm", "not a picture");
-  EXPECT_EQ(code(), ErrorCode::kNotFound);
+  EXPECT_EQ(code(), ErrorCode::kCorrupt);
   WritePicture("a.pgm", 8);
   EXPECT_EQ(code(), std::nullopt);
 }

@@ -438,8 +438,14 @@ TEST_F(RefineShardTest, ReadsTheLatestMapsOfOtherTypesAndImages) {
   const auto write_anew = [&](int view, MapType type) {
     const MapPaths paths = GetMapPaths(
         root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
-    WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
     ASSERT_TRUE(std::filesystem::exists(paths.original_depth));
+    WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
+    WriteNormalMap(paths.normal,
+                   Image<Vec3f>(96, 72, Vec3f{0.06f, 0.08f, -0.99499f}));
+    for (const ContainedPath& path : {paths.depth, paths.normal}) {
+      std::filesystem::last_write_time(
+          path, std::filesystem::last_write_time(path) + std::chrono::hours(1));
+    }
   };
   for (const bool is_other_type : {true, false}) {
     if (is_other_type) {

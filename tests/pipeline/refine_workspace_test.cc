@@ -615,8 +615,11 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   const Tree before = MapsOf(root_);
   // Now v0 needs what v1 observes, and that needs the image of v3.
   WriteText(config, "v0.png\nv1.png\nv1.png\nv0.png, v3.png\nv3.png\nv1.png\n");
-  const std::string image = ReadText(root_ / "images/v3.png");
-  WriteText(root_ / "images/v3.png", WithZeros(image));
+  // Damaged by the disk, perhaps: of the same size and time.
+  const std::filesystem::path photo = root_ / "images/v3.png";
+  const auto time = std::filesystem::last_write_time(photo);
+  WriteText(photo, WithZeros(ReadText(photo)));
+  std::filesystem::last_write_time(photo, time);
   ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] { Refine(); });
   ExpectSameFiles(before, MapsOf(root_));
   const nlohmann::json manifest = Manifest();
@@ -631,7 +634,13 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   EXPECT_EQ(manifest["images"][2]["note"], "");
 
   // Where the maps of v1 are others by now, it is v1 that fails.
-  WriteDepthMap(UserPath(Paths(1).depth), Image<float>(96, 72, 5.f));
+  WriteDepthMap(Paths(1).depth, Image<float>(96, 72, 5.5f));
+  WriteNormalMap(Paths(1).normal,
+                 Image<Vec3f>(96, 72, Vec3f{0.06f, 0.08f, -0.99499f}));
+  for (const ContainedPath& path : {Paths(1).depth, Paths(1).normal}) {
+    std::filesystem::last_write_time(
+        path, std::filesystem::last_write_time(path) + std::chrono::hours(1));
+  }
   ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] { Refine(); });
   EXPECT_EQ(Manifest()["images"][1]["status"], "failed");
   EXPECT_EQ(Manifest()["num_images"]["done"], 1);

@@ -3,6 +3,7 @@
 """A drawn workspace, and what a user may change in it after it was refined. Every
 change gives the files that it writes a later time than the one before, so that
 no two of them fall into one tick of the clock."""
+import math
 import os
 
 import drawn_workspace
@@ -70,9 +71,14 @@ class ChangingWorkspace:
         self.write("images/" + name, drawn_workspace.png(rows))
 
     def match_again(self, name, kind, factor=1.002):
-        """As COLMAP does, over whatever has that name."""
+        """As COLMAP does: both maps, over whatever has their names."""
         depths = [factor * depth for depth in drawn_workspace.depth_map(NAMES.index(name), kind)]
-        self.write(f"stereo/depth_maps/{name}.{kind}.bin", drawn_workspace.map_file([depths]))
+        tilt = factor - 1.0
+        normals = [[tilt if depth > 0 else 0.0 for depth in depths], [0.0] * len(depths),
+                   [-math.sqrt(1.0 - tilt * tilt) if depth > 0 else 0.0 for depth in depths]]
+        tail = f"{name}.{kind}.bin"
+        self.write("stereo/depth_maps/" + tail, drawn_workspace.map_file([depths]))
+        self.write("stereo/normal_maps/" + tail, drawn_workspace.map_file(normals))
 
     def export_costs(self, name, kind, cost=0.3):
         costs = [cost if x % 7 else 1.5 for _ in range(HEIGHT) for x in range(WIDTH)]

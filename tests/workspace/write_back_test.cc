@@ -393,6 +393,9 @@ TEST_F(WriteBackTest, RefusesBrokenRecordsAndRestoresFromThem) {
     ExpectError(ErrorCode::kCorrupt, {paths.record.string()}, [&] {
       ReadRecord(paths.record);
     });
+    if (key == "inputs") {
+      continue;  // Records of earlier versions have none.
+    }
     bad.erase(key);
     WriteText(paths.record, bad.dump());
     ExpectError(ErrorCode::kCorrupt, {paths.record.string()}, [&] {
