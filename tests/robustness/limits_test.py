@@ -17,7 +17,7 @@ from robustness import (Program, check, check_kept, check_same, copy, make_folde
 from start_workspaces import STEREO, StartWorkspaces
 
 SEED = 20240607
-NUM_MOMENTS = 5  # Of each command at which memory runs out.
+NUM_MOMENTS = 4  # Of each command at which memory runs out.
 OUT_OF_MEMORY = "out of memory; close other programs"
 NO_THREADS = "no more threads can be started"
 
@@ -123,8 +123,8 @@ def smallest_start(limit, too_few, enough, step=1):
 
 
 def limit_memory():
-    """The address space from what starting takes on, and allocations that fail
-    at some moment: one alone, or all from then on."""
+    """The address space from what starting takes on; then, at some moment, one
+    allocation that fails, all from then on, or no more addresses."""
     print(f"seed {SEED}")
     moments = random.Random(SEED)
     texts = [OUT_OF_MEMORY, NO_THREADS]
@@ -140,6 +140,7 @@ def limit_memory():
             moment = moments.randint(at_start, in_all)
             try_case(case, texts, f"no memory from {moment} on", no_memory_from=moment)
             try_case(case, texts, f"no memory at {moment}", no_memory_at=moment)
+            try_case(case, texts, f"no addresses from {moment} on", no_addresses_from=moment)
         print(f"{case}: up to {size >> 20} MiB, {in_all - at_start} allocations")
 
 
