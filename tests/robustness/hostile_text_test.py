@@ -260,25 +260,49 @@ for name in (EVERYTHING.replace(b"/", b""), CSI):
     printed("a PFM", [*import_it, "depth"])
 
 
-def png_with_profile(name):
-    """libpng warns of a profile that is broken, and names it."""
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+def png_chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
-    picture = drawn_workspace.png(
-        [[drawn_workspace.level(0, x, y) for x in range(drawn_workspace.WIDTH)]
-         for y in range(drawn_workspace.HEIGHT)])
+
+def with_profile(picture):
+    """libpng warns of a profile that is broken, and names it."""
+    name = b"a" + ESCAPE + RAW_CSI + CSI + b"\r"
     profile = struct.pack(">I", 300) + bytes(i * i % 251 for i in range(296))
-    return (picture[:33] + chunk(b"iCCP", name + b"\0\0" + zlib.compress(profile)) + picture[33:])
+    body = name + b"\0\0" + zlib.compress(profile)
+    return picture[:33] + png_chunk(b"iCCP", body) + picture[33:]
+
+
+def depth_png():
+    """Of 16 bits in grey."""
+    width, height = drawn_workspace.WIDTH, drawn_workspace.HEIGHT
+    rows = b"".join(b"\0" + struct.pack(">H", 5000) * width for _ in range(height))
+    return (b"\x89PNG\r\n\x1a\n"
+            + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0))
+            + png_chunk(b"IDAT", zlib.compress(rows)) + png_chunk(b"IEND", b""))
+
+
+def put_profile_into(path):
+    with open(path, "rb") as file:
+        content = file.read()
+    write(path, with_profile(content))
 
 
 # Pictures, and clouds.
-for command, source in ((TO_STEREO, start.bare), (REPORT, start.refined), (REFINE, start.mapped)):
+for command, source, path in (
+        (TO_STEREO, start.bare, "images/v0.png"), (REPORT, start.refined, "images/v0.png"),
+        (REPORT, start.refined, f"stereo/provenance_maps/{KEY}.png"),
+        (REFINE, start.mapped, "images/v0.png")):
     fresh(source)
-    write(os.path.join(work, "images", "v0.png"),
-          png_with_profile(b"a" + ESCAPE + RAW_CSI + CSI + b"\r"))
-    code, text = printed("a profile", command)
+    put_profile_into(os.path.join(work, path))
+    code, text = printed(f"a profile in {path}", command)
     check(code == 0, text)
+fresh(start.mapped)
+shutil.rmtree(prior)
+write(os.path.join(prior, "v0.png"), with_profile(depth_png()))
+code, text = printed("a profile in depth", [*import_it, "depth"])
+check(code == 0 and "1 imported" in text, text)
+fresh(start.mapped)
+put_profile_into(os.path.join(work, "images/v0.png"))
 write(os.path.join(work, "ground_truth/depth/v0.png.bin"),
       drawn_workspace.map_file([drawn_workspace.depth_map(0, "geometric")]))
 check(printed("a profile", EVALUATE)[0] == 0, "a profile")
