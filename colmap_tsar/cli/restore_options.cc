@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
 
+#include <algorithm>
 #include <iostream>
 
 namespace tsar {

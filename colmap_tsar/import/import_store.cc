@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/content_hash.h"
 #include "colmap_tsar/workspace/folder.h"
@@ -35,8 +36,14 @@ constexpr size_t kDepth = 0;
 constexpr size_t kNormal = 1;
 constexpr size_t kCost = 2;
 
-// The maps that imports may have left under a name, for each of kFolders.
-using Record = std::array<std::vector<WrittenMap>, kFolders.size()>;
+// What is known of an image's imports.
+struct Record {
+  // The maps that they may have left under a name, for each of kFolders.
+  std::array<std::vector<WrittenMap>, kFolders.size()> written;
+  // Whether undoing them has begun: what has no former map then may have been
+  // put back.
+  bool is_being_undone = false;
+};
 
 std::string KeyOf(const std::string& image_name, MapType type) {
   return image_name + "." + ToString(type);
@@ -69,8 +76,10 @@ ContainedPath RecordPath(const std::filesystem::path& root,
 }
 
 bool Exists(const std::filesystem::path& path) {
+  // What cannot be looked at may be there.
   std::error_code error;
-  return std::filesystem::exists(path, error);
+  return std::filesystem::status(path, error).type() !=
+         std::filesystem::file_type::not_found;
 }
 
 // Nothing where there is no record.
@@ -84,9 +93,11 @@ std::optional<Record> ReadImportRecord(const std::filesystem::path& path) {
     const nlohmann::json json = nlohmann::json::parse(file);
     for (size_t kind = 0; kind < kFolders.size(); ++kind) {
       for (const nlohmann::json& entry : json.at(kFolders[kind])) {
-        record[kind].push_back(WrittenMapFromText(entry.get<std::string>()));
+        record.written[kind].push_back(
+            WrittenMapFromText(entry.get<std::string>()));
       }
     }
+    record.is_being_undone = json.value("is_being_undone", false);
     return record;
   } catch (const nlohmann::json::exception&) {
   } catch (const std::logic_error&) {
@@ -103,11 +114,12 @@ void WriteImportRecord(const ContainedPath& path, const Record& record) {
   nlohmann::json json;
   for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     nlohmann::json list = nlohmann::json::array();
-    for (const WrittenMap& map : record[kind]) {
+    for (const WrittenMap& map : record.written[kind]) {
       list.push_back(ToText(map));
     }
     json[kFolders[kind]] = std::move(list);
   }
+  json["is_being_undone"] = record.is_being_undone;
   CreateFolders(path.Parent());
   AtomicFile file(path);
   file.Stream() << json.dump(2) << "\n";
@@ -133,6 +145,68 @@ void RemoveEmptyFoldersUpTo(ContainedPath folder, const ContainedPath& top) {
   }
 }
 
+void SupersedeAndWarn(const ContainedPath& path, const ContainedPath& map) {
+  const ContainedPath moved = Supersede(path, map);
+  Warn(map.string() + ": what was kept or stood there is now " +
+       moved.string());
+}
+
+// Nothing where there is no former map.
+std::optional<MapState> InspectKept(const std::filesystem::path& root,
+                                    const std::string& key,
+                                    size_t kind,
+                                    const Record& record) {
+  const ContainedPath former = FormerPath(root, kind, key);
+  return Exists(former)
+             ? std::optional(InspectMap(
+                   CurrentPath(root, kind, key), former, &record.written[kind]))
+             : std::nullopt;
+}
+
+// Keeps what an import is about to replace, unless it is of imports itself.
+// Throws kMismatch where nothing tells whose the maps are.
+void KeepFormer(const std::filesystem::path& root,
+                const std::string& key,
+                const Record& record) {
+  std::array<std::optional<MapState>, kFolders.size()> states;
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    states[kind] = InspectKept(root, key, kind, record);
+  }
+  const MapOwner owner = FindOwner(states[kDepth], states[kNormal]);
+  const bool has_former = states[kDepth] || states[kNormal];
+  if (has_former && owner == MapOwner::kUndecided) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        CurrentPath(root, kDepth, key).string(),
+        "nothing tells whether this map and its normals, or those "
+        "that an import has kept, are the former ones",
+        "decide by tsar_import --restore 1 with "
+        "--restore_conflicts original or keep");
+  }
+  const bool is_replaced = has_former && owner == MapOwner::kOtherProgram;
+  // All former ones go before the first of today is kept, so that at no instant
+  // one of each is.
+  for (size_t kind = 0; is_replaced && kind < kFolders.size(); ++kind) {
+    if (states[kind]) {
+      SupersedeAndWarn(FormerPath(root, kind, key),
+                       CurrentPath(root, kind, key));
+    }
+  }
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    const ContainedPath current = CurrentPath(root, kind, key);
+    if (!IsForeign(current, record.written[kind])) {
+      continue;
+    }
+    if (states[kind] && !is_replaced) {
+      if (states[kind] != MapState::kOriginal) {
+        SupersedeAndWarn(current, current);  // An edited or damaged import.
+      }
+    } else {
+      LinkOrCopyFile(current, FormerPath(root, kind, key));
+    }
+  }
+}
+
 // Undoes the import of one image's maps of one type.
 class ImageUndoer {
  public:
@@ -146,9 +220,10 @@ class ImageUndoer {
     has_record_ = record.has_value();
     record_ = record.value_or(Record());
     for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-      states_[kind] = InspectMap(CurrentPath(root, kind, key),
-                                 FormerPath(root, kind, key),
-                                 has_record_ ? &record_[kind] : nullptr);
+      states_[kind] =
+          InspectMap(CurrentPath(root, kind, key),
+                     FormerPath(root, kind, key),
+                     has_record_ ? &record_.written[kind] : nullptr);
     }
   }
 
@@ -156,10 +231,16 @@ class ImageUndoer {
     const std::filesystem::path depth = CurrentPath(root_, kDepth, key_);
     const MapOwner owner = FindOwner(states_[kDepth], states_[kNormal]);
     const bool puts_back = owner == MapOwner::kThisProgram || !has_record_ ||
+                           record_.is_being_undone ||
                            conflicts_ == RestoreConflicts::kOriginal;
     if (puts_back) {
+      const bool is_begun = !has_record_ || record_.is_being_undone;
+      if (!is_begun) {
+        record_.is_being_undone = true;
+        WriteImportRecord(RecordPath(root_, key_), record_);
+      }
       for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-        Undo(kind);
+        Undo(kind, is_begun);
       }
       RemoveEmptyFoldersUpTo(CurrentPath(root_, kCost, key_).Parent(),
                              ContainedPath(root_, "stereo"));
@@ -175,7 +256,8 @@ class ImageUndoer {
   }
 
  private:
-  void Undo(size_t kind) {
+  // is_begun: whether what has no former map is none of an import's.
+  void Undo(size_t kind, bool is_begun) {
     const ContainedPath current = CurrentPath(root_, kind, key_);
     const ContainedPath former = FormerPath(root_, kind, key_);
     const MapState state = states_[kind];
@@ -188,16 +270,16 @@ class ImageUndoer {
                             state != MapState::kWritten &&
                             state != MapState::kOriginal;
     // Costs that came since are none of an import's business.
-    if (is_foreign && (has_former || kind != kCost)) {
+    if (is_foreign && (has_former || (kind != kCost && !is_begun))) {
       result_->superseded.push_back(Supersede(current, current).Path());
     }
     if (!has_former) {
       return;
     }
-    if (Contains(record_[kind], HashFile(former))) {
+    if (Contains(record_.written[kind], HashFile(former))) {
       // An import wrote the same bytes. Were the next step the last one, the
       // map would then be taken for an imported one.
-      record_[kind].clear();
+      record_.written[kind].clear();
       LinkOrCopyFile(former, current);
       WriteImportRecord(RecordPath(root_, key_), record_);
     }
@@ -257,7 +339,7 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
       ReadImportRecord(RecordPath(root, key)).value_or(Record());
   for (const size_t kind : {kDepth, kNormal}) {
     const ContainedPath path = CurrentPath(root, kind, key);
-    if (IsForeign(path, record[kind])) {
+    if (IsForeign(path, record.written[kind])) {
       throw Error::File(ErrorCode::kUnsupported,
                         path.string(),
                         "the image has a map of this type already",
@@ -276,6 +358,7 @@ void WriteImported(const std::filesystem::path& root,
   const Record earlier =
       ReadImportRecord(RecordPath(root, key)).value_or(Record());
   Record record = earlier;
+  record.is_being_undone = false;
   std::vector<AtomicFile> files;
   const bool has_cost = !maps.cost.values.empty();
   for (size_t kind = 0; kind < (has_cost ? 3u : 2u); ++kind) {
@@ -287,23 +370,11 @@ void WriteImported(const std::filesystem::path& root,
                                            : PutPlanarMap(maps.cost, &file);
     file.Prepare();
     written.time = file.Time();
-    if (!Contains(record[kind], written.hash)) {
-      record[kind].push_back(std::move(written));
+    if (!Contains(record.written[kind], written.hash)) {
+      record.written[kind].push_back(std::move(written));
     }
   }
-  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
-    const ContainedPath current = CurrentPath(root, kind, key);
-    const ContainedPath former = FormerPath(root, kind, key);
-    if (IsForeign(current, earlier[kind])) {
-      std::error_code error;
-      if (Exists(former) &&
-          !std::filesystem::equivalent(former, current, error)) {
-        // What was there before an earlier import.
-        Supersede(former, current);
-      }
-      LinkOrCopyFile(current, former);
-    }
-  }
+  KeepFormer(root, key, earlier);
   WriteImportRecord(RecordPath(root, key), record);
   for (AtomicFile& file : files) {
     file.Commit();

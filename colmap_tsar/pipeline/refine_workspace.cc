@@ -219,6 +219,11 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   // Also what a run with other options left behind.
   EvidenceStore::Clear(workspace);
   RemoveShardRecords(workspace.Root());
+  if (in_place && !workspace.IsOutput()) {
+    // Images that keep their maps have got them back from where links lead.
+    bool are_all_linked = true;
+    RelinkOutputs(workspace.Root(), &are_all_linked);
+  }
   return summary;
 }
 

@@ -28,7 +28,7 @@ std::string ReadText(const fs::path& path) {
 }
 
 void RequireUnrefined(const MapPaths& paths) {
-  if (fs::exists(paths.original_depth)) {
+  if (fs::exists(paths.original_depth) || fs::exists(paths.original_normal)) {
     throw Error::File(ErrorCode::kUnsupported,
                       paths.depth.string(),
                       "has been refined",

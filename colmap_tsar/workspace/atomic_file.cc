@@ -242,6 +242,18 @@ void AtomicFile::Commit() {
   state_->folder.Flush();
 }
 
+namespace {
+
+bool AreSame(const Folder& a, const Folder& b) {
+  struct stat state_a;
+  struct stat state_b;
+  return fstat(a.Descriptor(), &state_a) == 0 &&
+         fstat(b.Descriptor(), &state_b) == 0 &&
+         state_a.st_dev == state_b.st_dev && state_a.st_ino == state_b.st_ino;
+}
+
+}  // namespace
+
 void CreateFolders(const ContainedPath& path) { Folder::Create(path); }
 
 void LinkOrCopyFile(const std::filesystem::path& source,
@@ -291,6 +303,12 @@ void RenameFile(const ContainedPath& from, const ContainedPath& to) {
   const Folder from_folder(from.Parent());
   const Folder to_folder(to.Parent());
   const std::string from_name = from.Filename().string();
+  if (from_name == to.Filename() && AreSame(from_folder, to_folder)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      to.string(),
+                      "is the same file as " + from.string(),
+                      "remove the links among the folders of the workspace");
+  }
   if (renameat(from_folder.Descriptor(),
                from_name.c_str(),
                to_folder.Descriptor(),

@@ -53,7 +53,8 @@ Comparison CompareSamples(const std::vector<uint32_t>& current,
     // Zero is none. A value that is also the original's tells nothing:
     // patch_match_stereo may have come to it again.
     const bool is_same = current[i] == written[i];
-    const bool tells = !is_same || original.empty() || written[i] != original[i];
+    const bool tells =
+        !is_same || original.empty() || written[i] != original[i];
     if (current[i] != 0 && written[i] != 0 && tells) {
       ++comparison.num_compared;
       comparison.num_same += is_same ? 1 : 0;
@@ -130,16 +131,19 @@ MapState InspectMap(const fs::path& current,
                             : CompareValues(current, *size, original, *written);
 }
 
-MapOwner FindOwner(MapState depth, MapState normal) {
-  const auto is_of_this_program = [](MapState state) {
+MapOwner FindOwner(std::optional<MapState> depth,
+                   std::optional<MapState> normal) {
+  const auto is_of_this_program = [](std::optional<MapState> state) {
     return state != MapState::kNew && state != MapState::kUnknown;
+  };
+  const auto is_new = [](std::optional<MapState> state) {
+    return !state || state == MapState::kNew;
   };
   if (is_of_this_program(depth) && is_of_this_program(normal)) {
     return MapOwner::kThisProgram;
   }
-  return depth == MapState::kNew && normal == MapState::kNew
-             ? MapOwner::kOtherProgram
-             : MapOwner::kUndecided;
+  return is_new(depth) && is_new(normal) ? MapOwner::kOtherProgram
+                                         : MapOwner::kUndecided;
 }
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/workspace/written_map.h"
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace tsar {
@@ -37,6 +38,9 @@ enum class MapOwner {
   kUndecided,
 };
 
-MapOwner FindOwner(MapState depth, MapState normal);
+// Of those of which an original is stored; where one of the two is not, since a
+// program was killed between them, the other one tells.
+MapOwner FindOwner(std::optional<MapState> depth,
+                   std::optional<MapState> normal);
 
 }  // namespace tsar

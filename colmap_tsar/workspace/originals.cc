@@ -48,7 +48,7 @@ OriginalState FindInPlace(const Map& map) {
   return OriginalState::kInPlace;
 }
 
-void RequireUnedited(const Map& map, MapState state) {
+void RequireUnedited(const Map& map, std::optional<MapState> state) {
   if (state == MapState::kEdited) {
     throw Error::File(
         ErrorCode::kMismatch,
@@ -87,10 +87,13 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
   const bool has_normal = Exists(normal.stored);
   OriginalMaps maps;
   if (has_depth || has_normal) {
-    const MapState depth_state =
-        InspectMap(depth.current, depth.stored, depth.written);
-    const MapState normal_state =
-        InspectMap(normal.current, normal.stored, normal.written);
+    const auto inspect = [](const Map& map, bool has_stored) {
+      return has_stored ? std::optional<MapState>(
+                              InspectMap(map.current, map.stored, map.written))
+                        : std::nullopt;
+    };
+    const std::optional<MapState> depth_state = inspect(depth, has_depth);
+    const std::optional<MapState> normal_state = inspect(normal, has_normal);
     const MapOwner owner = FindOwner(depth_state, normal_state);
     if (owner == MapOwner::kUndecided) {
       const bool is_depth_foreign =

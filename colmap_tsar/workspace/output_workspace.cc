@@ -231,7 +231,7 @@ Workspace CreateOutputWorkspace(const Workspace& input,
 }
 
 std::vector<std::filesystem::path> RelinkOutputs(
-    const std::filesystem::path& input) {
+    const std::filesystem::path& input, bool* all_done) {
   std::vector<std::filesystem::path> relinked;
   const std::filesystem::path canonical = std::filesystem::canonical(input);
   for (const TreeEntry& note : ListTree(OutputsFolder(input))) {
@@ -253,6 +253,7 @@ std::vector<std::filesystem::path> RelinkOutputs(
       }
     } catch (const Error& error) {
       // The input is complete nevertheless.
+      *all_done = false;
       Warn(std::string("links of an output workspace were not made again: ") +
            error.what());
     }

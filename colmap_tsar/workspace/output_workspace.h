@@ -35,8 +35,9 @@ inline constexpr const char* kOutputsFolder = "outputs";
 // nothing but links to originals of this input, in workspaces whose marker
 // names it; warns where a workspace is being worked on. The caller holds the
 // WorkspaceLock of the input.
+// all_done: set to false where an output could not be looked at or changed.
 std::vector<std::filesystem::path> RelinkOutputs(
-    const std::filesystem::path& input);
+    const std::filesystem::path& input, bool* all_done);
 
 // The input of a workspace that CreateOutputWorkspace made; nothing for others.
 std::optional<std::filesystem::path> ReadOutputMarker(

@@ -11,8 +11,11 @@
 #include "colmap_tsar/workspace/tiff_strips.h"
 
 #include <algorithm>
+#include <new>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -49,15 +52,19 @@ class PhotoFile {
   const std::string& Name() const { return name_; }
   uint64_t Size() const { return file_.Size(); }
 
-  // The bytes from `begin` on, or from the end where that is negative; fewer
-  // where the file has no more.
-  Bytes Read(int64_t begin, uint64_t count) {
-    Bytes bytes(std::min(count, Size()));
-    const int64_t from_end = -static_cast<int64_t>(bytes.size());
-    file_.seekg(begin < 0 ? from_end : begin,
-                begin < 0 ? std::ios::end : std::ios::beg);
+  // The first bytes, or the last ones; fewer where there are no more.
+  Bytes ReadHead(uint64_t count) { return Read(0, std::min(count, Size())); }
+  Bytes ReadTail(uint64_t count) {
+    const uint64_t num_bytes = std::min(count, Size());
+    return Read(Size() - num_bytes, num_bytes);
+  }
+
+ private:
+  Bytes Read(uint64_t begin, uint64_t count) {
+    Bytes bytes(count);
+    file_.seekg(static_cast<std::streamoff>(begin));
     file_.read(reinterpret_cast<char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
+               static_cast<std::streamsize>(count));
     if (!file_) {
       throw Error::File(
           ErrorCode::kIo, name_, "reading the image failed", "check the disk");
@@ -65,7 +72,6 @@ class PhotoFile {
     return bytes;
   }
 
- private:
   std::string name_;
   InputFile file_;
 };
@@ -105,7 +111,10 @@ cv::Mat DecodeByOpenCv(const Bytes& bytes, int mode, const std::string& name) {
   cv::Mat pixels;
   try {
     pixels = cv::imdecode(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
+  } catch (const cv::Exception& exception) {
+    if (exception.code == cv::Error::StsNoMem) {
+      throw std::bad_alloc();
+    }
     pixels.release();
   }
   if (pixels.empty()) {
@@ -146,7 +155,7 @@ Content ReadContent(PhotoFile* file) {
                       "run image_undistorter with a smaller --max_image_size");
   }
   Content content;
-  content.bytes = file->Read(0, kMaxBytes);
+  content.bytes = file->ReadHead(kMaxBytes);
   content.format = RequireFormat(file->Name(), content.bytes);
   content.is_plain_jpeg = content.format == PhotoFormat::kJpeg &&
                           !ReadJpegKind(content.bytes, file->Name()).is_cmyk;
@@ -191,10 +200,10 @@ void CheckPhotoFile(const std::filesystem::path& path) {
   constexpr uint64_t kHeadBytes = 4096;
   constexpr uint64_t kTailBytes = 16;
   PhotoFile file(path);
-  const Bytes head = file.Read(0, kHeadBytes);
+  const Bytes head = file.ReadHead(kHeadBytes);
   const PhotoFormat format = RequireFormat(file.Name(), head);
   if (DeclaredSize(format, head) > file.Size() ||
-      !EndsInMarker(format, file.Read(-1, kTailBytes))) {
+      !EndsInMarker(format, file.ReadTail(kTailBytes))) {
     // Cameras may add something behind the end.
     ReadPhoto(path);
   }

@@ -54,8 +54,10 @@ std::optional<ImageRecord> ReadRecordIfValid(
 }
 
 bool Exists(const std::filesystem::path& path) {
+  // What cannot be looked at may be there.
   std::error_code error;
-  return std::filesystem::exists(std::filesystem::symlink_status(path, error));
+  return std::filesystem::symlink_status(path, error).type() !=
+         std::filesystem::file_type::not_found;
 }
 
 // The restoration of one image's maps of one type.
@@ -76,7 +78,11 @@ class ImageRestorer {
                         record_ ? &record_->written_normal : nullptr)) {}
 
   void Run() {
-    if (!Exists(paths_.original_depth) && !Exists(paths_.original_normal)) {
+    if (IsRefinedWithoutOriginal(depth_, paths_.depth) ||
+        IsRefinedWithoutOriginal(normal_, paths_.normal)) {
+      return;
+    }
+    if (!depth_ && !normal_) {
       RemoveResults();
       // Last: an interrupted restoration still needs it.
       RemoveFile(paths_.record);
@@ -106,9 +112,11 @@ class ImageRestorer {
   }
 
  private:
-  static MapState Inspect(const ContainedPath& current,
-                          const ContainedPath& stored,
-                          const std::vector<WrittenMap>* written) {
+  // Nothing where no original is stored.
+  static std::optional<MapState> Inspect(
+      const ContainedPath& current,
+      const ContainedPath& stored,
+      const std::vector<WrittenMap>* written) {
     std::error_code error;
     const auto status = std::filesystem::symlink_status(stored.Path(), error);
     if (std::filesystem::exists(status) &&
@@ -119,9 +127,29 @@ class ImageRestorer {
                         "stands in the place of an original and is no file",
                         "remove it");
     }
-    // A run that was killed may have stored one of the two maps.
-    return Exists(stored) ? InspectMap(current, stored, written)
-                          : MapState::kOriginal;
+    return std::filesystem::exists(status)
+               ? std::optional(InspectMap(current, stored, written))
+               : std::nullopt;
+  }
+
+  // Without its record, a refined map would count as an original.
+  bool IsRefinedWithoutOriginal(std::optional<MapState> state,
+                                const ContainedPath& current) {
+    if (state || !record_) {
+      return false;
+    }
+    const bool is_refined =
+        InspectMap(current,
+                   {},
+                   &current == &paths_.depth
+                       ? &record_->written_depth
+                       : &record_->written_normal) == MapState::kWritten;
+    if (is_refined) {
+      Warn(current.string() +
+           ": this map has been refined, and its original is gone; it is left "
+           "as it is");
+    }
+    return is_refined;
   }
 
   void PutBack() {
@@ -132,10 +160,10 @@ class ImageRestorer {
     RemoveFile(paths_.record);
   }
 
-  void PutBack(MapState state,
+  void PutBack(std::optional<MapState> state,
                const ContainedPath& current,
                const ContainedPath& stored) {
-    if (!Exists(stored)) {
+    if (!state) {
       return;
     }
     CreateFolders(current.Parent());
@@ -161,8 +189,8 @@ class ImageRestorer {
   const RestoreConflicts conflicts_;
   RestoreResult* const result_;
   const std::optional<ImageRecord> record_;
-  const MapState depth_;
-  const MapState normal_;
+  const std::optional<MapState> depth_;
+  const std::optional<MapState> normal_;
 };
 
 // What lies directly in stereo/tsar and is of runs: not the lock, nor what they
@@ -179,11 +207,11 @@ std::vector<Folder::Entry> ListTsarFolder(const std::filesystem::path& root) {
   return entries;
 }
 
-void RemoveTsarFolder(const std::filesystem::path& root) {
+void RemoveTsarFolder(const std::filesystem::path& root, bool are_all_linked) {
   const ContainedPath tsar = GetTsarFolder(root);
   RemoveTemporaries(tsar / kOriginals);
   RemoveEmptyFolders(tsar / kOriginals);
-  const bool has_originals = Exists(tsar / kOriginals);
+  const bool needs_notes = Exists(tsar / kOriginals) || !are_all_linked;
   for (const Folder::Entry& entry : ListTsarFolder(root)) {
     const ContainedPath path = tsar / entry.name;
     if (!entry.is_folder) {
@@ -192,7 +220,7 @@ void RemoveTsarFolder(const std::filesystem::path& root) {
       RemoveTemporaries(path);
       RemoveEmptyFolders(path);
     } else if (entry.name != kOriginals &&
-               !(has_originals && entry.name == kOutputsFolder)) {
+               !(needs_notes && entry.name == kOutputsFolder)) {
       RemoveTree(path);
     }
   }
@@ -251,7 +279,8 @@ RestoreResult Restore(const std::filesystem::path& root,
   for (ImageRestorer& image : images) {
     image.Run();
   }
-  result.relinked = RelinkOutputs(root);
+  bool are_all_linked = true;
+  result.relinked = RelinkOutputs(root, &are_all_linked);
   const ContainedPath stereo(root, "stereo");
   for (const char* folder :
        {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
@@ -259,7 +288,7 @@ RestoreResult Restore(const std::filesystem::path& root,
   }
   RemoveEmptyFolders(stereo / "confidence_maps");
   RemoveEmptyFolders(stereo / "provenance_maps");
-  RemoveTsarFolder(root);
+  RemoveTsarFolder(root, are_all_linked);
   return result;
 }
 

@@ -14,7 +14,8 @@ namespace {
 
 bool IsTaken(const std::filesystem::path& path) {
   std::error_code error;
-  return std::filesystem::exists(std::filesystem::symlink_status(path, error));
+  return std::filesystem::symlink_status(path, error).type() !=
+         std::filesystem::file_type::not_found;
 }
 
 }  // namespace

@@ -249,7 +249,16 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
            "); do not start a second program on this workspace");
       return;
     }
-  } while (!HasName(descriptor_, path_));
+  } while (!StillHasName());
+}
+
+bool WorkspaceLock::StillHasName() {
+  try {
+    return HasName(descriptor_, path_);
+  } catch (const Error&) {
+    close(std::exchange(descriptor_, -1));
+    throw;
+  }
 }
 
 WorkspaceLock::~WorkspaceLock() {

@@ -47,6 +47,7 @@ class WorkspaceLock {
   WorkspaceLock& operator=(const WorkspaceLock&) = delete;
 
  private:
+  bool StillHasName();
   void Release();
 
   ContainedPath path_;

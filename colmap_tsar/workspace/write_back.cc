@@ -76,16 +76,26 @@ void KeepOriginal(OriginalState state,
                         current.string(),
                         "there is no map to refine",
                         "run patch_match_stereo for this image");
-    case OriginalState::kReplaced:
-      SupersedeOriginal(current, stored);
-      LinkOrCopyFile(current, stored);
-      break;
     case OriginalState::kInPlace:
+    case OriginalState::kReplaced:
       LinkOrCopyFile(current, stored);
       break;
     case OriginalState::kStored:
       break;
   }
+}
+
+void KeepBoth(const OriginalMaps& originals, const MapPaths& paths) {
+  // All former ones go first, so that at every instant what is stored is either
+  // of former times or of today, and not one of each.
+  if (originals.depth_state == OriginalState::kReplaced) {
+    SupersedeOriginal(paths.depth, paths.original_depth);
+  }
+  if (originals.normal_state == OriginalState::kReplaced) {
+    SupersedeOriginal(paths.normal, paths.original_normal);
+  }
+  KeepOriginal(originals.depth_state, paths.depth, paths.original_depth);
+  KeepOriginal(originals.normal_state, paths.normal, paths.original_normal);
 }
 
 // The inverse of KeepOriginal.
@@ -156,8 +166,7 @@ void WriteBack::KeepOriginals() {
     record_.original_normal_hash = HashFile(originals.normal);
     return;
   }
-  KeepOriginal(originals.depth_state, paths_.depth, paths_.original_depth);
-  KeepOriginal(originals.normal_state, paths_.normal, paths_.original_normal);
+  KeepBoth(originals, paths_);
 }
 
 void WriteBack::RecordWriting() {
@@ -217,8 +226,7 @@ void StoreOriginals(const Workspace& workspace, int image) {
     FillIn(workspace, image, &record);
     WriteRecord(paths.record, record);
   }
-  KeepOriginal(originals.depth_state, paths.depth, paths.original_depth);
-  KeepOriginal(originals.normal_state, paths.normal, paths.original_normal);
+  KeepBoth(originals, paths);
 }
 
 bool IsDone(const Workspace& workspace,

@@ -156,8 +156,25 @@ TEST_F(DepthEvaluationTest, MissingInputsAreNotFound) {
   EXPECT_EQ(code(), ErrorCode::kNotFound);
   Write("images/a.pgm", "not a picture");
   EXPECT_EQ(code(), ErrorCode::kCorrupt);
+  Write("images/a.pgm", "P5\n8 8\n255\ncut off");
+  EXPECT_EQ(code(), ErrorCode::kCorrupt);
   WritePicture("a.pgm", 8);
   EXPECT_EQ(code(), std::nullopt);
+}
+
+TEST_F(DepthEvaluationTest, MapsAndImagesHaveTheShapeOfTheGroundTruth) {
+  const auto code = [&] {
+    return CodeOf([&] { EvaluateDepthMaps(folder_, {}); });
+  };
+  WritePicture("a.pgm", 8);
+  WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
+  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
+  WriteDepthMap(UserPath(folder_ / Map("a.pgm")), Image<float>(8, 3, 1.f));
+  EXPECT_EQ(code(), ErrorCode::kMismatch);
+  WriteMap(Map("a.pgm"), 16, [](int, int) { return 1.f; });
+  EXPECT_EQ(code(), std::nullopt);
+  Write("images/a.pgm", "P5\n8 3\n255\n" + std::string(24, 'x'));
+  EXPECT_EQ(code(), ErrorCode::kMismatch);
 }
 
 TEST_F(DepthEvaluationTest, ScoresWithoutPixelsAreZero) {

@@ -474,9 +474,8 @@ TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
     write();
     std::filesystem::last_write_time(path, time + std::chrono::hours(1));
   };
-  write_later(paths.depth, [&] {
-    WriteDepthMap(paths.depth, Image<float>(96, 72, 3.f));
-  });
+  write_later(paths.depth,
+              [&] { WriteDepthMap(paths.depth, Image<float>(96, 72, 3.f)); });
   ExpectImportFailure("depth", {"v1.png.geometric.bin", "--overwrite 1"});
   // The depth map alone: whose are the two?
   const Outcome conflict = RunImport({"--restore", "1"});
@@ -493,12 +492,13 @@ TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
       RunImport({"--restore", "1", "--restore_conflicts", "original"}),
       {"stereo/tsar/superseded/depth_maps/v1.png.geometric.bin"});
   auto after = ReadTree(root_);
-  EXPECT_EQ(after.erase("stereo/tsar/superseded/depth_maps/"
-                        "v1.png.geometric.bin"),
-            1u);
-  EXPECT_EQ(after.erase("stereo/tsar/superseded/normal_maps/"
-                        "v1.png.geometric.bin"),
-            1u);
+  for (const char* kind : {"depth_maps", "normal_maps"}) {
+    EXPECT_TRUE(after.contains(std::string("stereo/tsar/superseded/") + kind +
+                               "/v1.png.geometric.bin"));
+  }
+  std::erase_if(after, [](const auto& entry) {
+    return entry.first.starts_with("stereo/tsar");
+  });
   EXPECT_TRUE(after == before);
 }
 

@@ -142,6 +142,18 @@ TEST_F(PhotoTest, ZerosInTheMiddleAreRefused) {
   }
 }
 
+// Of JPEG within TIFF libtiff only warns.
+TEST_F(PhotoTest, ShorterZerosAreRefusedInTilesOfJpeg) {
+  const PhotoSample sample = FindPhotoSample("jpeg.tiff");
+  for (size_t begin = sample.bytes.size() / 4;
+       begin < sample.bytes.size() * 3 / 4;
+       begin += 131) {
+    std::string bytes = sample.bytes;
+    bytes.replace(begin, 100, 100, '\0');
+    ExpectRefused(sample, bytes, "the image is damaged: ");
+  }
+}
+
 TEST_F(PhotoTest, ChecksumsShowEveryBit) {
   for (const PhotoSample& sample : MakePhotoSamples()) {
     if (!sample.shows_flips) {
