@@ -74,6 +74,9 @@ void RequireFoldersInside(const std::filesystem::path& root) {
     }
     const std::filesystem::path name =
         entry.path.Path().lexically_relative(stereo.Path());
+    if (name != "consistency_graphs" && !(is_output && name == "cost_maps")) {
+      Folder::OpenIfThere(entry.path);  // Throws what leads out.
+    }
     // What is kept there must not be what is kept elsewhere.
     const std::string first = name.begin()->string();
     if (first == "tsar" || first == "tsar_import") {
@@ -81,9 +84,6 @@ void RequireFoldersInside(const std::filesystem::path& root) {
                         entry.path.string(),
                         "is a link to a folder among those of this program",
                         "put a folder in its place");
-    }
-    if (name != "consistency_graphs" && !(is_output && name == "cost_maps")) {
-      Folder::OpenIfThere(entry.path);  // Throws what leads out.
     }
   }
 }

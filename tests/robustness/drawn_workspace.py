@@ -31,8 +31,10 @@ def write(path, content):
 
 
 def map_file(channels, width=None, height=None):
-    """COLMAP's raster file of these channels, each a list of width * height."""
-    header = f"{width or WIDTH}&{height or HEIGHT}&{len(channels)}&".encode()
+    """COLMAP's raster file of these channels, each a list of width * height; of the
+    images' size unless told otherwise."""
+    width, height = width or WIDTH, height or HEIGHT
+    header = f"{width}&{height}&{len(channels)}&".encode()
     return header + b"".join(struct.pack(f"<{len(c)}f", *c) for c in channels)
 
 
@@ -119,6 +121,7 @@ def draw_prior(folder, num_images, scale=1.0):
     for view, name in enumerate(NAMES[:num_images]):
         header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({HEIGHT}, {WIDTH}), }}"
         header += " " * (-(len(header) + 11) % 64) + "\n"
-        body = struct.pack(f"<{WIDTH * HEIGHT}f", *(scale * depth for depth in depth_map(view, "geometric")))
+        depths = [scale * depth for depth in depth_map(view, "geometric")]
+        body = struct.pack(f"<{WIDTH * HEIGHT}f", *depths)
         write(os.path.join(folder, os.path.splitext(name)[0] + ".npy"),
               b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + body)

@@ -47,13 +47,15 @@ def printed(what, words):
     words = [os.fsdecode(word) if isinstance(word, bytes) else str(word) for word in words]
     if words[0] != "tsar_evaluate":
         words = program.arguments(*words)[1:]
-    result = subprocess.run([args.program, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    result = subprocess.run([args.program, *words], stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, check=False)
     output = result.stdout
     try:
         text = output.decode()
     except UnicodeDecodeError:
         check(False, f"{what}: {output!r} is not UTF-8")
-    obeyed = {letter for letter in text if letter != "\n" and unicodedata.category(letter) in OBEYED}
+    obeyed = {letter for letter in text
+              if letter != "\n" and unicodedata.category(letter) in OBEYED}
     check(not obeyed, f"{what}: {output!r} holds {obeyed!r}")
     check(result.returncode in (0, 1), f"{what} ended with {result.returncode}: {text}")
     check(text.count("ERROR: ") == result.returncode, f"{what}: {text}")
@@ -167,7 +169,8 @@ for words in ([EVERYTHING], [b"\xc3"]):
 fresh(start.mapped)
 edit("sparse/cameras.txt", b"PINHOLE", EVERYTHING)
 printed("the model of a camera", REFINE)
-for key in (EVERYTHING, b"TsarRefine." + EVERYTHING, b"workspace_path\x1b", b"[" + EVERYTHING + b"]"):
+for key in (EVERYTHING, b"TsarRefine." + EVERYTHING, b"workspace_path\x1b",
+            b"[" + EVERYTHING + b"]"):
     fresh(start.mapped)
     write(os.path.join(work, "project.ini"), key + b"=1\n")
     printed("a key", [*REFINE, "--project_path", os.path.join(work, "project.ini")])
@@ -308,7 +311,8 @@ write(os.path.join(work, "ground_truth/depth/v0.png.bin"),
 check(printed("a profile", EVALUATE)[0] == 0, "a profile")
 hostile_name = os.fsencode(os.path.join(work, "ground_truth/depth/")) + EVERYTHING + b".bin"
 write(hostile_name, b"broken")
-write(os.fsencode(os.path.join(work, "stereo/depth_maps/")) + EVERYTHING + b".geometric.bin", b"bad")
+write(os.fsencode(os.path.join(work, "stereo/depth_maps/")) + EVERYTHING + b".geometric.bin",
+      b"broken")
 check(printed("ground truth", EVALUATE)[0] == 1, "ground truth")
 cloud, scans = os.path.join(work, "cloud.ply"), os.path.join(work, "scans.mlp")
 EVALUATE_CLOUD = ["tsar_evaluate", "cloud", "--input_path", cloud, "--ground_truth_path", scans]

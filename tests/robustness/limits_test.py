@@ -173,7 +173,8 @@ def limit_threads():
     words = [args.program, "tsar_evaluate", "cloud", "--input_path", cloud,
              "--ground_truth_path", scans]
     alone, without = (
-        subprocess.run(words, env=dict(os.environ, **more), stdout=subprocess.PIPE, check=True).stdout
+        subprocess.run(words, env=dict(os.environ, **more), stdout=subprocess.PIPE,
+                       check=True).stdout
         for more in ({}, {"LD_PRELOAD": args.shim, "TSAR_FAULT_NO_THREADS_FROM": "1"}))
     check(alone == without, f"scores without threads: {without}")
 

@@ -48,7 +48,9 @@ class Program:
 
     def arguments(self, command, workspace, *options):
         group = {"tsar_refine": "TsarRefine", "tsar_stereo": "TsarStereo"}.get(command)
-        words = [self.path, command, "--workspace_path", workspace, *map(str, options)]
+        # Words may be bytes that are no text.
+        words = [self.path, command, "--workspace_path", workspace,
+                 *(word if isinstance(word, bytes) else str(word) for word in options)]
         if group and "--restore" not in words:
             for name, value in (("device", "cpu"), ("num_threads", "1")):
                 if f"--{group}.{name}" not in words:
