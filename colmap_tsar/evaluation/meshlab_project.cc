@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/input_file.h"
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 #include <string>
 
@@ -45,19 +46,13 @@ pt::ptree ReadXml(const std::filesystem::path& path) {
                       "the file cannot be opened (" + file.Reason() + ")",
                       "check that it is a file and that you may read it");
   }
-  std::stringstream content;
-  content << file.rdbuf();
-  if (!file) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "the file cannot be read",
-                      "check its permissions");
-  }
-  const std::string text = content.str();
+  const std::string text((std::istreambuf_iterator<char>(file)),
+                         std::istreambuf_iterator<char>());
   if (std::count(text.begin(), text.end(), '<') > kMaxNumTags) {
     Corrupt(path, "it has too many tags");
   }
   pt::ptree tree;
+  std::istringstream content(text);
   try {
     pt::read_xml(content, tree);
   } catch (const pt::xml_parser_error& error) {

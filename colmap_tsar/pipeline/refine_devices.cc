@@ -152,14 +152,15 @@ std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
   if (options.device == "cpu") {
     return {};
   }
-  if (gpus.num_gpus == 0 && !is_auto) {
+  const int num_gpus = gpus.count();
+  if (num_gpus == 0 && !is_auto) {
     // Says why there is none.
     gpus.create(named.empty() ? 0 : named[0]);
   }
   std::vector<Gpu> opened;
-  if (gpus.num_gpus > 0) {
+  if (num_gpus > 0) {
     GpuOpener opener(overview, gpus, !named.empty());
-    const std::vector<int> wanted = WantedGpus(named, gpus.num_gpus);
+    const std::vector<int> wanted = WantedGpus(named, num_gpus);
     if (static_cast<int>(wanted.size()) <= num_images) {
       gpus.prepare(wanted);
     }
@@ -439,7 +440,7 @@ class MemoryDivision {
 }  // namespace
 
 GpuSystem GpuSystem::Cuda() {
-  return {Device::NumCudaDevices(),
+  return {&Device::NumCudaDevices,
           &Device::CreateCuda,
           &Device::PrepareCudaDevices};
 }

@@ -43,7 +43,9 @@ struct RefineDevices {
 
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {
-  int num_gpus = 0;
+  // Asked where the CPU alone is not what the user wants: the answer has the
+  // driver set itself up, which takes its time, addresses and threads.
+  std::function<int()> count;
   std::function<std::unique_ptr<Device>(int gpu_index)> create;
   // Called once before these are created.
   std::function<void(const std::vector<int>& gpu_indices)> prepare =

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <new>
 #include <optional>
 #include <streambuf>
 #include <string>
@@ -201,7 +202,9 @@ void AtomicFile::Prepare() {
   state_->stream.flush();
   int error = state_->buffer.SystemErrorNumber();
   if (error == 0 && !state_->stream) {
-    error = EIO;
+    // The stream itself had no memory for what it writes, which it tells nobody
+    // but by this.
+    throw std::bad_alloc();
   }
   state_->SetAttributes();
   if (error == 0 && fsync(state_->descriptor) != 0) {
@@ -287,11 +290,12 @@ void CopyFile(const std::filesystem::path& source,
   if (keeps_time) {
     copy.state_->time = state.st_mtim;
   }
-  // An empty file has no characters to insert, which operator<< takes for a
-  // failure.
-  if (input.peek() != InputFile::traits_type::eof()) {
-    copy.Stream() << input.rdbuf();
-  }
+  // By operator<<, a disk that fails would look like the end of the file.
+  std::vector<char> block(size_t{1} << 16);
+  do {
+    input.read(block.data(), static_cast<std::streamsize>(block.size()));
+    copy.Stream().write(block.data(), input.gcount());
+  } while (input);
   copy.Commit();
 }
 

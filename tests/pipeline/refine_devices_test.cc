@@ -35,7 +35,11 @@ class RefineDevicesTest : public testing::Test {
 
   GpuSystem Gpus(int num_gpus) {
     return {
-        num_gpus, [this](int index) {
+        [this, num_gpus] {
+          EXPECT_NE(options_.device, "cpu") << "the driver is not needed";
+          return num_gpus;
+        },
+        [this](int index) {
           if (without_code_.count(index) > 0 || index < 0) {
             throw Error(
                 ErrorCode::kDevice,

@@ -17,8 +17,9 @@
 //
 //   TSAR_FAULT_NO_THREADS_FROM=K   no thread from the K-th on
 //   TSAR_FAULT_NO_MEMORY_AT=K      no memory at the K-th call of operator new
-//   TSAR_FAULT_NO_MEMORY_FROM=K    nor at any after it; from that on the system
-//                                  gives no more memory in other ways either
+//   TSAR_FAULT_NO_MEMORY_FROM=K    nor at any after it
+//   TSAR_FAULT_NO_ADDRESSES_FROM=K   no more from the system from that call on:
+//                                  what the program holds it may divide anew
 
 #include <algorithm>
 #include <atomic>
@@ -273,9 +274,10 @@ int pthread_create(pthread_t* thread,
 void* operator new(size_t size) {
   static const long at = NumberOf("TSAR_FAULT_NO_MEMORY_AT");
   static const long from = NumberOf("TSAR_FAULT_NO_MEMORY_FROM");
+  static const long limit_from = NumberOf("TSAR_FAULT_NO_ADDRESSES_FROM");
   static std::atomic<long> num_allocations = 0;
   const long number = ++num_allocations;
-  if (number == from) {
+  if (number == from || number == limit_from) {
     const rlimit nothing = {0, 0};
     setrlimit(RLIMIT_AS, &nothing);
   }

@@ -26,7 +26,7 @@ OBEYED = {"Cc", "Cf", "Zl", "Zp", "Cs"}
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, prior, aside = (os.path.join(folder.name, name) for name in ("work", "arrays", "aside"))
+work, prior = (os.path.join(folder.name, name) for name in ("work", "arrays"))
 start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
@@ -44,24 +44,22 @@ def printed(what, words):
     """(exit code, all that a command prints), which no terminal obeys."""
     global num_cases
     num_cases += 1
+    words = [os.fsdecode(word) if isinstance(word, bytes) else str(word) for word in words]
     if words[0] != "tsar_evaluate":
         words = program.arguments(*words)[1:]
-    result = subprocess.run([args.program.encode(), *map(os.fsencode, map(str_or_bytes, words))],
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    result = subprocess.run([args.program, *words], stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, check=False)
     output = result.stdout
     try:
         text = output.decode()
     except UnicodeDecodeError:
         check(False, f"{what}: {output!r} is not UTF-8")
-    obeyed = {letter for letter in text if letter != "\n" and unicodedata.category(letter) in OBEYED}
+    obeyed = {letter for letter in text
+              if letter != "\n" and unicodedata.category(letter) in OBEYED}
     check(not obeyed, f"{what}: {output!r} holds {obeyed!r}")
     check(result.returncode in (0, 1), f"{what} ended with {result.returncode}: {text}")
     check(text.count("ERROR: ") == result.returncode, f"{what}: {text}")
     return result.returncode, text
-
-
-def str_or_bytes(word):
-    return word if isinstance(word, (str, bytes)) else str(word)
 
 
 def write(path, content):
@@ -110,17 +108,6 @@ def write_binary_model(names):
         struct.pack("<I7dI", view + 1, 1, 0, 0, 0, -drawn_workspace.BASELINE * view, 0, 0, 1)
         + name + b"\0" + struct.pack("<Q", 0) for view, name in enumerate(names)))
     write(os.path.join(sparse, "points3D.bin"), struct.pack("<Q", len(points)) + b"".join(points))
-
-
-def keep_an_image():
-    """Has the first image keep its maps, so that it is named and why."""
-    write(os.path.join(work, "stereo", "patch-match.cfg"),
-          b"".join(line for name in image_names() for line in (name, b"\n__auto__, 1\n")))
-
-
-def image_names():
-    with open(os.path.join(work, "stereo", "patch-match.cfg"), "rb") as file:
-        return file.read().split(b"\n")[0:-1:2]
 
 
 # Names that no program writes are refused, by every command and without effect.
@@ -182,7 +169,8 @@ for words in ([EVERYTHING], [b"\xc3"]):
 fresh(start.mapped)
 edit("sparse/cameras.txt", b"PINHOLE", EVERYTHING)
 printed("the model of a camera", REFINE)
-for key in (EVERYTHING, b"TsarRefine." + EVERYTHING, b"workspace_path\x1b", b"[" + EVERYTHING + b"]"):
+for key in (EVERYTHING, b"TsarRefine." + EVERYTHING, b"workspace_path\x1b",
+            b"[" + EVERYTHING + b"]"):
     fresh(start.mapped)
     write(os.path.join(work, "project.ini"), key + b"=1\n")
     printed("a key", [*REFINE, "--project_path", os.path.join(work, "project.ini")])
@@ -275,32 +263,56 @@ for name in (EVERYTHING.replace(b"/", b""), CSI):
     printed("a PFM", [*import_it, "depth"])
 
 
-def png_with_profile(name):
-    """libpng warns of a profile that is broken, and names it."""
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+def png_chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
-    picture = drawn_workspace.png(
-        [[drawn_workspace.level(0, x, y) for x in range(drawn_workspace.WIDTH)]
-         for y in range(drawn_workspace.HEIGHT)])
+
+def with_profile(picture):
+    """libpng warns of a profile that is broken, and names it."""
+    name = b"a" + ESCAPE + RAW_CSI + CSI + b"\r"
     profile = struct.pack(">I", 300) + bytes(i * i % 251 for i in range(296))
-    return (picture[:33] + chunk(b"iCCP", name + b"\0\0" + zlib.compress(profile)) + picture[33:])
+    body = name + b"\0\0" + zlib.compress(profile)
+    return picture[:33] + png_chunk(b"iCCP", body) + picture[33:]
+
+
+def depth_png():
+    """Of 16 bits in grey."""
+    width, height = drawn_workspace.WIDTH, drawn_workspace.HEIGHT
+    rows = b"".join(b"\0" + struct.pack(">H", 5000) * width for _ in range(height))
+    return (b"\x89PNG\r\n\x1a\n"
+            + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0))
+            + png_chunk(b"IDAT", zlib.compress(rows)) + png_chunk(b"IEND", b""))
+
+
+def put_profile_into(path):
+    with open(path, "rb") as file:
+        content = file.read()
+    write(path, with_profile(content))
 
 
 # Pictures, and clouds.
-for command, source in ((TO_STEREO, start.bare), (REFINE, start.mapped), (REPORT, None)):
-    if source:
-        fresh(source)
-        write(os.path.join(work, "images", "v0.png"),
-              png_with_profile(b"a" + ESCAPE + RAW_CSI + CSI + b"\r"))
-    code, text = printed("a profile", command)
-    check(code == 0, f"a profile: {text}")
+for command, source, path in (
+        (TO_STEREO, start.bare, "images/v0.png"), (REPORT, start.refined, "images/v0.png"),
+        (REPORT, start.refined, f"stereo/provenance_maps/{KEY}.png"),
+        (REFINE, start.mapped, "images/v0.png")):
+    fresh(source)
+    put_profile_into(os.path.join(work, path))
+    code, text = printed(f"a profile in {path}", command)
+    check(code == 0, text)
+fresh(start.mapped)
+shutil.rmtree(prior)
+write(os.path.join(prior, "v0.png"), with_profile(depth_png()))
+code, text = printed("a profile in depth", [*import_it, "depth"])
+check(code == 0 and "1 imported" in text, text)
+fresh(start.mapped)
+put_profile_into(os.path.join(work, "images/v0.png"))
 write(os.path.join(work, "ground_truth/depth/v0.png.bin"),
       drawn_workspace.map_file([drawn_workspace.depth_map(0, "geometric")]))
 check(printed("a profile", EVALUATE)[0] == 0, "a profile")
 hostile_name = os.fsencode(os.path.join(work, "ground_truth/depth/")) + EVERYTHING + b".bin"
 write(hostile_name, b"broken")
-write(os.fsencode(os.path.join(work, "stereo/depth_maps/")) + EVERYTHING + b".geometric.bin", b"bad")
+write(os.fsencode(os.path.join(work, "stereo/depth_maps/")) + EVERYTHING + b".geometric.bin",
+      b"broken")
 check(printed("ground truth", EVALUATE)[0] == 1, "ground truth")
 cloud, scans = os.path.join(work, "cloud.ply"), os.path.join(work, "scans.mlp")
 EVALUATE_CLOUD = ["tsar_evaluate", "cloud", "--input_path", cloud, "--ground_truth_path", scans]

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <new>
 
 #include "tests/workspace/test_workspace.h"
 #include <sys/resource.h>
@@ -137,6 +138,21 @@ TEST(AtomicFileTest, KeepsTheOldFileWhereWritingFails) {
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
 }
 
+// All that the stream tells of memory that it lacked.
+TEST(AtomicFileTest, AStreamThatLacksMemoryIsNoFullDisk) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  WriteText(path, "old");
+  {
+    AtomicFile file(UserPath(path));
+    file.Stream() << "new";
+    file.Stream().setstate(std::ios::badbit);
+    EXPECT_THROW(file.Commit(), std::bad_alloc);
+  }
+  EXPECT_EQ(ReadText(path), "old");
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
+}
+
 TEST(LinkOrCopyFileTest, GivesTheSameContentAndReplaces) {
   const TemporaryFolder folder;
   const auto source = folder.Path() / "source";
@@ -174,6 +190,18 @@ TEST(CopyFileTest, CopiesAlsoEmptyFiles) {
   ExpectError(ErrorCode::kIo, {missing.string()}, [&] {
     CopyFile(missing, UserPath(folder.Path() / "target"));
   });
+}
+
+// The system finds nothing at the first address of the memory of a process.
+TEST(CopyFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
+  const TemporaryFolder folder;
+  const auto target = folder.Path() / "target";
+  WriteText(target, "old");
+  ExpectError(ErrorCode::kIo, {"/proc/self/mem: cannot be read"}, [&] {
+    CopyFile("/proc/self/mem", UserPath(target));
+  });
+  EXPECT_EQ(ReadText(target), "old");
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
 }
 
 TEST(CopyFileTest, KeepsTheTimeWhereItIsToldTo) {
