@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "benchmarks/stages/label_components.h"
+
 #include "colmap_tsar/device/connected_components.h"
 
 #include <cmath>
-
-#include "benchmarks/stages/label_components.h"
 
 namespace tsar {
 namespace {

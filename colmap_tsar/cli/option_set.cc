@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/cli/name_suggestion.h"
 
 #include <algorithm>
@@ -67,6 +68,14 @@ void OptionSet::AddChoice(const std::string& name,
 }
 
 bool OptionSet::Parse(int argc, const char* const* argv) const {
+  std::map<std::string, std::string> written;
+  for (const Option& option : options_) {
+    written[option.name.substr(option.name.find('.') + 1)] = "--" + option.name;
+  }
+  SetOptionNamer([written](const std::string& key) {
+    const auto found = written.find(key);
+    return found == written.end() ? "--" + key : found->second;
+  });
   if (HasArgument(argc, argv, "--help_json")) {
     PrintHelpJson(Help(), std::cout);
     return false;

@@ -4,10 +4,11 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
-
-#include <cuda_runtime.h>
+#include "colmap_tsar/base/option_name.h"
 
 #include <string>
+
+#include <cuda_runtime.h>
 
 namespace tsar {
 
@@ -27,12 +28,13 @@ inline void CheckCuda(cudaError_t result, const char* what) {
     throw Error(ErrorCode::kOutOfMemory,
                 std::string("GPU memory: ") + what + " failed (" + reason +
                     "); close other programs that use the GPU, use smaller "
-                    "maps, or pass --TsarRefine.device cpu");
+                    "maps, or pass " +
+                    OptionName("device") + " cpu");
   }
   throw Error(ErrorCode::kDevice,
               std::string("GPU: ") + what + " failed (" + reason +
-                  "); check the driver with nvidia-smi, or pass "
-                  "--TsarRefine.device cpu");
+                  "); check the driver with nvidia-smi, or pass " +
+                  OptionName("device") + " cpu");
 }
 
 }  // namespace tsar

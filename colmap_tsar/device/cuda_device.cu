@@ -1,9 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/cuda_device.h"
+
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/device/cuda_check.h"
-#include "colmap_tsar/device/cuda_device.h"
 
 #include <cstdint>
 #include <thread>
@@ -24,7 +26,8 @@ CudaDevice::CudaDevice(int gpu_index)
                 "GPU " + std::to_string(gpu_index) +
                     " does not exist; this "
                     "machine has " +
-                    std::to_string(count) + ", change --TsarRefine.gpu_index");
+                    std::to_string(count) + ", change " +
+                    OptionName("gpu_index"));
   }
   Activate();
   cudaDeviceProp properties;
@@ -40,8 +43,8 @@ CudaDevice::CudaDevice(int gpu_index)
                     std::to_string(properties.minor) +
                     "; build it with CMAKE_CUDA_ARCHITECTURES=" +
                     std::to_string(properties.major) +
-                    std::to_string(properties.minor) +
-                    ", or pass --TsarRefine.device cpu");
+                    std::to_string(properties.minor) + ", or pass " +
+                    OptionName("device") + " cpu");
   }
   cudaStream_t stream = nullptr;
   CheckCuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking),

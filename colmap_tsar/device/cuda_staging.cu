@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/device/cuda_staging.h"
 
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/device/cuda_check.h"
 
 #include <algorithm>
@@ -22,7 +23,8 @@ void* AllocatePinned(size_t num_bytes) {
                     " MiB could not be pinned for copies to the GPU (" +
                     cudaGetErrorString(result) +
                     "); close other programs, raise the limit of locked "
-                    "memory (ulimit -l), or pass --TsarRefine.device cpu");
+                    "memory (ulimit -l), or pass " +
+                    OptionName("device") + " cpu");
   }
   CheckCuda(result, "pinning main memory");
   return memory;
@@ -34,9 +36,8 @@ CudaStaging::CudaStaging() {
   try {
     for (Chunk& chunk : chunks_) {
       chunk.memory = AllocatePinned(kChunkSize);
-      CheckCuda(
-          cudaEventCreateWithFlags(&chunk.copied, cudaEventDisableTiming),
-          "creating an event");
+      CheckCuda(cudaEventCreateWithFlags(&chunk.copied, cudaEventDisableTiming),
+                "creating an event");
     }
   } catch (...) {
     Release();
@@ -89,13 +90,13 @@ void CudaStaging::Download(void* target,
   for (size_t i = 0; i <= num_parts; ++i) {
     if (i < num_parts) {
       Chunk& chunk = chunks_[i % chunks_.size()];
-      CheckCuda(cudaMemcpyAsync(
-                    chunk.memory,
-                    static_cast<const char*>(source) + i * kChunkSize,
-                    part_size(i),
-                    cudaMemcpyDeviceToHost,
-                    stream),
-                "a download");
+      CheckCuda(
+          cudaMemcpyAsync(chunk.memory,
+                          static_cast<const char*>(source) + i * kChunkSize,
+                          part_size(i),
+                          cudaMemcpyDeviceToHost,
+                          stream),
+          "a download");
       CheckCuda(cudaEventRecord(chunk.copied, stream), "a download");
     }
     if (i > 0) {

@@ -4,14 +4,16 @@
 // What the CUDA part answers in a program that was built without it.
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/device/device.h"
 
 namespace tsar {
 
 std::unique_ptr<Device> Device::CreateCuda(int /*gpu_index*/) {
   throw Error(ErrorCode::kDevice,
-              "this program was built without CUDA; pass --TsarRefine.device "
-              "cpu, or build it with -DTSAR_CUDA=ON");
+              "this program was built without CUDA; pass " +
+                  OptionName("device") +
+                  " cpu, or build it with -DTSAR_CUDA=ON");
 }
 
 int Device::NumCudaDevices() { return 0; }

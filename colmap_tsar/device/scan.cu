@@ -1,8 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
+
+#include "colmap_tsar/device/fill.h"
 
 #ifdef __CUDACC__
 #include <cub/device/device_scan.cuh>

@@ -4,6 +4,7 @@
 #include "colmap_tsar/evaluation/cloud_evaluation.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/evaluation/meshlab_project.h"
 #include "colmap_tsar/evaluation/nearest_distance.h"
 #include "colmap_tsar/evaluation/parallel_blocks.h"
@@ -70,14 +71,16 @@ std::vector<double> Accuracy(const std::vector<Eigen::Vector3d>& points,
 void CloudEvaluationOptions::Check() const {
   CheckTolerances(tolerances);
   if (!(voxel_size > 0)) {
-    throw Error(ErrorCode::kBadOption,
-                "--voxel_size: must be above 0; give one such as 0.01");
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("voxel_size") + ": must be above 0; give one such as 0.01");
   }
   if (!(beam.start_radius >= 0) || !(beam.divergence_degrees >= 0) ||
       !(beam.divergence_degrees < 45)) {
     throw Error(ErrorCode::kBadOption,
-                "--beam_radius and --beam_angle: must be 0 or more, and the "
-                "angle below 45 degrees");
+                OptionName("beam_radius") + " and " + OptionName("beam_angle") +
+                    ": must be 0 or more, and the "
+                    "angle below 45 degrees");
   }
 }
 

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/opencv_threads.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
@@ -36,10 +37,11 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
     }
   }
   if (names.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      folder.string(),
-                      "there are no ground truth depth maps (NAME.bin)",
-                      "give their folder as --ground_truth_path");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        folder.string(),
+        "there are no ground truth depth maps (NAME.bin)",
+        "give their folder as " + OptionName("ground_truth_path"));
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -157,7 +159,8 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
                       map_folder.string(),
                       "there is no " + options.input_type +
                           " depth map of an image with ground truth",
-                      "check --workspace_path and --input_type");
+                      "check " + OptionName("workspace_path") + " and " +
+                          OptionName("input_type"));
   }
   return evaluation;
 }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/evaluation/tolerances.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <charconv>
 #include <cmath>
@@ -19,8 +20,9 @@ void CheckTolerances(const std::vector<double>& tolerances) {
   }
   if (!ok) {
     throw Error(ErrorCode::kBadOption,
-                "--tolerances: must be positive numbers that rise; give a list "
-                "such as 0.02,0.1");
+                OptionName("tolerances") +
+                    ": must be positive numbers that rise; give a list "
+                    "such as 0.02,0.1");
   }
 }
 
@@ -33,7 +35,7 @@ std::vector<double> ParseTolerances(const std::string& text) {
     const auto result = std::from_chars(next, end, tolerance);
     if (result.ec != std::errc() || (result.ptr != end && *result.ptr != ',')) {
       throw Error(ErrorCode::kBadOption,
-                  "--tolerances: '" + text +
+                  OptionName("tolerances") + ": '" + text +
                       "' is not a list of numbers; give one such as 0.02,0.1");
     }
     tolerances.push_back(tolerance);

@@ -30,16 +30,15 @@ struct ReduceDisparityKernel {
         if (!depth.Contains(column, row) || !(depth(column, row) > 0.f)) {
           continue;
         }
-        const float distance = (dx - middle) * (dx - middle) +
-                               (dy - middle) * (dy - middle);
+        const float distance =
+            (dx - middle) * (dx - middle) + (dy - middle) * (dy - middle);
         if (distance < best_distance) {
           best_distance = distance;
           best_depth = depth(column, row);
         }
       }
     }
-    disparity(x, y) =
-        best_depth > 0.f ? scale.ToDisparity(best_depth) : 0.f;
+    disparity(x, y) = best_depth > 0.f ? scale.ToDisparity(best_depth) : 0.f;
   }
 };
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/byte_reader.h"
 
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <bit>
@@ -46,10 +47,11 @@ std::span<const uint8_t> ByteReader::Take(size_t num_bytes) {
 }
 
 Error ByteReader::Corrupt(const std::string& what) const {
-  return Error::File(ErrorCode::kCorrupt,
-                     name_,
-                     what,
-                     "check --format, or make the file again");
+  return Error::File(
+      ErrorCode::kCorrupt,
+      name_,
+      what,
+      "check " + OptionName("format") + ", or make the file again");
 }
 
 }  // namespace tsar

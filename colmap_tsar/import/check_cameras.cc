@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/check_cameras.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <cmath>
@@ -139,12 +140,13 @@ class CameraChecker {
     }
     char text[32];
     std::snprintf(text, sizeof(text), "%.4g", scale);
-    throw Error::File(ErrorCode::kMismatch,
-                      cameras_[0].camera.file,
-                      "all cameras fit those of the sparse model after scaling "
-                      "by " +
-                          std::string(text) + ": the maps are in other units",
-                      "give --depth_scale " + std::string(text));
+    throw Error::File(
+        ErrorCode::kMismatch,
+        cameras_[0].camera.file,
+        "all cameras fit those of the sparse model after scaling "
+        "by " +
+            std::string(text) + ": the maps are in other units",
+        "give " + OptionName("depth_scale") + " " + std::string(text));
   }
 
   Error WrongPose(const AssignedCamera& assigned) const {
@@ -152,13 +154,14 @@ class CameraChecker {
     const int best = BestImage(assigned.camera);
     if (best != assigned.image &&
         Compare(assigned.camera, best, scale_).Fits()) {
-      return Error::File(
-          ErrorCode::kMismatch,
-          assigned.camera.file,
-          "is the camera of " + ImageOf(model_, best).name + ", not of " +
-              name + ": the images are in another order",
-          "try the other --index_order, or name the images in their order with "
-          "--image_list");
+      return Error::File(ErrorCode::kMismatch,
+                         assigned.camera.file,
+                         "is the camera of " + ImageOf(model_, best).name +
+                             ", not of " + name +
+                             ": the images are in another order",
+                         "try the other " + OptionName("index_order") +
+                             ", or name the images in their order with " +
+                             OptionName("image_list"));
     }
     const PoseError error = Compare(assigned.camera, assigned.image, scale_);
     char text[96];

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/import/float_map.h"
 
+#include "colmap_tsar/base/option_name.h"
+
 #include <cmath>
 
 namespace tsar {
@@ -18,7 +20,7 @@ void RequireChannels(const FloatMap& map,
                       std::string(kind) + " has " + std::to_string(channels) +
                           " channel(s), this file has " +
                           std::to_string(map.channels),
-                      "check --format and the file's name");
+                      "check " + OptionName("format") + " and the file's name");
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <charconv>
@@ -32,7 +33,7 @@ std::vector<int> ReadImageList(const std::filesystem::path& path,
                       path.string(),
                       "the list of images is missing or cannot be read (" +
                           file.Reason() + ")",
-                      "check --image_list");
+                      "check " + OptionName("image_list"));
   }
   std::vector<int> images;
   std::set<int> seen;
@@ -96,12 +97,13 @@ int ImageOfNumber(const std::vector<int>& order,
                   int number,
                   const std::filesystem::path& path) {
   if (static_cast<size_t>(number) >= order.size()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "its number is " + std::to_string(number) +
-                          ", but there are images 0 to " +
-                          std::to_string(order.size() - 1) + " alone",
-                      "name the images in their order with --image_list");
+    throw Error::File(
+        ErrorCode::kMismatch,
+        path.string(),
+        "its number is " + std::to_string(number) +
+            ", but there are images 0 to " + std::to_string(order.size() - 1) +
+            " alone",
+        "name the images in their order with " + OptionName("image_list"));
   }
   return order[static_cast<size_t>(number)];
 }

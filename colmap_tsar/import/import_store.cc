@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/content_hash.h"
@@ -180,8 +181,8 @@ void KeepFormer(const std::filesystem::path& root,
         CurrentPath(root, kDepth, key).string(),
         "nothing tells whether this map and its normals, or those "
         "that an import has kept, are the former ones",
-        "decide by tsar_import --restore 1 with "
-        "--restore_conflicts original or keep");
+        "decide by tsar_import " + OptionName("restore") + " 1 with " +
+            OptionName("restore_conflicts") + " original or keep");
   }
   const bool is_replaced = has_former && owner == MapOwner::kOtherProgram;
   // All former ones go before the first of today is kept, so that at no instant
@@ -324,10 +325,11 @@ void RequireUnrefined(const std::filesystem::path& root) {
         "import into that one");
   }
   if (HasRunState(root)) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      GetTsarFolder(root).string(),
-                      "tsar_refine has worked on this workspace",
-                      "undo that first with tsar_refine --restore 1");
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        GetTsarFolder(root).string(),
+        "tsar_refine has worked on this workspace",
+        "undo that first with tsar_refine " + OptionName("restore") + " 1");
   }
 }
 
@@ -340,12 +342,13 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
   for (const size_t kind : {kDepth, kNormal}) {
     const ContainedPath path = CurrentPath(root, kind, key);
     if (IsForeign(path, record.written[kind])) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        path.string(),
-                        "the image has a map of this type already",
-                        "give --overwrite 1 to replace such maps (tsar_import "
-                        "--restore 1 puts them back), or another "
-                        "--output_type");
+      throw Error::File(
+          ErrorCode::kUnsupported,
+          path.string(),
+          "the image has a map of this type already",
+          "give " + OptionName("overwrite") +
+              " 1 to replace such maps (tsar_import " + OptionName("restore") +
+              " 1 puts them back), or another " + OptionName("output_type"));
     }
   }
 }
@@ -398,7 +401,7 @@ UndoResult UndoImport(const std::filesystem::path& root,
     throw Error::File(ErrorCode::kNotFound,
                       GetImportFolder(root).string(),
                       "nothing was imported into this workspace",
-                      "check --workspace_path");
+                      "check " + OptionName("workspace_path"));
   }
   UndoResult result;
   // All is looked at before the first file is changed.

@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/import_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/check_cameras.h"
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/target_workspace.h"
@@ -171,7 +172,7 @@ class Importer {
                         "frame of the " +
                             now + ", but in one if they are in that of the " +
                             better,
-                        "give --normal_frame " + better);
+                        "give " + OptionName("normal_frame") + " " + better);
     }
   }
 
@@ -192,8 +193,8 @@ class Importer {
           "depths are " + Text("%.4g", scale.median) +
               " times those of the sparse points in all images, so they seem "
               "to be in other units",
-          "give --depth_scale " + suggestion +
-              ", or --check_scale 0 to take them as they are");
+          "give " + OptionName("depth_scale") + " " + suggestion + ", or " +
+              OptionName("check_scale") + " 0 to take them as they are");
     }
     if (scale.num_images == 0) {
       summary_.warnings.push_back(
@@ -218,8 +219,9 @@ class Importer {
       }
     }
     if (!scale.is_consistent && is_any_off) {
-      summary_.warnings.push_back(
-          "the images' scales differ; --scale_to_sparse 1 gives each its own");
+      summary_.warnings.push_back("the images' scales differ; " +
+                                  OptionName("scale_to_sparse") +
+                                  " 1 gives each its own");
     }
   }
 
@@ -227,13 +229,13 @@ class Importer {
     for (size_t i = 0; i < matched_.files.size(); ++i) {
       const SparseComparison& comparison = comparisons_[i];
       if (comparison.num_points < kMinSparsePoints) {
-        throw Error::File(
-            ErrorCode::kMismatch,
-            matched_.files[i].depth.string(),
-            "only " + std::to_string(comparison.num_points) +
-                " sparse points of " + NameOf(matched_.files[i]) +
-                " lie on its depth, too few to tell a scale",
-            "take this map away, or go without --scale_to_sparse");
+        throw Error::File(ErrorCode::kMismatch,
+                          matched_.files[i].depth.string(),
+                          "only " + std::to_string(comparison.num_points) +
+                              " sparse points of " + NameOf(matched_.files[i]) +
+                              " lie on its depth, too few to tell a scale",
+                          "take this map away, or go without " +
+                              OptionName("scale_to_sparse"));
       }
       scales_[i] /= comparison.ratio;
     }

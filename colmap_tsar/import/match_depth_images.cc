@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/depth_image.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
@@ -115,7 +116,7 @@ int MatchDepthImages(const MatchOptions& options,
   NamedFiles named(options, model);
   std::map<int, Path> normals;
   if (!options.normal_path.empty()) {
-    RequireFolder(options.normal_path, "--normal_path");
+    RequireFolder(options.normal_path, OptionName("normal_path"));
     normals = named.Find(options.normal_path);
   }
   for (const auto& [image, path] : named.Find(options.input_path)) {
@@ -136,7 +137,8 @@ int MatchDepthImages(const MatchOptions& options,
             (model.images.empty() ? "..."
                                   : WithoutExtension(model.images[0].name)) +
             ".png",
-        "check --input_path, or number the files and use --image_list");
+        "check " + OptionName("input_path") + ", or number the files and use " +
+            OptionName("image_list"));
   }
   return named.NumWithoutImage();
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/byte_reader.h"
 #include "colmap_tsar/import/dmap.h"
 #include "colmap_tsar/import/image_order.h"
@@ -40,13 +41,13 @@ int FindStoredName(const SparseModel& model,
     return best;
   }
   if (same_stem.size() > 1) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "is for the image " + stored + ", which may be " +
-                          model.images[static_cast<size_t>(same_stem[0])].name +
-                          " or " +
-                          model.images[static_cast<size_t>(same_stem[1])].name,
-                      "name the images in their order with --image_list");
+    throw Error::File(
+        ErrorCode::kMismatch,
+        path.string(),
+        "is for the image " + stored + ", which may be " +
+            model.images[static_cast<size_t>(same_stem[0])].name + " or " +
+            model.images[static_cast<size_t>(same_stem[1])].name,
+        "name the images in their order with " + OptionName("image_list"));
   }
   return same_stem[0];
 }
@@ -84,15 +85,15 @@ int MatchDmaps(const MatchOptions& options,
     }
   }
   if (collector->Files().empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      options.input_path.string(),
-                      num_without_image == 0
-                          ? "no file in it is called like depth0000.dmap"
-                          : "its maps are for images such as " + unknown +
-                                ", which are not in the sparse model",
-                      num_without_image == 0
-                          ? "check --input_path"
-                          : "name the images in their order with --image_list");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        options.input_path.string(),
+        num_without_image == 0 ? "no file in it is called like depth0000.dmap"
+                               : "its maps are for images such as " + unknown +
+                                     ", which are not in the sparse model",
+        num_without_image == 0 ? "check " + OptionName("input_path")
+                               : "name the images in their order with " +
+                                     OptionName("image_list"));
   }
   return num_without_image;
 }

@@ -52,6 +52,7 @@ bool IsFolder(const std::filesystem::path& path);
 bool IsFile(const std::filesystem::path& path);
 
 // Error kNotFound that names the option where it is no folder.
-void RequireFolder(const std::filesystem::path& folder, const char* option);
+void RequireFolder(const std::filesystem::path& folder,
+                   const std::string& option);
 
 }  // namespace tsar

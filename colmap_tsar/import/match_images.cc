@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/match_images.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/match_formats.h"
 #include "colmap_tsar/workspace/folder.h"
 
@@ -46,7 +47,8 @@ bool IsFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
-void RequireFolder(const std::filesystem::path& folder, const char* option) {
+void RequireFolder(const std::filesystem::path& folder,
+                   const std::string& option) {
   if (!IsFolder(folder)) {
     throw Error::File(ErrorCode::kNotFound,
                       folder.string(),
@@ -64,15 +66,15 @@ void MapCollector::Add(int image, PriorFiles files) {
         files.depth.string(),
         "is for the image " + model_.images[static_cast<size_t>(image)].name +
             ", and so is " + entry->second.depth.string(),
-        "take one of the two away, or name the images in their order with "
-        "--image_list");
+        "take one of the two away, or name the images in their order with " +
+            OptionName("image_list"));
   }
 }
 
 MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model) {
   MatchOptions normal = options;
   normal.input_path = Normalized(options.input_path);
-  RequireFolder(normal.input_path, "--input_path");
+  RequireFolder(normal.input_path, OptionName("input_path"));
   MapCollector collector(model);
   MatchedMaps matched;
   if (options.format == PriorFormat::kOpenMvs) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
 
@@ -71,17 +72,18 @@ std::vector<NumberedFolder> FindProgramFolder(const Path& input) {
                         input.string(),
                         "there are maps in " + chosen.filename().string() +
                             " and in " + folder.filename().string(),
-                        "give one of the two as --input_path");
+                        "give one of the two as " + OptionName("input_path"));
     }
     found = std::move(here);
     chosen = folder;
   }
   if (found.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      input.string(),
-                      "no folder in it is called like 2333_00000000 and holds "
-                      "depths.dmb",
-                      "check --input_path and --format");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        input.string(),
+        "no folder in it is called like 2333_00000000 and holds "
+        "depths.dmb",
+        "check " + OptionName("input_path") + " and " + OptionName("format"));
   }
   return found;
 }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/prior_maps.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/apd_map.h"
 #include "colmap_tsar/import/byte_reader.h"
 #include "colmap_tsar/import/depth_image.h"
@@ -95,7 +96,7 @@ Image<float> ToCosts(const FloatMap& map, const std::string& name) {
                       name,
                       "a cost map has 1 channel, this file has " +
                           std::to_string(map.channels),
-                      "check --format");
+                      "check " + OptionName("format"));
   }
   Image<float> cost(map.width, map.height);
   std::copy(map.values.begin(), map.values.end(), cost.begin());

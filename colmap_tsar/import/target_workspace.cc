@@ -4,6 +4,7 @@
 #include "colmap_tsar/import/target_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include <algorithm>
@@ -28,8 +29,9 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
       throw Error::File(ErrorCode::kNotFound,
                         (root / folder).string(),
                         "no such folder, so this is not a dense workspace",
-                        "check --workspace_path, or make the workspace with "
-                        "image_undistorter");
+                        "check " + OptionName("workspace_path") +
+                            ", or make the workspace with "
+                            "image_undistorter");
     }
   }
   SparseModel model = ReadSparseModel(root / "sparse");

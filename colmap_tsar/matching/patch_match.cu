@@ -1,9 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/matching/patch_match.h"
+
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
-#include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_sampling.h"
 #include "colmap_tsar/matching/propagation_areas.h"
 #include "colmap_tsar/matching/reprojection.h"

@@ -1,8 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/pipeline/compose.h"
+
+#include "colmap_tsar/device/parallel_for.h"
 
 #include <cmath>
 #include <utility>

@@ -1,10 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/pipeline/compose_scene.h"
+
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/pipeline/compose_scene.h"
 
 #include <cmath>
 #include <utility>

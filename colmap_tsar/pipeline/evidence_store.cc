@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/evidence_store.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/evidence_file.h"
 #include "colmap_tsar/workspace/map_paths.h"
@@ -37,11 +38,12 @@ bool EvidenceStore::IsCurrent(int image) {
   }
   const bool is_current = ReadEvidenceHash(Path(image)) == Fingerprint(image);
   if (expected_ && !is_current) {
-    throw Error::File(ErrorCode::kMismatch,
-                      Path(image).string(),
-                      "the evidence, or what it was made of, has changed or "
-                      "gone since it was observed",
-                      "run TsarRefine.pass observe of all shards again");
+    throw Error::File(
+        ErrorCode::kMismatch,
+        Path(image).string(),
+        "the evidence, or what it was made of, has changed or "
+        "gone since it was observed",
+        "run " + OptionName("pass") + " observe of all shards again");
   }
   return is_current;
 }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/gpu_indices.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <charconv>
@@ -14,7 +15,7 @@ namespace {
 
 Error Refused(const std::string& what) {
   return Error(ErrorCode::kBadOption,
-               "TsarRefine.gpu_index: " + what +
+               OptionName("gpu_index") + ": " + what +
                    "; give -1 for every GPU, or numbers from 0 on such as 0,1");
 }
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/input_fingerprints.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/originals.h"
 
 #include <cstddef>
@@ -193,7 +194,8 @@ InputState InputFingerprints::Read(int image) const {
     if (!changes.empty()) {
       throw Error(ErrorCode::kMismatch,
                   Name(image) + ": " + DescribeChanges(changes) +
-                      " since it was observed; run TsarRefine.pass observe of "
+                      " since it was observed; run " + OptionName("pass") +
+                      " observe of "
                       "all shards again");
     }
   }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/memory_plan.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/planes/discover_planes.h"
 
 #include <algorithm>
@@ -135,9 +136,11 @@ int NumGpuWorkers(const WorkspaceOverview& overview,
         gpu + ": an image of this workspace needs " + Gigabytes(needed) +
             " of GPU memory and " + Gigabytes(free_bytes) +
             " are free; close other programs that use the GPU, choose another "
-            "one with --TsarRefine.gpu_index, run patch_match_stereo with a "
-            "smaller --PatchMatchStereo.max_image_size, or pass "
-            "--TsarRefine.device cpu");
+            "one with " +
+            OptionName("gpu_index") +
+            ", run patch_match_stereo with a "
+            "smaller --PatchMatchStereo.max_image_size, or pass " +
+            OptionName("device") + " cpu");
   }
   return static_cast<int>(
       std::min<int64_t>(kMaxGpuWorkers, free_bytes / needed));

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/merge_shards.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_setup.h"
@@ -58,8 +59,9 @@ void RequireAllDone(const Workspace& workspace, const Manifest& manifest) {
         std::to_string(manifest.images.size() - static_cast<size_t>(num_done)) +
             " of " + std::to_string(manifest.images.size()) +
             " images have not been refined with these options",
-        "run TsarRefine.pass observe and compose of all shards "
-        "first");
+        "run " + OptionName("pass") +
+            " observe and compose of all shards "
+            "first");
   }
 }
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_devices.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
@@ -39,8 +40,9 @@ struct Gpu {
 };
 
 std::string NoGpu(int index, int num_gpus) {
-  return "TsarRefine.gpu_index: there is no GPU " + std::to_string(index) +
-         "; this machine has " + std::to_string(num_gpus) +
+  return OptionName("gpu_index") + ": there is no GPU " +
+         std::to_string(index) + "; this machine has " +
+         std::to_string(num_gpus) +
          (num_gpus == 1 ? ", number 0"
                         : ", numbers 0 to " + std::to_string(num_gpus - 1));
 }
@@ -405,7 +407,7 @@ class MemoryDivision {
       text << "four fifths of the " << GigabytesText(budget.machine_bytes)
            << " that this machine gives";
     } else {
-      text << "--TsarRefine.cache_size " << cache_size;
+      text << OptionName("cache_size") + " " << cache_size;
     }
     return text.str();
   }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
@@ -19,7 +20,7 @@ void CheckRange(const RefineField& field, const T* value) {
     const bool is_inside = *value >= field.min && *value <= field.max;
     if (!is_inside) {
       TextStream text;
-      text << "TsarRefine." << field.name << ": " << *value
+      text << OptionName(field.name) << ": " << *value
            << " makes no sense; give a value from " << field.min << " to "
            << field.max;
       throw Error(ErrorCode::kBadOption, text.str());
@@ -44,10 +45,12 @@ RefineOptions RefineOptions::Paper() {
 void RefineOptions::Check() const {
   if (filter && !filter_confidence && !filter_discontinuity &&
       !view_agreement) {
-    throw Error(ErrorCode::kBadOption,
-                "TsarRefine.filter: nothing is left to judge depths by; leave "
-                "filter_confidence, filter_discontinuity or view_agreement on, "
-                "or set filter to 0");
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("filter") +
+            ": nothing is left to judge depths by; leave "
+            "filter_confidence, filter_discontinuity or view_agreement on, "
+            "or set filter to 0");
   }
   RefineOptions copy = *this;
   for (const RefineField& field : ListRefineFields(&copy)) {

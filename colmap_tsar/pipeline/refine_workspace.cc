@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/opencv_threads.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/pipeline/evidence_store.h"
 #include "colmap_tsar/pipeline/gpu_indices.h"
 #include "colmap_tsar/pipeline/image_pipeline.h"
@@ -63,32 +64,37 @@ void MarkFailures(const ImagePipeline& pipeline,
 }  // namespace
 
 void WorkspaceRefineOptions::Check() const {
-  const auto require = [](bool condition, const char* message) {
+  const auto require = [](bool condition, const std::string& message) {
     if (!condition) {
       throw Error(ErrorCode::kBadOption, message);
     }
   };
-  require(!workspace_path.empty(), "--workspace_path is missing; give it");
+  require(!workspace_path.empty(),
+          OptionName("workspace_path") + " is missing; give it");
   require(device == "auto" || device == "cuda" || device == "cpu",
-          "TsarRefine.device: not known; give auto, cuda or cpu");
+          OptionName("device") + ": not known; give auto, cuda or cpu");
   ParseGpuIndices(gpu_index);
   require(num_threads == -1 || num_threads > 0,
-          "TsarRefine.num_threads: give at least 1, or -1 for all cores");
+          OptionName("num_threads") + ": give at least 1, or -1 for all cores");
   require(cache_size > 0.0 && cache_size <= 1e6,
-          "TsarRefine.cache_size: give a positive number of gigabytes");
+          OptionName("cache_size") + ": give a positive number of gigabytes");
   const RefinePass chosen = ParsePass(pass);
-  require(
-      chosen != RefinePass::kAll || ParseShard(shard).count == 1,
-      "TsarRefine.shard: a part of the images needs what is observed in the "
-      "others; run TsarRefine.pass observe for all shards, then compose for "
-      "all, then merge");
+  require(chosen != RefinePass::kAll || ParseShard(shard).count == 1,
+          OptionName("shard") +
+              ": a part of the images needs what is observed in the "
+              "others; run " +
+              OptionName("pass") +
+              " observe for all shards, then compose for "
+              "all, then merge");
   require(chosen != RefinePass::kMerge || shard.empty(),
-          "TsarRefine.shard: TsarRefine.pass merge is for all shards together; "
-          "leave it out");
+          OptionName("shard") + ": " + OptionName("pass") +
+              " merge is for all shards together; "
+              "leave it out");
   require(
       chosen == RefinePass::kAll || output_path.empty(),
-      "--output_path: shards refine in place; leave it out, and make a copy "
-      "of links first (cp -as) where the workspace is to stay as it is");
+      OptionName("output_path") +
+          ": shards refine in place; leave it out, and make a copy "
+          "of links first (cp -as) where the workspace is to stay as it is");
 }
 
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/shard.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <array>
@@ -160,7 +161,7 @@ Shard ParseShard(const std::string& text) {
                                        : ParseCount(view.substr(slash + 1));
   const auto refused = [&](const std::string& what) {
     return Error(ErrorCode::kBadOption,
-                 "TsarRefine.shard: " + what +
+                 OptionName("shard") + ": " + what +
                      "; give i/n with i from 0 to n - 1, such as 0/4 for the "
                      "first of four parts");
   };
@@ -190,7 +191,7 @@ RefinePass ParsePass(const std::string& text) {
     }
   }
   throw Error(ErrorCode::kBadOption,
-              "TsarRefine.pass: '" + text +
+              OptionName("pass") + ": '" + text +
                   "' is not known; give all, observe, compose or merge");
 }
 

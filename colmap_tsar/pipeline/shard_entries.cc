@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_setup.h"
@@ -21,8 +22,10 @@ namespace tsar {
 namespace {
 
 constexpr size_t kMaxListed = 10;
-constexpr const char* kObserveAgain =
-    "run TsarRefine.pass observe of all shards again";
+
+std::string ObserveAgain() {
+  return "run " + OptionName("pass") + " observe of all shards again";
+}
 
 std::string HashImages(const Workspace& workspace) {
   ContentHash hash;
@@ -168,14 +171,14 @@ std::vector<ShardRecord> ReadCompleteShards(const std::filesystem::path& root,
     missing += " and " + std::to_string(num_missing - kMaxListed) + " more";
   }
   if (num_missing > 0) {
-    throw Error::File(ErrorCode::kNotFound,
-                      GetShardFolder(root).string(),
-                      "of the " + std::to_string(own.count) + " shards, " +
-                          missing + (num_missing == 1 ? " has" : " have") +
-                          " not come to the end of the pass " + ToString(pass) +
-                          note,
-                      "run TsarRefine.pass " + ToString(pass) + " of " +
-                          (num_missing == 1 ? "it" : "them") + " first");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        GetShardFolder(root).string(),
+        "of the " + std::to_string(own.count) + " shards, " + missing +
+            (num_missing == 1 ? " has" : " have") +
+            " not come to the end of the pass " + ToString(pass) + note,
+        "run " + OptionName("pass") + " " + ToString(pass) + " of " +
+            (num_missing == 1 ? "it" : "them") + " first");
   }
   return records;
 }
@@ -198,7 +201,7 @@ ObservedShards ReadObservedShards(
               .string(),
           "names " + std::to_string(records[shard].images.size()) +
               " images, not " + std::to_string(shards[shard].size()),
-          kObserveAgain);
+          ObserveAgain());
     }
     for (size_t i = 0; i < shards[shard].size(); ++i) {
       const int image = workspace.Problems()[shards[shard][i]].reference;
@@ -223,7 +226,7 @@ void RequireObserved(const Workspace& workspace,
                 Name(workspace, image) +
                     ": nobody needed what is observed in it, but now another "
                     "image has to be refined again; " +
-                    kObserveAgain);
+                    ObserveAgain());
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/pipeline/stereo_inputs.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -29,10 +30,11 @@ std::string ReadText(const fs::path& path) {
 
 void RequireUnrefined(const MapPaths& paths) {
   if (fs::exists(paths.original_depth) || fs::exists(paths.original_normal)) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      paths.depth.string(),
-                      "has been refined",
-                      "run tsar_refine with --restore 1 first");
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        paths.depth.string(),
+        "has been refined",
+        "run tsar_refine with " + OptionName("restore") + " 1 first");
   }
   RequireNoStrayResults(paths);
 }
@@ -41,8 +43,9 @@ Error Foreign(const fs::path& path) {
   return Error::File(ErrorCode::kUnsupported,
                      path.string(),
                      "is of another program, or was made with other options",
-                     "give --overwrite 1 to replace all maps, or work on a "
-                     "copy");
+                     "give " + OptionName("overwrite") +
+                         " 1 to replace all maps, or work on a "
+                         "copy");
 }
 
 Error Changed(const Workspace& workspace, const StereoChange& change) {
@@ -50,7 +53,8 @@ Error Changed(const Workspace& workspace, const StereoChange& change) {
       ErrorCode::kUnsupported,
       workspace.ImagePath(workspace.Model().IndexOf(change.image)).string(),
       change.text,
-      "give --overwrite 1 to make all maps anew, or work on a copy");
+      "give " + OptionName("overwrite") +
+          " 1 to make all maps anew, or work on a copy");
 }
 
 bool HaveRightSize(const MapPaths& paths,

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
@@ -66,11 +67,12 @@ DepthInterval StereoDepths(const Workspace& workspace,
   const std::optional<DepthInterval> range =
       SparseDepthInterval(workspace.Model(), image);
   if (!range) {
-    throw Error::File(ErrorCode::kNotFound,
-                      workspace.ImagePath(image).string(),
-                      "sees none of the sparse points, so that its depths "
-                      "cannot be guessed",
-                      "give --TsarStereo.depth_min and depth_max");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        workspace.ImagePath(image).string(),
+        "sees none of the sparse points, so that its depths "
+        "cannot be guessed",
+        "give " + OptionName("depth_min") + " and " + OptionName("depth_max"));
   }
   return *range;
 }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/stereo_options.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 
 namespace tsar {
@@ -14,13 +15,15 @@ void StereoOptions::Check() const {
   if (has_min != has_max ||
       (has_min && !(depth_min > 0.0 && depth_min < depth_max))) {
     throw Error(ErrorCode::kBadOption,
-                "TsarStereo.depth_min and TsarStereo.depth_max: give both, "
-                "with 0 < depth_min < depth_max, or neither");
+                OptionName("depth_min") + " and " + OptionName("depth_max") +
+                    ": give both, "
+                    "with 0 < depth_min < depth_max, or neither");
   }
   if (max_image_size != -1 && max_image_size < 16) {
     throw Error(ErrorCode::kBadOption,
-                "TsarStereo.max_image_size: give at least 16 pixels, or -1 for "
-                "the size of the images");
+                OptionName("max_image_size") +
+                    ": give at least 16 pixels, or -1 for "
+                    "the size of the images");
   }
 }
 

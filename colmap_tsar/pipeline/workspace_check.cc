@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/workspace_check.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/originals.h"
@@ -193,8 +194,8 @@ Error NoMaps(const Workspace& workspace) {
                      (root / "stereo" / "depth_maps").string(),
                      "holds no " + ToString(workspace.Type()) +
                          " map of an image in patch-match.cfg",
-                     "run patch_match_stereo first, or choose the other "
-                     "--input_type");
+                     "run patch_match_stereo first, or choose the other " +
+                         OptionName("input_type"));
 }
 
 std::set<int> ImagesOfProblems(const Workspace& workspace) {

@@ -1,12 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/planes/discover_planes.h"
+
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/planes/depth_observation.h"
-#include "colmap_tsar/planes/discover_planes.h"
 #include "colmap_tsar/planes/fit_plane.h"
 #include "colmap_tsar/planes/regular_directions.h"
 

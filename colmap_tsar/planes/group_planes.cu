@@ -1,10 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/planes/group_planes.h"
+
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/device/scan.h"
-#include "colmap_tsar/planes/group_planes.h"
 
 #include <cmath>
 

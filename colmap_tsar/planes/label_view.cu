@@ -1,12 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/planes/label_view.h"
+
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
-#include "colmap_tsar/planes/label_view.h"
 
 #include <algorithm>
 #include <cmath>

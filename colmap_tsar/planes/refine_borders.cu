@@ -1,8 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/planes/refine_borders.h"
+
+#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/refinement/samples.h"
 
 #include <cmath>

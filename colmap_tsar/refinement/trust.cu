@@ -127,12 +127,11 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                           ImageView<uint8_t> trusted,
                           Device& device) {
   const WindowTapTable table(options, device);
-  ParallelFor(
-      device,
-      trusted.width,
-      trusted.height,
-      GateByMedianKernel{
-          estimate, color, intrinsics, table.Taps(), gate, trusted});
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              GateByMedianKernel{
+                  estimate, color, intrinsics, table.Taps(), gate, trusted});
 }
 
 }  // namespace tsar

@@ -1,9 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/refinement/weighted_median.h"
+
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/refinement/weighted_median.h"
 #include "colmap_tsar/refinement/window_taps.h"
 
 #include <cfloat>

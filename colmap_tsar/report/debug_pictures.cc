@@ -4,6 +4,7 @@
 #include "colmap_tsar/report/debug_pictures.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/planes/label_view.h"
 #include "colmap_tsar/report/depth_colors.h"
@@ -72,7 +73,7 @@ void RequirePicturesAlone(const std::filesystem::path& folder) {
     if (!entry.is_folder && !IsPictureName(entry.path.Filename().string())) {
       throw Error::File(ErrorCode::kUnsupported,
                         entry.path.string(),
-                        "is no picture of TsarRefine.debug_path",
+                        "is no picture of " + OptionName("debug_path"),
                         "give another folder, where nothing else is");
     }
   }

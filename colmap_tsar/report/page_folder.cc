@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/folder.h"
 
@@ -26,7 +27,6 @@ namespace fs = std::filesystem;
 
 // Of a former page, where the file system cannot exchange it for the new one.
 constexpr const char* kFormerSuffix = ".tsar_old";
-constexpr const char* kAnotherPath = "or give another folder as --report_path";
 
 // Without the separator that a user may write at the end.
 fs::path Normal(const fs::path& path) {
@@ -37,10 +37,11 @@ fs::path Normal(const fs::path& path) {
 Error Refused(const fs::path& path,
               const std::string& what,
               const std::string& advice) {
-  return Error::File(ErrorCode::kUnsupported,
-                     path.string(),
-                     what,
-                     advice + ", " + kAnotherPath);
+  return Error::File(
+      ErrorCode::kUnsupported,
+      path.string(),
+      what,
+      advice + ", or give another folder as " + OptionName("report_path"));
 }
 
 // What has the name, links not followed.
@@ -80,7 +81,8 @@ bool IsUnfinished(const fs::path& path) {
 void Mark(const fs::path& folder) {
   AtomicFile marker(UserPath(folder) / kUnfinishedPageFile);
   marker.Stream() << "tsar_report removes this folder when it is called with "
-                     "the same --report_path.\n";
+                     "the same "
+                  << OptionName("report_path") << ".\n";
   marker.Commit();
 }
 
@@ -209,11 +211,12 @@ bool CheckPlace(const fs::path& path, bool overwrite) {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),
                       "is there already and is no report",
-                      "give another folder as --report_path");
+                      "give another folder as " + OptionName("report_path"));
   }
   if (!overwrite) {
-    throw Refused(
-        path, "holds a report already", "give --overwrite 1 to replace it");
+    throw Refused(path,
+                  "holds a report already",
+                  "give " + OptionName("overwrite") + " 1 to replace it");
   }
   CheckHoldsPageAlone(path);
   return true;

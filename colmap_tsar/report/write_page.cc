@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/report/page_data.h"
 #include "colmap_tsar/report/page_files.h"
@@ -35,13 +36,15 @@ constexpr std::string_view kPointNames[] = {"before", "after"};
 void Check(const PageOptions& options) {
   if (options.before_path.empty() != options.after_path.empty()) {
     throw Error(ErrorCode::kBadOption,
-                "--before_path and --after_path go together; give both clouds "
-                "or none");
+                OptionName("before_path") + " and " + OptionName("after_path") +
+                    " go together; give both clouds "
+                    "or none");
   }
   if (!options.scans_path.empty() && options.after_path.empty()) {
     throw Error(ErrorCode::kBadOption,
-                "--scans_path is for clouds; give --before_path and "
-                "--after_path, too");
+                OptionName("scans_path") + " is for clouds; give " +
+                    OptionName("before_path") + " and " +
+                    OptionName("after_path") + ", too");
   }
 }
 
@@ -128,8 +131,8 @@ void CheckStages(const Workspace& workspace,
     throw Error::File(ErrorCode::kNotFound,
                       debug_path.string(),
                       "holds no pictures of these images",
-                      "give --debug_path the folder that tsar_refine had as "
-                      "--TsarRefine.debug_path");
+                      "give " + OptionName("debug_path") +
+                          " the folder that tsar_refine wrote its pictures to");
   }
 }
 
@@ -224,7 +227,8 @@ int WritePage(const Workspace& workspace,
               Progress& progress,
               const std::function<bool()>& should_stop) {
   Check(options);
-  RequireOutsideInputs(workspace.Root(), options.report_path, "--report_path");
+  RequireOutsideInputs(
+      workspace.Root(), options.report_path, OptionName("report_path"));
   // So that the maps before and after belong together.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   std::optional<WorkspaceLock> input_lock;

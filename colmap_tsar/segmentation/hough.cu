@@ -1,11 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/segmentation/hough.h"
+
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
-#include "colmap_tsar/segmentation/hough.h"
 
 #include <algorithm>
 #include <cmath>

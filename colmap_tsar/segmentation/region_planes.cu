@@ -1,10 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/segmentation/region_planes.h"
+
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/segmentation/region_planes.h"
 
 #include <cmath>
 #include <utility>
@@ -89,8 +90,8 @@ struct ChooseKernel {
       next = is_first ? RegionState{Carrier::kCore, core.num_inliers} : state;
     } else if ((is_first || state.carrier == Carrier::kRim) &&
                IsCarriedByRim(rim) && rim.num_inliers >= min_inliers &&
-               (!is_first || MeanRimGap(team, rim.plane, k) <
-                                 options.max_boundary_error)) {
+               (!is_first ||
+                MeanRimGap(team, rim.plane, k) < options.max_boundary_error)) {
       result = {rim.plane, rim.support};
       next = is_first ? RegionState{Carrier::kRim, rim.num_inliers} : state;
     }
@@ -144,8 +145,8 @@ struct ChooseKernel {
       }
       plane.offset = static_cast<float>(offset.value / offset.weight);
     }
-    const int num_inliers = team.template Accumulate<int>(
-        num_pixels, [&](int i, int* sum) {
+    const int num_inliers =
+        team.template Accumulate<int>(num_pixels, [&](int i, int* sum) {
           const RayDepth& sample = remaining[core_pixels.Pixel(k, i)];
           *sum += DistanceInTolerances(plane, sample) < 1.f ? 1 : 0;
         });

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/folder.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -137,8 +138,8 @@ fs::path ResolveInside(const fs::path& root,
         ErrorCode::kUnsupported,
         link.string(),
         "is a link that leads out of the workspace, to " + shown.string(),
-        "put a folder in its place, or refine with "
-        "--output_path");
+        "put a folder in its place, or refine with " +
+            OptionName("output_path"));
   }
   return target.lexically_relative(root);
 }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/links.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/folder.h"
 #include "colmap_tsar/workspace/output_workspace.h"
@@ -25,8 +26,9 @@ Error NotLinked(const ContainedPath& link,
       ErrorCode::kIo,
       link.string(),
       "cannot be made a link to " + target.string() + " (" + reason + ")",
-      "choose an --output_path on a disk that knows symbolic "
-      "links");
+      "choose an " + OptionName("output_path") +
+          " on a disk that knows symbolic "
+          "links");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/originals.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/content_hash.h"
 #include "colmap_tsar/workspace/map_state.h"
 
@@ -56,21 +57,24 @@ void RequireUnedited(const Map& map, std::optional<MapState> state) {
         "this map was edited after its refinement, so that it is no original; "
         "the original is " +
             map.stored.string(),
-        "put the originals back first with --restore 1, which keeps the edited "
-        "maps in stereo/tsar/superseded");
+        "put the originals back first with " + OptionName("restore") +
+            " 1, which keeps the edited "
+            "maps in stereo/tsar/superseded");
   }
 }
 
 // foreign: the one that this program has not written; other: of the same image.
 [[noreturn]] void ThrowUndecided(const Map& foreign, const Map& other) {
-  throw Error::File(
-      ErrorCode::kMismatch,
-      foreign.current.string(),
-      "nothing tells whether this map and " + other.current.string() + ", or " +
-          foreign.stored.string() + " and " + other.stored.string() +
-          ", are the originals",
-      "decide by --restore 1 with --restore_conflicts original or keep, or run "
-      "patch_match_stereo again for this image");
+  throw Error::File(ErrorCode::kMismatch,
+                    foreign.current.string(),
+                    "nothing tells whether this map and " +
+                        other.current.string() + ", or " +
+                        foreign.stored.string() + " and " +
+                        other.stored.string() + ", are the originals",
+                    "decide by " + OptionName("restore") + " 1 with " +
+                        OptionName("restore_conflicts") +
+                        " original or keep, or run "
+                        "patch_match_stereo again for this image");
 }
 
 }  // namespace

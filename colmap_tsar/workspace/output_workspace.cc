@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/content_hash.h"
@@ -30,7 +31,7 @@ Error Refused(const std::filesystem::path& output, const std::string& what) {
   return Error::File(ErrorCode::kUnsupported,
                      output.string(),
                      what,
-                     "choose another --output_path");
+                     "choose another " + OptionName("output_path"));
 }
 
 bool Contains(const std::filesystem::path& folder,
@@ -239,11 +240,12 @@ std::vector<std::filesystem::path> RelinkOutputs(
       const auto output = ReadPath(
           note.path,
           "output",
-          Error::File(ErrorCode::kCorrupt,
-                      note.path.string(),
-                      "does not name an output workspace",
-                      "make links there again by running tsar_refine with its "
-                      "--output_path"));
+          Error::File(
+              ErrorCode::kCorrupt,
+              note.path.string(),
+              "does not name an output workspace",
+              "make links there again by running tsar_refine with its " +
+                  OptionName("output_path")));
       if (!output || ReadOutputMarker(*output) != canonical) {
         continue;  // Moved, deleted, or not one of this input.
       }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 
 #include <array>
@@ -29,7 +30,8 @@ Error CorruptRecord(const std::filesystem::path& path) {
   return Error::File(ErrorCode::kCorrupt,
                      path.string(),
                      "not a record of this program",
-                     "put the originals back with --restore 1 and start again");
+                     "put the originals back with " + OptionName("restore") +
+                         " 1 and start again");
 }
 
 // As text, because JSON numbers are only exact up to 53 bits in many programs.

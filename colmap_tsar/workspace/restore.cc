@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/restore.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/folder.h"
@@ -264,7 +265,7 @@ RestoreResult Restore(const std::filesystem::path& root,
     throw Error::File(ErrorCode::kNotFound,
                       tsar.string(),
                       "there is nothing to restore",
-                      "check --workspace_path");
+                      "check " + OptionName("workspace_path"));
   }
   std::set<std::string> keys;
   AddKeys(tsar / kRecords, ".json", &keys);

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/folder.h"
 #include "colmap_tsar/workspace/map_paths.h"
@@ -44,7 +45,7 @@ std::string DifferenceOf(const std::map<std::string, std::string>& own,
   for (const auto& [name, value] : own) {
     const auto found = other.find(name);
     if (found == other.end() || found->second != value) {
-      return "with TsarRefine." + name + " " +
+      return "with " + OptionName(name) + " " +
              (found == other.end() ? "missing" : found->second) +
              ", this one " + "with " + value;
     }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/originals.h"
@@ -21,7 +22,8 @@
 namespace tsar {
 namespace {
 
-void RequireFolder(const std::filesystem::path& folder, const char* advice) {
+void RequireFolder(const std::filesystem::path& folder,
+                   const std::string& advice) {
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) {
     throw Error::File(ErrorCode::kNotFound,
@@ -82,7 +84,7 @@ void RequireMap(OriginalState state,
 
 Workspace::Workspace(const std::filesystem::path& root, MapType type)
     : root_(root), source_root_(root), type_(type) {
-  RequireFolder(root, "check --workspace_path");
+  RequireFolder(root, "check " + OptionName("workspace_path"));
   for (const char* folder : {"images", "sparse", "stereo"}) {
     RequireFolder(root / folder, "make the workspace with image_undistorter");
   }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/workspace_lock.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/folder.h"
@@ -183,7 +184,7 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
     throw Error::File(ErrorCode::kNotFound,
                       (root / "stereo").string(),
                       "no such folder, so this is not a dense workspace",
-                      "check --workspace_path");
+                      "check " + OptionName("workspace_path"));
   }
   if (!IsReader(mode)) {
     RequireFoldersInside(root);

@@ -1,7 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """The exceptions of this package."""
-import re
 
 
 class Error(RuntimeError):
@@ -78,15 +77,7 @@ _CLASSES = {
     )
 }
 
-# The command line's names of what are parameters and functions here.
-_OPTION = re.compile(
-    r"(^|(?<= ))(--)?TsarRefine\.(?=\w)"
-    r"|(^|(?<= ))--(?=(workspace_path|output_path|input_type|ground_truth_path"
-    r"|tolerances|voxel_size|beam_radius|beam_angle)\b)"
-)
-
 
 def make_error(code, message):
     """The exception for a tsar::Error."""
-    message = _OPTION.sub("", message).replace("--restore 1", "restore()")
-    return _CLASSES.get(code, Error)(message)
+    return _CLASSES.get(code, Error)(message.replace("restore 1", "restore()"))

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/cli/commands.h"
 
+#include "colmap_tsar/device/device.h"
+
 #include "tests/cli/captured_run.h"
 #include "tests/pipeline/drawn_workspace.h"
 #include "tests/workspace/test_workspace.h"
@@ -56,6 +58,34 @@ TEST(TsarStereo, FailsWithOneLineAndLeavesTheWorkspaceAsItIs) {
     EXPECT_THAT(outcome.err, testing::HasSubstr(text));
   }
   EXPECT_TRUE(ReadTree(root / "stereo/depth_maps") == before);
+}
+
+// The two commands share what works with devices and memory.
+TEST(TsarStereo, DeviceOptionsAreCalledByItsOwnNames) {
+  const TemporaryFolder folder;
+  const std::filesystem::path root = folder.Path() / "dense";
+  DrawWorkspace(root);
+  const std::pair<const char*, const char*> wrong[] = {
+      {"device", "gpu"},
+      {"device", "cuda"},
+      {"gpu_index", "first"},
+      {"gpu_index", "0,0"},
+      {"num_threads", "0"},
+      {"num_threads", "many"},
+      {"cache_size", "0"},
+      {"cache_size", "0.001"},
+  };
+  for (const auto& [key, value] : wrong) {
+    if (std::string(value) == "cuda" && Device::NumCudaDevices() > 0) {
+      continue;
+    }
+    const std::string option = std::string("--TsarStereo.") + key;
+    const Outcome outcome = RunStereo(
+        {"--workspace_path", root.string(), "--overwrite", "1", option, value});
+    EXPECT_EQ(outcome.exit_code, 1) << option << " " << value;
+    EXPECT_THAT(outcome.err, testing::HasSubstr(option));
+    EXPECT_EQ(outcome.err.find("TsarRefine"), std::string::npos) << outcome.err;
+  }
 }
 
 }  // namespace

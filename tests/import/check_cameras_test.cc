@@ -102,7 +102,7 @@ TEST(CheckCameras, TellsOtherUnits) {
   const SparseModel model = MakeModel(5, 2.0, 10.0);
   const std::vector<AssignedCamera> cameras = CamerasOf(model, 40.0);
   ExpectError(ErrorCode::kMismatch,
-              {"cam0", "other units", "--depth_scale 0.025"},
+              {"cam0", "other units", "depth_scale 0.025"},
               [&] { CheckCameras(cameras, model, 1.0); });
   CheckCameras(cameras, model, 0.025);
 }

@@ -100,13 +100,13 @@ TEST_F(MatchImagesTest, RefusesNumberedFoldersThatAreUnclear) {
   ExpectError(ErrorCode::kNotFound, {"in:", "2333_00000000"}, [&] { Match(); });
   Write("ACMM/2333_00000000/depths.dmb");
   Write("ACMP/2333_00000000/depths.dmb");
-  ExpectMismatch({"ACMM", "ACMP", "--input_path"});
+  ExpectMismatch({"ACMM", "ACMP", "input_path"});
   std::filesystem::remove_all(options_.input_path / "ACMP");
   Write("ACMM/other_00000000/depths.dmb");
   ExpectMismatch({"other_00000000", "b.jpg", "2333_00000000"});
   std::filesystem::remove_all(options_.input_path / "ACMM/other_00000000");
   Write("ACMM/2333_00000003/depths.dmb");
-  ExpectMismatch({"2333_00000003", "images 0 to 2", "--image_list"});
+  ExpectMismatch({"2333_00000003", "images 0 to 2", "image_list"});
 }
 
 TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
@@ -129,7 +129,7 @@ TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
 TEST_F(MatchImagesTest, TellsOpenMvsNamesThatFitNoneOrSeveral) {
   options_.format = PriorFormat::kOpenMvs;
   WriteDmap("depth0001.dmap", "images/00001.jpg");
-  ExpectError(ErrorCode::kNotFound, {"images/00001.jpg", "--image_list"}, [&] {
+  ExpectError(ErrorCode::kNotFound, {"images/00001.jpg", "image_list"}, [&] {
     Match();
   });
   options_.image_list = folder_.Path() / "list.txt";
@@ -165,7 +165,7 @@ TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
   options_.format = PriorFormat::kDepth;
   Write("frame_00.tif");
   Write("frame_01.tif");
-  ExpectError(ErrorCode::kNotFound, {"such as b.png", "--image_list"}, [&] {
+  ExpectError(ErrorCode::kNotFound, {"such as b.png", "image_list"}, [&] {
     Match();
   });
   options_.image_list = folder_.Path() / "list.txt";
@@ -175,7 +175,7 @@ TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
                                    "sub/c.jpg: in/frame_00.tif"));
   options_.image_list = folder_.Path() / "none.txt";
   ExpectError(
-      ErrorCode::kNotFound, {"none.txt", "--image_list"}, [&] { Match(); });
+      ErrorCode::kNotFound, {"none.txt", "image_list"}, [&] { Match(); });
 }
 
 TEST_F(MatchImagesTest, RefusesStemsOfTwoImages) {

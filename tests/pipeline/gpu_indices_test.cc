@@ -30,7 +30,7 @@ TEST(ParseGpuIndices, RefusesEverythingElse) {
                            "99999999999999999999"}) {
     SCOPED_TRACE(text);
     ExpectError(ErrorCode::kBadOption,
-                {"TsarRefine.gpu_index", "not a list", "-1", "0,1"},
+                {"gpu_index", "not a list", "-1", "0,1"},
                 [&] { ParseGpuIndices(text); });
   }
   ExpectError(ErrorCode::kBadOption, {"gpu_index", "GPU -2"}, [] {

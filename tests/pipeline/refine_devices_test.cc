@@ -207,7 +207,7 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
     const RefineDevices devices = Create(1);
     const std::string text = testing::internal::GetCapturedStderr();
     EXPECT_THAT(text, testing::HasSubstr("with its 10 source images"));
-    EXPECT_THAT(text, testing::HasSubstr("--TsarRefine.cache_size 0.25;"));
+    EXPECT_THAT(text, testing::HasSubstr("cache_size 0.25;"));
     // One loader; a result with each worker, one that waits, one that is being
     // written; 11 views; and the evidence of 11 for each worker and for one to
     // come.

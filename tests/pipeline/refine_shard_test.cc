@@ -256,7 +256,7 @@ TEST_F(RefineShardTest, AllShardsMustBeRunAlike) {
   RefineOptions others;
   others.segment = false;
   ExpectRefusal(ErrorCode::kMismatch,
-                {"observe-0-of-2.json", "TsarRefine.segment 1", "with 0"},
+                {"observe-0-of-2.json", "segment 1", "with 0"},
                 Options(root_, "observe", "1/2"),
                 others);
   ExpectRefusal(ErrorCode::kMismatch, {"one of 2"}, "observe", "1/3");
@@ -265,12 +265,12 @@ TEST_F(RefineShardTest, AllShardsMustBeRunAlike) {
   ExpectRefusal(ErrorCode::kMismatch, {"geometric maps"}, photometric);
   Run("observe", "1/2");
   ExpectRefusal(ErrorCode::kMismatch,
-                {"TsarRefine.segment"},
+                {"segment"},
                 Options(root_, "compose", "1/2"),
                 others);
   RunAll("compose", 2);
   ExpectRefusal(ErrorCode::kMismatch,
-                {"TsarRefine.segment"},
+                {"segment"},
                 Options(root_, "merge"),
                 others);
 
@@ -301,13 +301,13 @@ TEST_F(RefineShardTest, ListsOfOtherImagesAreSeen) {
 
 TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
   ExpectRefusal(
-      ErrorCode::kBadOption, {"TsarRefine.shard", "observe"}, "all", "0/2");
-  ExpectRefusal(ErrorCode::kBadOption, {"TsarRefine.shard"}, "merge", "0/2");
-  ExpectRefusal(ErrorCode::kBadOption, {"TsarRefine.shard"}, "observe", "2/2");
-  ExpectRefusal(ErrorCode::kBadOption, {"TsarRefine.pass"}, "finish");
+      ErrorCode::kBadOption, {"shard", "observe"}, "all", "0/2");
+  ExpectRefusal(ErrorCode::kBadOption, {"shard"}, "merge", "0/2");
+  ExpectRefusal(ErrorCode::kBadOption, {"shard"}, "observe", "2/2");
+  ExpectRefusal(ErrorCode::kBadOption, {"pass"}, "finish");
   WorkspaceRefineOptions options = Options(root_, "observe", "0/2");
   options.output_path = folder_.Path() / "out";
-  ExpectRefusal(ErrorCode::kBadOption, {"--output_path", "cp -as"}, options);
+  ExpectRefusal(ErrorCode::kBadOption, {"output_path", "cp -as"}, options);
   // One of one is all.
   EXPECT_EQ(Run("all", "0/1").num_refined, 4);
   EXPECT_FALSE(HasShards());

@@ -481,7 +481,7 @@ TEST_F(RefineWorkspaceTest, TakesPhotometricMapsWhereThereAreNoOthers) {
   WorkspaceRefineOptions options = Options(root_);
   options.input_type = MapType::kGeometric;
   ExpectError(ErrorCode::kNotFound,
-              {"depth_maps", "no geometric map", "--input_type"},
+              {"depth_maps", "no geometric map", "input_type"},
               [&] { Refine(options); });
 }
 
@@ -817,7 +817,7 @@ TEST_F(RefineWorkspaceTest, AnInterruptedRunLeavesNoEvidenceInTheInput) {
 
 TEST_F(RefineWorkspaceTest, RefusesWorkspacesWithoutTheirFolders) {
   ExpectRefusal(ErrorCode::kNotFound,
-                {"nowhere", "--workspace_path"},
+                {"nowhere", "workspace_path"},
                 Options(folder_.Path() / "nowhere"));
   for (const char* name : {"stereo/normal_maps", "stereo", "sparse"}) {
     std::filesystem::remove_all(root_ / name);

@@ -46,7 +46,7 @@ TEST(ParseShardTest, RefusesEverythingElse) {
                                  "99999999999999/3",
                                  "0/100001"}) {
     ExpectError(ErrorCode::kBadOption,
-                {"TsarRefine.shard", "i/n", "such as 0/4"},
+                {"shard", "i/n", "such as 0/4"},
                 [&] { ParseShard(text); });
   }
 }
@@ -59,7 +59,7 @@ TEST(ParsePassTest, KnowsItsNames) {
     EXPECT_TRUE(ParsePass(ToString(pass)) == pass);
   }
   ExpectError(ErrorCode::kBadOption,
-              {"TsarRefine.pass", "'both'", "observe"},
+              {"pass", "'both'", "observe"},
               [] { ParsePass("both"); });
 }
 

@@ -222,7 +222,7 @@ TEST_F(StereoWorkspaceTest, MapsMayBeSmallerThanTheImages) {
 TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
   DrawWorkspace(root_);
   const auto before = ReadTree(root_);
-  ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
+  ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
   const auto after = ReadTree(root_);
   for (const auto& [name, content] : before) {
     EXPECT_TRUE(after.at(name) == content) << name;
@@ -245,7 +245,7 @@ TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
   EXPECT_EQ(refined.num_refined, 4);
   const auto before = ReadTree(root_);
   ExpectError(
-      ErrorCode::kUnsupported, "--restore 1", [&] { Run(/*overwrite=*/true); });
+      ErrorCode::kUnsupported, "restore 1", [&] { Run(/*overwrite=*/true); });
   EXPECT_TRUE(ReadTree(root_) == before);
 }
 
@@ -257,7 +257,7 @@ TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
   std::filesystem::copy_file(paths.depth, paths.original_depth);
   const auto before = Maps();
   ExpectError(
-      ErrorCode::kUnsupported, "--restore 1", [&] { Run(/*overwrite=*/true); });
+      ErrorCode::kUnsupported, "restore 1", [&] { Run(/*overwrite=*/true); });
   EXPECT_TRUE(Maps() == before);
 }
 
@@ -294,7 +294,7 @@ TEST_F(StereoWorkspaceTest, BeginsAnewWhereThereIsNothingToLose) {
   for (const std::string& broken :
        {std::string("a b c d v0.png\n"), text.substr(0, 20), std::string()}) {
     WriteText(inputs, broken);
-    ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
+    ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
     EXPECT_TRUE(Maps() == expected);
     RemoveMaps(root_);
     std::filesystem::remove_all(root_ / "stereo/cost_maps");
@@ -336,7 +336,7 @@ TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
   const std::filesystem::path path =
       workspace.DepthPath(1, MapType::kGeometric);
   WriteDepthMap(UserPath(path), Image<float>(72, 96, 5.f));
-  ExpectError(ErrorCode::kUnsupported, "--overwrite 1", [&] { Run(); });
+  ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
   EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
   EXPECT_EQ(ReadMapSize(path).width, DrawnWorkspace::kWidth);
 }

@@ -59,7 +59,7 @@ TEST_F(PageFolderTest, LeavesNothingWithoutCommit) {
 
 TEST_F(PageFolderTest, ReplacesAPageOnlyWhenAsked) {
   WritePageWith("old");
-  ExpectError(ErrorCode::kUnsupported, {"report", "--overwrite 1"}, [&] {
+  ExpectError(ErrorCode::kUnsupported, {"report", "overwrite 1"}, [&] {
     PageFolder(path_, false);
   });
   {
@@ -92,7 +92,7 @@ TEST_F(PageFolderTest, ListsItsFiles) {
 TEST_F(PageFolderTest, NeverTouchesAnythingElse) {
   WriteText(path_ / "thesis.tex", "years of work");
   for (const bool overwrite : {false, true}) {
-    ExpectUntouched({"report", "--report_path"},
+    ExpectUntouched({"report", "report_path"},
                     [&] { PageFolder(path_, overwrite); });
   }
   const fs::path file = parent_.Path() / "file";
@@ -115,7 +115,7 @@ TEST_F(PageFolderTest, NeverTouchesWhatIsBesideOrBelowAPage) {
                            "data/report.js.orig"}) {
     write_page();
     WriteText(path_ / name, "years of work");
-    ExpectUntouched({name, "not of the report", "move it", "--report_path"},
+    ExpectUntouched({name, "not of the report", "move it", "report_path"},
                     [&] { PageFolder(path_, true); });
   }
   write_page();
@@ -140,7 +140,7 @@ TEST_F(PageFolderTest, ReplacesNoPageWithoutItsWholeList) {
   const std::string list = ReadText(path_ / kPageListFile);
   fs::remove(path_ / kPageListFile);
   const std::vector<std::string> texts = {
-      "report", kPageListFile, "move or delete it", "--report_path"};
+      "report", kPageListFile, "move or delete it", "report_path"};
   ExpectUntouched(texts, [&] { PageFolder(path_, true); });
   for (const std::string& part :
        {std::string(), list.substr(0, list.size() / 2), std::string("/a\n")}) {

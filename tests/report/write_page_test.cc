@@ -152,10 +152,10 @@ TEST_F(WritePageTest, ListsAllItsFiles) {
 TEST_F(WritePageTest, GoesIntoNoFolderOfInputs) {
   for (const char* folder : {"images", "sparse", "stereo"}) {
     options_.report_path = root_ / folder / "report";
-    ExpectFailure(ErrorCode::kUnsupported, {folder, "--report_path"});
+    ExpectFailure(ErrorCode::kUnsupported, {folder, "report_path"});
     fs::create_directory_symlink(root_ / folder, folder_.Path() / folder);
     options_.report_path = folder_.Path() / folder / "report";
-    ExpectFailure(ErrorCode::kUnsupported, {folder, "--report_path"});
+    ExpectFailure(ErrorCode::kUnsupported, {folder, "report_path"});
   }
 }
 
@@ -188,10 +188,10 @@ TEST_F(WritePageTest, ShowsCloudsWhereTheyAreGiven) {
   EXPECT_EQ(Data()["points"]["shown"], (nlohmann::json{1, 1}));
   options_.before_path.clear();
   options_.overwrite = true;
-  ExpectFailure(ErrorCode::kBadOption, {"--before_path", "--after_path"});
+  ExpectFailure(ErrorCode::kBadOption, {"before_path", "after_path"});
   options_.after_path.clear();
   options_.scans_path = "scans.mlp";
-  ExpectFailure(ErrorCode::kBadOption, {"--scans_path"});
+  ExpectFailure(ErrorCode::kBadOption, {"scans_path"});
 }
 
 TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {
@@ -214,7 +214,7 @@ TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {
 
 TEST_F(WritePageTest, CopiesStagesAndMissesAFolderWithout) {
   options_.debug_path = folder_.Path() / "debug";
-  ExpectFailure(ErrorCode::kNotFound, {"--TsarRefine.debug_path"});
+  ExpectFailure(ErrorCode::kNotFound, {"debug_path"});
   WriteText(options_.debug_path / "left/b.png/14_regions.png", "a picture");
   WriteText(options_.debug_path / "left/b.png/07_score.png", "not shown");
   Write();

@@ -146,7 +146,7 @@ TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
         EXPECT_TRUE(KeepsOriginals());
         EXPECT_TRUE(std::filesystem::exists(Paths().confidence));
         ExpectError(ErrorCode::kMismatch,
-                    {Paths().depth.string(), "--restore_conflicts"},
+                    {Paths().depth.string(), "restore_conflicts"},
                     [&] { FindOriginals(Paths()); });
       } else {
         EXPECT_EQ(result.num_restored, 1);
@@ -213,7 +213,7 @@ TEST_F(RestoreTest, NothingSupersededIsEverReplaced) {
 TEST_F(RestoreTest, EditedMapsAreNoOriginals) {
   Suffer(Fate::kMasked, Paths().depth);
   ExpectError(ErrorCode::kMismatch,
-              {Paths().depth.string(), "edited", "--restore 1"},
+              {Paths().depth.string(), "edited", "restore 1"},
               [&] { Workspace(root_, kType).ReadOriginalMaps(0, kType); });
   EXPECT_TRUE(KeepsOriginals());
 }
