@@ -9,6 +9,7 @@
 //   confidence_study WORKSPACE [WORKSPACE ...]
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/controllers/load_view.h"
 #include "colmap_tsar/filtering/confidence.h"
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
@@ -38,9 +39,9 @@ struct Sample {
 
 // Ties count half.
 double AreaUnderRoc(std::vector<Sample> samples) {
-  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
-    return a.score < b.score;
-  });
+  std::sort(samples.begin(),
+            samples.end(),
+            [](const Sample& a, const Sample& b) { return a.score < b.score; });
   double area = 0;
   double wrong_below = 0;
   double num_right = 0;
@@ -60,9 +61,9 @@ double AreaUnderRoc(std::vector<Sample> samples) {
 }
 
 double PrecisionAtRecall(std::vector<Sample> samples, double recall) {
-  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
-    return a.score > b.score;
-  });
+  std::sort(samples.begin(),
+            samples.end(),
+            [](const Sample& a, const Sample& b) { return a.score > b.score; });
   double num_right = 0;
   for (const Sample& sample : samples) {
     num_right += sample.right;
@@ -90,8 +91,7 @@ void Collect(const Image<float>& score,
       const float z = truth(x * truth.Width() / depth.Width(),
                             y * truth.Height() / depth.Height());
       if (z > 0.f && depth(x, y) > 0.f) {
-        samples->push_back(
-            {score(x, y), std::abs(depth(x, y) - z) < 0.02f});
+        samples->push_back({score(x, y), std::abs(depth(x, y) - z) < 0.02f});
       }
     }
   }
@@ -112,10 +112,8 @@ void Study(const std::string& root) {
     const DeviceImage<float>& gray = grays[problem.reference];
     const DeviceImage<float> depth(*device, view.depth);
     const DeviceImage<Vec3f> normal(*device, view.normal);
-    const ReferenceView reference{view.camera.GetIntrinsics(),
-                                  gray.View(),
-                                  depth.View(),
-                                  normal.View()};
+    const ReferenceView reference{
+        view.camera.GetIntrinsics(), gray.View(), depth.View(), normal.View()};
     std::vector<SourceView> sources;
     std::vector<Camera> cameras;
     for (const int s : problem.sources) {
@@ -193,8 +191,7 @@ void Study(const std::string& root) {
                 PrecisionAtRecall(samples, 0.7),
                 PrecisionAtRecall(samples, 0.9));
   }
-  for (const char* name :
-       {"n_aggr, no ratio", "n_aggr + views, no ratio"}) {
+  for (const char* name : {"n_aggr, no ratio", "n_aggr + views, no ratio"}) {
     for (const float eta : {0.4f, 0.6f, 0.7f, 0.8f, 0.9f, 1.f, 1.2f}) {
       double kept = 0;
       double kept_right = 0;

@@ -7,9 +7,9 @@
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/standard_streams.h"
-#include "colmap_tsar/pipeline/refine_workspace.h"
-#include "colmap_tsar/workspace/restore.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/store/restore.h"
+#include "colmap_tsar/store/workspace_lock.h"
 
 #include <atomic>
 #include <chrono>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <cstdint>
 

@@ -3,8 +3,8 @@
 
 #include "benchmarks/scene/room_workspace.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/workspace/atomic_file.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_paths.h"
 

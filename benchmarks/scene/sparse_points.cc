@@ -3,8 +3,8 @@
 
 #include "benchmarks/scene/sparse_points.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/workspace/atomic_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,12 +3,13 @@
 
 #include "benchmarks/stages/stage_inputs.h"
 
+#include "colmap_tsar/controllers/load_view.h"
 #include "colmap_tsar/filtering/confidence.h"
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/segmentation/roberts.h"
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <algorithm>
 #include <utility>

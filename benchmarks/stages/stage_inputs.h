@@ -8,10 +8,10 @@
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/stage_options.h"
-#include "colmap_tsar/refinement/correlation.h"
-#include "colmap_tsar/refinement/slic.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
+#include "colmap_tsar/superpixels/correlation.h"
+#include "colmap_tsar/superpixels/slic.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -64,7 +64,7 @@ class StageInputs {
   const DeviceImage<RayDepth> samples;  // Of what is trusted, on the raster.
   const PixelGroups superpixel_groups;
   const DeviceImage<Plane> superpixel_planes;
-  const DeviceImage<uint8_t> edges;          // Before the segments are drawn.
+  const DeviceImage<uint8_t> edges;    // Before the segments are drawn.
   const DeviceImage<uint8_t> borders;  // Edges and segments.
   const Regions regions;
   const RegionPlanes region_planes;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/pipeline/refine_workspace.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
 
 #include <string>
 

@@ -8,7 +8,7 @@
 #include "colmap_tsar/cli/restore_options.h"
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/import_workspace.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
+#include "colmap_tsar/store/workspace_lock.h"
 
 #include <iostream>
 #include <string>

@@ -9,12 +9,12 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/restore_options.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/pipeline/refine_workspace.h"
 #include "colmap_tsar/report/debug_pictures.h"
-#include "colmap_tsar/workspace/input_folders.h"
-#include "colmap_tsar/workspace/restore.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
+#include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/store/restore.h"
+#include "colmap_tsar/store/workspace_lock.h"
 
 #include <filesystem>
 #include <iostream>

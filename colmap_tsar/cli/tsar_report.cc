@@ -12,8 +12,8 @@
 #include "colmap_tsar/report/png.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/report/write_page.h"
-#include "colmap_tsar/workspace/input_folders.h"
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <filesystem>
 #include <iostream>

@@ -7,7 +7,7 @@
 #include "colmap_tsar/cli/device_options.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/pipeline/stereo_workspace.h"
+#include "colmap_tsar/stereo/stereo_workspace.h"
 
 #include <cstdio>
 #include <iostream>

@@ -3,16 +3,16 @@
 
 #include "colmap_tsar/import/import_store.h"
 
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/workspace/atomic_file.h"
-#include "colmap_tsar/workspace/content_hash.h"
-#include "colmap_tsar/workspace/folder.h"
-#include "colmap_tsar/workspace/map_state.h"
-#include "colmap_tsar/workspace/output_workspace.h"
-#include "colmap_tsar/workspace/superseded.h"
+#include "colmap_tsar/store/map_state.h"
+#include "colmap_tsar/store/output_workspace.h"
+#include "colmap_tsar/store/superseded.h"
 
 #include <algorithm>
 #include <array>

@@ -3,10 +3,10 @@
 
 #pragma once
 
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/import/prior_maps.h"
-#include "colmap_tsar/workspace/contained_path.h"
+#include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/workspace/map_paths.h"
-#include "colmap_tsar/workspace/restore.h"
 
 #include <filesystem>
 #include <string>

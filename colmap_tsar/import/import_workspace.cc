@@ -8,10 +8,10 @@
 #include "colmap_tsar/import/check_cameras.h"
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/target_workspace.h"
+#include "colmap_tsar/store/originals.h"
+#include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/originals.h"
 #include "colmap_tsar/workspace/sparse_model.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/import/depth_image.h"
+#include "colmap_tsar/import/formats/depth_image.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
-#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
 #include <map>

@@ -4,9 +4,9 @@
 #include "colmap_tsar/import/match_images.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/import/match_formats.h"
-#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
 #include <string>

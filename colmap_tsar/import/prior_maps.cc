@@ -5,11 +5,11 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/import/apd_map.h"
-#include "colmap_tsar/import/byte_reader.h"
-#include "colmap_tsar/import/depth_image.h"
-#include "colmap_tsar/import/dmap.h"
-#include "colmap_tsar/import/dmb.h"
+#include "colmap_tsar/import/formats/apd_map.h"
+#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/import/formats/depth_image.h"
+#include "colmap_tsar/import/formats/dmap.h"
+#include "colmap_tsar/import/formats/dmb.h"
 #include "colmap_tsar/import/normals_from_depth.h"
 
 #include <cmath>

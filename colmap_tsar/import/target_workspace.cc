@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/import/target_workspace.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/workspace/atomic_file.h"
 
 #include <algorithm>
 #include <string>

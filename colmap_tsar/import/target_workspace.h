@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/workspace/contained_path.h"
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/workspace/sparse_model.h"
 
 #include <filesystem>

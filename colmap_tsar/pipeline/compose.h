@@ -7,8 +7,8 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/planes/group_planes.h"
-#include "colmap_tsar/refinement/samples.h"
-#include "colmap_tsar/refinement/weighted_median.h"
+#include "colmap_tsar/superpixels/samples.h"
+#include "colmap_tsar/superpixels/weighted_median.h"
 
 #include <cstdint>
 

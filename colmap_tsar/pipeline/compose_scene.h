@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/planes/group_planes.h"
-#include "colmap_tsar/planes/label_view.h"
-#include "colmap_tsar/refinement/samples.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/superpixels/samples.h"
 
 #include <cstdint>
 

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/refinement/reduce_color.h"
+#include "colmap_tsar/superpixels/reduce_color.h"
 
 #include <algorithm>
 #include <cmath>

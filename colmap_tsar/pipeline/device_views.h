@@ -8,7 +8,7 @@
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/refinement/samples.h"
+#include "colmap_tsar/superpixels/samples.h"
 
 #include <memory>
 #include <utility>

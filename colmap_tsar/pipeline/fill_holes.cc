@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/pipeline/fill_holes.h"
 
-#include "colmap_tsar/refinement/correlation.h"
+#include "colmap_tsar/superpixels/correlation.h"
 
 namespace tsar {
 

@@ -6,7 +6,7 @@
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
-#include "colmap_tsar/workspace/write_back.h"
+#include "colmap_tsar/pipeline/refined_maps.h"
 
 namespace tsar {
 

@@ -10,7 +10,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/refinement/slic.h"
+#include "colmap_tsar/superpixels/slic.h"
 
 #include <cstdint>
 

@@ -6,11 +6,11 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/planes/gather_evidence.h"
-#include "colmap_tsar/planes/view_evidence.h"
-#include "colmap_tsar/workspace/write_back.h"
+#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstdint>
 #include <map>
@@ -19,16 +19,6 @@
 #include <vector>
 
 namespace tsar {
-
-// Where a pixel's depth comes from; the values of provenance maps.
-enum class Provenance : uint8_t {
-  kNone = 0,
-  kMeasured = 1,
-  kSuperpixelPlane = 2,
-  kInterpolated = 3,
-  kRegionPlane = 4,
-  kOtherViews = 5,
-};
 
 // What the stages of a single view found, in main memory.
 struct MeasuredImage {

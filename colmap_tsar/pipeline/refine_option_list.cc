@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/segmentation/region_planes.h"
-#include "colmap_tsar/workspace/content_hash.h"
 
 #include <charconv>
 #include <cstdint>

@@ -9,10 +9,10 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/planes/curved_surfaces.h"
-#include "colmap_tsar/planes/discover_planes.h"
-#include "colmap_tsar/planes/label_view.h"
-#include "colmap_tsar/planes/view_evidence.h"
+#include "colmap_tsar/scene_planes/curved_surfaces.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstdint>
 #include <map>

@@ -5,14 +5,14 @@
 
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_options.h"
-#include "colmap_tsar/planes/curved_surfaces.h"
-#include "colmap_tsar/planes/discover_planes.h"
-#include "colmap_tsar/planes/label_view.h"
-#include "colmap_tsar/planes/plane_support.h"
-#include "colmap_tsar/planes/refine_borders.h"
-#include "colmap_tsar/refinement/correlation.h"
+#include "colmap_tsar/scene_planes/curved_surfaces.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/plane_support.h"
+#include "colmap_tsar/scene_planes/refine_borders.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
+#include "colmap_tsar/superpixels/correlation.h"
 
 #include <cstdint>
 #include <vector>

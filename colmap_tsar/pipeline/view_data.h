@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/workspace/workspace.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tsar {
@@ -28,9 +28,5 @@ struct ViewData {
 
   size_t NumBytes() const;
 };
-
-// Reads image number `image` with all its evidence. Throws what the
-// workspace's readers throw; kMismatch when two of its maps differ in size.
-ViewData LoadView(const Workspace& workspace, int image);
 
 }  // namespace tsar

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/report/gains.h"
 
+#include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/workspace/map_paths.h"
-#include "colmap_tsar/workspace/originals.h"
 
 #include <string>
 

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/evaluation/depth_evaluation.h"
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <filesystem>
 #include <optional>

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/report/image_page.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/report/normal_colors.h"
@@ -12,9 +13,8 @@
 #include "colmap_tsar/report/provenance_colors.h"
 #include "colmap_tsar/report/value_colors.h"
 #include "colmap_tsar/report/workspace_comparison.h"
-#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/record.h"
 
 #include <algorithm>
 #include <array>

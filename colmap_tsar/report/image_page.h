@@ -6,7 +6,7 @@
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/report/depth_colors.h"
 #include "colmap_tsar/report/point_sample.h"
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <cstdint>
 #include <filesystem>

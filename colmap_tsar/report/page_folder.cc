@@ -3,11 +3,11 @@
 
 #include "colmap_tsar/report/page_folder.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/workspace/atomic_file.h"
-#include "colmap_tsar/workspace/folder.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/workspace/folder.h"
+#include "colmap_tsar/base/folder.h"
 
 #include <filesystem>
 #include <memory>

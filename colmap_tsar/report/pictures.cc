@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/report/pictures.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/workspace/atomic_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/report/scaling.h"
-#include "colmap_tsar/workspace/contained_path.h"
 
 #include <vector>
 

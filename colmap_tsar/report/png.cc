@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/report/png.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/import/byte_reader.h"
-#include "colmap_tsar/import/picture_header.h"
-#include "colmap_tsar/workspace/atomic_file.h"
+#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/import/formats/picture_header.h"
 
 #include <vector>
 

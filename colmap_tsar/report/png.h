@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/workspace/contained_path.h"
 
 #include <cstdint>
 #include <filesystem>

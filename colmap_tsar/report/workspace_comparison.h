@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/report/comparison_picture.h"
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <vector>
 

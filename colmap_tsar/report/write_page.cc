@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/report/write_page.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/option_name.h"
@@ -12,10 +13,9 @@
 #include "colmap_tsar/report/page_folder.h"
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/workspace_comparison.h"
-#include "colmap_tsar/workspace/atomic_file.h"
-#include "colmap_tsar/workspace/input_folders.h"
-#include "colmap_tsar/workspace/record.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
+#include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/store/record.h"
+#include "colmap_tsar/store/workspace_lock.h"
 
 #include <algorithm>
 #include <optional>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/workspace/workspace.h"
+#include "colmap_tsar/store/workspace.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -39,8 +39,8 @@ struct PageOptions {
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (one cloud without the other; scans without clouds),
 // kInterrupted once should_stop returned true, what RequireOutsideInputs,
-// WorkspaceLock (shared: a program is changing the workspace), PageFolder, WriteImagePage, SampleCloud
-// and the evaluations throw.
+// WorkspaceLock (shared: a program is changing the workspace), PageFolder,
+// WriteImagePage, SampleCloud and the evaluations throw.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
               Progress& progress,

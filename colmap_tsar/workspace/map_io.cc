@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/workspace/map_io.h"
 
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
-#include "colmap_tsar/workspace/content_hash.h"
 
 #include <algorithm>
 #include <array>

@@ -3,10 +3,10 @@
 
 #pragma once
 
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/workspace/atomic_file.h"
-#include "colmap_tsar/workspace/contained_path.h"
 #include "colmap_tsar/workspace/written_map.h"
 
 #include <cstdint>

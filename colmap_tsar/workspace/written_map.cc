@@ -13,8 +13,6 @@
 #include <stdexcept>
 #include <system_error>
 
-#include <sys/stat.h>
-
 namespace tsar {
 namespace {
 
@@ -80,19 +78,6 @@ std::vector<uint32_t> ReadSamples(const std::filesystem::path& path) {
                       "check the disk and the file's permissions");
   }
   return samples;
-}
-
-int64_t TimeOf(const std::filesystem::path& path) {
-  struct stat state;
-  if (stat(path.c_str(), &state) != 0) {
-    return 0;
-  }
-  return ToNanoseconds(state.st_mtim);
-}
-
-int64_t ToNanoseconds(const timespec& time) {
-  constexpr int64_t kPerSecond = 1000000000;
-  return time.tv_sec * kPerSecond + time.tv_nsec;
 }
 
 }  // namespace tsar

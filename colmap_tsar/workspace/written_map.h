@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,7 +15,8 @@ namespace tsar {
 // again: as it is, and where somebody edited it.
 struct WrittenMap {
   uint64_t hash = 0;  // See content_hash.h.
-  int64_t time = 0;   // Of the file's last change, see TimeOf(); 0: not known.
+  int64_t time =
+      0;  // Of the file's last change, see file_time.h; 0: not known.
   // The bits of some values, see SamplePosition(). A mask or a threshold that
   // is laid over a map leaves most of those as they were, and no other program
   // comes to the same ones.
@@ -37,9 +37,5 @@ constexpr size_t SamplePosition(size_t i, size_t num_values) {
 
 // The samples of a map in a file; throws what ReadMapSize() throws.
 std::vector<uint32_t> ReadSamples(const std::filesystem::path& path);
-
-// The time of a file's last change, in nanoseconds; 0 where there is none.
-int64_t TimeOf(const std::filesystem::path& path);
-int64_t ToNanoseconds(const timespec& time);
 
 }  // namespace tsar

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/camera.h"
 
-#include "tests/base/drawn_scene.h"
+#include "tests/support/drawn_scene.h"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 

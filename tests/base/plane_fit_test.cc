@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/random.h"
 
-#include "tests/base/drawn_scene.h"
+#include "tests/support/drawn_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -9,8 +9,8 @@
 #include <csignal>
 
 #include "tests/cli/captured_run.h"
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/workspace/restore.h"
-#include "colmap_tsar/workspace/write_back.h"
+#include "colmap_tsar/store/restore.h"
+#include "colmap_tsar/store/write_back.h"
 
 #include <filesystem>
 
 #include "tests/cli/captured_run.h"
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/cli/commands.h"
-
 #include "colmap_tsar/device/device.h"
 
 #include "tests/cli/captured_run.h"
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <gmock/gmock.h>
 
 namespace tsar {

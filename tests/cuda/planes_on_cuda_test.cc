@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/planes/discover_planes.h"
-#include "colmap_tsar/planes/gather_evidence.h"
-#include "colmap_tsar/planes/label_view.h"
-#include "colmap_tsar/planes/put_curved_surfaces.h"
-#include "colmap_tsar/planes/refine_borders.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
+#include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "tests/cuda/cuda_test.h"
-#include "tests/planes/drawn_room.h"
+#include "tests/support/drawn_room.h"
 
 namespace tsar {
 namespace {

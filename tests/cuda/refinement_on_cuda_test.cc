@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/refinement/cielab.h"
-#include "colmap_tsar/refinement/correlation.h"
-#include "colmap_tsar/refinement/fragments.h"
-#include "colmap_tsar/refinement/reduce_color.h"
-#include "colmap_tsar/refinement/trust.h"
+#include "colmap_tsar/superpixels/cielab.h"
+#include "colmap_tsar/superpixels/correlation.h"
+#include "colmap_tsar/superpixels/fragments.h"
+#include "colmap_tsar/superpixels/reduce_color.h"
+#include "colmap_tsar/superpixels/trust.h"
 
 #include <algorithm>
 

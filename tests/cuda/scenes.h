@@ -6,12 +6,12 @@
 // Drawn inputs of awkward sizes and contents for stages on any device.
 
 #include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/refinement/slic.h"
+#include "colmap_tsar/superpixels/slic.h"
 
 #include <ostream>
 #include <vector>
 
-#include "tests/pipeline/drawn_views.h"
+#include "tests/support/drawn_views.h"
 
 namespace tsar {
 

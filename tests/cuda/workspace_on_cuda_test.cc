@@ -4,23 +4,23 @@
 // What several devices of one machine do together.
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/controllers/device_view_cache.h"
+#include "colmap_tsar/controllers/memory_plan.h"
+#include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/cuda_staging.h"
-#include "colmap_tsar/pipeline/device_view_cache.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/memory_plan.h"
-#include "colmap_tsar/pipeline/refine_devices.h"
 #include "colmap_tsar/pipeline/refine_image.h"
-#include "colmap_tsar/pipeline/refine_workspace.h"
 
 #include <cstring>
 #include <map>
 #include <sstream>
 #include <thread>
 
-#include "tests/pipeline/drawn_views.h"
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_views.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {
@@ -189,8 +189,7 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
     options.gpu_index = gpu_index;
     std::ostringstream text;
     Progress progress(text, false);
-    return RefineWorkspace(
-        options, refine, progress, [] { return false; });
+    return RefineWorkspace(options, refine, progress, [] { return false; });
   }
   Tree Maps(const std::string& output) {
     Tree maps;

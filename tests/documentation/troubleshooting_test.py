@@ -50,12 +50,15 @@ def quotations():
 
 
 def literals():
-    """All strings of the sources; those side by side are one."""
+    """All strings of the sources; those side by side are one, and so are those
+    on both sides of an option's name."""
     texts = []
     for parent, _, names in os.walk(os.path.join(args.repository, "colmap_tsar")):
         for name in names:
             with open(os.path.join(parent, name), encoding="utf-8") as file:
                 source = re.sub(r"^\s*//.*$", "", file.read(), flags=re.MULTILINE)
+            source = re.sub(r'"\s*\+\s*OptionName\("(\w+)"\)\s*\+\s*"',
+                            r"--TsarRefine.\1", source)
             for group in re.findall(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', source):
                 texts.append("".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', group)))
     return texts

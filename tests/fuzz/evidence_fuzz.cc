@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/workspace/content_hash.h"
-#include "colmap_tsar/workspace/evidence_file.h"
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/store/evidence_file.h"
 
 #include <cstring>
 

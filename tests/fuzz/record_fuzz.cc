@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/import/import_store.h"
-#include "colmap_tsar/workspace/output_workspace.h"
-#include "colmap_tsar/workspace/record.h"
-#include "colmap_tsar/workspace/shard_record.h"
+#include "colmap_tsar/store/output_workspace.h"
+#include "colmap_tsar/store/record.h"
+#include "colmap_tsar/store/shard_record.h"
 
 #include <sstream>
 

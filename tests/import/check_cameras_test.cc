@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/import/check_cameras.h"
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <Eigen/Geometry>
 
 namespace tsar {

@@ -11,8 +11,8 @@
 #include <sstream>
 
 #include "tests/import/prior_writers.h"
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <Eigen/Geometry>
 
 namespace tsar {

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/workspace/map_io.h"
 
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {
@@ -59,12 +59,12 @@ TEST_F(ImportStoreTest, KeepsTheFirstFormerMapsThroughSeveralImports) {
 
 TEST_F(ImportStoreTest, RefusesMapsOfOthers) {
   ExpectError(ErrorCode::kUnsupported,
-              {Paths().depth.string(), "--overwrite 1"},
+              {Paths().depth.string(), "overwrite 1"},
               [&] { RequireNoForeignMaps(root_, kName, kType); });
   RequireNoForeignMaps(root_, "other.png", kType);
   std::filesystem::remove(Paths().depth);
   ExpectError(ErrorCode::kUnsupported,
-              {Paths().normal.string(), "--overwrite 1"},
+              {Paths().normal.string(), "overwrite 1"},
               [&] { RequireNoForeignMaps(root_, kName, kType); });
 }
 

@@ -4,7 +4,7 @@
 #include "colmap_tsar/import/match_images.h"
 
 #include "tests/import/prior_writers.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {
@@ -165,9 +165,8 @@ TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
   options_.format = PriorFormat::kDepth;
   Write("frame_00.tif");
   Write("frame_01.tif");
-  ExpectError(ErrorCode::kNotFound, {"such as b.png", "image_list"}, [&] {
-    Match();
-  });
+  ExpectError(
+      ErrorCode::kNotFound, {"such as b.png", "image_list"}, [&] { Match(); });
   options_.image_list = folder_.Path() / "list.txt";
   WriteText(options_.image_list, "sub/c.jpg\nb.jpg\n");
   EXPECT_THAT(Match(),

@@ -7,7 +7,7 @@
 #include <bit>
 #include <sstream>
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 

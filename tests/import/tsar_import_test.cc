@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/import/import_summary.h"
+#include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_paths.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
 
 #include <chrono>
 #include <cmath>
@@ -15,8 +15,8 @@
 #include "tests/cli/captured_run.h"
 #include "tests/import/import_scene.h"
 #include "tests/import/prior_writers.h"
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

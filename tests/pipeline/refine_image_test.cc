@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "tests/pipeline/counting_device.h"
-#include "tests/pipeline/drawn_views_test.h"
+#include "tests/controllers/counting_device.h"
+#include "tests/support/drawn_views_test.h"
 
 namespace tsar {
 namespace {

@@ -4,12 +4,12 @@
 #include "colmap_tsar/pipeline/refine_scene.h"
 
 #include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/workspace/evidence_file.h"
+#include "colmap_tsar/store/evidence_file.h"
 
 #include <utility>
 
-#include "tests/pipeline/drawn_views_test.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_views_test.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/planes/drawn_observations.h"
+#include "tests/support/drawn_observations.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

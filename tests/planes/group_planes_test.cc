@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/base/drawn_scene.h"
+#include "tests/support/drawn_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

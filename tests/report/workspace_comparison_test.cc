@@ -4,8 +4,8 @@
 #include "colmap_tsar/report/workspace_comparison.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/store/write_back.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/write_back.h"
 
 #include <filesystem>
 #include <fstream>

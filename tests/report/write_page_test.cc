@@ -5,15 +5,15 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/report/page_files.h"
+#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/store/write_back.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/workspace_lock.h"
-#include "colmap_tsar/workspace/write_back.h"
 
 #include <algorithm>
 #include <sstream>
 
-#include "tests/pipeline/drawn_workspace.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 

@@ -3,11 +3,12 @@
 
 #include "colmap_tsar/workspace/map_io.h"
 
-#include "colmap_tsar/workspace/content_hash.h"
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/file_time.h"
 
 #include <limits>
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

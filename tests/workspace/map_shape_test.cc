@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

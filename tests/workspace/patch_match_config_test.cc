@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

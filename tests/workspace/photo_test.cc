@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "tests/workspace/photo_files.h"
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/photo_files.h"
+#include "tests/support/test_workspace.h"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>

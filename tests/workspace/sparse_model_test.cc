@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/workspace/test_workspace.h"
+#include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {

@@ -1,0 +1,16 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <ctime>
+#include <filesystem>
+
+namespace tsar {
+
+// The time of a file's last change, in nanoseconds; 0 where there is none.
+int64_t TimeOf(const std::filesystem::path& path);
+int64_t ToNanoseconds(const timespec& time);
+
+}  // namespace tsar

@@ -1,0 +1,302 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/folder.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSystemFolder = "lost+found";
+
+class OwnedDescriptor {
+ public:
+  explicit OwnedDescriptor(int value) : value_(value) {}
+  ~OwnedDescriptor() {
+    if (value_ >= 0) {
+      close(value_);
+    }
+  }
+  OwnedDescriptor(OwnedDescriptor&& other) noexcept
+      : value_(std::exchange(other.value_, -1)) {}
+  OwnedDescriptor& operator=(OwnedDescriptor&& other) noexcept {
+    std::swap(value_, other.value_);
+    return *this;
+  }
+  int Get() const { return value_; }
+  int Release() { return std::exchange(value_, -1); }
+
+ private:
+  int value_;
+};
+
+// For search alone, which may be all that is permitted.
+constexpr int kOnTheWay = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
+constexpr int kAtTheEnd = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
+
+int OpenEnd(int parent, const char* name) {
+  const int descriptor = openat(parent, name, kAtTheEnd);
+  // Without the right to list it, files in it can still be written.
+  return descriptor < 0 && errno == EACCES ? openat(parent, name, kOnTheWay)
+                                           : descriptor;
+}
+
+bool IsLink(int parent, const char* name) {
+  struct stat state;
+  return fstatat(parent, name, &state, AT_SYMLINK_NOFOLLOW) == 0 &&
+         S_ISLNK(state.st_mode);
+}
+
+struct Walk {
+  OwnedDescriptor folder{-1};
+  int error = 0;
+  bool met_link = false;
+  fs::path at;  // How far it got.
+};
+
+Walk WalkDown(const fs::path& root, const fs::path& relative, bool creates) {
+  Walk walk;
+  std::vector<std::string> names;
+  for (const fs::path& name : relative) {
+    if (name == "..") {
+      walk.error = EINVAL;
+      walk.at = root / relative;
+      return walk;
+    }
+    if (!name.empty() && name != ".") {
+      names.push_back(name.string());
+    }
+  }
+  walk.at = root;
+  // In the user's own part of the path links are followed.
+  const int from_root = names.empty() ? kAtTheEnd : kOnTheWay;
+  walk.folder = OwnedDescriptor(open(root.c_str(), from_root & ~O_NOFOLLOW));
+  if (walk.folder.Get() < 0) {
+    walk.error = errno;
+    return walk;
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    const char* name = names[i].c_str();
+    walk.at /= names[i];
+    const auto step = [&] {
+      return i + 1 == names.size() ? OpenEnd(walk.folder.Get(), name)
+                                   : openat(walk.folder.Get(), name, kOnTheWay);
+    };
+    int next = step();
+    if (next < 0 && errno == ENOENT && creates) {
+      if (mkdirat(walk.folder.Get(), name, 0777) == 0) {
+        // By a descriptor that can be flushed.
+        const OwnedDescriptor parent(openat(walk.folder.Get(), ".", kAtTheEnd));
+        if (parent.Get() >= 0) {
+          fsync(parent.Get());
+        }
+      } else if (errno != EEXIST) {
+        walk.error = errno;
+        return walk;
+      }
+      next = step();
+    }
+    if (next < 0) {
+      walk.error = errno;
+      walk.met_link = (errno == ELOOP || errno == ENOTDIR) &&
+                      IsLink(walk.folder.Get(), name);
+      return walk;
+    }
+    walk.folder = OwnedDescriptor(next);
+  }
+  return walk;
+}
+
+// The way from `root`, which is canonical, to the folder that a link in
+// `path.Relative()` leads to, or where it is to be made.
+fs::path ResolveInside(const fs::path& root,
+                       const ContainedPath& path,
+                       const fs::path& link) {
+  std::error_code error;
+  const fs::path target = fs::weakly_canonical(path.Path(), error);
+  const auto [end, rest] =
+      std::mismatch(root.begin(), root.end(), target.begin(), target.end());
+  if (error || end != root.end()) {
+    const fs::path shown = error ? fs::read_symlink(link, error) : target;
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        link.string(),
+        "is a link that leads out of the workspace, to " + shown.string(),
+        "put a folder in its place, or refine with " +
+            OptionName("output_path"));
+  }
+  return target.lexically_relative(root);
+}
+
+Walk OpenChain(const ContainedPath& path, bool creates) {
+  Walk walk = WalkDown(path.Root(), path.Relative(), creates);
+  if (!walk.met_link) {
+    return walk;
+  }
+  std::error_code error;
+  const fs::path root = fs::canonical(path.Root(), error);
+  const fs::path relative = ResolveInside(root, path, walk.at);
+  Walk again = WalkDown(root, relative, creates);
+  if (again.met_link) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      walk.at.string(),
+                      "is a link that leads to no folder",
+                      "put a folder in its place");
+  }
+  return again;
+}
+
+[[noreturn]] void ThrowWalkError(const Walk& walk, const ContainedPath& path) {
+  if (walk.error == ENOENT) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "no such folder",
+                      "check that the workspace is complete");
+  }
+  ThrowSystemError(path.Path(), "the folder cannot be opened", walk.error);
+}
+
+}  // namespace
+
+Folder::Folder(const ContainedPath& path) : path_(path) {
+  Walk walk = OpenChain(path, false);
+  if (walk.error != 0) {
+    ThrowWalkError(walk, path);
+  }
+  descriptor_ = walk.folder.Release();
+}
+
+std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
+  Walk walk = OpenChain(path, false);
+  if (walk.error == ENOENT) {
+    return std::nullopt;
+  }
+  if (walk.error != 0) {
+    ThrowWalkError(walk, path);
+  }
+  return Folder(path, walk.folder.Release());
+}
+
+Folder Folder::Create(const ContainedPath& path) {
+  Walk walk = OpenChain(path, true);
+  if (walk.error == ENOENT && walk.at == path.Root()) {
+    // The user's own part of the path.
+    const fs::path root = fs::absolute(path.Root()).lexically_normal();
+    if (root.has_relative_path()) {
+      Create(UserPath(root.has_filename() ? root : root.parent_path()));
+      walk = OpenChain(path, true);
+    }
+  }
+  if (walk.error != 0) {
+    ThrowSystemError(path.Path(), "the folder cannot be created", walk.error);
+  }
+  return Folder(path, walk.folder.Release());
+}
+
+Folder::~Folder() {
+  if (descriptor_ >= 0) {
+    close(descriptor_);
+  }
+}
+
+Folder::Folder(Folder&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+Folder& Folder::operator=(Folder&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+void Folder::Flush() const { fsync(descriptor_); }
+
+std::vector<Folder::Entry> Folder::List() const {
+  // Of its own, since a listing moves the position of a descriptor.
+  OwnedDescriptor descriptor(openat(descriptor_, ".", kAtTheEnd));
+  const auto close_list = [](DIR* list) { closedir(list); };
+  std::unique_ptr<DIR, decltype(close_list)> list(
+      descriptor.Get() < 0 ? nullptr : fdopendir(descriptor.Get()), close_list);
+  if (!list) {
+    ThrowSystemError(path_.Path(), "the folder cannot be listed", errno);
+  }
+  descriptor.Release();
+  std::vector<Entry> entries;
+  errno = 0;
+  while (const dirent* found = readdir(list.get())) {
+    Entry entry;
+    entry.name = found->d_name;
+    if (entry.name != "." && entry.name != "..") {
+      unsigned char type = found->d_type;
+      struct stat state;
+      if (type == DT_UNKNOWN &&
+          fstatat(descriptor_, found->d_name, &state, AT_SYMLINK_NOFOLLOW) ==
+              0) {
+        type = IFTODT(state.st_mode);
+      }
+      entry.is_folder = type == DT_DIR;
+      entry.is_link = type == DT_LNK;
+      entries.push_back(std::move(entry));
+    }
+    errno = 0;
+  }
+  if (errno != 0) {
+    ThrowSystemError(path_.Path(), "the folder cannot be listed", errno);
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.name < b.name;
+  });
+  return entries;
+}
+
+std::vector<TreeEntry> ListTree(const ContainedPath& folder) {
+  std::vector<TreeEntry> tree;
+  // Each folder is closed before those below it are opened: however deep the
+  // tree is, it takes two descriptors.
+  std::vector<ContainedPath> todo = {folder};
+  while (!todo.empty()) {
+    const ContainedPath path = std::move(todo.back());
+    todo.pop_back();
+    const std::optional<Folder> open = Folder::OpenIfThere(path);
+    if (!open) {
+      continue;  // Gone meanwhile, or never there.
+    }
+    for (const Folder::Entry& entry : open->List()) {
+      if (entry.name == kSystemFolder) {
+        continue;
+      }
+      tree.push_back({path / entry.name, entry.is_folder, entry.is_link});
+      if (entry.is_folder) {
+        todo.push_back(path / entry.name);
+      }
+    }
+  }
+  return tree;
+}
+
+void ThrowSystemError(const std::filesystem::path& path,
+                      const std::string& what,
+                      int error) {
+  throw Error::File(ErrorCode::kIo,
+                    path.string(),
+                    what + " (" + std::strerror(error) + ")",
+                    "check the free space and the permissions there");
+}
+
+}  // namespace tsar

@@ -1,0 +1,236 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/input_fingerprints.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/store/originals.h"
+
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr size_t kMaxNamed = 3;
+
+constexpr const char* kCamera = "camera";
+constexpr const char* kPhoto = "photo";
+constexpr const char* kMaps = "maps";
+constexpr const char* kCosts = "costs";
+constexpr const char* kSources = "sources";
+// The state of the maps where there is nothing to refine.
+constexpr const char* kNoMaps = "none";
+
+std::string NeighbourKey(size_t place) {
+  return "neighbour " + std::to_string(place);
+}
+
+std::string BeyondKey(size_t place) { return "beyond " + NeighbourKey(place); }
+
+std::string Get(const InputState& state, const std::string& key) {
+  const auto found = state.find(key);
+  return found == state.end() ? "" : found->second;
+}
+
+bool Differ(const InputState& a, const InputState& b, const std::string& key) {
+  return Get(a, key) != Get(b, key);
+}
+
+// In what is loaded for a view.
+std::vector<ChangedInput> ChangesOfView(const InputState& before,
+                                        const InputState& now) {
+  std::vector<ChangedInput> changes;
+  const auto compare = [&](const char* key, ChangedInput change) {
+    if (Differ(before, now, key)) {
+      changes.push_back(std::move(change));
+    }
+  };
+  if (Get(before, kMaps) != kNoMaps && Get(now, kMaps) != kNoMaps) {
+    compare(kCamera, {"its camera", false});
+    compare(kPhoto, {"its photo", false});
+    compare(kCosts, {"its cost maps", true});
+  }
+  compare(kMaps, {"its maps", true});
+  return changes;
+}
+
+// "a.png", "a.png and b.png", "a.png, b.png, c.png and 7 more".
+std::string ListNames(std::vector<std::string> names) {
+  if (names.size() > kMaxNamed + 1) {
+    const size_t num_more = names.size() - kMaxNamed;
+    names.resize(kMaxNamed);
+    names.push_back(std::to_string(num_more) + " more");
+  }
+  std::string text = names.front();
+  for (size_t i = 1; i < names.size(); ++i) {
+    text += (i + 1 < names.size() ? ", " : " and ") + names[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+InputFingerprints::InputFingerprints(const Workspace& workspace,
+                                     bool with_evidence)
+    : workspace_(workspace),
+      with_evidence_(with_evidence),
+      problems_(workspace.Model().images.size()),
+      source_lists_(workspace.Model().images.size()),
+      views_(workspace.Model().images.size()),
+      is_own_(workspace.Model().images.size()) {
+  for (const StereoProblem& problem : workspace.Problems()) {
+    std::string names;
+    for (const int source : problem.sources) {
+      names += Name(source) + "\n";  // Names have no line breaks.
+    }
+    problems_[static_cast<size_t>(problem.reference)] = &problem;
+    source_lists_[static_cast<size_t>(problem.reference)] =
+        FingerprintOf(names);
+  }
+}
+
+const InputState& InputFingerprints::OfView(int image) {
+  return Find(image).state;
+}
+
+const std::string& InputFingerprints::StateOfView(int image) {
+  return Find(image).fingerprint;
+}
+
+InputState InputFingerprints::OfResult(int reference) {
+  InputState state = OfView(reference);
+  state[kSources] = source_lists_[static_cast<size_t>(reference)];
+  const std::vector<int>& sources = Problem(reference)->sources;
+  std::vector<bool> is_near(views_.size());
+  is_near[static_cast<size_t>(reference)] = true;
+  for (const int source : sources) {
+    is_near[static_cast<size_t>(source)] = true;
+  }
+  for (size_t i = 0; i < sources.size(); ++i) {
+    state[NeighbourKey(i)] = StateOfView(sources[i]);
+    if (with_evidence_ && Problem(sources[i]) != nullptr) {
+      state[BeyondKey(i)] = BeyondNeighbour(sources[i], is_near);
+    }
+  }
+  return state;
+}
+
+std::string InputFingerprints::ChangesOfResult(int reference,
+                                               const InputState& recorded) {
+  const InputState now = OfResult(reference);
+  std::vector<ChangedInput> changes = ChangesOfView(recorded, now);
+  if (Differ(recorded, now, kSources)) {
+    // What was recorded of neighbours is of others then.
+    changes.push_back({"its list of sources", false});
+    return DescribeChanges(changes);
+  }
+  std::vector<std::string> neighbours;
+  std::vector<std::string> beyond;
+  const std::vector<int>& sources = Problem(reference)->sources;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    if (Differ(recorded, now, NeighbourKey(i))) {
+      neighbours.push_back(Name(sources[i]));
+    }
+    if (Differ(recorded, now, BeyondKey(i))) {
+      beyond.push_back(Name(sources[i]));
+    }
+  }
+  if (!neighbours.empty()) {
+    const bool is_plural = neighbours.size() > 1;
+    changes.push_back({(is_plural ? "its neighbours " : "its neighbour ") +
+                           ListNames(std::move(neighbours)),
+                       is_plural});
+  }
+  // Whatever is close is reason enough.
+  if (changes.empty() && !beyond.empty()) {
+    changes.push_back(
+        {"the neighbours of " + ListNames(std::move(beyond)), true});
+  }
+  return changes.empty() ? "" : DescribeChanges(changes);
+}
+
+void InputFingerprints::Expect(std::map<int, InputState> views,
+                               const std::vector<int>& own) {
+  expected_ = std::move(views);
+  for (const int image : own) {
+    is_own_[static_cast<size_t>(image)] = true;
+  }
+}
+
+const InputFingerprints::View& InputFingerprints::Find(int image) {
+  View& view = views_[static_cast<size_t>(image)];
+  std::call_once(view.flag, [&] {
+    view.state = Read(image);
+    std::string text = Name(image);
+    for (const auto& [key, value] : view.state) {
+      text += "\n" + key + " " + value;
+    }
+    view.fingerprint = FingerprintOf(text);
+  });
+  return view;
+}
+
+InputState InputFingerprints::Read(int image) const {
+  const auto expected = expected_.find(image);
+  const bool reads_maps =
+      expected == expected_.end() || is_own_[static_cast<size_t>(image)];
+  InputState state = {
+      {kMaps, reads_maps ? MapsOf(image) : Get(expected->second, kMaps)}};
+  if (state[kMaps] != kNoMaps) {
+    state[kCamera] = FingerprintOf(
+        workspace_.Model().images[static_cast<size_t>(image)].camera);
+    state[kPhoto] = FingerprintOf(FileState(workspace_.ImagePath(image)));
+    std::string costs;
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      costs += FileState(workspace_.CostPath(image, type)) + " ";
+    }
+    state[kCosts] = FingerprintOf(costs);
+  }
+  if (expected != expected_.end()) {
+    const std::vector<ChangedInput> changes =
+        ChangesOfView(expected->second, state);
+    if (!changes.empty()) {
+      throw Error(ErrorCode::kMismatch,
+                  Name(image) + ": " + DescribeChanges(changes) +
+                      " since it was observed; run " + OptionName("pass") +
+                      " observe of "
+                      "all shards again");
+    }
+  }
+  return state;
+}
+
+std::string InputFingerprints::MapsOf(int image) const {
+  std::string text;
+  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    const OriginalMaps originals =
+        FindOriginals(workspace_.SourcePaths(image, type));
+    if (type == workspace_.Type() &&
+        (originals.depth_state == OriginalState::kMissing ||
+         originals.normal_state == OriginalState::kMissing)) {
+      return kNoMaps;
+    }
+    text +=
+        FileState(originals.depth) + " " + FileState(originals.normal) + " ";
+  }
+  return FingerprintOf(text);
+}
+
+std::string InputFingerprints::BeyondNeighbour(
+    int neighbour, const std::vector<bool>& is_near) {
+  std::string text = source_lists_[static_cast<size_t>(neighbour)];
+  for (const int source : Problem(neighbour)->sources) {
+    if (!is_near[static_cast<size_t>(source)]) {
+      text += " " + StateOfView(source);
+    }
+  }
+  return FingerprintOf(text);
+}
+
+const std::string& InputFingerprints::Name(int image) const {
+  return workspace_.Model().images[static_cast<size_t>(image)].name;
+}
+
+}  // namespace tsar

@@ -1,0 +1,144 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/load_view.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+MapType OtherType(MapType type) {
+  return type == MapType::kGeometric ? MapType::kPhotometric
+                                     : MapType::kGeometric;
+}
+
+// The exported costs of one type of map. COLMAP gives windows without texture
+// and views that see nothing a cost of exactly 2: no evidence.
+PlanarMap ReadCosts(const std::filesystem::path& path, const ViewData& view) {
+  PlanarMap costs = ReadPlanarMap(path);
+  if (costs.channels != 2 || costs.width != view.depth.Width() ||
+      costs.height != view.depth.Height()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "has " + std::to_string(costs.channels) +
+                          " channels of " + std::to_string(costs.width) + "x" +
+                          std::to_string(costs.height) + ", but needs 2 of " +
+                          std::to_string(view.depth.Width()) + "x" +
+                          std::to_string(view.depth.Height()),
+                      "write it anew with patch_match_stereo or delete it");
+  }
+  for (float& cost : costs.values) {
+    if (!(cost >= 0.f && cost < 2.f)) {
+      cost = kUndefinedCost;
+    }
+  }
+  return costs;
+}
+
+void SetCosts(const PlanarMap& costs, size_t pixel, ViewData* view) {
+  view->min_cost.Data()[pixel] = costs.values[pixel];
+  view->second_cost.Data()[pixel] =
+      costs.values[pixel + view->depth.NumPixels()];
+}
+
+void DropCosts(size_t pixel, ViewData* view) {
+  view->min_cost.Data()[pixel] = kUndefinedCost;
+  view->second_cost.Data()[pixel] = kUndefinedCost;
+}
+
+bool IsValid(const ViewData& view, size_t pixel) {
+  return view.depth.Data()[pixel] > 0.f &&
+         !(view.normal.Data()[pixel] == Vec3f{});
+}
+
+// The map to refine, and its costs where they were exported.
+ViewData ReadMaps(const Workspace& workspace, int image) {
+  const MapType type = workspace.Type();
+  DepthNormal maps = workspace.ReadOriginalMaps(image, type);
+  ViewData view;
+  view.depth = std::move(maps.depth);
+  view.normal = std::move(maps.normal);
+  view.num_not_finite = maps.num_not_finite;
+  if (std::filesystem::exists(workspace.CostPath(image, type))) {
+    const PlanarMap costs = ReadCosts(workspace.CostPath(image, type), view);
+    view.min_cost =
+        Image<float>(view.depth.Width(), view.depth.Height(), kUndefinedCost);
+    view.second_cost = view.min_cost;
+    for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+      SetCosts(costs, i, &view);
+    }
+  }
+  return view;
+}
+
+// Takes the hypotheses of the other type where the map to refine has none.
+void FillFromOtherType(const Workspace& workspace, int image, ViewData* view) {
+  const MapType type = OtherType(workspace.Type());
+  if (!workspace.HasMaps(image, type)) {
+    return;
+  }
+  const DepthNormal other = workspace.ReadOriginalMaps(image, type);
+  if (!other.depth.HasSizeOf(view->depth)) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        workspace.DepthPath(image, type).string(),
+        "is not of the size of the " + ToString(workspace.Type()) + " map",
+        "run patch_match_stereo again for this image, or delete the file");
+  }
+  view->num_not_finite += other.num_not_finite;
+  const bool has_costs = !view->min_cost.Empty();
+  PlanarMap costs;
+  if (has_costs && std::filesystem::exists(workspace.CostPath(image, type))) {
+    costs = ReadCosts(workspace.CostPath(image, type), *view);
+  }
+  for (size_t i = 0; i < view->depth.NumPixels(); ++i) {
+    if (IsValid(*view, i)) {
+      continue;
+    }
+    view->depth.Data()[i] = other.depth.Data()[i];
+    view->normal.Data()[i] = other.normal.Data()[i];
+    if (!costs.values.empty()) {
+      SetCosts(costs, i, view);
+    } else if (has_costs) {
+      // The costs at hand are those of the hypothesis that COLMAP rejected.
+      DropCosts(i, view);
+    }
+  }
+}
+
+int64_t CountValid(const ViewData& view) {
+  int64_t count = 0;
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+    count += IsValid(view, i) ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+ViewData LoadView(const Workspace& workspace, int image) {
+  ViewData view = ReadMaps(workspace, image);
+  view.num_depths_to_refine = CountValid(view);
+  FillFromOtherType(workspace, image, &view);
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+    // COLMAP writes unit vectors; other lengths are rounding, or hostile.
+    view.normal.Data()[i] = Normalized(view.normal.Data()[i]);
+    if (view.normal.Data()[i] == Vec3f{}) {
+      view.depth.Data()[i] = 0.f;
+    }
+  }
+  const int width = view.depth.Width();
+  const int height = view.depth.Height();
+  view.color = workspace.ReadImage(image, width, height);
+  view.camera = workspace.Model().images[image].camera.Resized(width, height);
+  return view;
+}
+
+}  // namespace tsar

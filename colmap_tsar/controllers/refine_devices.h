@@ -1,0 +1,80 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/main_memory.h"
+#include "colmap_tsar/controllers/device_view_cache.h"
+#include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/controllers/workspace_check.h"
+#include "colmap_tsar/device/device.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// A device of a run, which works on one image at a time.
+struct RefineWorker {
+  std::string name;  // "GPU 1 (NVIDIA H200)", or "the CPU".
+  std::unique_ptr<Device> device;
+  // Shared by the workers of one memory.
+  DeviceViewCache* views = nullptr;
+};
+
+// What a run works with.
+struct RefineDevices {
+  std::string description;  // "2 CPU threads", or the GPUs' names.
+  std::vector<RefineWorker> workers;
+  // After the workers, so that the views go before the devices that own their
+  // memory.
+  std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
+  PipelineSizes sizes;
+  // See ImageRunner: the workers are GPUs.
+  bool finds_scenes_ahead = false;
+  // Main memory for views.
+  size_t cache_num_bytes = 0;
+};
+
+// The GPUs of the machine, for tests to replace.
+struct GpuSystem {
+  // Asked where the CPU alone is not what the user wants: the answer has the
+  // driver set itself up, which takes its time, addresses and threads.
+  std::function<int()> count;
+  std::function<std::unique_ptr<Device>(int gpu_index)> create;
+  // Called once before these are created.
+  std::function<void(const std::vector<int>& gpu_indices)> prepare =
+      [](const std::vector<int>&) {};
+
+  static GpuSystem Cuda();
+};
+
+// Images are spread over the GPUs before one GPU gets a second image at a time,
+// and on CPUs over the threads before the loops of an image are: images need
+// not wait for each other. There are no more workers than num_images, which is
+// at least 1.
+//
+// With device "auto", a GPU that was not named and cannot be used is left out
+// with a warning, and the CPU takes the place of the last one; with "cuda", one
+// must be left. Where a GPU's second worker cannot be made, a warning says so.
+// Another says where one image alone needs more than cache_size, or than four
+// fifths of machine_bytes, which count where they are less. Throws kDevice (a
+// GPU that was named does not exist or cannot be used; none is left; its memory
+// is too small for the images), kOutOfMemory (one image alone needs more than
+// machine_bytes; no memory is left on a GPU that was named or on the last one,
+// or main memory for its copies) and kBadOption (gpu_index).
+RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
+                                  const WorkspaceOverview& overview,
+                                  int num_images,
+                                  const GpuSystem& gpus = GpuSystem::Cuda(),
+                                  int64_t machine_bytes = MainMemoryBytes());
+
+// The most that each GPU held so far; nothing for the CPU.
+std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);
+
+}  // namespace tsar

@@ -1,0 +1,63 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/workspace/map_paths.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace tsar {
+
+// What to work on and with; nothing here changes a result.
+struct WorkspaceRefineOptions {
+  std::filesystem::path workspace_path;
+  // Where to make a second workspace with the results; empty: in place.
+  std::filesystem::path output_path;
+  // The maps to refine; nothing: the geometric ones, or the photometric ones
+  // where there are no others.
+  std::optional<MapType> input_type;
+  std::string device = "auto";   // auto, cuda or cpu.
+  std::string gpu_index = "-1";  // In CUDA's order, "0,1,3"; -1: every one.
+  int num_threads = -1;          // -1: one for each core.
+  double cache_size = 32.0;  // Main memory for images at work, in gigabytes.
+  // For several machines: which part of the images, "i/n" with i from 0 on (see
+  // ParseShard), and which pass over them (see ParsePass).
+  std::string shard;
+  std::string pass = "all";
+
+  // Throws kBadOption, naming the option.
+  void Check() const;
+};
+
+// Refines all images of stereo/patch-match.cfg and writes the result, an
+// account of the run (stereo/tsar/manifest.json) and progress. Images that were
+// done before with the same options, and of which nothing that they depend on
+// has changed since, are skipped; those that cannot be refined keep their maps.
+//
+// Before the first file is changed, everything that can be seen from the
+// outside of the files is checked. Throws Error: what CheckWorkspace,
+// CreateOutputWorkspace, WorkspaceLock and the options' Check throw; kDevice;
+// kInterrupted once should_stop returned true (it is called often, from several
+// threads); and what reading and writing an image throw. Whatever is thrown,
+// the images that were done stay done, and the same call goes on from there.
+//
+// observer: where given, is shown what the stages find for each image. The maps
+// are the same, but images that were done before are done again. Passes other
+// than "all" show it nothing.
+//
+// With another pass than "all", see RefineShard and MergeShards.
+RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
+                           const RefineOptions& refine_options,
+                           Progress& progress,
+                           const std::function<bool()>& should_stop,
+                           RefineObserver* observer = nullptr);
+
+}  // namespace tsar

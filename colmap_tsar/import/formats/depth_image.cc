@@ -1,0 +1,156 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/import/formats/depth_image.h"
+
+#include "colmap_tsar/import/formats/npy.h"
+#include "colmap_tsar/import/formats/pfm.h"
+#include "colmap_tsar/import/formats/picture_header.h"
+#include "colmap_tsar/workspace/tiff_strips.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <string_view>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+std::string LowerExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(),
+                 extension.end(),
+                 extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+cv::Mat Decode(std::span<const uint8_t> bytes) {
+  // Decoding only reads.
+  const cv::Mat buffer(1,
+                       static_cast<int>(bytes.size()),
+                       CV_8UC1,
+                       const_cast<uint8_t*>(bytes.data()));
+  try {
+    return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+bool HasThreeEqualChannels(const FloatMap& map) {
+  if (map.channels != 3) {
+    return false;
+  }
+  for (size_t i = 0; i < map.values.size(); i += 3) {
+    // NaN, too, is the same as NaN.
+    const auto same = [](float a, float b) {
+      return a == b || (a != a && b != b);
+    };
+    if (!same(map.values[i], map.values[i + 1]) ||
+        !same(map.values[i], map.values[i + 2])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void KeepFirstChannel(FloatMap* map) {
+  for (size_t i = 0; i < map->values.size() / 3; ++i) {
+    map->values[i] = map->values[3 * i];
+  }
+  map->values.resize(map->values.size() / 3);
+  map->channels = 1;
+}
+
+DepthImage DecodePicture(std::span<const uint8_t> bytes,
+                         const std::string& extension,
+                         const std::string& name) {
+  constexpr size_t kMaxBytes = size_t{1} << 31;
+  const ByteReader reader(bytes, name);
+  if (bytes.empty() || bytes.size() >= kMaxBytes) {
+    throw reader.Corrupt(bytes.empty() ? "the file is empty"
+                                       : "the file is too large for a picture");
+  }
+  if (extension == ".png") {
+    CheckPng(bytes, name);
+  } else if (extension == ".exr") {
+    CheckExr(bytes, name);
+    // Builds of OpenCV that hold OpenEXR may still ask for leave.
+    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+  } else {
+    CheckTiff(bytes, name);
+    if (const std::string defect = FindTiffDefect(bytes); !defect.empty()) {
+      throw reader.Corrupt("the TIFF file is damaged: " + defect);
+    }
+  }
+  const cv::Mat pixels = Decode(bytes);
+  if (pixels.empty() && extension == ".exr" &&
+      !cv::haveImageWriter("depth.exr")) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name,
+                      "this build of OpenCV cannot read EXR",
+                      "save depth as TIFF, PFM or NPY");
+  }
+  if (pixels.empty()) {
+    throw reader.Corrupt("not a readable picture");
+  }
+  const int depth = pixels.depth();
+  if ((depth != CV_16U && depth != CV_32F && depth != CV_64F) ||
+      (pixels.channels() != 1 && pixels.channels() != 3)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name,
+                      "a picture, not a depth map",
+                      "save depth in one channel of 16 bits or of floats");
+  }
+  DepthImage image;
+  image.is_integer = depth == CV_16U;
+  image.map.width = pixels.cols;
+  image.map.height = pixels.rows;
+  image.map.channels = pixels.channels();
+  image.map.values.resize(pixels.total() *
+                          static_cast<size_t>(pixels.channels()));
+  cv::Mat target(pixels.rows,
+                 pixels.cols,
+                 CV_32FC(pixels.channels()),
+                 image.map.values.data());
+  pixels.convertTo(target, CV_32F);
+  if (image.map.channels == 3) {
+    for (size_t i = 0; i < image.map.values.size(); i += 3) {
+      std::swap(image.map.values[i], image.map.values[i + 2]);
+    }
+  }
+  if (HasThreeEqualChannels(image.map)) {
+    KeepFirstChannel(&image.map);
+  }
+  return image;
+}
+
+}  // namespace
+
+bool IsDepthImageName(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 6> kExtensions = {
+      ".png", ".exr", ".tif", ".tiff", ".pfm", ".npy"};
+  return std::find(kExtensions.begin(),
+                   kExtensions.end(),
+                   LowerExtension(path)) != kExtensions.end();
+}
+
+DepthImage ParseDepthImage(std::span<const uint8_t> bytes,
+                           const std::filesystem::path& path) {
+  const std::string extension = LowerExtension(path);
+  if (extension == ".pfm") {
+    return {ParsePfm(bytes, path.string()), false};
+  }
+  if (extension == ".npy") {
+    NpyArray array = ParseNpy(bytes, path.string());
+    return {std::move(array.map), array.is_integer};
+  }
+  return DecodePicture(bytes, extension, path.string());
+}
+
+}  // namespace tsar

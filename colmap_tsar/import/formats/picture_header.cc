@@ -1,0 +1,231 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/import/formats/picture_header.h"
+
+#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/workspace/png_chunks.h"
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+void RequirePossibleSize(const ByteReader& reader,
+                         int64_t width,
+                         int64_t height,
+                         size_t num_file_bytes) {
+  constexpr int64_t kMaxSide = int64_t{1} << 24;
+  constexpr uint64_t kMaxRatio = 4096;
+  constexpr uint64_t kMinPixelBytes = 2;
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide ||
+      kMinPixelBytes * static_cast<uint64_t>(width * height) / kMaxRatio >
+          num_file_bytes) {
+    throw reader.Corrupt("the header says " + std::to_string(width) + " x " +
+                         std::to_string(height) +
+                         " pixels, which the file cannot hold");
+  }
+}
+
+uint32_t ReadBigEndian(ByteReader* reader) {
+  return __builtin_bswap32(reader->Read<uint32_t>());
+}
+
+// Text up to a byte of 0.
+std::string ReadText(ByteReader* reader) {
+  std::string text;
+  for (char c = reader->Read<char>(); c != '\0'; c = reader->Read<char>()) {
+    text.push_back(c);
+  }
+  return text;
+}
+
+// The types of EXR's attributes that always have the same number of bytes.
+constexpr std::pair<std::string_view, size_t> kExrSizes[] = {
+    {"box2i", 16},   {"box2f", 16},    {"chromaticities", 32},
+    {"double", 8},   {"envmap", 1},    {"compression", 1},
+    {"float", 4},    {"int", 4},       {"deepImageState", 1},
+    {"keycode", 28}, {"lineOrder", 1}, {"m33f", 36},
+    {"m33d", 72},    {"m44f", 64},     {"m44d", 128},
+    {"rational", 8}, {"tiledesc", 9},  {"timecode", 8},
+    {"v2i", 8},      {"v2f", 8},       {"v2d", 16},
+    {"v3i", 12},     {"v3f", 12},      {"v3d", 24}};
+
+// Looks into an attribute of EXR where OpenEXR takes memory for what it says,
+// or reads on behind it for what it does not say.
+void CheckExrAttribute(const std::string& type,
+                       std::span<const uint8_t> value,
+                       const std::string& name) {
+  ByteReader reader(value, name);
+  for (const auto& [known, size] : kExrSizes) {
+    if (type == known && value.size() != size) {
+      throw reader.Corrupt("the EXR header has an attribute of another size");
+    }
+  }
+  if (type == "chlist") {
+    constexpr size_t kChannelSize = 16;
+    while (!ReadText(&reader).empty()) {
+      reader.Take(kChannelSize);
+    }
+    if (reader.NumLeft() > 0) {
+      throw reader.Corrupt("the EXR header has channels of another size");
+    }
+  } else if (type == "preview") {
+    const uint64_t width = reader.Read<uint32_t>();
+    const uint64_t height = reader.Read<uint32_t>();
+    if (width * height != reader.NumLeft() / sizeof(uint32_t)) {
+      throw reader.Corrupt("the EXR header has a preview of another size");
+    }
+  } else if (type == "stringvector") {
+    while (reader.NumLeft() > 0) {
+      reader.Take(reader.Read<uint32_t>());
+    }
+  }
+}
+
+// Numbers in the byte order of a TIFF file.
+class TiffReader {
+ public:
+  TiffReader(std::span<const uint8_t> bytes,
+             const std::string& name,
+             bool is_big_endian)
+      : reader_(bytes, name), is_big_endian_(is_big_endian) {}
+
+  void Skip(size_t num_bytes) { reader_.Take(num_bytes); }
+  uint16_t ReadShort() {
+    const auto value = reader_.Read<uint16_t>();
+    return is_big_endian_ ? __builtin_bswap16(value) : value;
+  }
+  uint32_t ReadLong() {
+    const auto value = reader_.Read<uint32_t>();
+    return is_big_endian_ ? __builtin_bswap32(value) : value;
+  }
+
+ private:
+  ByteReader reader_;
+  bool is_big_endian_;
+};
+
+}  // namespace
+
+PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name) {
+  constexpr std::array<uint8_t, 8> kSignature = {
+      0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  constexpr uint32_t kHeaderLength = 13;
+  ByteReader reader(bytes, name);
+  if (reader.Read<std::array<uint8_t, 8>>() != kSignature ||
+      ReadBigEndian(&reader) != kHeaderLength ||
+      reader.Read<std::array<char, 4>>() !=
+          std::array<char, 4>{'I', 'H', 'D', 'R'}) {
+    throw reader.Corrupt("not a PNG file");
+  }
+  const int64_t width = ReadBigEndian(&reader);
+  const int64_t height = ReadBigEndian(&reader);
+  PngKind kind;
+  kind.num_bits = reader.Read<uint8_t>();
+  kind.is_gray = reader.Read<uint8_t>() == 0;
+  RequirePossibleSize(reader, width, height, bytes.size());
+  if (const std::string defect = FindPngDefect(bytes); !defect.empty()) {
+    throw reader.Corrupt("the PNG file is damaged: " + defect);
+  }
+  return kind;
+}
+
+void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
+  const PngKind kind = CheckPngFrame(bytes, name);
+  if (kind.num_bits != 16 || !kind.is_gray) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name,
+                      "a picture of " + std::to_string(kind.num_bits) +
+                          " bits" + (kind.is_gray ? "" : " in colours") +
+                          ", not a depth map",
+                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
+                      "PFM or NPY");
+  }
+}
+
+void CheckTiff(std::span<const uint8_t> bytes, const std::string& name) {
+  constexpr uint16_t kVersion = 42;
+  constexpr uint16_t kWidthTag = 256;
+  constexpr uint16_t kHeightTag = 257;
+  constexpr uint16_t kShortType = 3;
+  constexpr uint16_t kLongType = 4;
+  ByteReader reader(bytes, name);
+  const auto order = reader.Read<std::array<char, 2>>();
+  const bool is_big_endian = order == std::array<char, 2>{'M', 'M'};
+  TiffReader header(bytes, name, is_big_endian);
+  header.Skip(2);
+  if ((!is_big_endian && order != std::array<char, 2>{'I', 'I'}) ||
+      header.ReadShort() != kVersion) {
+    throw reader.Corrupt("not a TIFF file");
+  }
+  TiffReader tags(bytes, name, is_big_endian);
+  tags.Skip(header.ReadLong());
+  std::optional<uint32_t> width;
+  std::optional<uint32_t> height;
+  for (int num_tags = tags.ReadShort(); num_tags > 0; --num_tags) {
+    const uint16_t tag = tags.ReadShort();
+    const uint16_t type = tags.ReadShort();
+    tags.Skip(sizeof(uint32_t));  // The number of values.
+    if ((tag != kWidthTag && tag != kHeightTag) ||
+        (type != kShortType && type != kLongType)) {
+      tags.Skip(sizeof(uint32_t));
+      continue;
+    }
+    uint32_t value = 0;
+    if (type == kShortType) {
+      value = tags.ReadShort();
+      tags.Skip(sizeof(uint16_t));
+    } else {
+      value = tags.ReadLong();
+    }
+    (tag == kWidthTag ? width : height) = value;
+  }
+  if (!width || !height) {
+    throw reader.Corrupt("the TIFF header has no size");
+  }
+  RequirePossibleSize(reader, *width, *height, bytes.size());
+}
+
+void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
+  constexpr uint32_t kMagic = 20000630;
+  ByteReader reader(bytes, name);
+  if (reader.Read<uint32_t>() != kMagic) {
+    throw reader.Corrupt("not an EXR file");
+  }
+  constexpr uint32_t kHasParts = 0x1000;
+  const bool has_parts = (reader.Read<uint32_t>() & kHasParts) != 0;
+  bool has_size = false;
+  // A header ends in an empty name; those of several parts end in an empty one.
+  for (bool at_start = true;;) {
+    const std::string attribute = ReadText(&reader);
+    if (attribute.empty()) {
+      if (!has_size) {
+        throw reader.Corrupt("the EXR header has no dataWindow");
+      }
+      if (at_start || !has_parts) {
+        return;
+      }
+      at_start = true;
+      continue;
+    }
+    at_start = false;
+    const std::string type = ReadText(&reader);
+    const std::span<const uint8_t> value = reader.Take(reader.Read<uint32_t>());
+    CheckExrAttribute(type, value, name);
+    if (attribute == "dataWindow") {
+      ByteReader box(value, name);
+      const auto corners = box.Read<std::array<int32_t, 4>>();
+      RequirePossibleSize(reader,
+                          int64_t{corners[2]} - corners[0] + 1,
+                          int64_t{corners[3]} - corners[1] + 1,
+                          bytes.size());
+      has_size = true;
+    }
+  }
+}
+
+}  // namespace tsar

@@ -1,0 +1,31 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// Where a pixel's depth comes from; the values of provenance maps.
+enum class Provenance : uint8_t {
+  kNone = 0,
+  kMeasured = 1,
+  kSuperpixelPlane = 2,
+  kInterpolated = 3,
+  kRegionPlane = 4,
+  kOtherViews = 5,
+};
+
+// The result for one image; all four have the size of the original maps.
+struct RefinedMaps {
+  Image<float> depth;         // See map_io.h.
+  Image<Vec3f> normal;        // See map_io.h.
+  Image<float> confidence;    // In [0, 1].
+  Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
+};
+
+}  // namespace tsar

@@ -1,0 +1,82 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace tsar {
+
+struct ObservedView {
+  const ViewEvidence* evidence = nullptr;
+  Camera camera;  // Of the evidence's raster.
+};
+
+struct DiscoverPlanesOptions {
+  // How far a depth may be off a plane to speak for it at all, in relative
+  // depths of one pixel of disparity (DisparityScale::RelativeDepthError).
+  double tolerance = 1.0;
+  // A superpixel counts for this many pixels of full quality at most, so that
+  // the size of superpixels and of the raster decide little.
+  double max_mass = 40.0;
+  // What a plane must add to be worth having, in pixels of full quality that
+  // lie right on it.
+  double min_gain = 100.0;
+  int max_planes = 40;
+  // Whether planes become exactly parallel or orthogonal to each other where
+  // that agrees with the observations.
+  bool regular_directions = true;
+  // How many scores of a candidate for a superpixel are held at a time, in four
+  // bytes each.
+  size_t max_scores = size_t{1} << 25;
+};
+
+struct ScenePlane {
+  WorldPlane plane;
+  // Sum of the scores of the superpixels that it serves.
+  double support = 0.0;
+};
+
+struct DiscoveredPlanes {
+  std::vector<ScenePlane> planes;  // By falling support.
+  // serving[view][superpixel] is the index of the plane that explains the
+  // superpixel's observations best, or -1 where none explains any.
+  std::vector<std::vector<int>> serving;
+};
+
+// The few planes that together explain best what a view and its neighbours
+// measured, from many candidates in the world frame: facility location, where a
+// plane costs min_gain and serves superpixels. A plane's score for a superpixel
+// is the sum over its observations of 1 - (residual / tolerance)^2, never below
+// 0, times the qualities, scaled to a sum of the superpixel's mass or max_mass,
+// whichever is less. The residual is NormalizedResidual with one pixel of
+// disparity as the expected error.
+//
+// Greedy choice of candidates, while one adds min_gain as it is, is followed by
+// rounds in which each plane is fitted to the superpixels it serves, in all
+// views at once, and in which planes are dropped or merged that are not worth
+// min_gain. Then leaving out any plane would cost at least min_gain. At last
+// planes are made regular (MakeRegular) that lose little by that, and each
+// superpixel is served by the plane with the highest score.
+//
+// Where candidates times superpixels are more than max_scores, the last of the
+// candidates are left out: list the likely ones first.
+//
+// The first view is the reference: arithmetic is done in its camera's frame, so
+// that the world's origin may be far away. Otherwise the order of the views
+// matters only by rounding and by which observations are in the sample that a
+// fit to very many of them uses. Equal candidates: the first wins. Equal
+// scores: the superpixel goes to the plane that was found first. Bits do not
+// depend on the device or on the number of threads.
+DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
+                                const std::vector<WorldPlane>& candidates,
+                                const DiscoverPlanesOptions& options,
+                                Device& device);
+
+}  // namespace tsar

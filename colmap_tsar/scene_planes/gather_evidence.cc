@@ -1,0 +1,281 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/gather_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// Region planes that no more than this many pixels have are not worth a
+// candidate: fragments beyond the reach of another plane.
+constexpr int kMinCandidatePixels = 30;
+// Makes the median of residuals the standard deviation of normal errors.
+constexpr float kMedianToSigma = 1.48f;
+
+struct PlaneBits {
+  uint32_t bits[4];
+  explicit PlaneBits(const Plane& plane) {
+    static_assert(sizeof(Plane) == sizeof(bits));
+    std::memcpy(bits, &plane, sizeof(bits));
+  }
+  bool operator==(const PlaneBits& other) const {
+    return std::equal(bits, bits + 4, other.bits);
+  }
+};
+
+struct PlaneBitsHash {
+  size_t operator()(const PlaneBits& plane) const {
+    size_t hash = 0;
+    for (const uint32_t bits : plane.bits) {
+      hash = hash * 1000003u ^ bits;
+    }
+    return hash;
+  }
+};
+
+bool IsMeasured(const RayDepth& sample) {
+  return sample.z > 0.f && std::isfinite(sample.z);
+}
+
+// Numbers the different planes of the regions by their first pixel, and makes
+// candidates of those that are large enough.
+void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
+  evidence->region_planes = Image<uint16_t>(evidence->width, evidence->height);
+  if (planes.Empty()) {
+    return;
+  }
+  std::unordered_map<PlaneBits, int, PlaneBitsHash> numbers;
+  std::vector<std::pair<Plane, int>> found;  // With the number of pixels.
+  Image<int> number_of(planes.Width(), planes.Height(), -1);
+  for (size_t i = 0; i < planes.NumPixels(); ++i) {
+    const Plane& plane = planes.Data()[i];
+    if (!plane.Valid()) {
+      continue;
+    }
+    const auto [entry, is_new] =
+        numbers.try_emplace(PlaneBits(plane), static_cast<int>(found.size()));
+    if (is_new) {
+      found.emplace_back(plane, 0);
+    }
+    ++found[static_cast<size_t>(entry->second)].second;
+    number_of.Data()[i] = entry->second;
+  }
+  std::vector<uint16_t> candidate_of(found.size(), 0);
+  for (size_t k = 0; k < found.size(); ++k) {
+    if (found[k].second >= kMinCandidatePixels &&
+        evidence->candidates.size() < UINT16_MAX) {
+      evidence->candidates.push_back(found[k].first);
+      candidate_of[k] = static_cast<uint16_t>(evidence->candidates.size());
+    }
+  }
+  for (size_t i = 0; i < planes.NumPixels(); ++i) {
+    if (number_of.Data()[i] >= 0) {
+      evidence->region_planes.Data()[i] =
+          candidate_of[static_cast<size_t>(number_of.Data()[i])];
+    }
+  }
+}
+
+float OwnQuality(const Image<float>& own_texture,
+                 int x,
+                 int y,
+                 const EvidenceOptions& options) {
+  if (own_texture.Empty()) {
+    return 1.f;
+  }
+  const float share = own_texture(x, y);
+  return std::max(share * share, options.min_own_quality);
+}
+
+// The observation of each pixel, of quality 0 where there is none; sets
+// strong_depth.
+Image<Observation> ObservePixels(const EvidenceInputs& inputs,
+                                 const EvidenceOptions& options,
+                                 ViewEvidence* evidence) {
+  Image<Observation> observations(evidence->width, evidence->height);
+  evidence->strong_depth = Image<float>(evidence->width, evidence->height);
+  for (int y = 0; y < evidence->height; ++y) {
+    for (int x = 0; x < evidence->width; ++x) {
+      const RayDepth& sample = inputs.samples(x, y);
+      const int number = evidence->region_planes(x, y);
+      if (IsMeasured(sample)) {
+        const bool is_strong = inputs.texture(x, y) > options.min_texture;
+        observations(x, y) = {
+            sample,
+            (is_strong ? 1.f : options.quality_without_texture) *
+                OwnQuality(inputs.own_texture, x, y, options)};
+        evidence->strong_depth(x, y) = is_strong ? sample.z : 0.f;
+      } else if (number > 0) {
+        const Vec3f ray = inputs.intrinsics.Ray(x, y);
+        const float depth =
+            evidence->candidates[static_cast<size_t>(number - 1)].Depth(ray);
+        if (depth > 0.f && std::isfinite(depth)) {
+          observations(x, y) = {{ray.x, ray.y, depth},
+                                options.quality_of_region_plane};
+        }
+      }
+    }
+  }
+  return observations;
+}
+
+// The pixels of each superpixel that have an observation, in raster order.
+std::vector<std::vector<int>> ObservedPixels(
+    const Image<int>& superpixels,
+    int num_superpixels,
+    const Image<Observation>& observations) {
+  std::vector<std::vector<int>> pixels(static_cast<size_t>(num_superpixels));
+  for (size_t i = 0; i < superpixels.NumPixels(); ++i) {
+    if (observations.Data()[i].quality > 0.f) {
+      pixels[static_cast<size_t>(superpixels.Data()[i])].push_back(
+          static_cast<int>(i));
+    }
+  }
+  return pixels;
+}
+
+// Element i of `count` evenly spaced ones among `size`.
+size_t Spaced(size_t i, size_t count, size_t size) {
+  return (2 * i + 1) * size / (2 * count);
+}
+
+void AddObservations(const EvidenceInputs& inputs,
+                     const EvidenceOptions& options,
+                     ViewEvidence* evidence) {
+  const Image<Observation> observations =
+      ObservePixels(inputs, options, evidence);
+  const std::vector<std::vector<int>> observed =
+      ObservedPixels(inputs.superpixels, inputs.num_superpixels, observations);
+  evidence->first_observation.push_back(0);
+  for (const std::vector<int>& pixels : observed) {
+    float mass = 0.f;
+    for (const int pixel : pixels) {
+      mass += observations.Data()[pixel].quality;
+    }
+    evidence->mass.push_back(mass);
+    const size_t count =
+        std::min(pixels.size(),
+                 static_cast<size_t>(options.max_observations_per_superpixel));
+    for (size_t i = 0; i < count; ++i) {
+      evidence->observations.push_back(
+          observations.Data()[pixels[Spaced(i, count, pixels.size())]]);
+    }
+    evidence->first_observation.push_back(
+        static_cast<int>(evidence->observations.size()));
+  }
+}
+
+// The pairs of neighbouring pixels with different labels.
+struct BorderPixels {
+  float weight = 0.f;
+  std::vector<int> pixels;  // On the side of the smaller label.
+};
+
+void AddBorders(const EvidenceInputs& inputs,
+                const EvidenceOptions& options,
+                ViewEvidence* evidence) {
+  const Image<int>& labels = inputs.superpixels;
+  std::vector<std::map<int, BorderPixels>> borders(
+      static_cast<size_t>(inputs.num_superpixels));
+  const auto add = [&](size_t pixel, size_t neighbor) {
+    int first = labels.Data()[pixel];
+    int second = labels.Data()[neighbor];
+    if (first == second) {
+      return;
+    }
+    const float edge = std::max(inputs.contrast.Data()[pixel],
+                                inputs.contrast.Data()[neighbor]);
+    if (first > second) {
+      std::swap(first, second);
+      std::swap(pixel, neighbor);
+    }
+    BorderPixels& border = borders[static_cast<size_t>(first)][second];
+    border.weight +=
+        options.border_base +
+        options.border_contrast * std::exp(-edge / options.border_scale);
+    border.pixels.push_back(static_cast<int>(pixel));
+  };
+  for (int y = 0; y < labels.Height(); ++y) {
+    for (int x = 0; x < labels.Width(); ++x) {
+      const size_t pixel = labels.View().Index(x, y);
+      if (x + 1 < labels.Width()) {
+        add(pixel, pixel + 1);
+      }
+      if (y + 1 < labels.Height()) {
+        add(pixel, pixel + static_cast<size_t>(labels.Width()));
+      }
+    }
+  }
+  for (size_t first = 0; first < borders.size(); ++first) {
+    for (const auto& [second, border] : borders[first]) {
+      SuperpixelBorder entry;
+      entry.first = static_cast<int>(first);
+      entry.second = second;
+      entry.weight = border.weight;
+      for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
+        entry.pixels[i] = border.pixels[Spaced(static_cast<size_t>(i),
+                                               SuperpixelBorder::kNumPixels,
+                                               border.pixels.size())];
+      }
+      evidence->borders.push_back(entry);
+    }
+  }
+}
+
+// The spread of measurements about their superpixels' planes.
+float MeasureNoise(const EvidenceInputs& inputs) {
+  std::vector<float> residuals;
+  for (size_t i = 0; i < inputs.samples.NumPixels(); ++i) {
+    const RayDepth& sample = inputs.samples.Data()[i];
+    const Plane& plane = inputs.superpixel_planes[static_cast<size_t>(
+        inputs.superpixels.Data()[i])];
+    if (IsMeasured(sample) && plane.Valid()) {
+      const float depth = plane.Depth({sample.x, sample.y, 1.f});
+      residuals.push_back(
+          std::abs(depth - sample.z) /
+          (sample.z * inputs.scale.RelativeDepthError(sample.z)));
+    }
+  }
+  if (residuals.empty()) {
+    return 0.f;
+  }
+  const auto middle =
+      residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
+  std::nth_element(residuals.begin(), middle, residuals.end());
+  return kMedianToSigma * *middle;
+}
+
+}  // namespace
+
+ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
+                            const EvidenceOptions& options) {
+  ViewEvidence evidence;
+  evidence.width = inputs.superpixels.Width();
+  evidence.height = inputs.superpixels.Height();
+  evidence.error_per_depth = inputs.scale.error_per_depth;
+  evidence.noise = MeasureNoise(inputs);
+  evidence.superpixels = Image<uint16_t>(evidence.width, evidence.height);
+  std::copy(inputs.superpixels.begin(),
+            inputs.superpixels.end(),
+            evidence.superpixels.begin());
+  AddRegionPlanes(inputs.region_planes, &evidence);
+  AddObservations(inputs, options, &evidence);
+  AddBorders(inputs, options, &evidence);
+  std::copy_if(inputs.superpixel_planes.begin(),
+               inputs.superpixel_planes.end(),
+               std::back_inserter(evidence.candidates),
+               [](const Plane& plane) { return plane.Valid(); });
+  return evidence;
+}
+
+}  // namespace tsar

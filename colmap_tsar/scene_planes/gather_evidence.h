@@ -1,0 +1,53 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane_fit.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
+
+#include <vector>
+
+namespace tsar {
+
+struct EvidenceOptions {
+  // Grey levels of standard deviation above which a measurement counts in full,
+  // and what one on weaker texture counts.
+  float min_texture = 1.f;
+  float quality_without_texture = 0.5f;
+  // Measurements count by the square of their share in own_texture, too, but
+  // by no less than this where the pattern is not the pixel's own.
+  float min_own_quality = 0.02f;
+  // What a pixel counts that was not measured, but lies in a region that has a
+  // plane.
+  float quality_of_region_plane = 0.3f;
+  int max_observations_per_superpixel = 32;
+  // The weight of a pair of pixels across a border is
+  // base + contrast exp(-edge / scale), edge in grey levels.
+  float border_base = 0.05f;
+  float border_contrast = 2.f;
+  float border_scale = 4.f;
+};
+
+// What the stages found in one view, on the raster of its superpixels.
+struct EvidenceInputs {
+  Image<int> superpixels;                // Labels in [0, num_superpixels).
+  int num_superpixels = 0;               // At most 65536.
+  std::vector<Plane> superpixel_planes;  // Invalid where there is none.
+  Image<RayDepth> samples;               // Trusted measurements; z = 0: none.
+  Image<Plane> region_planes;            // Of each pixel; may be empty.
+  Image<float> texture;
+  Image<float> contrast;
+  Image<float> own_texture;  // May be empty: 1 everywhere.
+  Intrinsics intrinsics;     // Of the raster.
+  DisparityScale scale;
+};
+
+// The evidence without `trust`, which is of the map's size.
+ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
+                            const EvidenceOptions& options);
+
+}  // namespace tsar

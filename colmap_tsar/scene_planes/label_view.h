@@ -1,0 +1,83 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_graph.h"
+#include "colmap_tsar/scene_planes/plane_support.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// Costs are in pixels of full quality. Depth differences are in relative depths
+// of one pixel of disparity.
+struct LabelOptions {
+  // From this difference on, an observation speaks fully against a plane.
+  float tolerance = 1.f;
+  // What an observation costs that no plane is to explain. A plane that
+  // explains a superpixel's observations worse than this is none for it, unless
+  // the neighbours outweigh that.
+  float cost_of_unexplained = 0.6f;
+  // Per pixel without an observation: of having no plane, and of having one
+  // whose depth there is unknown.
+  float cost_of_none = 0.02f;
+  float cost_of_doubt = 0.05f;
+  // The expected error of a plane at which its depth counts as unknown.
+  float max_sigma = 1.f;
+  // How unknown a plane's depth is where it was observed on one side only, far
+  // from there.
+  float doubt_of_extrapolation = 0.6f;
+  // How far that is, relative to the size of the area in which the plane was
+  // observed.
+  float extrapolation_reach = 0.6f;
+  // A plane this far in front of what another view saw for certain hides it.
+  float min_contradiction = 1.5f;
+  float cost_of_contradiction = 1.f;
+  // Within this share of the tolerance of what another view saw, a plane is
+  // confirmed.
+  float confirmation_share = 0.5f;
+  float gain_of_confirmation = 0.3f;
+  // The gap between two planes at a border from which the border costs its full
+  // weight.
+  float full_gap = 3.f;
+  ExpansionOptions expansion;
+};
+
+// How a superpixel came by its plane.
+enum class LabelEvidence : uint8_t {
+  kNone = 0,      // It has none.
+  kGuessed = 1,   // By its neighbours in the image alone.
+  kCarried = 2,   // Other views measured the plane there.
+  kMeasured = 3,  // It lies in the superpixel's own observations.
+};
+
+struct LabeledView {
+  // Planes of the scene, in the reference camera's frame.
+  std::vector<Plane> planes;
+  // Per superpixel of the reference: the number of its plane, or -1.
+  std::vector<int> labels;
+  std::vector<LabelEvidence> evidence;
+};
+
+// Gives each superpixel of the first view one of the planes or none, by the
+// smallest sum of the costs of
+// - observations that do not lie on their plane;
+// - planes where they are not known well enough, or were not observed around;
+// - planes in front of what other views saw through them, less where other
+//   views confirm them;
+// - neighbours with different planes, in proportion to the gap between these
+//   along the border, unless an edge of the image runs there: where two planes
+//   meet in space the change is free.
+// views: the reference, then the views that look at the same scene.
+LabeledView LabelView(const std::vector<ObservedView>& views,
+                      const DiscoveredPlanes& discovered,
+                      const PlaneSupport& support,
+                      const LabelOptions& options,
+                      Device& device);
+
+}  // namespace tsar

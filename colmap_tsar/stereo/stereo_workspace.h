@@ -1,0 +1,46 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/stereo/stereo_options.h"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+struct StereoSummary {
+  std::filesystem::path workspace_path;
+  std::string device;
+  int num_images = 0;
+  int num_skipped = 0;  // Had been done before.
+  std::vector<std::string> without_sources;
+  double wall_seconds = 0.0;
+  std::vector<RunSummary::GpuMemory> peak_gpu_memory;
+};
+
+// Makes depth, normal and cost maps for all images of stereo/patch-match.cfg,
+// photometric and, unless told otherwise, geometric ones, in as many passes
+// over the images. What lies between the passes is kept in stereo/tsar_stereo
+// until the run ends. run: of its members, workspace_path and those that say
+// what to work with; output_path must be empty. overwrite: whether maps may be
+// replaced that this program did not make, or made with other options or from
+// what has changed since.
+//
+// Throws Error: kUnsupported (there are such maps and overwrite is false, or
+// the workspace has been refined), kNotFound (no image has sources; an image
+// without sparse points needs options.depth_min and depth_max), kInterrupted
+// once should_stop returned true, and what the workspace, its lock, the devices
+// and writing throw. Images that were done stay done; the same call goes on.
+StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
+                             const StereoOptions& options,
+                             bool overwrite,
+                             Progress& progress,
+                             const std::function<bool()>& should_stop);
+
+}  // namespace tsar

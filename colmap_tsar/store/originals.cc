@@ -1,0 +1,149 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/originals.h"
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/store/map_state.h"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+bool Exists(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
+}
+
+// One of the two maps of an image.
+struct Map {
+  const std::filesystem::path& current;
+  const std::filesystem::path& stored;
+  const std::vector<WrittenMap>* written;
+};
+
+// Of a map of which nothing is stored.
+OriginalState FindInPlace(const Map& map) {
+  if (!Exists(map.current)) {
+    return OriginalState::kMissing;
+  }
+  // Hashing reads the whole map; in the first run there is nothing to compare.
+  if (map.written != nullptr && !map.written->empty()) {
+    const uint64_t hash = HashFile(map.current);
+    if (std::any_of(map.written->begin(),
+                    map.written->end(),
+                    [&](const WrittenMap& w) { return w.hash == hash; })) {
+      throw Error::File(ErrorCode::kMismatch,
+                        map.current.string(),
+                        "this map has been refined and its original, " +
+                            map.stored.string() + ", is gone",
+                        "run patch_match_stereo again for this image");
+    }
+  }
+  return OriginalState::kInPlace;
+}
+
+void RequireUnedited(const Map& map, std::optional<MapState> state) {
+  if (state == MapState::kEdited) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        map.current.string(),
+        "this map was edited after its refinement, so that it is no original; "
+        "the original is " +
+            map.stored.string(),
+        "put the originals back first with " + OptionName("restore") +
+            " 1, which keeps the edited "
+            "maps in stereo/tsar/superseded");
+  }
+}
+
+// foreign: the one that this program has not written; other: of the same image.
+[[noreturn]] void ThrowUndecided(const Map& foreign, const Map& other) {
+  throw Error::File(ErrorCode::kMismatch,
+                    foreign.current.string(),
+                    "nothing tells whether this map and " +
+                        other.current.string() + ", or " +
+                        foreign.stored.string() + " and " +
+                        other.stored.string() + ", are the originals",
+                    "decide by " + OptionName("restore") + " 1 with " +
+                        OptionName("restore_conflicts") +
+                        " original or keep, or run "
+                        "patch_match_stereo again for this image");
+}
+
+}  // namespace
+
+OriginalMaps FindOriginals(const MapPaths& paths) {
+  const std::optional<ImageRecord> record = ReadRecord(paths.record);
+  const Map depth = {paths.depth,
+                     paths.original_depth,
+                     record ? &record->written_depth : nullptr};
+  const Map normal = {paths.normal,
+                      paths.original_normal,
+                      record ? &record->written_normal : nullptr};
+  const bool has_depth = Exists(depth.stored);
+  const bool has_normal = Exists(normal.stored);
+  OriginalMaps maps;
+  if (has_depth || has_normal) {
+    const auto inspect = [](const Map& map, bool has_stored) {
+      return has_stored ? std::optional<MapState>(
+                              InspectMap(map.current, map.stored, map.written))
+                        : std::nullopt;
+    };
+    const std::optional<MapState> depth_state = inspect(depth, has_depth);
+    const std::optional<MapState> normal_state = inspect(normal, has_normal);
+    const MapOwner owner = FindOwner(depth_state, normal_state);
+    if (owner == MapOwner::kUndecided) {
+      const bool is_depth_foreign =
+          depth_state == MapState::kNew || depth_state == MapState::kUnknown;
+      is_depth_foreign ? ThrowUndecided(depth, normal)
+                       : ThrowUndecided(normal, depth);
+    }
+    RequireUnedited(depth, depth_state);
+    RequireUnedited(normal, normal_state);
+    const OriginalState state = owner == MapOwner::kThisProgram
+                                    ? OriginalState::kStored
+                                    : OriginalState::kReplaced;
+    maps.depth_state = maps.normal_state = state;
+  }
+  // A run that was killed may have stored one of the two.
+  if (!has_depth) {
+    maps.depth_state = FindInPlace(depth);
+  }
+  if (!has_normal) {
+    maps.normal_state = FindInPlace(normal);
+  }
+  const auto choose = [](OriginalState state, const Map& map) {
+    return state == OriginalState::kStored ? map.stored : map.current;
+  };
+  maps.depth = choose(maps.depth_state, depth);
+  maps.normal = choose(maps.normal_state, normal);
+  return maps;
+}
+
+void RequireNoStrayResults(const MapPaths& paths) {
+  for (const std::filesystem::path& result :
+       {paths.provenance.Path(), paths.confidence.Path()}) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(result, error) &&
+        !Exists(paths.record) && !Exists(paths.original_depth) &&
+        !Exists(paths.original_normal)) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          paths.depth.string(),
+          "this map has been refined, as " + result.string() +
+              " tells, and stereo/tsar, which held the original, is gone",
+          "run patch_match_stereo again and delete stereo/confidence_maps and "
+          "stereo/provenance_maps; delete these alone where the depth and "
+          "normal maps are the originals");
+    }
+  }
+}
+
+}  // namespace tsar

@@ -1,0 +1,296 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/restore.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/store/map_state.h"
+#include "colmap_tsar/store/output_workspace.h"
+#include "colmap_tsar/store/record.h"
+#include "colmap_tsar/store/superseded.h"
+#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/workspace/map_paths.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <system_error>
+
+namespace tsar {
+namespace {
+
+// In stereo/tsar, what outlives a restoration where something is left in it.
+constexpr const char* kOriginals = "original";
+constexpr const char* kRecords = "records";
+
+// Adds the keys (see GetMapPaths) of the files below a folder.
+void AddKeys(const ContainedPath& folder,
+             const std::string& suffix,
+             std::set<std::string>* keys) {
+  for (const TreeEntry& entry : ListTree(folder)) {
+    const std::string name =
+        entry.path.Path().lexically_relative(folder.Path()).string();
+    if (!entry.is_folder && name.ends_with(suffix)) {
+      keys->insert(name.substr(0, name.size() - suffix.size()));
+    }
+  }
+}
+
+// Without a record, or with a broken one, the stored originals count.
+std::optional<ImageRecord> ReadRecordIfValid(
+    const std::filesystem::path& path) {
+  try {
+    return ReadRecord(path);
+  } catch (const Error& error) {
+    if (error.Code() != ErrorCode::kCorrupt) {
+      throw;
+    }
+    Warn(error.what());
+    return std::nullopt;
+  }
+}
+
+bool Exists(const std::filesystem::path& path) {
+  // What cannot be looked at may be there.
+  std::error_code error;
+  return std::filesystem::symlink_status(path, error).type() !=
+         std::filesystem::file_type::not_found;
+}
+
+// The restoration of one image's maps of one type.
+class ImageRestorer {
+ public:
+  ImageRestorer(const MapPaths& paths,
+                RestoreConflicts conflicts,
+                RestoreResult* result)
+      : paths_(paths),
+        conflicts_(conflicts),
+        result_(result),
+        record_(ReadRecordIfValid(paths.record)),
+        depth_(Inspect(paths.depth,
+                       paths.original_depth,
+                       record_ ? &record_->written_depth : nullptr)),
+        normal_(Inspect(paths.normal,
+                        paths.original_normal,
+                        record_ ? &record_->written_normal : nullptr)) {}
+
+  void Run() {
+    if (IsRefinedWithoutOriginal(depth_, paths_.depth) ||
+        IsRefinedWithoutOriginal(normal_, paths_.normal)) {
+      return;
+    }
+    if (!depth_ && !normal_) {
+      RemoveResults();
+      // Last: an interrupted restoration still needs it.
+      RemoveFile(paths_.record);
+      return;
+    }
+    switch (FindOwner(depth_, normal_)) {
+      case MapOwner::kThisProgram:
+        PutBack();
+        return;
+      case MapOwner::kOtherProgram:
+        if (conflicts_ == RestoreConflicts::kOriginal) {
+          PutBack();
+        } else {
+          Keep();
+        }
+        return;
+      case MapOwner::kUndecided:
+        break;
+    }
+    if (!record_ || conflicts_ == RestoreConflicts::kOriginal) {
+      PutBack();
+    } else if (conflicts_ == RestoreConflicts::kKeep) {
+      Keep();
+    } else {
+      result_->conflicts.push_back(paths_.depth.Path());
+    }
+  }
+
+ private:
+  // Nothing where no original is stored.
+  static std::optional<MapState> Inspect(
+      const ContainedPath& current,
+      const ContainedPath& stored,
+      const std::vector<WrittenMap>* written) {
+    std::error_code error;
+    const auto status = std::filesystem::symlink_status(stored.Path(), error);
+    if (std::filesystem::exists(status) &&
+        !std::filesystem::is_regular_file(status) &&
+        !std::filesystem::is_symlink(status)) {
+      throw Error::File(ErrorCode::kCorrupt,
+                        stored.string(),
+                        "stands in the place of an original and is no file",
+                        "remove it");
+    }
+    return std::filesystem::exists(status)
+               ? std::optional(InspectMap(current, stored, written))
+               : std::nullopt;
+  }
+
+  // Without its record, a refined map would count as an original.
+  bool IsRefinedWithoutOriginal(std::optional<MapState> state,
+                                const ContainedPath& current) {
+    if (state || !record_) {
+      return false;
+    }
+    const bool is_refined =
+        InspectMap(current,
+                   {},
+                   &current == &paths_.depth
+                       ? &record_->written_depth
+                       : &record_->written_normal) == MapState::kWritten;
+    if (is_refined) {
+      Warn(current.string() +
+           ": this map has been refined, and its original is gone; it is left "
+           "as it is");
+    }
+    return is_refined;
+  }
+
+  void PutBack() {
+    PutBack(normal_, paths_.normal, paths_.original_normal);
+    PutBack(depth_, paths_.depth, paths_.original_depth);
+    ++result_->num_restored;
+    RemoveResults();
+    RemoveFile(paths_.record);
+  }
+
+  void PutBack(std::optional<MapState> state,
+               const ContainedPath& current,
+               const ContainedPath& stored) {
+    if (!state) {
+      return;
+    }
+    CreateFolders(current.Parent());
+    if (state != MapState::kMissing && state != MapState::kWritten &&
+        state != MapState::kOriginal) {
+      result_->superseded.push_back(Supersede(current, current).Path());
+    }
+    RenameFile(stored, current);
+  }
+
+  // Record and originals stay, so that the decision can be another one later.
+  void Keep() {
+    RemoveResults();
+    result_->kept.push_back(paths_.depth.Path());
+  }
+
+  void RemoveResults() {
+    RemoveFile(paths_.confidence);
+    RemoveFile(paths_.provenance);
+  }
+
+  const MapPaths paths_;
+  const RestoreConflicts conflicts_;
+  RestoreResult* const result_;
+  const std::optional<ImageRecord> record_;
+  const std::optional<MapState> depth_;
+  const std::optional<MapState> normal_;
+};
+
+// What lies directly in stereo/tsar and is of runs: not the lock, nor what they
+// superseded.
+std::vector<Folder::Entry> ListTsarFolder(const std::filesystem::path& root) {
+  std::vector<Folder::Entry> entries;
+  if (const auto folder = Folder::OpenIfThere(GetTsarFolder(root))) {
+    entries = folder->List();
+  }
+  std::erase_if(entries, [&](const Folder::Entry& entry) {
+    return entry.name == WorkspaceLock::kFileName ||
+           entry.name == GetSupersededFolder(root).Filename();
+  });
+  return entries;
+}
+
+void RemoveTsarFolder(const std::filesystem::path& root, bool are_all_linked) {
+  const ContainedPath tsar = GetTsarFolder(root);
+  RemoveTemporaries(tsar / kOriginals);
+  RemoveEmptyFolders(tsar / kOriginals);
+  const bool needs_notes = Exists(tsar / kOriginals) || !are_all_linked;
+  for (const Folder::Entry& entry : ListTsarFolder(root)) {
+    const ContainedPath path = tsar / entry.name;
+    if (!entry.is_folder) {
+      RemoveFile(path);
+    } else if (entry.name == kRecords) {
+      RemoveTemporaries(path);
+      RemoveEmptyFolders(path);
+    } else if (entry.name != kOriginals &&
+               !(needs_notes && entry.name == kOutputsFolder)) {
+      RemoveTree(path);
+    }
+  }
+  RemoveFolderIfEmpty(tsar);
+}
+
+}  // namespace
+
+bool HasRunState(const std::filesystem::path& root) {
+  return !ListTsarFolder(root).empty();
+}
+
+RestoreConflicts ParseRestoreConflicts(const std::string& text) {
+  if (text == "report") {
+    return RestoreConflicts::kReport;
+  }
+  if (text == "keep") {
+    return RestoreConflicts::kKeep;
+  }
+  if (text == "original") {
+    return RestoreConflicts::kOriginal;
+  }
+  throw Error(ErrorCode::kBadOption,
+              "restore_conflicts: '" + text +
+                  "' is not known; give report, keep or original");
+}
+
+RestoreResult Restore(const std::filesystem::path& root,
+                      RestoreConflicts conflicts) {
+  if (const auto source = ReadOutputMarker(root)) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        root.string(),
+        "this is an output workspace; its originals are in " + source->string(),
+        "delete the output workspace where it is not wanted");
+  }
+  const ContainedPath tsar = GetTsarFolder(root);
+  // A run that was stopped before its first map leaves no original, but its
+  // manifest and what it observed.
+  if (!HasRunState(root)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      tsar.string(),
+                      "there is nothing to restore",
+                      "check " + OptionName("workspace_path"));
+  }
+  std::set<std::string> keys;
+  AddKeys(tsar / kRecords, ".json", &keys);
+  AddKeys(tsar / kOriginals / "depth_maps", ".bin", &keys);
+  AddKeys(tsar / kOriginals / "normal_maps", ".bin", &keys);
+  RestoreResult result;
+  // All is looked at before the first file is changed.
+  std::vector<ImageRestorer> images;
+  for (const std::string& key : keys) {
+    images.emplace_back(GetMapPaths(root, key), conflicts, &result);
+  }
+  for (ImageRestorer& image : images) {
+    image.Run();
+  }
+  bool are_all_linked = true;
+  result.relinked = RelinkOutputs(root, &are_all_linked);
+  const ContainedPath stereo(root, "stereo");
+  for (const char* folder :
+       {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
+    RemoveTemporaries(stereo / folder);
+  }
+  RemoveEmptyFolders(stereo / "confidence_maps");
+  RemoveEmptyFolders(stereo / "provenance_maps");
+  RemoveTsarFolder(root, are_all_linked);
+  return result;
+}
+
+}  // namespace tsar

@@ -1,0 +1,58 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/contained_path.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace tsar {
+
+// Held while a program changes a workspace, so that no second one does; or,
+// shared, by programs of one kind that do not disturb each other: those that
+// read one that must not change meanwhile, and the shards of one pass. The
+// system releases the lock also where the program is killed. Throws Error:
+// kUnsupported, naming the file, where another program holds it; kNotFound
+// where there is no stereo folder; kIo; for writing also what
+// RequireFoldersInside throws. On file systems without locks it only warns, and
+// a reader's lock also where the file cannot be written.
+//
+// These are the locks of fcntl() on parts of one file, which NFS and other file
+// systems of clusters pass on to the server, so that they hold between
+// machines.
+class WorkspaceLock {
+ public:
+  // In stereo/tsar.
+  static constexpr const char* kFileName = "lock";
+
+  enum class Mode {
+    kExclusive,
+    kShared,   // Reads.
+    kObserve,  // Works on a shard, in the first pass or
+    kCompose,  // in the second.
+    // Reads one that the user did not name, but a file: creates nothing there,
+    // so that without the lock's file there is no lock.
+    kSharedIfThere,
+  };
+
+  // shard: its number, from 0 on, for the modes of shards: no other program may
+  // work on it, in whichever pass.
+  explicit WorkspaceLock(const std::filesystem::path& root,
+                         Mode mode = Mode::kExclusive,
+                         std::optional<int> shard = std::nullopt);
+  ~WorkspaceLock();
+  WorkspaceLock(const WorkspaceLock&) = delete;
+  WorkspaceLock& operator=(const WorkspaceLock&) = delete;
+
+ private:
+  bool StillHasName();
+  void Release();
+
+  ContainedPath path_;
+  Mode mode_;
+  int descriptor_ = -1;
+};
+
+}  // namespace tsar

@@ -1,0 +1,260 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/write_back.h"
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/store/links.h"
+#include "colmap_tsar/store/originals.h"
+#include "colmap_tsar/store/superseded.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
+  if (!maps.normal.HasSizeOf(maps.depth) ||
+      !maps.confidence.HasSizeOf(maps.depth) ||
+      !maps.provenance.HasSizeOf(maps.depth)) {
+    throw Error(ErrorCode::kMismatch,
+                image +
+                    ": the refined maps differ in size; this is a mistake "
+                    "of the program, please report it");
+  }
+}
+
+void PutProvenance(const Image<uint8_t>& provenance,
+                   const std::filesystem::path& path,
+                   AtomicFile* file) {
+  // Encoding only reads.
+  const cv::Mat pixels(provenance.Height(),
+                       provenance.Width(),
+                       CV_8UC1,
+                       const_cast<uint8_t*>(provenance.Data()));
+  // OpenCV's own settings are the fastest; the others save a few per cent.
+  std::vector<uchar> bytes;
+  if (!cv::imencode(".png", pixels, bytes)) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be encoded as PNG",
+                      "check that OpenCV was built with PNG");
+  }
+  file->Stream().write(reinterpret_cast<const char*>(bytes.data()),
+                       static_cast<std::streamsize>(bytes.size()));
+}
+
+// Of a map that was written anew since, so that it is an original no longer.
+void SupersedeOriginal(const ContainedPath& current,
+                       const ContainedPath& stored) {
+  const ContainedPath moved = Supersede(stored, current);
+  Warn(current.string() +
+       ": this map is newer than its refinement and counts "
+       "as the original now; the one before is " +
+       moved.string());
+}
+
+void KeepOriginal(OriginalState state,
+                  const ContainedPath& current,
+                  const ContainedPath& stored) {
+  switch (state) {
+    case OriginalState::kMissing:
+      throw Error::File(ErrorCode::kNotFound,
+                        current.string(),
+                        "there is no map to refine",
+                        "run patch_match_stereo for this image");
+    case OriginalState::kInPlace:
+    case OriginalState::kReplaced:
+      LinkOrCopyFile(current, stored);
+      break;
+    case OriginalState::kStored:
+      break;
+  }
+}
+
+void KeepBoth(const OriginalMaps& originals, const MapPaths& paths) {
+  // All former ones go first, so that at every instant what is stored is either
+  // of former times or of today, and not one of each.
+  if (originals.depth_state == OriginalState::kReplaced) {
+    SupersedeOriginal(paths.depth, paths.original_depth);
+  }
+  if (originals.normal_state == OriginalState::kReplaced) {
+    SupersedeOriginal(paths.normal, paths.original_normal);
+  }
+  KeepOriginal(originals.depth_state, paths.depth, paths.original_depth);
+  KeepOriginal(originals.normal_state, paths.normal, paths.original_normal);
+}
+
+// The inverse of KeepOriginal.
+void PutOriginalBack(OriginalState state,
+                     const ContainedPath& current,
+                     const ContainedPath& stored) {
+  if (state == OriginalState::kStored) {
+    RenameFile(stored, current);
+  } else if (state == OriginalState::kReplaced) {
+    SupersedeOriginal(current, stored);
+  }
+}
+
+void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
+  record->version = TSAR_VERSION;
+  record->image = workspace.Model().images.at(static_cast<size_t>(image)).name;
+  record->type = ToString(workspace.Type());
+}
+
+}  // namespace
+
+WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
+    : workspace_(workspace),
+      image_(image),
+      paths_(workspace.Paths(image, workspace.Type())),
+      record_(std::move(record)) {
+  FillIn(workspace, image, &record_);
+}
+
+void WriteBack::PrepareFiles(const RefinedMaps& maps) {
+  RequireSameSizes(maps, record_.image);
+  for (const ContainedPath* path : {&paths_.depth,
+                                    &paths_.normal,
+                                    &paths_.confidence,
+                                    &paths_.provenance}) {
+    CreateFolders(path->Parent());
+    files_.emplace_back(*path);
+  }
+  // An earlier refinement may still be in place until the files are renamed.
+  const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
+  record_.written_depth = earlier.written_depth;
+  record_.written_normal = earlier.written_normal;
+  record_.written_depth.insert(record_.written_depth.begin(),
+                               PutDepthMap(maps.depth, &files_[0]));
+  record_.written_normal.insert(record_.written_normal.begin(),
+                                PutNormalMap(maps.normal, &files_[1]));
+  PutDepthMap(maps.confidence, &files_[2]);
+  PutProvenance(maps.provenance, paths_.provenance, &files_[3]);
+  for (AtomicFile& file : files_) {
+    file.Prepare();
+  }
+  record_.written_depth.front().time = files_[0].Time();
+  record_.written_normal.front().time = files_[1].Time();
+}
+
+void WriteBack::Commit() {
+  KeepOriginals();
+  RecordWriting();
+  RenameFiles();
+  RecordDone();
+}
+
+void WriteBack::KeepOriginals() {
+  const OriginalMaps originals =
+      FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
+  if (workspace_.IsOutput()) {
+    record_.original_depth_hash = HashFile(originals.depth);
+    record_.original_normal_hash = HashFile(originals.normal);
+    return;
+  }
+  KeepBoth(originals, paths_);
+}
+
+void WriteBack::RecordWriting() {
+  record_.status = ImageStatus::kWriting;
+  WriteRecord(paths_.record, record_);
+}
+
+void WriteBack::RenameFiles() {
+  for (AtomicFile& file : files_) {
+    file.Commit();
+  }
+}
+
+void WriteBack::RecordDone() {
+  record_.status = ImageStatus::kDone;
+  record_.written_depth.resize(1);
+  record_.written_normal.resize(1);
+  WriteRecord(paths_.record, record_);
+}
+
+void WriteRefined(const Workspace& workspace,
+                  int image,
+                  const RefinedMaps& maps,
+                  ImageRecord record) {
+  WriteBack write_back(workspace, image, std::move(record));
+  write_back.PrepareFiles(maps);
+  write_back.Commit();
+}
+
+void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals =
+      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
+  if (workspace.IsOutput()) {
+    LinkMap(originals.depth_state, originals.depth, paths.depth);
+    LinkMap(originals.normal_state, originals.normal, paths.normal);
+  } else {
+    PutOriginalBack(originals.depth_state, paths.depth, paths.original_depth);
+    PutOriginalBack(
+        originals.normal_state, paths.normal, paths.original_normal);
+  }
+  RemoveFile(paths.confidence);
+  RemoveFile(paths.provenance);
+  FillIn(workspace, image, &record);
+  record.status = ImageStatus::kKept;
+  record.written_depth.clear();
+  record.written_normal.clear();
+  WriteRecord(paths.record, record);
+}
+
+void StoreOriginals(const Workspace& workspace, int image) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals = FindOriginals(paths);
+  if (!ReadRecord(paths.record)) {
+    // Tells that a map which is found in place later is a newer one.
+    ImageRecord record;
+    FillIn(workspace, image, &record);
+    WriteRecord(paths.record, record);
+  }
+  KeepBoth(originals, paths);
+}
+
+bool IsDone(const Workspace& workspace,
+            int image,
+            const std::string& options_hash,
+            const std::map<std::string, std::string>& inputs) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const std::optional<ImageRecord> record = ReadRecord(paths.record);
+  if (!record || record->status != ImageStatus::kDone ||
+      record->options_hash != options_hash || record->version != TSAR_VERSION ||
+      record->inputs != inputs || record->written_depth.empty() ||
+      record->written_normal.empty()) {
+    return false;
+  }
+  if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
+      !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
+      HashFile(paths.depth) != record->written_depth[0].hash ||
+      HashFile(paths.normal) != record->written_normal[0].hash) {
+    return false;
+  }
+  if (!workspace.IsOutput()) {
+    return true;
+  }
+  const OriginalMaps originals =
+      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
+  return IsFile(originals.depth) && IsFile(originals.normal) &&
+         HashFile(originals.depth) == record->original_depth_hash &&
+         HashFile(originals.normal) == record->original_normal_hash;
+}
+
+}  // namespace tsar

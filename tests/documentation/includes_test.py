@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The folders of the library are layers, in the order of colmap_tsar/
+CMakeLists.txt: a file includes what lies in its own folder or in one below, and
+no file includes itself by way of others."""
+import argparse
+import os
+import re
+
+from sample_testing import check
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--repository", required=True)
+args = parser.parse_args()
+
+INCLUDE = re.compile(r'^#include "colmap_tsar/([^"]+)"', re.MULTILINE)
+
+
+def upward_includes(includes, layers):
+    """The pairs of a file and what it includes from a higher folder."""
+    def layer(name):
+        return layers.index(name.split("/")[0])
+    return [(name, other) for name, others in sorted(includes.items())
+            for other in others if layer(other) > layer(name)]
+
+
+def circle(includes):
+    """Files each of which includes the next, the last one the first; or []."""
+    done = set()
+
+    def walk(name, way):
+        if name in way:
+            return way[way.index(name):]
+        if name in done:
+            return []
+        for other in includes.get(name, ()):
+            found = walk(other, way + [name])
+            if found:
+                return found
+        done.add(name)
+        return []
+
+    for name in sorted(includes):
+        found = walk(name, [])
+        if found:
+            return found
+    return []
+
+
+# What the two say of a library that breaks the rules.
+check(upward_includes({"a/x.h": ["b/y.h", "a/z.h"], "b/y.h": ["a/z.h"]}, ["a", "b"]) ==
+      [("a/x.h", "b/y.h")], "an include that goes up is found")
+check(circle({"a/x.h": ["a/y.h"], "a/y.h": ["a/z.h"], "a/z.h": ["a/y.h"]}) ==
+      ["a/y.h", "a/z.h"], "a circle is found")
+
+root = os.path.join(args.repository, "colmap_tsar")
+with open(os.path.join(root, "CMakeLists.txt"), encoding="utf-8") as file:
+    layers = re.findall(r"add_subdirectory\((\w+)\)", file.read())
+includes = {}
+for folder, _, files in os.walk(root):
+    for file in files:
+        if file.endswith((".h", ".cuh", ".cc", ".cu")):
+            path = os.path.join(folder, file)
+            with open(path, encoding="utf-8") as source:
+                includes[os.path.relpath(path, root)] = INCLUDE.findall(source.read())
+check(len(includes) > 200, f"{len(includes)} sources were read")
+unknown = sorted({name for others in includes.values() for name in others} - set(includes))
+check(not unknown, f"every included file exists: {unknown}")
+up = upward_includes(includes, layers)
+check(not up, "no include goes up" +
+      "".join(f"\n  {name} includes {other}" for name, other in up))
+found = circle(includes)
+check(not found, "no include goes in a circle" +
+      "".join(f"\n  {name}" for name in found))

@@ -1,0 +1,484 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/label_graph.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/random.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+using Labels = std::vector<int>;
+
+// A table of num_labels x num_labels costs.
+using Table = std::vector<float>;
+
+// Enough for every graph here to come to rest.
+constexpr ExpansionOptions kUntilRest{.max_sweeps = 100};
+
+// A number in [0, 4) of which sums are exact.
+float DrawCost(Philox* random) { return random->NextBelow(64) / 16.f; }
+
+// Nodes with drawn costs of their labels, and no edges.
+LabelGraph DrawNodes(int num_nodes, int num_labels, Philox* random) {
+  LabelGraph graph;
+  graph.num_nodes = num_nodes;
+  graph.num_labels = num_labels;
+  graph.unary.resize(static_cast<size_t>(num_nodes) * num_labels);
+  for (float& cost : graph.unary) {
+    cost = DrawCost(random);
+  }
+  return graph;
+}
+
+void SetTables(std::vector<Table> tables, LabelGraph* graph) {
+  graph->pairwise = [tables = std::move(tables), n = graph->num_labels](
+                        int edge, int a, int b) {
+    return tables[edge][a * n + b];
+  };
+}
+
+// Edges between nodes as drawn, some of them twice, each with its own table.
+template <typename DrawTable>
+void AddEdges(int num_edges,
+              const DrawTable& draw_table,
+              Philox* random,
+              LabelGraph* graph) {
+  std::vector<Table> tables;
+  for (int i = 0; i < num_edges && graph->num_nodes > 1; ++i) {
+    const int first = random->NextBelow(graph->num_nodes);
+    const int step = 1 + random->NextBelow(graph->num_nodes - 1);
+    graph->edges.push_back({first, (first + step) % graph->num_nodes});
+    tables.push_back(draw_table());
+  }
+  SetTables(std::move(tables), graph);
+}
+
+// Any costs of two labels of which the equal ones together cost no more.
+Table DrawSubmodularTable(Philox* random) {
+  const float both_first = DrawCost(random) - 2.f;
+  const float both_second = DrawCost(random) - 2.f;
+  const float first_second = DrawCost(random) - 2.f;
+  return {both_first,
+          first_second,
+          both_first + both_second - first_second + DrawCost(random),
+          both_second};
+}
+
+// A weight times the distance of positions on a line, up to a limit.
+Table DrawMetricTable(int num_labels, Philox* random) {
+  const float weight = (1 + random->NextBelow(16)) / 16.f;
+  Table table(num_labels * num_labels);
+  for (int a = 0; a < num_labels; ++a) {
+    for (int b = 0; b < num_labels; ++b) {
+      table[a * num_labels + b] = weight * std::min(std::abs(a - b), 2);
+    }
+  }
+  return table;
+}
+
+Table DrawAnyTable(int num_labels, Philox* random) {
+  Table table(num_labels * num_labels);
+  for (float& cost : table) {
+    cost = DrawCost(random) - 2.f;
+  }
+  return table;
+}
+
+Labels DrawLabels(const LabelGraph& graph, Philox* random) {
+  Labels labels(graph.num_nodes);
+  for (int& label : labels) {
+    label = random->NextBelow(graph.num_labels);
+  }
+  return labels;
+}
+
+// The least energy of all labellings, by trying them.
+double LeastEnergy(const LabelGraph& graph) {
+  Labels labels(graph.num_nodes, 0);
+  double least = Energy(graph, labels);
+  for (int node = 0; node < graph.num_nodes;) {
+    if (++labels[node] < graph.num_labels) {
+      least = std::min(least, Energy(graph, labels));
+      node = 0;
+    } else {
+      labels[node++] = 0;
+    }
+  }
+  return least;
+}
+
+// The least energy that giving one label to any set of nodes can lead to.
+double LeastEnergyOfMoves(const LabelGraph& graph, const Labels& labels) {
+  double least = Energy(graph, labels);
+  for (int label = 0; label < graph.num_labels; ++label) {
+    for (uint32_t set = 0; set < 1u << graph.num_nodes; ++set) {
+      Labels moved = labels;
+      for (int node = 0; node < graph.num_nodes; ++node) {
+        if (set >> node & 1u) {
+          moved[node] = label;
+        }
+      }
+      least = std::min(least, Energy(graph, moved));
+    }
+  }
+  return least;
+}
+
+TEST(EnergyTest, AddsTheCostsOfNodesAndEdges) {
+  LabelGraph graph;
+  graph.num_nodes = 3;
+  graph.num_labels = 2;
+  graph.unary = {1.f, 2.f, 4.f, 8.f, 16.f, 32.f};
+  graph.edges = {{0, 1}, {2, 1}};
+  graph.pairwise = [](int edge, int a, int b) {
+    return 100.f * (1 + edge) + 1000.f * a + 10000.f * b;
+  };
+  EXPECT_EQ(Energy(graph, {0, 0, 0}), 1 + 4 + 16 + 100 + 200);
+  EXPECT_EQ(Energy(graph, {1, 0, 0}), 2 + 4 + 16 + 1100 + 200);
+  EXPECT_EQ(Energy(graph, {0, 1, 1}), 1 + 8 + 32 + 10100 + 11200);
+}
+
+TEST(LabelGraphTest, FindsTheBestOfTwoLabels) {
+  Philox random(1, 0, 0);
+  for (int trial = 0; trial < 300; ++trial) {
+    LabelGraph graph = DrawNodes(1 + random.NextBelow(8), 2, &random);
+    AddEdges(
+        random.NextBelow(16),
+        [&] { return DrawSubmodularTable(&random); },
+        &random,
+        &graph);
+    const double least = LeastEnergy(graph);
+    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, {})), least);
+    const Labels drawn = DrawLabels(graph, &random);
+    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, {}, drawn)), least);
+  }
+}
+
+// Dynamic programming knows the best labels of a chain of any length.
+TEST(LabelGraphTest, FindsTheBestOfTwoLabelsOnALongChain) {
+  Philox random(2, 0, 0);
+  LabelGraph graph = DrawNodes(3000, 2, &random);
+  std::vector<Table> tables;
+  std::array<double, 2> least = {graph.unary[0], graph.unary[1]};
+  for (int node = 1; node < graph.num_nodes; ++node) {
+    graph.edges.push_back({node - 1, node});
+    tables.push_back(DrawSubmodularTable(&random));
+    std::array<double, 2> next;
+    for (int b = 0; b < 2; ++b) {
+      next[b] =
+          graph.unary[2 * node + b] + std::min(least[0] + tables.back()[b],
+                                               least[1] + tables.back()[2 + b]);
+    }
+    least = next;
+  }
+  SetTables(std::move(tables), &graph);
+  EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, {})),
+            std::min(least[0], least[1]));
+}
+
+TEST(LabelGraphTest, LeavesNoMoveThatImprovesAMetric) {
+  Philox random(3, 0, 0);
+  for (int trial = 0; trial < 100; ++trial) {
+    LabelGraph graph = DrawNodes(2 + random.NextBelow(5), 3, &random);
+    AddEdges(
+        3 + random.NextBelow(9),
+        [&] { return DrawMetricTable(3, &random); },
+        &random,
+        &graph);
+    const Labels initial = DrawLabels(graph, &random);
+    const Labels labels = MinimizeByExpansion(graph, kUntilRest, initial);
+    const double energy = Energy(graph, labels);
+    EXPECT_EQ(energy, LeastEnergyOfMoves(graph, labels));
+    EXPECT_LE(energy, Energy(graph, initial));
+    // Twice the ratio of the largest to the smallest cost of unequal labels.
+    EXPECT_LE(energy, 2.0 * 2.0 * LeastEnergy(graph));
+  }
+}
+
+TEST(LabelGraphTest, NeverRaisesTheEnergyWhateverTheCosts) {
+  Philox random(4, 0, 0);
+  for (int trial = 0; trial < 200; ++trial) {
+    LabelGraph graph = DrawNodes(20, 4, &random);
+    AddEdges(
+        50, [&] { return DrawAnyTable(4, &random); }, &random, &graph);
+    Labels labels = DrawLabels(graph, &random);
+    double energy = Energy(graph, labels);
+    while (true) {
+      Labels next = MinimizeByExpansion(graph, {.max_sweeps = 1}, labels);
+      if (next == labels) {
+        break;
+      }
+      const double lowered = Energy(graph, next);
+      ASSERT_LT(lowered, energy);
+      energy = lowered;
+      labels = std::move(next);
+    }
+  }
+}
+
+// Where the tables are no metric, moves are still good ones.
+TEST(LabelGraphTest, ComesNearTheLeastEnergyWhateverTheCosts) {
+  Philox random(5, 0, 0);
+  double excess = 0.0;
+  double excess_of_initial = 0.0;
+  for (int trial = 0; trial < 50; ++trial) {
+    LabelGraph graph = DrawNodes(6, 3, &random);
+    AddEdges(
+        12, [&] { return DrawAnyTable(3, &random); }, &random, &graph);
+    const double least = LeastEnergy(graph);
+    excess += Energy(graph, MinimizeByExpansion(graph, {})) - least;
+    excess_of_initial +=
+        Energy(graph, MinimizeByExpansion(graph, {.max_sweeps = 0})) - least;
+  }
+  EXPECT_LT(excess, 0.5 * excess_of_initial);
+}
+
+TEST(LabelGraphTest, CutsAChainAtItsCheapEdge) {
+  constexpr int kNumNodes = 40;
+  constexpr int kCheapEdge = 26;
+  LabelGraph graph;
+  graph.num_nodes = kNumNodes;
+  graph.num_labels = 3;
+  graph.unary.assign(kNumNodes * 3, 1.f);
+  graph.unary[0 * 3 + 2] = -50.f;
+  graph.unary[(kNumNodes - 1) * 3 + 1] = -50.f;
+  for (int node = 0; node + 1 < kNumNodes; ++node) {
+    graph.edges.push_back({node, node + 1});
+  }
+  graph.pairwise = [](int edge, int a, int b) {
+    return a == b ? 0.f : edge == kCheapEdge ? 0.5f : 2.f;
+  };
+  const Labels labels = MinimizeByExpansion(graph, {});
+  for (int node = 0; node < kNumNodes; ++node) {
+    EXPECT_EQ(labels[node], node <= kCheapEdge ? 2 : 1) << node;
+  }
+}
+
+TEST(LabelGraphTest, TellsTheFirstNodeOfAnEdgeFromTheSecond) {
+  LabelGraph graph;
+  graph.num_nodes = 2;
+  graph.num_labels = 3;
+  graph.unary.assign(6, 0.f);
+  graph.edges = {{1, 0}};
+  graph.pairwise = [](int, int a, int b) {
+    return a == 2 && b == 1 ? -1.f : 1.f;
+  };
+  EXPECT_EQ(MinimizeByExpansion(graph, {}, {1, 1}), (Labels{1, 2}));
+  EXPECT_EQ(MinimizeByExpansion(graph, {}, {2, 2}), (Labels{1, 2}));
+}
+
+TEST(LabelGraphTest, StartsFromTheCheapestLabels) {
+  LabelGraph graph;
+  graph.num_nodes = 3;
+  graph.num_labels = 3;
+  graph.unary = {3.f, 1.f, 2.f, -1.f, 0.f, 5.f, 7.f, 4.f, 4.f};
+  EXPECT_EQ(MinimizeByExpansion(graph, {.max_sweeps = 0}), (Labels{1, 0, 1}));
+}
+
+TEST(LabelGraphTest, SweepsAsOftenAsTold) {
+  Philox random(6, 0, 0);
+  LabelGraph graph = DrawNodes(200, 8, &random);
+  AddEdges(
+      600, [&] { return DrawMetricTable(8, &random); }, &random, &graph);
+  const Labels initial(200, 7);
+  EXPECT_EQ(MinimizeByExpansion(graph, {.max_sweeps = 0}, initial), initial);
+  const Labels once = MinimizeByExpansion(graph, {.max_sweeps = 1}, initial);
+  const Labels twice = MinimizeByExpansion(graph, {.max_sweeps = 2}, initial);
+  EXPECT_LT(Energy(graph, twice), Energy(graph, once));
+  EXPECT_EQ(twice, MinimizeByExpansion(graph, {.max_sweeps = 1}, once));
+}
+
+TEST(LabelGraphTest, StopsWhereNothingChanges) {
+  Philox random(10, 0, 0);
+  LabelGraph graph = DrawNodes(50, 4, &random);
+  AddEdges(
+      150, [&] { return DrawMetricTable(4, &random); }, &random, &graph);
+  int64_t num_asked = 0;
+  graph.pairwise = [&, costs = graph.pairwise](int edge, int a, int b) {
+    ++num_asked;
+    return costs(edge, a, b);
+  };
+  MinimizeByExpansion(graph, {.max_sweeps = 50});
+  const int64_t num_asked_in_50 = std::exchange(num_asked, 0);
+  MinimizeByExpansion(graph, {.max_sweeps = 100});
+  EXPECT_EQ(num_asked, num_asked_in_50);
+}
+
+TEST(LabelGraphTest, KeepsLabelsThatAreAsGood) {
+  LabelGraph graph;
+  graph.num_nodes = 4;
+  graph.num_labels = 3;
+  graph.unary.assign(12, 0.1f);
+  graph.edges = {{0, 1}, {1, 2}, {2, 3}};
+  graph.pairwise = [](int, int, int) { return 0.3f; };
+  const Labels initial = {2, 0, 1, 2};
+  EXPECT_EQ(MinimizeByExpansion(graph, {}, initial), initial);
+}
+
+TEST(LabelGraphTest, NodesWithoutEdgesTakeTheirCheapestLabel) {
+  Philox random(7, 0, 0);
+  const LabelGraph graph = DrawNodes(30, 5, &random);
+  const Labels cheapest = MinimizeByExpansion(graph, {.max_sweeps = 0});
+  const Labels labels = MinimizeByExpansion(graph, {}, Labels(30, 4));
+  EXPECT_EQ(Energy(graph, labels), Energy(graph, cheapest));
+}
+
+TEST(LabelGraphTest, PartsOfAGraphDoNotTouchEachOther) {
+  Philox random(8, 0, 0);
+  LabelGraph graph = DrawNodes(12, 2, &random);
+  for (int node = 0; node + 1 < 12; ++node) {
+    if (node != 5) {
+      graph.edges.push_back({node, node + 1});
+    }
+  }
+  graph.pairwise = [](int, int a, int b) { return a == b ? 0.f : 1.25f; };
+  const Labels labels = MinimizeByExpansion(graph, {});
+  for (int label = 0; label < 2; ++label) {
+    LabelGraph forced = graph;
+    forced.unary[11 * 2 + label] = -1000.f;
+    const Labels of_forced = MinimizeByExpansion(forced, {});
+    EXPECT_EQ(of_forced[11], label);
+    EXPECT_TRUE(
+        std::equal(labels.begin(), labels.begin() + 6, of_forced.begin()));
+  }
+}
+
+TEST(LabelGraphTest, WorksOnTheSmallestGraphs) {
+  EXPECT_EQ(MinimizeByExpansion({}, {}), Labels{});
+  EXPECT_EQ(Energy({}, {}), 0.0);
+
+  LabelGraph one_node;
+  one_node.num_nodes = 1;
+  one_node.num_labels = 3;
+  one_node.unary = {0.f, -2.f, 1.f};
+  EXPECT_EQ(MinimizeByExpansion(one_node, {}), Labels{1});
+  EXPECT_EQ(MinimizeByExpansion(one_node, {}, {2}), Labels{1});
+
+  LabelGraph one_label;
+  one_label.num_nodes = 2;
+  one_label.num_labels = 1;
+  one_label.unary = {1.f, 2.f};
+  one_label.edges = {{0, 1}};
+  one_label.pairwise = [](int, int, int) { return 4.f; };
+  EXPECT_EQ(MinimizeByExpansion(one_label, {}), (Labels{0, 0}));
+  EXPECT_EQ(Energy(one_label, {0, 0}), 7.0);
+}
+
+TEST(LabelGraphTest, DependsOnRatiosOfCostsOnly) {
+  Philox random(9, 0, 0);
+  LabelGraph graph = DrawNodes(300, 6, &random);
+  AddEdges(
+      900, [&] { return DrawAnyTable(6, &random); }, &random, &graph);
+  const Labels labels = MinimizeByExpansion(graph, {});
+  EXPECT_EQ(MinimizeByExpansion(graph, {}), labels);
+  for (const float scale : {0x1p-100f, 0x1p100f}) {
+    LabelGraph scaled = graph;
+    for (float& cost : scaled.unary) {
+      cost *= scale;
+    }
+    scaled.pairwise = [&](int edge, int a, int b) {
+      return scale * graph.pairwise(edge, a, b);
+    };
+    EXPECT_EQ(MinimizeByExpansion(scaled, {}), labels);
+  }
+}
+
+class BadLabelGraphTest : public testing::Test {
+ protected:
+  BadLabelGraphTest() {
+    graph_.num_nodes = 3;
+    graph_.num_labels = 2;
+    graph_.unary.assign(6, 1.f);
+    graph_.edges = {{0, 1}, {1, 2}};
+    graph_.pairwise = [](int, int a, int b) { return a == b ? 0.f : 1.f; };
+  }
+
+  void ExpectError(ErrorCode code, const Labels& labels = {}) const {
+    try {
+      MinimizeByExpansion(graph_, {}, labels);
+      ADD_FAILURE() << "nothing thrown";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.Code(), code);
+    }
+  }
+
+  LabelGraph graph_;
+};
+
+TEST_F(BadLabelGraphTest, IsGoodAsItIs) {
+  EXPECT_NO_THROW(MinimizeByExpansion(graph_, {}, {0, 1, 0}));
+}
+
+TEST_F(BadLabelGraphTest, CountsAreNegative) {
+  graph_ = {};
+  graph_.num_nodes = -1;
+  ExpectError(ErrorCode::kMismatch);
+  graph_ = {};
+  graph_.num_labels = -1;
+  ExpectError(ErrorCode::kMismatch);
+}
+
+TEST_F(BadLabelGraphTest, NodesHaveNoLabels) {
+  graph_.num_labels = 0;
+  graph_.unary.clear();
+  ExpectError(ErrorCode::kMismatch);
+}
+
+TEST_F(BadLabelGraphTest, CostsOfNodesAreTooFewOrTooMany) {
+  graph_.unary.resize(5);
+  ExpectError(ErrorCode::kMismatch);
+  graph_.unary.resize(7);
+  ExpectError(ErrorCode::kMismatch);
+}
+
+TEST_F(BadLabelGraphTest, EdgesLeadOutOfTheGraph) {
+  for (const std::array<int, 2>& edge :
+       {std::array{-1, 0}, {3, 0}, {0, -1}, {0, 3}, {2, 2}}) {
+    graph_.edges[1] = edge;
+    ExpectError(ErrorCode::kMismatch);
+  }
+}
+
+TEST_F(BadLabelGraphTest, EdgesHaveNoCosts) {
+  graph_.pairwise = nullptr;
+  ExpectError(ErrorCode::kMismatch);
+}
+
+TEST_F(BadLabelGraphTest, LabelsDoNotFit) {
+  ExpectError(ErrorCode::kMismatch, {0, 1});
+  ExpectError(ErrorCode::kMismatch, {0, 1, 0, 1});
+  ExpectError(ErrorCode::kMismatch, {0, 1, 2});
+  ExpectError(ErrorCode::kMismatch, {0, 1, -1});
+  EXPECT_THROW(Energy(graph_, {0, 1}), Error);
+  EXPECT_THROW(Energy(graph_, {0, 1, 2}), Error);
+  graph_.unary.pop_back();
+  EXPECT_THROW(Energy(graph_, {0, 1, 0}), Error);
+}
+
+TEST_F(BadLabelGraphTest, CostsAreNotFinite) {
+  for (const float cost : {std::numeric_limits<float>::infinity(),
+                           std::numeric_limits<float>::quiet_NaN()}) {
+    graph_.unary.assign(6, 1.f);
+    graph_.unary[3] = cost;
+    ExpectError(ErrorCode::kUnsupported);
+    graph_.unary[3] = 1.f;
+    graph_.pairwise = [=](int, int a, int b) { return a == b ? 0.f : cost; };
+    ExpectError(ErrorCode::kUnsupported);
+    graph_.pairwise = [](int, int, int) { return 0.f; };
+  }
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,284 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/refine_borders.h"
+
+#include "colmap_tsar/base/random.h"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 80;
+constexpr int kHeight = 60;
+constexpr int kSuperpixelSize = 20;
+constexpr int kNumColumns = kWidth / kSuperpixelSize;
+constexpr int kNumSuperpixels = kNumColumns * kHeight / kSuperpixelSize;
+constexpr int kWall = 0;
+constexpr int kBox = 1;
+constexpr float kWallDepth = 4.f;
+constexpr float kBoxDepth = 3.f;
+
+using Mask = std::function<bool(int x, int y)>;
+
+// A camera looks at a wall and, in front of it, at a box whose superpixels are
+// those that start left of column 40.
+class RefineBordersTest : public testing::Test {
+ protected:
+  RefineBordersTest() {
+    for (int s = 0; s < kNumSuperpixels; ++s) {
+      labels_.push_back(s % kNumColumns < 2 ? kBox : kWall);
+    }
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        superpixels_(x, y) = static_cast<uint16_t>(
+            y / kSuperpixelSize * kNumColumns + x / kSuperpixelSize);
+      }
+    }
+  }
+
+  void Paint(const Mask& is_bright) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        lab_(x, y) = {is_bright(x, y) ? 80.f : 40.f, 0.f, 0.f};
+      }
+    }
+  }
+
+  // Texture that hides no edge.
+  void Roughen(const Mask& is_textured) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (is_textured(x, y)) {
+          lab_(x, y).x += (x + y) % 2 == 0 ? 6.f : -6.f;
+        }
+      }
+    }
+  }
+
+  void Measure(float depth, const Mask& where) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (where(x, y)) {
+          depth_(x, y) = depth;
+          trust_(x, y) = 255;
+        }
+      }
+    }
+  }
+
+  struct Refined {
+    Image<uint16_t> superpixels;
+    Image<uint8_t> spilled;
+  };
+
+  Refined Refine() const {
+    const DeviceImage<uint16_t> superpixels(*device_, superpixels_);
+    const DeviceImage<Vec3f> lab(*device_, lab_);
+    const DeviceImage<float> depth(*device_, depth_);
+    const DeviceImage<uint8_t> trust(*device_, trust_);
+    const RefinedBorders refined = RefineBorders({superpixels.View(),
+                                                  lab.View(),
+                                                  depth.View(),
+                                                  trust.View(),
+                                                  {80.f, 80.f, 39.5f, 29.5f},
+                                                  scale_},
+                                                 labels_,
+                                                 planes_,
+                                                 options_,
+                                                 *device_);
+    return {refined.superpixels.ToHost(), refined.spilled.ToHost()};
+  }
+
+  // Of a pixel after refinement.
+  int Label(const Refined& refined, int x, int y) const {
+    return labels_[refined.superpixels(x, y)];
+  }
+
+  // Pixels whose label is not kBox where is_box says so and `other` elsewhere.
+  int CountWrong(const Mask& is_box, int other = kWall) const {
+    const Refined refined = Refine();
+    int num_wrong = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        num_wrong += Label(refined, x, y) != (is_box(x, y) ? kBox : other);
+      }
+    }
+    return num_wrong;
+  }
+
+  void ExpectUnchanged() const {
+    const Refined refined = Refine();
+    EXPECT_TRUE(std::equal(
+        superpixels_.begin(), superpixels_.end(), refined.superpixels.begin()));
+  }
+
+  std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+  Image<uint16_t> superpixels_{kWidth, kHeight};
+  Image<Vec3f> lab_{kWidth, kHeight, {40.f, 0.f, 0.f}};
+  Image<float> depth_{kWidth, kHeight};
+  Image<uint8_t> trust_{kWidth, kHeight};
+  std::vector<int> labels_;
+  std::vector<Plane> planes_ = {{{0.f, 0.f, -1.f}, kWallDepth},
+                                {{0.f, 0.f, -1.f}, kBoxDepth}};
+  DisparityScale scale_{0.f, 0.0025f};  // A pixel is 1 % of the wall's depth.
+  BorderOptions options_;
+};
+
+TEST_F(RefineBordersTest, BorderMovesToTheEdgeOfTheImage) {
+  for (const int edge : {33, 36, 39, 40, 41, 44, 47}) {
+    const Mask is_box = [&](int x, int) { return x < edge; };
+    Paint(is_box);
+    EXPECT_EQ(CountWrong(is_box), 0) << "edge at " << edge;
+  }
+}
+
+TEST_F(RefineBordersTest, BorderFollowsASlantedEdge) {
+  const Mask is_box = [](int x, int y) { return 6 * (x - 40) < y - 30; };
+  Paint(is_box);
+  EXPECT_EQ(CountWrong(is_box), 0);
+}
+
+TEST_F(RefineBordersTest, BorderStaysWithoutAnEdge) { ExpectUnchanged(); }
+
+TEST_F(RefineBordersTest, PixelsOutOfReachStay) {
+  Paint([](int x, int) { return x < 60; });
+  const Refined refined = Refine();
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (x < 40 - options_.reach || x >= 40 + options_.reach) {
+        EXPECT_EQ(refined.superpixels(x, y), superpixels_(x, y));
+      }
+    }
+  }
+}
+
+TEST_F(RefineBordersTest, CoincidingPlanesKeepTheirPixels) {
+  Paint([](int x, int) { return x < 36; });
+  planes_[kBox].offset = 0.992f * kWallDepth;
+  ExpectUnchanged();
+  planes_[kBox].offset = 0.98f * kWallDepth;
+  EXPECT_EQ(CountWrong([](int x, int) { return x < 36; }), 0);
+}
+
+TEST_F(RefineBordersTest, PlanesBehindTheCameraGainNothing) {
+  Paint([](int x, int) { return x < 44; });
+  planes_[kBox].normal = {0.f, 0.f, 1.f};
+  ExpectUnchanged();
+}
+
+// Its superpixels are as wide as it, but stand beside it.
+TEST_F(RefineBordersTest, ThinObjectIsKept) {
+  std::fill(labels_.begin(), labels_.end(), kWall);
+  const int num_superpixels = kNumSuperpixels + 1;
+  labels_.push_back(kBox);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 38; x < 42; ++x) {
+      superpixels_(x, y) = num_superpixels - 1;
+    }
+  }
+  const Mask is_post = [](int x, int) { return x >= 39 && x < 43; };
+  Paint(is_post);
+  EXPECT_EQ(CountWrong(is_post), 0);
+}
+
+TEST_F(RefineBordersTest, HolesGrowAndShrinkOnlyWhereTheyAre) {
+  for (int& label : labels_) {
+    label = label == kWall ? -1 : label;
+  }
+  for (const int edge : {36, 44}) {
+    const Mask is_box = [&](int x, int) { return x < edge; };
+    Paint(is_box);
+    EXPECT_EQ(CountWrong(is_box, -1), 0);
+  }
+}
+
+// With colours that say nothing, textured measurements decide, half of the way.
+TEST_F(RefineBordersTest, TexturedMeasurementsMoveTheBorder) {
+  const auto is_box = [](int x, int) { return x < 34; };
+  Roughen([](int, int) { return true; });
+  Measure(kBoxDepth, is_box);
+  Measure(kWallDepth, std::not_fn(is_box));
+  const Refined refined = Refine();
+  for (int y = 10; y < kHeight - 10; ++y) {
+    EXPECT_EQ(Label(refined, 33, y), kBox);
+    EXPECT_EQ(Label(refined, 38, y), kWall);
+  }
+}
+
+TEST_F(RefineBordersTest, DepthsThatSpillOverAnEdgeAreFound) {
+  const auto is_box = [](int x, int) { return x < 40; };
+  Paint(is_box);
+  Roughen(is_box);
+  Measure(kBoxDepth, [](int x, int) { return x < 46; });
+  EXPECT_EQ(CountWrong(is_box), 0);
+  const Refined refined = Refine();
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      EXPECT_EQ(refined.spilled(x, y), x >= 40 && x < 46) << x << ", " << y;
+    }
+  }
+}
+
+TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesDoNotSpill) {
+  const auto is_object = [](int x, int y) {
+    return x >= 60 && x < 70 && y >= 20 && y < 40;
+  };
+  Paint(is_object);
+  Roughen(is_object);
+  Measure(3.5f, is_object);
+  const Refined refined = Refine();
+  EXPECT_EQ(std::count(refined.spilled.begin(), refined.spilled.end(), 1), 0);
+}
+
+TEST_F(RefineBordersTest, DistrustSpilledCoversTheMap) {
+  Image<uint8_t> spilled(4, 3);
+  spilled(1, 2) = 1;
+  DeviceImage<uint8_t> trust(*device_, Image<uint8_t>(8, 6, 200));
+  DistrustSpilled(
+      DeviceImage<uint8_t>(*device_, spilled).View(), trust.View(), *device_);
+  const Image<uint8_t> after = trust.ToHost();
+  for (int y = 0; y < 6; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      EXPECT_EQ(after(x, y), x / 2 == 1 && y / 2 == 2 ? 0 : 200);
+    }
+  }
+}
+
+TEST_F(RefineBordersTest, DoesNotDependOnTheThreads) {
+  Philox random(1, 0, 0);
+  for (Vec3f& color : lab_) {
+    color.x = 100.f * random.NextFloat();
+  }
+  Measure(kBoxDepth, [](int x, int y) { return (x * y) % 3 == 0; });
+  const Refined first = Refine();
+  EXPECT_FALSE(std::equal(
+      superpixels_.begin(), superpixels_.end(), first.superpixels.begin()));
+  for (const int num_threads : {1, 4}) {
+    device_ = Device::CreateCpu(num_threads);
+    const Refined again = Refine();
+    EXPECT_TRUE(std::equal(first.superpixels.begin(),
+                           first.superpixels.end(),
+                           again.superpixels.begin()));
+    EXPECT_TRUE(std::equal(
+        first.spilled.begin(), first.spilled.end(), again.spilled.begin()));
+  }
+}
+
+TEST_F(RefineBordersTest, TakesAMapLargerThanTheRaster) {
+  const auto is_box = [](int x, int) { return x < 44; };
+  Paint(is_box);
+  depth_ = Image<float>(2 * kWidth, 2 * kHeight, kWallDepth);
+  trust_ = Image<uint8_t>(2 * kWidth, 2 * kHeight);
+  EXPECT_EQ(CountWrong(is_box), 0);
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,349 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/regular_directions.h"
+
+#include <cmath>
+
+#include "tests/support/drawn_observations.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr double kLossScale = 0.5;
+constexpr double kError = 0.01;  // Of the samples.
+
+bool AcceptAll(int, const WorldPlane&) { return true; }
+
+double Radians(double degrees) { return degrees * M_PI / 180.0; }
+
+void ExpectSame(const WorldPlane& a, const WorldPlane& b) {
+  EXPECT_EQ(a.normal, b.normal);
+  EXPECT_EQ(a.offset, b.offset);
+}
+
+// What there is of a plane: a rectangle, given by its middle and by the vectors
+// from there to the middles of two sides.
+struct Rectangle {
+  Eigen::Vector3d middle;
+  Eigen::Vector3d half_length;
+  Eigen::Vector3d half_width;
+
+  WorldPlane Plane() const {
+    return PlaneThrough(half_length.cross(half_width), middle);
+  }
+};
+
+// A room that stands askew in the world.
+class RegularDirectionsTest : public testing::Test {
+ protected:
+  // Measures a surface whose plane was found turned about the line through the
+  // rectangle's middle along its length, and about its normal's cross product
+  // with that.
+  MeasuredPlane Measure(const Rectangle& surface,
+                        double lean_degrees,
+                        double other_degrees = 0.0) {
+    constexpr int kCount = 20;
+    MeasuredPlane measured;
+    const Eigen::Vector3d normal =
+        Eigen::AngleAxisd(Radians(lean_degrees),
+                          surface.half_length.normalized()) *
+        Eigen::AngleAxisd(Radians(other_degrees),
+                          surface.half_width.normalized()) *
+        surface.Plane().normal;
+    measured.plane = PlaneThrough(normal, surface.middle);
+    measured.support = 100.0;
+    for (int i = 0; i < kCount * kCount; ++i) {
+      const double u = 2.0 * (i % kCount) / (kCount - 1) - 1.0;
+      const double v = 2.0 * (i / kCount) / (kCount - 1) - 1.0;
+      DepthObservation observation;
+      observation.center = camera_;
+      observation.ray = surface.middle + u * surface.half_length +
+                        v * surface.half_width - camera_;
+      observation.depth = 1.0;
+      // Along the normal.
+      observation.sigma =
+          kError / std::abs(surface.Plane().normal.dot(observation.ray));
+      observation.depth += observation.sigma * NextNormal(&random_);
+      measured.samples.Add(observation);
+    }
+    return measured;
+  }
+
+  Eigen::Vector3d At(double right, double up, double ahead) const {
+    return room_ * Eigen::Vector3d(right, up, ahead);
+  }
+
+  const Eigen::Matrix3d room_ =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized())
+          .toRotationMatrix();
+  const Eigen::Vector3d camera_ = At(0.1, 0.2, -0.3);
+  const Rectangle floor_ = {
+      At(0.0, -1.5, 3.0), At(2.0, 0.0, 0.0), At(0.0, 0.0, 2.0)};
+  // Only a narrow band of the walls is measured.
+  const Rectangle back_ = {
+      At(0.0, 0.4, 5.0), At(2.0, 0.0, 0.0), At(0.0, 0.1, 0.0)};
+  const Rectangle before_ = {
+      At(1.0, 0.6, 4.0), At(0.8, 0.0, 0.0), At(0.0, 0.1, 0.0)};
+  const Rectangle left_ = {
+      At(-2.0, 0.3, 3.0), At(0.0, 0.0, 1.5), At(0.0, 0.1, 0.0)};
+  Philox random_{3, 0, 0};
+  // What leaning walls and the floor were measured as.
+  const std::vector<Rectangle> surfaces_ = {back_, floor_, before_, left_};
+  const std::vector<MeasuredPlane> planes_ = {Measure(back_, 1.0),
+                                              Measure(floor_, 0.03, -0.02),
+                                              Measure(before_, -0.7, 0.4),
+                                              Measure(left_, 0.8, -0.1)};
+};
+
+TEST_F(RegularDirectionsTest, ALeaningWallBecomesOrthogonalToTheFloor) {
+  const std::vector<WorldPlane> planes =
+      MakeRegular({planes_[0], planes_[1]}, kLossScale, AcceptAll);
+  ASSERT_EQ(planes.size(), 2u);
+  EXPECT_LT(std::abs(planes[0].normal.dot(planes[1].normal)), 1e-9);
+  // 400 samples each, over 4 by 4 and over 4 by 0.2.
+  EXPECT_LT(AngleBetween(planes[0], back_.Plane()), 0.1);
+  EXPECT_LT(AngleBetween(planes[1], floor_.Plane()), 0.1);
+  EXPECT_NEAR(planes[0].Height(back_.middle), 0.0, 0.003);
+  EXPECT_NEAR(planes[1].Height(floor_.middle), 0.0, 0.003);
+}
+
+TEST_F(RegularDirectionsTest, WallsBecomeParallelInTheirOrder) {
+  const std::vector<WorldPlane> planes =
+      MakeRegular(planes_, kLossScale, AcceptAll);
+  ASSERT_EQ(planes.size(), 4u);
+  EXPECT_LT(planes[0].normal.cross(planes[2].normal).norm(), 1e-9);
+  EXPECT_LT(std::abs(planes[0].normal.dot(planes[1].normal)), 1e-9);
+  EXPECT_LT(std::abs(planes[0].normal.dot(planes[3].normal)), 1e-9);
+  EXPECT_LT(std::abs(planes[1].normal.dot(planes[3].normal)), 1e-9);
+  for (size_t i = 0; i < planes.size(); ++i) {
+    EXPECT_NEAR(planes[i].normal.norm(), 1.0, 1e-12);
+    EXPECT_LT(AngleBetween(planes[i], surfaces_[i].Plane()), 0.1) << i;
+    EXPECT_NEAR(planes[i].Height(surfaces_[i].middle), 0.0, 0.003) << i;
+  }
+}
+
+TEST_F(RegularDirectionsTest, ObliquePlanesStayAsTheyAre) {
+  // At 20 degrees to the floor, and far from orthogonal to any direction.
+  const Eigen::Vector3d up_the_roof = At(0.6, -0.25, 0.8);
+  const MeasuredPlane roof = Measure(
+      {At(0.0, 2.0, 3.0), up_the_roof, up_the_roof.cross(At(0.25, 1.0, 0.1))},
+      0.0);
+  const Eigen::Vector3d in_room = room_.transpose() * roof.plane.normal;
+  ASSERT_GT(in_room.cwiseAbs().minCoeff(), std::sin(Radians(5.1)));
+  std::vector<MeasuredPlane> planes = planes_;
+  planes.insert(planes.begin() + 1, roof);
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes, kLossScale, AcceptAll);
+  const std::vector<WorldPlane> without =
+      MakeRegular(planes_, kLossScale, AcceptAll);
+  ASSERT_EQ(regular.size(), 5u);
+  ExpectSame(regular[1], roof.plane);
+  ExpectSame(regular[0], without[0]);
+  ExpectSame(regular[4], without[3]);
+}
+
+TEST_F(RegularDirectionsTest, APillarsFaceBecomesVertical) {
+  const Rectangle face = {At(0.5, 0.0, 3.0),
+                          At(0.0, 0.8, 0.0),
+                          At(std::sqrt(0.5), 0.0, std::sqrt(0.5)) * 0.6};
+  // Leans by 1 degree, and is turned by 1 about the vertical.
+  std::vector<MeasuredPlane> planes = planes_;
+  planes.push_back(Measure(face, 1.0, 1.0));
+  ASSERT_NEAR(AngleBetween(planes[4].plane, face.Plane()), 1.41, 0.01);
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes, kLossScale, AcceptAll);
+  EXPECT_LT(std::abs(regular[4].normal.dot(regular[1].normal)), 1e-9);
+  EXPECT_LT(AngleBetween(regular[4], face.Plane()), 0.3);
+  EXPECT_NEAR(regular[4].Height(face.middle), 0.0, 0.003);
+  // It is made so only where it may.
+  const std::vector<WorldPlane> refused = MakeRegular(
+      planes, kLossScale, [](int p, const WorldPlane&) { return p != 4; });
+  ExpectSame(refused[4], planes[4].plane);
+}
+
+// A wall that does stand askew.
+class AskewWallTest : public RegularDirectionsTest {
+ protected:
+  std::vector<MeasuredPlane> WithAskewWalls(int count) {
+    std::vector<MeasuredPlane> planes = planes_;
+    for (int i = 0; i < count; ++i) {
+      Rectangle askew = {At(0.0, 0.0, 4.5 + 0.1 * i),
+                         At(1.5, 0.0, 0.0),
+                         At(0.0, 1.5, 1.5 * std::tan(Radians(3.0)))};
+      planes.push_back(Measure(askew, 0.0));
+      planes.back().support = 50.0;
+    }
+    return planes;
+  }
+
+  void ExpectPullNothing(const std::vector<WorldPlane>& regular) const {
+    const std::vector<WorldPlane> without =
+        MakeRegular(planes_, kLossScale, AcceptAll);
+    for (size_t i = 0; i < planes_.size(); ++i) {
+      ExpectSame(regular[i], without[i]);
+    }
+  }
+};
+
+TEST_F(AskewWallTest, PullsNothingWhereItIsRefused) {
+  const std::vector<MeasuredPlane> planes = WithAskewWalls(1);
+  const std::vector<WorldPlane> regular = MakeRegular(
+      planes, kLossScale, [](int p, const WorldPlane&) { return p != 4; });
+  ExpectSame(regular[4], planes[4].plane);
+  ExpectPullNothing(regular);
+  // Where it may, it does.
+  const std::vector<WorldPlane> pulled =
+      MakeRegular(planes, kLossScale, AcceptAll);
+  EXPECT_LT(pulled[4].normal.cross(pulled[0].normal).norm(), 1e-9);
+  EXPECT_GT(AngleBetween(pulled[1], regular[1]), 0.1);
+}
+
+TEST_F(AskewWallTest, PullsNothingWhereEachIsRefusedAfterAnother) {
+  constexpr int kCount = 4;
+  const std::vector<MeasuredPlane> planes = WithAskewWalls(kCount);
+  // As if each became too bad once the one before it does not count anymore.
+  std::vector<int> num_asked(planes.size(), 0);
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes, kLossScale, [&](int p, const WorldPlane&) {
+        return p < 4 || ++num_asked[p] <= p - 4;
+      });
+  for (int p = 4; p < 4 + kCount; ++p) {
+    ExpectSame(regular[p], planes[p].plane);
+  }
+  ExpectPullNothing(regular);
+}
+
+TEST_F(RegularDirectionsTest, WhatMayNotChangeStays) {
+  std::vector<MeasuredPlane> planes = planes_;
+  const std::vector<WorldPlane> regular = MakeRegular(
+      planes, kLossScale, [](int, const WorldPlane&) { return false; });
+  for (size_t i = 0; i < planes.size(); ++i) {
+    ExpectSame(regular[i], planes[i].plane);
+  }
+}
+
+TEST_F(RegularDirectionsTest, AsksAboutWhatItReturns) {
+  std::vector<WorldPlane> last(planes_.size());
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes_, kLossScale, [&](int p, const WorldPlane& plane) {
+        last[p] = plane;
+        return true;
+      });
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    ExpectSame(regular[i], last[i]);
+  }
+}
+
+TEST_F(RegularDirectionsTest, NothingChangesWithoutAnOrthogonalPair) {
+  const Rectangle at_60 = {
+      At(0.0, 0.0, 4.0), At(1.0, 0.0, 0.0), At(0.0, 0.5, std::sqrt(0.75))};
+  const std::vector<MeasuredPlane> planes = {
+      planes_[0], Measure(at_60, 0.0), planes_[2]};
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes, kLossScale, AcceptAll);
+  ASSERT_EQ(regular.size(), 3u);
+  for (size_t i = 0; i < planes.size(); ++i) {
+    ExpectSame(regular[i], planes[i].plane);
+  }
+}
+
+TEST_F(RegularDirectionsTest, NothingComesOfNothing) {
+  EXPECT_TRUE(MakeRegular({}, kLossScale, AcceptAll).empty());
+  const std::vector<WorldPlane> one =
+      MakeRegular({planes_[0]}, kLossScale, AcceptAll);
+  ASSERT_EQ(one.size(), 1u);
+  ExpectSame(one[0], planes_[0].plane);
+}
+
+TEST_F(RegularDirectionsTest, TakesNormalsOfEitherDirection) {
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes_, kLossScale, AcceptAll);
+  for (int signs = 1; signs < 16; ++signs) {
+    std::vector<MeasuredPlane> planes = planes_;
+    for (int i = 0; i < 4; ++i) {
+      if (signs >> i & 1) {
+        planes[i].plane = {-planes[i].plane.normal, -planes[i].plane.offset};
+      }
+    }
+    const std::vector<WorldPlane> result =
+        MakeRegular(planes, kLossScale, AcceptAll);
+    for (int i = 0; i < 4; ++i) {
+      const double sign = signs >> i & 1 ? -1.0 : 1.0;
+      EXPECT_LT((result[i].normal - sign * regular[i].normal).norm(), 1e-6);
+      EXPECT_NEAR(result[i].offset, sign * regular[i].offset, 1e-6);
+    }
+  }
+}
+
+TEST_F(RegularDirectionsTest, TheDirectionsOfMostSupportWin) {
+  // Another room, turned by 30 degrees about an oblique axis.
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(Radians(30.0), At(1.0, 1.0, 1.0).normalized())
+          .toRotationMatrix();
+  const auto turned = [&](const Rectangle& surface) {
+    return Rectangle{
+        surface.middle, turn * surface.half_length, turn * surface.half_width};
+  };
+  std::vector<MeasuredPlane> planes = planes_;
+  planes.push_back(Measure(turned(back_), 1.0));
+  planes.push_back(Measure(turned(floor_), 0.02));
+  for (const bool other_room : {false, true}) {
+    planes[4].support = planes[5].support = other_room ? 201.0 : 199.0;
+    const std::vector<WorldPlane> regular =
+        MakeRegular(planes, kLossScale, AcceptAll);
+    for (int i = 0; i < 6; ++i) {
+      if ((i >= 4) != other_room) {
+        ExpectSame(regular[i], planes[i].plane);
+      }
+    }
+    const int first = other_room ? 4 : 0;
+    EXPECT_LT(std::abs(regular[first].normal.dot(regular[first + 1].normal)),
+              1e-9);
+  }
+}
+
+TEST_F(RegularDirectionsTest, IsNotDrawnByOutliers) {
+  std::vector<MeasuredPlane> planes = planes_;
+  for (MeasuredPlane& plane : planes) {
+    for (int i = 0; i < 40; ++i) {
+      DepthObservation outlier;
+      outlier.center = camera_;
+      outlier.ray = plane.samples.Middle() - camera_;
+      outlier.depth = 1e4;
+      outlier.sigma = 0.01;
+      plane.samples.Add(outlier);
+    }
+  }
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes, kLossScale, AcceptAll);
+  for (size_t i = 0; i < planes.size(); ++i) {
+    EXPECT_LT(AngleBetween(regular[i], surfaces_[i].Plane()), 0.1) << i;
+    EXPECT_NEAR(regular[i].Height(surfaces_[i].middle), 0.0, 0.003) << i;
+  }
+}
+
+TEST_F(RegularDirectionsTest, PlanesWithoutSamplesStayInTheirPlace) {
+  std::vector<MeasuredPlane> planes = planes_;
+  planes[3].samples = {};
+  const std::vector<WorldPlane> regular =
+      MakeRegular(planes, kLossScale, AcceptAll);
+  EXPECT_LT(std::abs(regular[3].normal.dot(regular[0].normal)), 1e-9);
+  EXPECT_LT(std::abs(regular[3].normal.dot(regular[1].normal)), 1e-9);
+  const Eigen::Vector3d foot = -planes[3].plane.offset * planes[3].plane.normal;
+  EXPECT_NEAR(regular[3].Height(foot), 0.0, 1e-3);
+}
+
+TEST_F(RegularDirectionsTest, GivesTheSameBitsEachTime) {
+  const std::vector<WorldPlane> first =
+      MakeRegular(planes_, kLossScale, AcceptAll);
+  const std::vector<WorldPlane> second =
+      MakeRegular(planes_, kLossScale, AcceptAll);
+  for (size_t i = 0; i < planes_.size(); ++i) {
+    ExpectSame(first[i], second[i]);
+  }
+}
+
+}  // namespace
+}  // namespace tsar

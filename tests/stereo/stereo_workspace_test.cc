@@ -1,0 +1,364 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/stereo/stereo_workspace.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/depth_interval.h"
+#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+constexpr double kDepth = DrawnWorkspace::kDepth;
+
+TEST(SparseDepthInterval, IsThatOfThePointsInFrontWidened) {
+  SparseModel model;
+  model.images.resize(2);
+  model.images[0].camera.translation = {0, 0, 1};
+  for (int i = 0; i < 101; ++i) {
+    model.points.push_back({0, 0, 1.0 + i});
+    model.images[0].point_indices.push_back(i);
+  }
+  model.points.push_back({0, 0, -50});
+  model.images[0].point_indices.push_back(101);
+  const std::optional<DepthInterval> range = SparseDepthInterval(model, 0);
+  ASSERT_TRUE(range);
+  // Depths 2 to 102; one of a hundred is left out at either end.
+  EXPECT_DOUBLE_EQ(range->min, 3 * 0.75);
+  EXPECT_DOUBLE_EQ(range->max, 101 * 1.25);
+  EXPECT_FALSE(SparseDepthInterval(model, 1));
+}
+
+class StereoWorkspaceTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    DrawWorkspace(root_);
+    RemoveMaps(root_);
+    options_.depth_min = 0.5 * kDepth;
+    options_.depth_max = 2.0 * kDepth;
+    options_.num_iterations = 2;  // Enough for all but the first test.
+  }
+
+  static void RemoveMaps(const std::filesystem::path& root) {
+    for (const char* folder : {"depth_maps", "normal_maps"}) {
+      std::filesystem::remove_all(root / "stereo" / folder);
+    }
+  }
+
+  StereoSummary Run(
+      bool overwrite = false,
+      int num_threads = 1,
+      const std::function<bool()>& should_stop = [] { return false; }) {
+    WorkspaceRefineOptions run;
+    run.workspace_path = root_;
+    run.device = "cpu";
+    run.num_threads = num_threads;
+    std::ostringstream log;
+    Progress progress(log, false);
+    return MatchWorkspace(run, options_, overwrite, progress, should_stop);
+  }
+
+  void ExpectError(ErrorCode code,
+                   const std::string& text,
+                   const std::function<void()>& function) {
+    try {
+      function();
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.Code(), code);
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos)
+          << error.what();
+    }
+  }
+
+  std::map<std::string, std::string> Maps() const {
+    std::map<std::string, std::string> maps;
+    for (const char* folder : {"depth_maps", "normal_maps", "cost_maps"}) {
+      if (!std::filesystem::exists(root_ / "stereo" / folder)) {
+        continue;
+      }
+      for (auto& [name, content] : ReadTree(root_ / "stereo" / folder)) {
+        maps[std::string(folder) + "/" + name] = std::move(content);
+      }
+    }
+    return maps;
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+  StereoOptions options_;
+};
+
+TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
+  options_.num_iterations = StereoOptions().num_iterations;
+  const StereoSummary summary = Run();
+  EXPECT_EQ(summary.num_images, 4);
+  EXPECT_EQ(summary.num_skipped, 0);
+  EXPECT_TRUE(summary.without_sources.empty());
+  const Workspace workspace(root_, MapType::kGeometric);
+  int num_textured = 0;
+  int num_found = 0;
+  int num_right = 0;
+  for (int view = 0; view < 4; ++view) {
+    const int image = workspace.Model().IndexOf(DrawnWorkspace::Names()[view]);
+    const DepthNormal dense =
+        workspace.ReadOriginalMaps(image, MapType::kPhotometric);
+    const DepthNormal filtered =
+        workspace.ReadOriginalMaps(image, MapType::kGeometric);
+    const PlanarMap costs =
+        ReadPlanarMap(workspace.CostPath(image, MapType::kGeometric));
+    ASSERT_EQ(costs.channels, 2);
+    for (int y = 8; y < DrawnWorkspace::kHeight - 8; ++y) {
+      for (int x = 8; x < DrawnWorkspace::kWidth - 8; ++x) {
+        EXPECT_GT(dense.depth(x, y), 0.f);
+        EXPECT_GE(dense.depth(x, y), 0.999 * options_.depth_min);
+        EXPECT_LE(dense.depth(x, y), 1.001 * options_.depth_max);
+        const float z = filtered.depth(x, y);
+        const size_t i = static_cast<size_t>(y) * DrawnWorkspace::kWidth +
+                         static_cast<size_t>(x);
+        const float cost = costs.values[i];
+        EXPECT_TRUE(cost >= 0.f && cost <= 2.f);
+        EXPECT_LE(cost, costs.values[i + filtered.depth.NumPixels()]);
+        if (z > 0.f) {
+          EXPECT_LT(filtered.normal(x, y).z, 0.f);
+        }
+        bool is_textured = true;
+        for (const int dx : {-6, 0, 6}) {
+          for (const int dy : {-6, 0, 6}) {
+            is_textured =
+                is_textured && !DrawnWorkspace::IsBare(view, x + dx, y + dy);
+          }
+        }
+        if (is_textured) {
+          ++num_textured;
+          num_found += z > 0.f;
+          num_right += std::abs(z - kDepth) < 0.01 * kDepth;
+        }
+      }
+    }
+  }
+  EXPECT_GT(num_textured, 4000);
+  EXPECT_GT(num_found, 0.9 * num_textured);
+  EXPECT_GT(num_right, 0.97 * num_found);
+}
+
+TEST_F(StereoWorkspaceTest, ASecondRunHasNothingToDo) {
+  Run();
+  const auto first = ReadTree(root_);
+  const StereoSummary again = Run();
+  EXPECT_EQ(again.num_skipped, 4);
+  EXPECT_TRUE(ReadTree(root_) == first);
+}
+
+TEST_F(StereoWorkspaceTest, ThreadsDoNotMatter) {
+  Run();
+  const auto first = Maps();
+  options_.num_sources = 19;  // More than there are: the same sources.
+  Run(/*overwrite=*/true, /*num_threads=*/5);
+  EXPECT_TRUE(Maps() == first);
+}
+
+TEST_F(StereoWorkspaceTest, GoesOnAfterAnInterruptionInAnyPass) {
+  Run();
+  const auto expected = Maps();
+  // Files of maps, also of those between the passes.
+  const auto count_files = [&] {
+    int count = 0;
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(root_ / "stereo")) {
+      count += entry.path().extension() == ".bin" ? 1 : 0;
+    }
+    return count;
+  };
+  std::filesystem::remove_all(root_ / "stereo/tsar_stereo");
+  RemoveMaps(root_);
+  std::filesystem::remove_all(root_ / "stereo/cost_maps");
+  int num_interruptions = 0;
+  for (;;) {
+    const int num_before = count_files();
+    try {
+      Run(false, 1, [&] { return count_files() > num_before; });
+      break;
+    } catch (const Error& error) {
+      ASSERT_EQ(error.Code(), ErrorCode::kInterrupted) << error.what();
+      ASSERT_LT(++num_interruptions, 100);
+    }
+  }
+  // Three passes of four images, each of which ends a run.
+  EXPECT_EQ(num_interruptions, 12);
+  EXPECT_TRUE(Maps() == expected);
+  EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar_stereo/pass_1"));
+}
+
+TEST_F(StereoWorkspaceTest, MakesPhotometricMapsAloneIfToldSo) {
+  options_.geom_consistency = false;
+  Run();
+  const Workspace workspace(root_, MapType::kPhotometric);
+  for (int image = 0; image < 4; ++image) {
+    EXPECT_TRUE(workspace.HasMaps(image, MapType::kPhotometric));
+    EXPECT_FALSE(workspace.HasMaps(image, MapType::kGeometric));
+  }
+}
+
+TEST_F(StereoWorkspaceTest, MapsMayBeSmallerThanTheImages) {
+  options_.max_image_size = DrawnWorkspace::kWidth / 2;
+  Run();
+  const Workspace workspace(root_, MapType::kGeometric);
+  const MapSize size = ReadMapSize(workspace.DepthPath(0, MapType::kGeometric));
+  EXPECT_EQ(size.width, DrawnWorkspace::kWidth / 2);
+  EXPECT_EQ(size.height, DrawnWorkspace::kHeight / 2);
+}
+
+TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
+  DrawWorkspace(root_);
+  const auto before = ReadTree(root_);
+  ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
+  const auto after = ReadTree(root_);
+  for (const auto& [name, content] : before) {
+    EXPECT_TRUE(after.at(name) == content) << name;
+  }
+  Run(/*overwrite=*/true);
+  // Now they are its own, but of other options.
+  options_.num_iterations = 1;
+  ExpectError(ErrorCode::kUnsupported, "other options", [&] { Run(); });
+}
+
+TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
+  Run();
+  WorkspaceRefineOptions refine;
+  refine.workspace_path = root_;
+  refine.device = "cpu";
+  std::ostringstream log;
+  Progress progress(log, false);
+  const RunSummary refined =
+      RefineWorkspace(refine, {}, progress, [] { return false; });
+  EXPECT_EQ(refined.num_refined, 4);
+  const auto before = ReadTree(root_);
+  ExpectError(
+      ErrorCode::kUnsupported, "restore 1", [&] { Run(/*overwrite=*/true); });
+  EXPECT_TRUE(ReadTree(root_) == before);
+}
+
+TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
+  DrawWorkspace(root_);
+  const Workspace workspace(root_, MapType::kGeometric);
+  const MapPaths paths = workspace.Paths(3, MapType::kGeometric);
+  CreateFolders(paths.original_depth.Parent());
+  std::filesystem::copy_file(paths.depth, paths.original_depth);
+  const auto before = Maps();
+  ExpectError(
+      ErrorCode::kUnsupported, "restore 1", [&] { Run(/*overwrite=*/true); });
+  EXPECT_TRUE(Maps() == before);
+}
+
+TEST_F(StereoWorkspaceTest, NamesWhatHasChanged) {
+  Run();
+  const auto expected = Maps();
+  const auto touch = [&](const std::string& name) {
+    const std::filesystem::path path = root_ / "images" / name;
+    std::filesystem::last_write_time(
+        path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
+  };
+  touch("v1.png");
+  ExpectError(ErrorCode::kUnsupported,
+              "images/v1.png: its photo has changed since the maps were made; "
+              "give overwrite 1 to make all maps anew",
+              [&] { Run(); });
+  touch("left/v2.png");
+  ExpectError(ErrorCode::kUnsupported,
+              "images/left/v2.png: its photo has changed since the maps were "
+              "made, and 1 other image has changed, too; give overwrite 1",
+              [&] { Run(); });
+  EXPECT_TRUE(Maps() == expected);
+  EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
+  EXPECT_TRUE(Maps() == expected);
+  EXPECT_EQ(Run().num_skipped, 4);
+}
+
+// A run that was killed before its first map, and a file that is not whole.
+TEST_F(StereoWorkspaceTest, BeginsAnewWhereThereIsNothingToLose) {
+  Run();
+  const auto expected = Maps();
+  const std::filesystem::path inputs = root_ / "stereo/tsar_stereo/inputs.txt";
+  const std::string text = ReadText(inputs);
+  for (const std::string& broken :
+       {std::string("a b c d v0.png\n"), text.substr(0, 20), std::string()}) {
+    WriteText(inputs, broken);
+    ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
+    EXPECT_TRUE(Maps() == expected);
+    RemoveMaps(root_);
+    std::filesystem::remove_all(root_ / "stereo/cost_maps");
+    EXPECT_EQ(Run().num_skipped, 0);
+    EXPECT_TRUE(Maps() == expected);
+    EXPECT_EQ(ReadText(inputs), text);
+  }
+}
+
+TEST_F(StereoWorkspaceTest, NeedsDepthsToLookFor) {
+  options_.depth_min = options_.depth_max = -1;
+  ExpectError(ErrorCode::kNotFound, "depth_min", [&] { Run(); });
+}
+
+TEST_F(StereoWorkspaceTest, NamesAMissingImage) {
+  std::filesystem::remove(root_ / "images/left/v2.png");
+  ExpectError(ErrorCode::kNotFound, "left/v2.png", [&] { Run(); });
+}
+
+TEST_F(StereoWorkspaceTest, NamesAnImageThatIsCutOffAndChangesNothing) {
+  DrawWorkspace(root_);
+  const std::string photo = ReadText(root_ / "images/left/v2.png");
+  WriteText(root_ / "images/left/v2.png", photo.substr(0, photo.size() / 10));
+  const auto before = ReadTree(root_);
+  ExpectError(ErrorCode::kCorrupt, "left/v2.png: the image is damaged", [&] {
+    Run(/*overwrite=*/true);
+  });
+  auto after = ReadTree(root_);
+  after.erase("stereo/tsar");
+  after.erase("stereo/tsar/lock");
+  EXPECT_TRUE(after == before);
+}
+
+// As where the images were undistorted to another size meanwhile.
+TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
+  options_.num_iterations = 1;
+  Run();
+  const Workspace workspace(root_, MapType::kGeometric);
+  const std::filesystem::path path =
+      workspace.DepthPath(1, MapType::kGeometric);
+  WriteDepthMap(UserPath(path), Image<float>(72, 96, 5.f));
+  ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
+  EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
+  EXPECT_EQ(ReadMapSize(path).width, DrawnWorkspace::kWidth);
+}
+
+TEST(StereoOptions, RejectsDepthsThatMakeNoRange) {
+  for (const auto& [min, max] :
+       {std::pair{1.0, -1.0}, {-1.0, 1.0}, {2.0, 1.0}, {0.0, 1.0}}) {
+    StereoOptions options;
+    options.depth_min = min;
+    options.depth_max = max;
+    EXPECT_THROW(options.Check(), Error) << min << " " << max;
+  }
+  StereoOptions options;
+  options.max_image_size = 0;
+  EXPECT_THROW(options.Check(), Error);
+}
+
+TEST(StereoOptions, TextTellsEveryValueApart) {
+  StereoOptions other;
+  other.filter_min_ncc = 0.1000001;
+  EXPECT_NE(other.Text(), StereoOptions().Text());
+}
+
+}  // namespace
+}  // namespace tsar

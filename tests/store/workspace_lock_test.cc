@@ -1,0 +1,206 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/workspace_lock.h"
+
+#include <csignal>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/support/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+TEST(WorkspaceLockTest, RefusesASecondHolderUntilTheFirstIsGone) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  const auto path = folder.Path() / "stereo/tsar/lock";
+  {
+    const WorkspaceLock lock(folder.Path());
+    EXPECT_TRUE(std::filesystem::exists(path));
+    for (int i = 0; i < 2; ++i) {
+      ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
+        WorkspaceLock second(folder.Path());
+      });
+    }
+    EXPECT_TRUE(std::filesystem::exists(path));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  const WorkspaceLock again(folder.Path());
+}
+
+TEST(WorkspaceLockTest, ReadersShareItWithoutWriters) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  const auto path = folder.Path() / "stereo/tsar/lock";
+  {
+    const WorkspaceLock first(folder.Path(), WorkspaceLock::Mode::kShared);
+    { const WorkspaceLock second(folder.Path(), WorkspaceLock::Mode::kShared); }
+    EXPECT_TRUE(std::filesystem::exists(path));
+    ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
+      WorkspaceLock writer(folder.Path());
+    });
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  const WorkspaceLock writer(folder.Path());
+  ExpectError(ErrorCode::kUnsupported, {path.string()}, [&] {
+    WorkspaceLock reader(folder.Path(), WorkspaceLock::Mode::kShared);
+  });
+}
+
+TEST(WorkspaceLockTest, ReadersComeAndGoSideBySide) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  {
+    std::vector<std::jthread> readers;
+    for (int i = 0; i < 4; ++i) {
+      readers.emplace_back([&] {
+        for (int j = 0; j < 300; ++j) {
+          EXPECT_NO_THROW(
+              WorkspaceLock(folder.Path(), WorkspaceLock::Mode::kShared));
+        }
+      });
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  const WorkspaceLock writer(folder.Path());
+}
+
+TEST(WorkspaceLockTest, ReadersNeedNoPermissionToWrite) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "stereo/tsar", "a file");
+  const WorkspaceLock reader(folder.Path(), WorkspaceLock::Mode::kShared);
+  EXPECT_EQ(ReadText(folder.Path() / "stereo/tsar"), "a file");
+}
+
+TEST(WorkspaceLockTest, TakesOverAFileThatAKilledProgramLeft) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "stereo/tsar/lock", "");
+  WriteText(folder.Path() / "stereo/tsar/manifest.json", "{}");
+  { const WorkspaceLock lock(folder.Path()); }
+  EXPECT_TRUE(
+      std::filesystem::exists(folder.Path() / "stereo/tsar/manifest.json"));
+}
+
+TEST(WorkspaceLockTest, WritersRefuseFoldersThatAreLinksOut) {
+  const TemporaryFolder folder;
+  const auto root = folder.Path() / "dense";
+  const auto link = root / "stereo/depth_maps/left";
+  std::filesystem::create_directories(folder.Path() / "dense_2/left");
+  std::filesystem::create_directories(root / "stereo/depth_maps");
+  std::filesystem::create_directory_symlink(folder.Path() / "dense_2/left",
+                                            link);
+  ExpectError(ErrorCode::kUnsupported, {link.string(), "dense_2"}, [&] {
+    WorkspaceLock lock(root);
+  });
+  ExpectError(ErrorCode::kUnsupported, {link.string(), "dense_2"}, [&] {
+    WorkspaceLock lock(root, WorkspaceLock::Mode::kCompose, 0);
+  });
+  EXPECT_FALSE(std::filesystem::exists(root / "stereo/tsar"));
+  { const WorkspaceLock lock(root, WorkspaceLock::Mode::kShared); }
+  // Links that stay inside, and those to files, are nobody else's.
+  std::filesystem::remove(link);
+  std::filesystem::create_directories(root / "stereo/elsewhere");
+  std::filesystem::create_directory_symlink(root / "stereo/elsewhere", link);
+  WriteText(folder.Path() / "map", "");
+  std::filesystem::create_symlink(folder.Path() / "map",
+                                  root / "stereo/depth_maps/a.bin");
+  const WorkspaceLock lock(root);
+}
+
+TEST(WorkspaceLockTest, ShardsOfOnePassShareIt) {
+  using Mode = WorkspaceLock::Mode;
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "stereo");
+  const auto path = folder.Path() / "stereo/tsar/lock";
+  for (const auto& [own, other] : {std::pair(Mode::kObserve, Mode::kCompose),
+                                   std::pair(Mode::kCompose, Mode::kObserve)}) {
+    const auto expect_refusal =
+        [&](const std::string& text, Mode mode, std::optional<int> shard) {
+          ExpectError(ErrorCode::kUnsupported, {path.string(), text}, [&] {
+            WorkspaceLock lock(folder.Path(), mode, shard);
+          });
+        };
+    const WorkspaceLock first(folder.Path(), own, 0);
+    {
+      const WorkspaceLock second(folder.Path(), own, 7);
+      expect_refusal("shard 7", own, 7);
+    }
+    { const WorkspaceLock again(folder.Path(), own, 7); }
+    expect_refusal("shard 0", own, 0);
+    expect_refusal("other pass", other, 1);
+    expect_refusal("another program", Mode::kExclusive, std::nullopt);
+    expect_refusal("another program", Mode::kShared, std::nullopt);
+    // None of those that were refused left anything locked.
+    const WorkspaceLock third(folder.Path(), own, 1);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
+  for (const Mode holder : {Mode::kExclusive, Mode::kShared}) {
+    const WorkspaceLock lock(folder.Path(), holder);
+    for (const Mode mode : {Mode::kObserve, Mode::kCompose}) {
+      ExpectError(ErrorCode::kUnsupported, {"another program"}, [&] {
+        WorkspaceLock shard(folder.Path(), mode, 0);
+      });
+    }
+  }
+}
+
+TEST(WorkspaceLockTest, ShardsLeaveTheFileToWhoeverEndsTheWork) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "stereo/tsar/lock";
+  WriteText(folder.Path() / "stereo/tsar/shards/some.json", "{}");
+  {
+    const WorkspaceLock shard(folder.Path(), WorkspaceLock::Mode::kObserve, 0);
+  }
+  EXPECT_TRUE(std::filesystem::exists(path));
+  { const WorkspaceLock lock(folder.Path()); }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(WorkspaceLockTest, ManyShardsComeAndGoSideBySide) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "stereo/tsar/shards/some.json", "{}");
+  std::vector<std::jthread> shards;
+  for (int i = 0; i < 4; ++i) {
+    shards.emplace_back([&, i] {
+      for (int j = 0; j < 300; ++j) {
+        EXPECT_NO_THROW(
+            WorkspaceLock(folder.Path(), WorkspaceLock::Mode::kCompose, i));
+      }
+    });
+  }
+}
+
+TEST(WorkspaceLockDeathTest, AKilledShardHoldsNothing) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "stereo/tsar/shards/some.json", "{}");
+  EXPECT_EXIT(
+      {
+        const WorkspaceLock lock(
+            folder.Path(), WorkspaceLock::Mode::kObserve, 3);
+        std::raise(SIGKILL);
+      },
+      testing::KilledBySignal(SIGKILL),
+      "");
+  EXPECT_TRUE(std::filesystem::exists(folder.Path() / "stereo/tsar/lock"));
+  { const WorkspaceLock lock(folder.Path(), WorkspaceLock::Mode::kObserve, 3); }
+  const WorkspaceLock whole(folder.Path());
+}
+
+TEST(WorkspaceLockTest, NeedsAWorkspace) {
+  const TemporaryFolder folder;
+  ExpectError(ErrorCode::kNotFound, {(folder.Path() / "stereo").string()}, [&] {
+    WorkspaceLock lock(folder.Path());
+  });
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path()));
+  WriteText(folder.Path() / "stereo/tsar", "a file");
+  ExpectError(ErrorCode::kIo, {(folder.Path() / "stereo/tsar").string()}, [&] {
+    WorkspaceLock lock(folder.Path());
+  });
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,488 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/write_back.h"
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/store/manifest.h"
+#include "colmap_tsar/store/restore.h"
+#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <map>
+
+#include "tests/support/test_workspace.h"
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+constexpr MapType kGeometric = MapType::kGeometric;
+
+// Every regular file below a folder, with its content.
+std::map<std::string, std::string> Snapshot(const std::filesystem::path& root) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(root)) {
+    files[entry.path().lexically_relative(root)] =
+        entry.is_directory() ? "folder" : ReadText(entry.path());
+  }
+  return files;
+}
+
+class WriteBackTest : public testing::Test {
+ protected:
+  void SetUp() override { MakeTestWorkspace(root_); }
+
+  ImageRecord Record(const std::string& options_hash = "options") {
+    ImageRecord record;
+    record.options_hash = options_hash;
+    return record;
+  }
+  float CurrentDepth(int image) {
+    return ReadDepthMap(workspace().DepthPath(image, kGeometric))(0, 0);
+  }
+  float OriginalDepth(int image) {
+    const DepthNormal maps = workspace().ReadOriginalMaps(image, kGeometric);
+    // Every original of the test workspace has its depth in the normal, too.
+    EXPECT_EQ(maps.normal(0, 0).z, -maps.depth(0, 0));
+    return maps.depth(0, 0);
+  }
+  // Made when first used, after SetUp.
+  const Workspace& workspace() {
+    if (!workspace_) {
+      workspace_.emplace(root_, kGeometric);
+    }
+    return *workspace_;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path root_ = folder_.Path() / "dense";
+  std::optional<Workspace> workspace_;
+};
+
+TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
+  ImageRecord record = Record();
+  record.counts["filled"] = 7;
+  record.seconds["total"] = 0.5;
+  record.note = "fine";
+  WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
+  EXPECT_EQ(CurrentDepth(1), 42.f);
+  EXPECT_EQ(OriginalDepth(1), 4.f);
+  const PlanarMap confidence =
+      ReadPlanarMap(workspace().ConfidencePath(1, kGeometric));
+  EXPECT_EQ(confidence.channels, 1);
+  EXPECT_EQ(confidence.values, std::vector<float>(12, 0.5f));
+  const cv::Mat provenance = cv::imread(
+      workspace().ProvenancePath(1, kGeometric).string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(provenance.type(), CV_8UC1);
+  EXPECT_EQ(provenance.cols, 4);
+  EXPECT_EQ(provenance.rows, 3);
+  EXPECT_EQ(provenance.at<uint8_t>(2, 3), 4);
+
+  const auto written = ReadRecord(workspace().Paths(1, kGeometric).record);
+  ASSERT_TRUE(written);
+  EXPECT_EQ(written->status, ImageStatus::kDone);
+  EXPECT_EQ(written->image, "left/b.png");
+  EXPECT_EQ(written->type, "geometric");
+  EXPECT_EQ(written->options_hash, "options");
+  EXPECT_EQ(written->counts, record.counts);
+  EXPECT_EQ(written->seconds, record.seconds);
+  EXPECT_EQ(written->note, "fine");
+  EXPECT_FALSE(written->version.empty());
+  EXPECT_THAT(
+      written->written_depth,
+      testing::ElementsAre(testing::Field(
+          &WrittenMap::hash, HashFile(workspace().DepthPath(1, kGeometric)))));
+}
+
+TEST_F(WriteBackTest, ASecondRunStartsFromTheOriginals) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  WriteRefined(workspace(), 0, MakeRefinedMaps(43.f), Record());
+  EXPECT_EQ(CurrentDepth(0), 43.f);
+  EXPECT_EQ(OriginalDepth(0), 2.f);
+}
+
+TEST_F(WriteBackTest, KnowsWhatIsDone) {
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
+  EXPECT_FALSE(IsDone(workspace(), 0, "other", {}));
+  EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
+  EXPECT_FALSE(
+      IsDone(Workspace(root_, MapType::kPhotometric), 0, "options", {}));
+  std::filesystem::remove(workspace().ConfidencePath(0, kGeometric));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  WriteNormalMap(UserPath(workspace().NormalPath(0, kGeometric)),
+                 Image<Vec3f>(4, 3, Vec3f{1, 0, 0}));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+}
+
+TEST_F(WriteBackTest, OtherInputsAreNotDone) {
+  const std::map<std::string, std::string> inputs = {{"camera", "0123"},
+                                                     {"photo", "4567"}};
+  ImageRecord record = Record();
+  record.inputs = inputs;
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), record);
+  EXPECT_EQ(ReadRecord(workspace().Paths(0, kGeometric).record)->inputs,
+            inputs);
+  EXPECT_TRUE(IsDone(workspace(), 0, "options", inputs));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+  EXPECT_FALSE(IsDone(
+      workspace(), 0, "options", {{"camera", "0123"}, {"photo", "4568"}}));
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
+}
+
+// Those of versions that did not note them.
+TEST_F(WriteBackTest, ReadsRecordsWithoutInputs) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  const std::filesystem::path path = workspace().Paths(0, kGeometric).record;
+  nlohmann::json json = nlohmann::json::parse(ReadText(path));
+  ASSERT_EQ(json.erase("inputs"), 1u);
+  WriteText(path, json.dump());
+  EXPECT_TRUE(ReadRecord(path)->inputs.empty());
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
+  EXPECT_EQ(OriginalDepth(0), 2.f);
+}
+
+// A run may end after any step, in the first run as in one with other options
+// (42 is then in place). The renaming itself may be cut between two files.
+TEST_F(WriteBackTest, AnInterruptionAnywhereLosesNothing) {
+  for (const bool refined_before : {false, true}) {
+    for (int num_steps = 0; num_steps <= 5; ++num_steps) {
+      SCOPED_TRACE(num_steps);
+      std::filesystem::remove_all(root_);
+      MakeTestWorkspace(root_);
+      const auto clean = Snapshot(root_);
+      const float before = refined_before ? 42.f : 2.f;
+      if (refined_before) {
+        WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record("old"));
+      }
+      {
+        WriteBack write_back(workspace(), 0, Record());
+        const std::vector<std::function<void()>> steps = {
+            [&] { write_back.PrepareFiles(MakeRefinedMaps(43.f)); },
+            [&] { write_back.KeepOriginals(); },
+            [&] { write_back.RecordWriting(); },
+            [&] { write_back.RenameFiles(); },
+            [&] { write_back.RecordDone(); }};
+        for (int step = 0; step < num_steps; ++step) {
+          steps[static_cast<size_t>(step)]();
+        }
+        // A killed program leaves its temporaries: keep copies of them.
+        if (num_steps >= 1 && num_steps <= 3) {
+          const auto path = workspace().DepthPath(0, kGeometric).string();
+          WriteText(path + AtomicFile::kTemporarySuffix, "half");
+        }
+      }
+      EXPECT_EQ(CurrentDepth(0), num_steps >= 4 ? 43.f : before);
+      EXPECT_EQ(OriginalDepth(0), 2.f);
+      EXPECT_EQ(IsDone(workspace(), 0, "options", {}), num_steps == 5);
+
+      // Going on works, and so does undoing.
+      WriteRefined(workspace(), 0, MakeRefinedMaps(44.f), Record());
+      EXPECT_EQ(CurrentDepth(0), 44.f);
+      EXPECT_EQ(OriginalDepth(0), 2.f);
+      EXPECT_EQ(Restore(root_).num_restored, 1);
+      EXPECT_EQ(Snapshot(root_), clean);
+    }
+  }
+}
+
+// So readers need not wait for it.
+TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
+  for (const float earlier : {0.f, 42.f}) {
+    if (earlier > 0.f) {
+      WriteRefined(workspace(), 0, MakeRefinedMaps(earlier), Record());
+    }
+    const auto before = Snapshot(root_);
+    {
+      WriteBack write_back(workspace(), 0, Record());
+      write_back.PrepareFiles(MakeRefinedMaps(43.f));
+      const auto prepared = Snapshot(root_);
+      EXPECT_GT(prepared.size(), before.size());
+      for (const auto& [path, content] : before) {
+        EXPECT_EQ(prepared.at(path), content) << path;
+      }
+      EXPECT_EQ(OriginalDepth(0), 2.f);
+    }
+    for (const auto& [path, content] : Snapshot(root_)) {
+      if (content != "folder") {
+        EXPECT_EQ(before.at(path), content) << path;
+      }
+    }
+  }
+}
+
+TEST_F(WriteBackTest, CommitTakesAllStepsAfterPreparing) {
+  WriteBack write_back(workspace(), 0, Record());
+  write_back.PrepareFiles(MakeRefinedMaps(43.f));
+  write_back.Commit();
+  EXPECT_EQ(CurrentDepth(0), 43.f);
+  EXPECT_EQ(OriginalDepth(0), 2.f);
+  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
+}
+
+TEST_F(WriteBackTest, RestoresAfterAnInterruptionAnywhere) {
+  const auto clean = Snapshot(root_);
+  for (int num_steps = 2; num_steps <= 5; ++num_steps) {
+    SCOPED_TRACE(num_steps);
+    {
+      WriteBack write_back(workspace(), 0, Record());
+      write_back.PrepareFiles(MakeRefinedMaps(43.f));
+      write_back.KeepOriginals();
+      if (num_steps >= 3) write_back.RecordWriting();
+      if (num_steps >= 4) write_back.RenameFiles();
+      if (num_steps >= 5) write_back.RecordDone();
+    }
+    EXPECT_EQ(Restore(root_).num_restored, 1);
+    std::filesystem::remove(root_ / "stereo/confidence_maps");
+    std::filesystem::remove(root_ / "stereo/provenance_maps");
+    EXPECT_EQ(Snapshot(root_), clean);
+  }
+}
+
+// The depth map was renamed, the normal map not yet.
+TEST_F(WriteBackTest, StoredOriginalsAreReadWhateverBecomesOfTheMaps) {
+  StoreOriginals(workspace(), 1);
+  StoreOriginals(workspace(), 1);  // As a run that goes on does.
+  EXPECT_EQ(CurrentDepth(1), 4.f);
+  EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
+  // Another program, which this one cannot see, gives the maps other content.
+  const MapPaths paths = workspace().Paths(1, kGeometric);
+  Workspace trusting = workspace();
+  trusting.TrustStoredOriginals();
+  const float other_original = OriginalDepth(0);
+  WriteBack write_back(workspace(), 1, Record());
+  write_back.PrepareFiles(MakeRefinedMaps(42.f));
+  for (const auto& step : {&WriteBack::KeepOriginals,
+                           &WriteBack::RecordWriting,
+                           &WriteBack::RenameFiles}) {
+    (write_back.*step)();
+    EXPECT_EQ(trusting.ReadOriginalMaps(1, kGeometric).depth(0, 0), 4.f);
+  }
+  std::filesystem::remove(paths.record);
+  EXPECT_EQ(trusting.ReadOriginalMaps(1, kGeometric).depth(0, 0), 4.f);
+  // An image of which nothing is stored has its original in place.
+  EXPECT_EQ(trusting.ReadOriginalMaps(0, kGeometric).depth(0, 0),
+            other_original);
+  std::filesystem::remove(workspace().Paths(0, kGeometric).depth);
+  EXPECT_THROW(trusting.ReadOriginalMaps(0, kGeometric), Error);
+}
+
+TEST_F(WriteBackTest, StoringOriginalsCanBeUndoneAndNewerMapsCount) {
+  const auto before = Snapshot(root_);
+  StoreOriginals(workspace(), 1);
+  {
+    const WorkspaceLock lock(root_);
+    Restore(root_);
+  }
+  EXPECT_EQ(Snapshot(root_), before);
+  StoreOriginals(workspace(), 1);
+  WriteTestMaps(root_, "left/b.png", kGeometric, 9.f);
+  EXPECT_EQ(OriginalDepth(1), 9.f);
+}
+
+TEST_F(WriteBackTest, FindsTheOriginalsBetweenTwoRenames) {
+  const std::string normal = ReadText(workspace().NormalPath(0, kGeometric));
+  WriteBack write_back(workspace(), 0, Record());
+  write_back.PrepareFiles(MakeRefinedMaps(43.f));
+  write_back.KeepOriginals();
+  write_back.RecordWriting();
+  write_back.RenameFiles();
+  WriteText(workspace().NormalPath(0, kGeometric), normal);
+  EXPECT_EQ(OriginalDepth(0), 2.f);
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+  EXPECT_EQ(Restore(root_).num_restored, 1);
+  EXPECT_EQ(CurrentDepth(0), 2.f);
+}
+
+TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
+  const auto clean = Snapshot(root_);
+  const Workspace photometric(root_, MapType::kPhotometric);
+  for (int image = 0; image < 3; ++image) {
+    WriteRefined(workspace(), image, MakeRefinedMaps(42.f), Record());
+    WriteRefined(photometric, image, MakeRefinedMaps(43.f), Record());
+  }
+  WriteManifest(workspace(), BuildManifest(workspace(), {}, "options"));
+  RestoreResult result;
+  {
+    const WorkspaceLock lock(root_);
+    result = Restore(root_);
+  }
+  EXPECT_EQ(result.num_restored, 6);
+  EXPECT_TRUE(result.kept.empty());
+  EXPECT_TRUE(result.superseded.empty());
+  EXPECT_EQ(Snapshot(root_), clean);
+  ExpectError(ErrorCode::kNotFound,
+              {(root_ / "stereo/tsar").string(), "nothing to restore"},
+              [&] { Restore(root_); });
+}
+
+TEST_F(WriteBackTest, NewMapsOfColmapBecomeTheOriginals) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  WriteTestMaps(root_, "a.png", kGeometric, 9.f);
+  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+  EXPECT_EQ(OriginalDepth(0), 9.f);
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  EXPECT_EQ(CurrentDepth(0), 42.f);
+  EXPECT_EQ(OriginalDepth(0), 9.f);
+  EXPECT_EQ(Restore(root_).num_restored, 1);
+  EXPECT_EQ(CurrentDepth(0), 9.f);
+}
+
+TEST_F(WriteBackTest, RestoreLeavesForeignFilesAlone) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  WriteText(root_ / "stereo/confidence_maps/mine.bin", "mine");
+  Restore(root_);
+  EXPECT_EQ(ReadText(root_ / "stereo/confidence_maps/mine.bin"), "mine");
+}
+
+TEST_F(WriteBackTest, RestoresDeletedMaps) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  std::filesystem::remove(workspace().DepthPath(0, kGeometric));
+  EXPECT_TRUE(workspace().HasMaps(0, kGeometric));
+  EXPECT_EQ(OriginalDepth(0), 2.f);
+  Restore(root_);
+  EXPECT_EQ(CurrentDepth(0), 2.f);
+}
+
+TEST_F(WriteBackTest, NeverTakesItsOwnOutputForAnOriginal) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  const MapPaths paths = workspace().Paths(0, kGeometric);
+  std::filesystem::remove(paths.original_depth);
+  ExpectError(ErrorCode::kMismatch,
+              {paths.depth.string(), paths.original_depth.string()},
+              [&] { workspace().ReadOriginalMaps(0, kGeometric); });
+}
+
+TEST_F(WriteBackTest, DoesNotGuessWithoutARecord) {
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  const MapPaths paths = workspace().Paths(0, kGeometric);
+  std::filesystem::remove(paths.record);
+  ExpectError(ErrorCode::kMismatch,
+              {paths.depth.string(), paths.original_depth.string()},
+              [&] { workspace().ReadOriginalMaps(0, kGeometric); });
+  EXPECT_EQ(CurrentDepth(0), 42.f);
+  EXPECT_EQ(Restore(root_).num_restored, 1);
+  EXPECT_EQ(CurrentDepth(0), 2.f);
+}
+
+TEST_F(WriteBackTest, RefusesBrokenRecordsAndRestoresFromThem) {
+  const MapPaths paths = workspace().Paths(0, kGeometric);
+  for (const char* text : {"", "{", "[]", "{}", "null", R"({"version":1})"}) {
+    SCOPED_TRACE(text);
+    WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+    WriteText(paths.record, text);
+    ExpectError(ErrorCode::kCorrupt, {paths.record.string()}, [&] {
+      IsDone(workspace(), 0, "options", {});
+    });
+    EXPECT_EQ(Restore(root_).num_restored, 1);
+    EXPECT_EQ(CurrentDepth(0), 2.f);
+  }
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  const auto good = nlohmann::json::parse(ReadText(paths.record));
+  for (const auto& [key, value] : good.items()) {
+    SCOPED_TRACE(key);
+    nlohmann::json bad = good;
+    bad[key] = 1.5;
+    WriteText(paths.record, bad.dump());
+    ExpectError(ErrorCode::kCorrupt, {paths.record.string()}, [&] {
+      ReadRecord(paths.record);
+    });
+    if (key == "inputs") {
+      continue;  // Records of earlier versions have none.
+    }
+    bad.erase(key);
+    WriteText(paths.record, bad.dump());
+    ExpectError(ErrorCode::kCorrupt, {paths.record.string()}, [&] {
+      ReadRecord(paths.record);
+    });
+  }
+}
+
+TEST_F(WriteBackTest, KeepsImagesAndPutsRefinedOnesBack) {
+  const auto clean = Snapshot(root_ / "stereo/depth_maps");
+  ImageRecord record = Record();
+  record.note = "no source view";
+  KeepImage(workspace(), 0, record);
+  WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), Record("old"));
+  KeepImage(workspace(), 1, record);
+  EXPECT_EQ(Snapshot(root_ / "stereo/depth_maps"), clean);
+  for (int image : {0, 1}) {
+    const MapPaths paths = workspace().Paths(image, kGeometric);
+    const auto written = ReadRecord(paths.record);
+    ASSERT_TRUE(written);
+    EXPECT_EQ(written->status, ImageStatus::kKept);
+    EXPECT_EQ(written->note, "no source view");
+    EXPECT_FALSE(std::filesystem::exists(paths.confidence));
+    EXPECT_FALSE(std::filesystem::exists(paths.original_depth));
+    EXPECT_FALSE(IsDone(workspace(), image, "options", {}));
+  }
+  EXPECT_EQ(OriginalDepth(1), 4.f);
+}
+
+TEST_F(WriteBackTest, RefusesBadMapsAndChangesNothing) {
+  const auto clean = Snapshot(root_ / "stereo/depth_maps");
+  RefinedMaps maps = MakeRefinedMaps(42.f);
+  maps.normal = Image<Vec3f>(3, 4);
+  ExpectError(ErrorCode::kMismatch, {"a.png", "size"}, [&] {
+    WriteRefined(workspace(), 0, maps, Record());
+  });
+  maps = MakeRefinedMaps(42.f);
+  maps.normal(1, 1).x = std::nanf("");
+  ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
+    WriteRefined(workspace(), 0, maps, Record());
+  });
+  EXPECT_EQ(Snapshot(root_ / "stereo/depth_maps"), clean);
+}
+
+TEST_F(WriteBackTest, RefusesImagesWithoutMaps) {
+  const MapPaths paths = workspace().Paths(0, kGeometric);
+  std::filesystem::remove(paths.normal);
+  ExpectError(ErrorCode::kNotFound, {paths.normal.string()}, [&] {
+    WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
+  });
+  EXPECT_EQ(CurrentDepth(0), 2.f);
+}
+
+TEST_F(WriteBackTest, ManifestListsEveryImage) {
+  ImageRecord record = Record();
+  record.counts["filled"] = 7;
+  record.seconds["total"] = 0.5;
+  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), record);
+  WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
+  record = Record("other options");
+  KeepImage(workspace(), 2, record);
+  const Manifest manifest =
+      BuildManifest(workspace(), {{"eta", "0.8"}}, "options");
+  EXPECT_EQ(manifest.NumImages(ImageStatus::kDone), 2);
+  EXPECT_EQ(manifest.NumImages(ImageStatus::kPending), 1);
+  EXPECT_EQ(manifest.counts.at("filled"), 14);
+  EXPECT_DOUBLE_EQ(manifest.seconds.at("total"), 1.0);
+  WriteManifest(workspace(), manifest);
+  const auto json =
+      nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
+  EXPECT_EQ(json["type"], "geometric");
+  EXPECT_EQ(json["options"]["eta"], "0.8");
+  EXPECT_EQ(json["num_images"]["done"], 2);
+  ASSERT_EQ(json["images"].size(), 3u);
+  EXPECT_EQ(json["images"][1]["image"], "left/b.png");
+  EXPECT_EQ(json["images"][1]["status"], "done");
+  EXPECT_EQ(json["images"][2]["status"], "pending");
+}
+
+// Names are bytes; a record must be writable for any of them.
+TEST_F(WriteBackTest, RecordsNamesThatAreNotUtf8) {
+  ImageRecord record = Record();
+  record.note = "bad \xFF byte";
+  const auto path = folder_.Path() / "records/x.json";
+  WriteRecord(UserPath(path), record);
+  EXPECT_TRUE(ReadRecord(path));
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,190 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/superpixels/trust.h"
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/device/buffer.h"
+
+#include <cmath>
+#include <utility>
+
+#include "tests/support/drawn_scene.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 61;
+constexpr int kHeight = 47;
+
+TEST(InverseDepthPlane, IsThePlaneThatItWasMadeOf) {
+  const Plane plane = DrawnPlane({0.4f, -0.3f, -1.f}, 4.f);
+  const Vec3f ray = {0.3f, -0.2f, 1.f};
+  const Vec3f other = {-0.5f, 0.1f, 1.f};
+  const float depth = plane.Depth(ray);
+  for (const InverseDepthPlane& q :
+       {ToInverseDepth(plane), ToInverseDepth(ray, depth, plane.normal)}) {
+    EXPECT_NEAR(Dot(q, ray) * depth, 1.f, 1e-5f);
+    EXPECT_NEAR(Dot(q, other) * plane.Depth(other), 1.f, 1e-5f);
+  }
+}
+
+TEST(InverseDepthPlane, IsZeroWhereThereIsNone) {
+  const Vec3f ray = {0.f, 0.f, 1.f};
+  EXPECT_EQ(ToInverseDepth(Plane()), Vec3f());
+  EXPECT_EQ(ToInverseDepth(ray, 0.f, {0.f, 0.f, -1.f}), Vec3f());
+  EXPECT_EQ(ToInverseDepth(ray, 2.f, {}), Vec3f());
+  // Seen from behind.
+  EXPECT_EQ(ToInverseDepth(ray, 2.f, {0.f, 0.f, 1.f}), Vec3f());
+}
+
+// A slanted plane under noise, with holes.
+class TrustTest : public testing::Test {
+ protected:
+  TrustTest()
+      : device_(Device::CreateCpu(2)),
+        camera_(DrawnCamera(kWidth, kHeight, 50.0)),
+        plane_(DrawnPlane({0.5f, -0.2f, -1.f}, 4.f)),
+        depth_(DrawDepth(plane_, camera_)),
+        normal_(kWidth, kHeight, plane_.normal),
+        score_(kWidth, kHeight),
+        color_(kWidth, kHeight),
+        trusted_(kWidth, kHeight, 1),
+        estimate_(kWidth, kHeight) {
+    Camera source = camera_;
+    source.translation.x() = 0.4;
+    scale_ = ComputeDisparityScale(camera_, {source});
+    Philox random(7, 0, 0);
+    for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+      depth_.Data()[i] *= 0.8f + 0.4f * random.NextFloat();
+      if (random.NextBelow(5) == 0) {
+        depth_.Data()[i] = 0.f;
+        normal_.Data()[i] = {};
+      }
+      score_.Data()[i] = 0.2f + random.NextFloat();
+      color_.Data()[i].g = static_cast<uint8_t>(random.NextBelow(40));
+      trusted_.Data()[i] = random.NextBelow(4) == 0 ? 0 : 1;
+    }
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        estimate_(x, y) = ToInverseDepth(
+            camera_.GetIntrinsics().Ray(x, y), depth_(x, y), normal_(x, y));
+      }
+    }
+  }
+
+  TrustGate Gate(float tolerance, bool readmit) const {
+    return {depth_.View(), score_.View(), scale_, tolerance, readmit};
+  }
+  // The gate as Eq. 11 states it, by an estimated depth.
+  bool Passes(const TrustGate& gate, float estimate, int x, int y) const {
+    const float own = depth_(x, y);
+    return own > 0.f && estimate > 0.f &&
+           (trusted_(x, y) != 0 || gate.readmit_filtered) &&
+           std::abs(scale_.ToDisparity(estimate) - scale_.ToDisparity(own)) <
+               gate.tolerance / score_(x, y);
+  }
+
+  std::unique_ptr<Device> device_;
+  Camera camera_;
+  Plane plane_;
+  Image<float> depth_;
+  Image<Vec3f> normal_;
+  Image<float> score_;
+  Image<Rgb> color_;
+  Image<uint8_t> trusted_;
+  Image<InverseDepthPlane> estimate_;
+  DisparityScale scale_;
+};
+
+TEST_F(TrustTest, TheMedianNeedNotBeKnownToTellWhoPasses) {
+  for (const bool readmit : {false, true}) {
+    for (const float radius : {5.f, 20.f}) {
+      WeightedMedianOptions options;
+      options.radius = radius;
+      const Image<float> median =
+          WeightedMedianFilter(
+              {std::as_const(depth_).View(), std::as_const(normal_).View()},
+              std::as_const(color_).View(),
+              {},
+              camera_.GetIntrinsics(),
+              options,
+              *device_)
+              .depth.ToHost();
+      // A tenth of the disparities: some pass, some do not.
+      const TrustGate gate =
+          Gate(0.1f * scale_.ToDisparity(plane_.offset), readmit);
+      Image<uint8_t> passed = trusted_;
+      GateByWeightedMedian(std::as_const(estimate_).View(),
+                           std::as_const(color_).View(),
+                           camera_.GetIntrinsics(),
+                           options,
+                           gate,
+                           passed.View(),
+                           *device_);
+      int num_passed = 0;
+      int num_different = 0;
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          num_passed += passed(x, y);
+          num_different +=
+              (passed(x, y) != 0) == Passes(gate, median(x, y), x, y) ? 0 : 1;
+        }
+      }
+      EXPECT_GT(num_passed, kWidth * kHeight / 5);
+      EXPECT_LT(num_passed, kWidth * kHeight * 4 / 5);
+      // Medians may round to the other side of the gate.
+      EXPECT_LE(num_different, 2);
+    }
+  }
+}
+
+TEST_F(TrustTest, PlanesAreTakenAsTheyAre) {
+  const TrustGate gate = Gate(0.05f * scale_.ToDisparity(plane_.offset), true);
+  const Image<InverseDepthPlane> estimate(
+      kWidth, kHeight, ToInverseDepth(plane_));
+  Image<uint8_t> passed = trusted_;
+  GateByPlanes(
+      estimate.View(), camera_.GetIntrinsics(), gate, passed.View(), *device_);
+  const Image<float> expected = DrawDepth(plane_, camera_);
+  int num_passed = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      num_passed += passed(x, y);
+      EXPECT_EQ(passed(x, y) != 0, Passes(gate, expected(x, y), x, y))
+          << x << ", " << y;
+    }
+  }
+  EXPECT_GT(num_passed, kWidth * kHeight / 10);
+  EXPECT_LT(num_passed, kWidth * kHeight * 4 / 5);
+}
+
+TEST_F(TrustTest, NobodyPassesWithoutAnEstimate) {
+  const Image<InverseDepthPlane> nothing(kWidth, kHeight);
+  const TrustGate gate = Gate(1e6f, true);
+  for (const bool by_median : {false, true}) {
+    Image<uint8_t> passed = trusted_;
+    if (by_median) {
+      GateByWeightedMedian(nothing.View(),
+                           std::as_const(color_).View(),
+                           camera_.GetIntrinsics(),
+                           {},
+                           gate,
+                           passed.View(),
+                           *device_);
+    } else {
+      GateByPlanes(nothing.View(),
+                   camera_.GetIntrinsics(),
+                   gate,
+                   passed.View(),
+                   *device_);
+    }
+    for (const uint8_t value : passed) {
+      ASSERT_EQ(value, 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,105 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+// A slanted wall seen by five cameras, as the stages get it.
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/pipeline/view_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/support/drawn_scene.h"
+
+namespace tsar {
+
+struct DrawnViewsOptions {
+  int width = 96;
+  int height = 72;
+  // A rectangle in the middle of the first image has no texture; there the maps
+  // hold nothing or, in one pixel of ten, a wrong depth.
+  bool has_bare_part = true;
+  // The spread of the other depths, to either side.
+  float noise = 1e-3f;
+};
+
+struct DrawnViews {
+  std::vector<ViewData> views;  // The first is the reference.
+  Plane wall;
+  Image<float> truth;  // Depths of the reference.
+
+  std::vector<const ViewData*> Sources() const {
+    std::vector<const ViewData*> sources;
+    for (size_t i = 1; i < views.size(); ++i) {
+      sources.push_back(&views[i]);
+    }
+    return sources;
+  }
+  // Whether a point of the reference's frame is on the bare part.
+  static bool IsBare(const Vec3f& point) {
+    return std::abs(point.x) < 0.2f * point.z &&
+           std::abs(point.y) < 0.15f * point.z;
+  }
+};
+
+// Waves of about six to fifteen pixels in three directions.
+inline float DrawnTexture(float x, float y) {
+  return 128.f + 40.f * std::sin(0.9f * x + 0.2f * y) +
+         30.f * std::sin(0.61f * y - 0.35f * x + 1.f) +
+         20.f * std::sin(0.43f * x + 0.47f * y + 2.f);
+}
+
+inline DrawnViews DrawViews(const DrawnViewsOptions& options) {
+  DrawnViews drawn;
+  Camera camera = DrawnCamera(
+      options.width, options.height, std::max(options.width, options.height));
+  constexpr float kDepth = 5.f;
+  drawn.wall = DrawnPlane({0.2f, -0.1f, -1.f}, kDepth);
+  drawn.truth = DrawDepth(drawn.wall, camera);
+  const float pixels_per_unit = static_cast<float>(camera.fx) / kDepth;
+  const Intrinsics intrinsics = camera.GetIntrinsics();
+  for (const Vec3f& center : {Vec3f{0.f, 0.f, 0.f},
+                              Vec3f{0.3f, 0.f, 0.f},
+                              Vec3f{-0.3f, 0.f, 0.f},
+                              Vec3f{0.f, 0.3f, 0.f},
+                              Vec3f{0.2f, -0.3f, 0.f}}) {
+    Philox random(static_cast<uint32_t>(drawn.views.size()), 0, 0);
+    ViewData view;
+    view.camera = camera;
+    view.camera.translation = -Eigen::Vector3d(center.x, center.y, center.z);
+    view.color = Image<Rgb>(options.width, options.height);
+    view.depth = Image<float>(options.width, options.height);
+    view.normal = Image<Vec3f>(options.width, options.height);
+    const Plane wall{drawn.wall.normal,
+                     drawn.wall.offset + Dot(drawn.wall.normal, center)};
+    for (int y = 0; y < options.height; ++y) {
+      for (int x = 0; x < options.width; ++x) {
+        const Vec3f ray = intrinsics.Ray(x, y);
+        const float z = wall.Depth(ray);
+        const Vec3f point = z * ray + center;
+        const bool bare = options.has_bare_part && DrawnViews::IsBare(point);
+        const float level = bare ? 200.f
+                                 : DrawnTexture(point.x * pixels_per_unit,
+                                                point.y * pixels_per_unit);
+        const auto byte = static_cast<uint8_t>(std::lround(level));
+        view.color(x, y) = {byte, byte, byte};
+        const float choice = random.NextFloat();
+        const float spread = 2.f * random.NextFloat() - 1.f;
+        float depth = z * (1.f + options.noise * spread);
+        if (bare) {
+          depth = choice < 0.1f ? z * (1.f + 0.3f * spread) : 0.f;
+        }
+        view.depth(x, y) = depth;
+        view.normal(x, y) = depth > 0.f ? wall.normal : Vec3f{};
+        view.num_depths_to_refine += depth > 0.f ? 1 : 0;
+      }
+    }
+    drawn.views.push_back(std::move(view));
+  }
+  return drawn;
+}
+
+}  // namespace tsar
