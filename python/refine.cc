@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/standard_streams.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/store/restore.h"
@@ -162,12 +163,12 @@ py::dict Refine(const std::filesystem::path& workspace_path,
   if (input_type) {
     workspace.input_type = ToMapType(*input_type);
   }
-  workspace.device = device;
-  workspace.gpu_index = gpu_index;
-  workspace.num_threads = num_threads;
-  workspace.cache_size = cache_size;
-  workspace.shard = shard;
-  workspace.pass = pass;
+  workspace.devices.choice = ParseDeviceChoice(device);
+  workspace.devices.gpu_indices = ParseGpuIndices(gpu_index);
+  workspace.devices.num_threads = num_threads;
+  workspace.devices.cache_size = cache_size;
+  workspace.shard = ParseShard(shard);
+  workspace.pass = ParsePass(pass);
   PrepareStreams();
   return ToDict(RefineWhileServingPython(
       workspace, ToRefineOptions(options), report, is_terminal));

@@ -5,9 +5,10 @@
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/cli/device_options.h"
+#include "colmap_tsar/cli/device_arguments.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/restore_options.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
@@ -50,6 +51,9 @@ struct RefineCommand {
   bool restore = false;
   std::string restore_conflicts = "report";
   std::string debug_path;
+  DeviceArguments devices;
+  std::string shard;
+  std::string pass = "all";
   WorkspaceRefineOptions workspace;
   RefineOptions refine;
 };
@@ -89,10 +93,10 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      {"default", "paper"},
                      "Values for the options below that are not given: what "
                      "measures best, or the published method as it is.");
-  AddDeviceOptions(group, &command->workspace, options);
+  AddDeviceArguments(group, &command->devices, options);
   options->Add(
       group + "num_threads",
-      &command->workspace.num_threads,
+      &command->devices.num_threads,
       "Number of CPU threads; -1: one for each core. On the CPU, those "
       "that compute; a few more read and write files. With GPUs, two "
       "fifths of them read files and as many write, at most ten per GPU.",
@@ -109,12 +113,12 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "labels a colour each; black is none. The pictures: " +
           DebugPicturesText() + ".");
   options->Add(group + "shard",
-               &command->workspace.shard,
+               &command->shard,
                "For several machines with one file system: the part of the "
                "images to work on, i/n with i from 0 to n - 1; docs/cluster.md "
                "tells how. If empty, all of them.");
   options->AddChoice(group + "pass",
-                     &command->workspace.pass,
+                     &command->pass,
                      {"all", "observe", "compose", "merge"},
                      "What to do of it. A shard is observed, then, once all "
                      "are, composed; merge ends the work of all shards.");
@@ -180,11 +184,14 @@ int RunTsarRefine(int argc, char** argv) {
             ? MapType::kGeometric
             : MapType::kPhotometric;
   }
+  command.workspace.devices = command.devices.Parse();
+  command.workspace.shard = ParseShard(command.shard);
+  command.workspace.pass = ParsePass(command.pass);
   std::optional<DebugPictures> pictures;
   if (!command.debug_path.empty()) {
     command.workspace.Check();
     command.refine.Check();
-    if (command.workspace.pass != "all") {
+    if (command.workspace.pass != RefinePass::kAll) {
       throw Error(ErrorCode::kBadOption,
                   "TsarRefine.debug_path: shards draw no pictures; leave it "
                   "out, or run TsarRefine.pass all");

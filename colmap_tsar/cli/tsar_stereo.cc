@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/cli/device_options.h"
+#include "colmap_tsar/cli/device_arguments.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/stereo/stereo_workspace.h"
@@ -31,7 +31,7 @@ struct StereoCommand {
   std::string workspace_path;
   std::string workspace_format = "COLMAP";
   bool overwrite = false;
-  WorkspaceRefineOptions run;
+  DeviceArguments devices;
   StereoOptions stereo;
 };
 
@@ -47,9 +47,9 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
                "other options or from images that have changed since.");
-  AddDeviceOptions("TsarStereo.", &command->run, options);
+  AddDeviceArguments("TsarStereo.", &command->devices, options);
   options->Add("TsarStereo.num_threads",
-               &command->run.num_threads,
+               &command->devices.num_threads,
                "Number of CPU threads; -1: one for each core.",
                {-1, 4096});
 }
@@ -160,10 +160,10 @@ int RunTsarStereo(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  command.run.workspace_path = command.workspace_path;
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
-  Print(MatchWorkspace(command.run,
+  Print(MatchWorkspace(command.workspace_path,
+                       command.devices.Parse(),
                        command.stereo,
                        command.overwrite,
                        progress,

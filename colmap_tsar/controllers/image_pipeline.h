@@ -4,48 +4,25 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/controllers/bounded_queue.h"
-#include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/controllers/image_report.h"
+#include "colmap_tsar/controllers/image_tasks.h"
+#include "colmap_tsar/controllers/pipeline_outcome.h"
 #include "colmap_tsar/controllers/view_cache.h"
-#include "colmap_tsar/pipeline/refine_image.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <exception>
 #include <functional>
+#include <optional>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 namespace tsar {
-
-// What is to be done with the images of a run, numbered from 0 on. The calls
-// for one image come one after the other, those for different images from
-// several threads at once.
-class ImageTasks {
- public:
-  virtual ~ImageTasks() = default;
-
-  virtual size_t NumImages() const = 0;
-  // For the user; empty where there is one pass only.
-  virtual std::string PassName() const { return ""; }
-  // Does what can be done without reading the image's maps. Where that is all,
-  // the outcome tells what it was; otherwise it is kNotDone.
-  virtual ImageReport Begin(size_t index) = 0;
-  // The views that Compute() needs.
-  virtual std::vector<int> Views(size_t index) const = 0;
-  // What can be done on the CPU once the views are there, so that no worker
-  // needs to do it.
-  virtual void Prepare(size_t /*index*/, const ViewCache::Lease& /*views*/) {}
-  // With one of the workers, each of which is used by one thread. Gives views
-  // back as early as it can.
-  virtual RefineResult Compute(size_t index,
-                               size_t worker,
-                               ViewCache::Lease* views,
-                               ImageReport* report) = 0;
-  virtual void Write(size_t index,
-                     RefineResult result,
-                     ImageReport* report) = 0;
-};
 
 // How many threads read and write, and how many images may wait between them.
 struct PipelineSizes {
@@ -55,52 +32,63 @@ struct PipelineSizes {
   size_t max_finished = 1;  // Computed, not yet with a writer.
 };
 
-// Takes all images through reading, computing and writing, so that the three go
-// on at the same time for different images. Images are begun in their order.
+// Takes images through reading, computing and writing, so that the three go on
+// at the same time for different images. Images are begun in their order.
+template <typename Result>
 class ImagePipeline {
  public:
-  // All references must outlive this object. should_stop is asked, from all
-  // threads, whether the user wants to end.
-  ImagePipeline(ImageTasks& tasks,
+  // All references must outlive this object. images: the indices by which the
+  // tasks know them; what is told of images is in their order. pass_name: for
+  // the user; empty where there is one pass only. should_stop is asked, from
+  // all threads, whether the user wants to end.
+  ImagePipeline(ImageTasks<Result>& tasks,
+                std::vector<size_t> images,
+                std::string pass_name,
                 ViewCache& cache,
                 const PipelineSizes& sizes,
                 Progress& progress,
-                const std::function<bool()>& should_stop);
+                const std::function<bool()>& should_stop)
+      : tasks_(tasks),
+        images_(std::move(images)),
+        pass_name_(std::move(pass_name)),
+        cache_(cache),
+        sizes_(sizes),
+        progress_(progress),
+        should_stop_(should_stop),
+        ready_(sizes.max_ready),
+        finished_(sizes.max_finished),
+        outcome_(images_.size()) {}
 
   // Returns when all images are done. After a failure no further image is
   // begun, but those at work are taken to their end. After should_stop, images
   // that are not being written are left as they were.
-  void Run(size_t num_workers);
-
-  // For each image: what became of it, and its failure where it had one.
-  const std::vector<ImageReport>& Reports() const { return reports_; }
-  const std::vector<std::exception_ptr>& Failures() const { return failures_; }
-  // The failure that came first in time, of which others may be consequences;
-  // null where there was none.
-  std::exception_ptr FirstFailure() const { return first_failure_; }
+  PipelineOutcome Run(size_t num_workers);
 
  private:
+  // place: in images_.
   struct ReadyImage {
-    size_t index = 0;
+    size_t place = 0;
     ImageReport report;
     ViewCache::Lease views;
   };
   struct FinishedImage {
-    size_t index = 0;
+    size_t place = 0;
     ImageReport report;
-    RefineResult result;
+    Result result;
   };
 
   void LoadImages();
   void ComputeImages(size_t worker);
   void WriteImages();
-  void LoadOne(size_t index);
+  void LoadOne(size_t place);
   // Notes an exception of the function as the image's failure.
   template <typename Function>
-  void Try(size_t index, Function function);
-  void Report(size_t index, ImageReport report);
+  void Try(size_t place, Function function);
+  void Report(size_t place, ImageReport report);
 
-  ImageTasks& tasks_;
+  ImageTasks<Result>& tasks_;
+  const std::vector<size_t> images_;
+  const std::string pass_name_;
   ViewCache& cache_;
   const PipelineSizes sizes_;
   Progress& progress_;
@@ -111,11 +99,130 @@ class ImagePipeline {
   std::atomic<bool> has_failed_ = false;
   std::atomic<int> num_loading_ = 0;
   std::atomic<size_t> num_computing_ = 0;
-  // One element for each image, written by the thread that has the image.
-  std::vector<ImageReport> reports_;
-  std::vector<std::exception_ptr> failures_;
-  // Written by the thread that sets has_failed_.
-  std::exception_ptr first_failure_;
+  // What belongs to one image is written by the thread that has it, the first
+  // failure by the thread that sets has_failed_.
+  PipelineOutcome outcome_;
 };
+
+template <typename Result>
+PipelineOutcome ImagePipeline<Result>::Run(size_t num_workers) {
+  progress_.Start(static_cast<int>(images_.size()), pass_name_);
+  num_loading_ = sizes_.num_loaders;
+  num_computing_ = num_workers;
+  {
+    std::vector<std::jthread> threads;
+    threads.reserve(static_cast<size_t>(sizes_.num_writers) + num_workers +
+                    static_cast<size_t>(sizes_.num_loaders));
+    try {
+      for (int i = 0; i < sizes_.num_writers; ++i) {
+        threads.push_back(StartThread([this] { WriteImages(); }));
+      }
+      for (size_t i = 0; i < num_workers; ++i) {
+        threads.push_back(StartThread([this, i] { ComputeImages(i); }));
+      }
+      for (int i = 0; i < sizes_.num_loaders; ++i) {
+        threads.push_back(StartThread([this] { LoadImages(); }));
+      }
+    } catch (...) {
+      // The system gives no more threads: those that there are shall end.
+      has_failed_ = true;
+      ready_.Close();
+      finished_.Close();
+      throw;
+    }
+  }
+  progress_.Finish();
+  return std::move(outcome_);
+}
+
+template <typename Result>
+void ImagePipeline<Result>::LoadImages() {
+  while (!has_failed_ && !should_stop_()) {
+    const size_t place = next_++;
+    if (place >= images_.size()) {
+      break;
+    }
+    Try(place, [&] { LoadOne(place); });
+  }
+  if (--num_loading_ == 0) {
+    ready_.Close();
+  }
+}
+
+template <typename Result>
+void ImagePipeline<Result>::LoadOne(size_t place) {
+  ReadyImage image;
+  image.place = place;
+  image.report = tasks_.Begin(images_[place]);
+  if (image.report.outcome != ImageReport::Outcome::kNotDone) {
+    Report(place, std::move(image.report));
+    return;
+  }
+  image.views = cache_.Reserve(tasks_.Views(images_[place]));
+  const auto start = std::chrono::steady_clock::now();
+  if (!image.views.Load(should_stop_)) {
+    return;
+  }
+  image.report.seconds["read"] +=
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+          .count();
+  tasks_.Prepare(images_[place], image.views);
+  ready_.Push(std::move(image));
+}
+
+template <typename Result>
+void ImagePipeline<Result>::ComputeImages(size_t worker) {
+  while (std::optional<ReadyImage> image = ready_.Pop()) {
+    if (should_stop_()) {
+      continue;
+    }
+    Try(image->place, [&] {
+      FinishedImage finished;
+      finished.place = image->place;
+      finished.report = std::move(image->report);
+      finished.result = tasks_.Compute(
+          images_[image->place], worker, &image->views, &finished.report);
+      image->views = {};
+      finished_.Push(std::move(finished));
+    });
+  }
+  if (--num_computing_ == 0) {
+    finished_.Close();
+  }
+}
+
+template <typename Result>
+void ImagePipeline<Result>::WriteImages() {
+  while (std::optional<FinishedImage> image = finished_.Pop()) {
+    if (should_stop_()) {
+      continue;
+    }
+    Try(image->place, [&] {
+      tasks_.Write(
+          images_[image->place], std::move(image->result), &image->report);
+      Report(image->place, std::move(image->report));
+    });
+  }
+}
+
+template <typename Result>
+template <typename Function>
+void ImagePipeline<Result>::Try(size_t place, Function function) {
+  try {
+    function();
+  } catch (...) {
+    outcome_.failures[place] = std::current_exception();
+    if (!has_failed_.exchange(true)) {
+      outcome_.first_failure = outcome_.failures[place];
+    }
+  }
+}
+
+template <typename Result>
+void ImagePipeline<Result>::Report(size_t place, ImageReport report) {
+  const bool was_work = report.outcome == ImageReport::Outcome::kDone;
+  outcome_.reports[place] = std::move(report);
+  progress_.Advance(was_work);
+}
 
 }  // namespace tsar

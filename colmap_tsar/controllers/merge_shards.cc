@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/controllers/evidence_store.h"
-#include "colmap_tsar/controllers/refine_setup.h"
+#include "colmap_tsar/controllers/open_workspace.h"
 #include "colmap_tsar/controllers/shard.h"
 #include "colmap_tsar/controllers/shard_entries.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/controllers/gpu_indices.h"
 #include "colmap_tsar/controllers/memory_plan.h"
 
 #include <algorithm>
@@ -145,13 +144,13 @@ class GpuOpener {
 };
 
 // The GPUs to use, each with one device; none where the CPU is to be used.
-std::vector<Gpu> OpenGpus(const WorkspaceRefineOptions& options,
+std::vector<Gpu> OpenGpus(const DeviceOptions& options,
                           const WorkspaceOverview& overview,
                           int num_images,
                           const GpuSystem& gpus) {
-  const std::vector<int> named = ParseGpuIndices(options.gpu_index);
-  const bool is_auto = options.device == "auto";
-  if (options.device == "cpu") {
+  const std::vector<int>& named = options.gpu_indices;
+  const bool is_auto = options.choice == DeviceChoice::kAuto;
+  if (options.choice == DeviceChoice::kCpu) {
     return {};
   }
   const int num_gpus = gpus.count();
@@ -447,7 +446,7 @@ GpuSystem GpuSystem::Cuda() {
           &Device::PrepareCudaDevices};
 }
 
-RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
+RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const WorkspaceOverview& overview,
                                   int num_images,
                                   const GpuSystem& gpus,

@@ -4,9 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/base/main_memory.h"
+#include "colmap_tsar/controllers/device_options.h"
 #include "colmap_tsar/controllers/device_view_cache.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/controllers/workspace_check.h"
 #include "colmap_tsar/device/device.h"
 
@@ -35,7 +36,7 @@ struct RefineDevices {
   // memory.
   std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
   PipelineSizes sizes;
-  // See ImageRunner: the workers are GPUs.
+  // See ComposeTask: the workers are GPUs.
   bool finds_scenes_ahead = false;
   // Main memory for views.
   size_t cache_num_bytes = 0;
@@ -68,7 +69,7 @@ struct GpuSystem {
 // is too small for the images), kOutOfMemory (one image alone needs more than
 // machine_bytes; no memory is left on a GPU that was named or on the last one,
 // or main memory for its copies) and kBadOption (gpu_index).
-RefineDevices CreateRefineDevices(const WorkspaceRefineOptions& options,
+RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const WorkspaceOverview& overview,
                                   int num_images,
                                   const GpuSystem& gpus = GpuSystem::Cuda(),

@@ -4,7 +4,9 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/device_options.h"
 #include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/controllers/shard.h"
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/workspace/map_paths.h"
@@ -24,14 +26,10 @@ struct WorkspaceRefineOptions {
   // The maps to refine; nothing: the geometric ones, or the photometric ones
   // where there are no others.
   std::optional<MapType> input_type;
-  std::string device = "auto";   // auto, cuda or cpu.
-  std::string gpu_index = "-1";  // In CUDA's order, "0,1,3"; -1: every one.
-  int num_threads = -1;          // -1: one for each core.
-  double cache_size = 32.0;  // Main memory for images at work, in gigabytes.
-  // For several machines: which part of the images, "i/n" with i from 0 on (see
-  // ParseShard), and which pass over them (see ParsePass).
-  std::string shard;
-  std::string pass = "all";
+  DeviceOptions devices;
+  // For several machines: which part of the images, and which pass over them.
+  Shard shard;
+  RefinePass pass = RefinePass::kAll;
 
   // Throws kBadOption, naming the option.
   void Check() const;
@@ -51,9 +49,11 @@ struct WorkspaceRefineOptions {
 //
 // observer: where given, is shown what the stages find for each image. The maps
 // are the same, but images that were done before are done again. Passes other
-// than "all" show it nothing.
+// than kAll show it nothing.
 //
-// With another pass than "all", see RefineShard and MergeShards.
+// kObserve and kCompose leave a record of the shard (see ShardAccount) instead
+// of the manifest. Before kCompose, all shards must have been observed with
+// these options, else kNotFound; kMerge: see MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/controllers/image_report.h"
 #include "colmap_tsar/controllers/shard.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
@@ -10,28 +11,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <ostream>
 #include <string>
 #include <vector>
 
 namespace tsar {
-
-// What became of one image of a run.
-struct ImageReport {
-  enum class Outcome {
-    kNotDone,  // The user asked to stop or there was an error: as it was.
-    kRefined,
-    kSkipped,  // Had been refined so before, and nothing has changed since.
-    kKept,     // Keeps its maps; the reason says why.
-  };
-  Outcome outcome = Outcome::kNotDone;
-  std::string reason;
-  int num_sources_without_maps = 0;
-  // Of refined images, as in their records: "pixels", "depth_before",
-  // "depth_after", "not_finite" and one for each provenance.
-  std::map<std::string, int64_t> counts;
-  std::map<std::string, double> seconds;  // Per stage.
-};
 
 // What a run of RefineWorkspace did.
 struct RunSummary {
@@ -63,9 +46,5 @@ struct RunSummary {
 
   void Add(const std::string& image, const ImageReport& report);
 };
-
-// For the user: what was done, what it brought, how long it took, and the
-// command to run next.
-void PrintSummary(const RunSummary& summary, std::ostream& out);
 
 }  // namespace tsar

@@ -9,7 +9,7 @@
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/controllers/refine_setup.h"
+#include "colmap_tsar/controllers/run_account.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
 #include <optional>
@@ -110,8 +110,8 @@ ShardRecord DescribeShard(const Workspace& workspace,
   return record;
 }
 
-std::map<std::string, std::string> ShardRuntime(
-    const WorkspaceRefineOptions& options, const RefineDevices& devices) {
+std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
+                                                const RefineDevices& devices) {
   std::map<std::string, std::string> runtime = RuntimeText(options, devices);
   runtime["host"] = HostName();
   runtime["process"] = std::to_string(getpid());

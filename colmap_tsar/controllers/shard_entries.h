@@ -3,9 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/controllers/device_options.h"
 #include "colmap_tsar/controllers/input_state.h"
 #include "colmap_tsar/controllers/refine_devices.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/controllers/shard.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/store/shard_record.h"
@@ -31,8 +31,8 @@ ShardRecord DescribeShard(const Workspace& workspace,
                           const Shard& shard);
 
 // What it is done with, and on which machine.
-std::map<std::string, std::string> ShardRuntime(
-    const WorkspaceRefineOptions& options, const RefineDevices& devices);
+std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
+                                                const RefineDevices& devices);
 
 // Notes that the shard has begun, unless there are shards of other work: then
 // throws what RequireSameWork throws, and leaves no trace. A shard that is

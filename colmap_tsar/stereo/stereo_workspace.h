@@ -4,7 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/controllers/device_options.h"
+#include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/stereo/stereo_options.h"
 
 #include <filesystem>
@@ -27,8 +28,7 @@ struct StereoSummary {
 // Makes depth, normal and cost maps for all images of stereo/patch-match.cfg,
 // photometric and, unless told otherwise, geometric ones, in as many passes
 // over the images. What lies between the passes is kept in stereo/tsar_stereo
-// until the run ends. run: of its members, workspace_path and those that say
-// what to work with; output_path must be empty. overwrite: whether maps may be
+// until the run ends. overwrite: whether maps may be
 // replaced that this program did not make, or made with other options or from
 // what has changed since.
 //
@@ -37,7 +37,8 @@ struct StereoSummary {
 // without sparse points needs options.depth_min and depth_max), kInterrupted
 // once should_stop returned true, and what the workspace, its lock, the devices
 // and writing throw. Images that were done stay done; the same call goes on.
-StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
+StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
+                             const DeviceOptions& device_options,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <functional>
 #include <latch>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -24,11 +25,10 @@ constexpr size_t kViewBytes = 40;
 constexpr int kNumSources = 5;
 
 // Images whose result is the sum of the numbers of their views.
-class DrawnTasks : public ImageTasks {
+class DrawnTasks : public ImageTasks<int64_t> {
  public:
   explicit DrawnTasks(int num_images) : num_images_(num_images) {}
 
-  size_t NumImages() const override { return static_cast<size_t>(num_images_); }
   ImageReport Begin(size_t index) override {
     ImageReport report;
     if (done_before.count(index) > 0) {
@@ -43,10 +43,10 @@ class DrawnTasks : public ImageTasks {
     }
     return views;
   }
-  RefineResult Compute(size_t index,
-                       size_t worker,
-                       ViewCache::Lease* views,
-                       ImageReport* report) override {
+  int64_t Compute(size_t index,
+                  size_t worker,
+                  ViewCache::Lease* views,
+                  ImageReport* report) override {
     before_compute(index);
     CheckFailure(fails_to_compute, index);
     // Each worker has one image at a time.
@@ -61,17 +61,15 @@ class DrawnTasks : public ImageTasks {
     while (before < count &&
            !max_results.compare_exchange_weak(before, count)) {
     }
-    RefineResult result;
-    result.maps.depth = Image<float>(1, 1, sum);
     report->counts["computed"] = 1;
     is_busy_[worker] = false;
-    return result;
+    return static_cast<int64_t>(sum);
   }
-  void Write(size_t index, RefineResult result, ImageReport* report) override {
+  void Write(size_t index, int64_t result, ImageReport* report) override {
     before_write(index);
     CheckFailure(fails_to_write, index);
-    report->counts["sum"] = static_cast<int64_t>(result.maps.depth(0, 0));
-    report->outcome = Outcome::kRefined;
+    report->counts["sum"] = result;
+    report->outcome = Outcome::kDone;
     --num_results_;
     ++num_written;
   }
@@ -105,7 +103,10 @@ class DrawnTasks : public ImageTasks {
 };
 
 struct PipelineRun {
-  explicit PipelineRun(int num_images) : tasks(num_images) {}
+  explicit PipelineRun(int num_images) : tasks(num_images) {
+    images.resize(static_cast<size_t>(num_images));
+    std::iota(images.begin(), images.end(), size_t{0});
+  }
 
   void Go() {
     ViewCache cache(max_views * kViewBytes, kViewBytes, [this](int image) {
@@ -124,11 +125,13 @@ struct PipelineRun {
     });
     std::ostringstream text;
     Progress progress(text, false);
-    ImagePipeline pipeline(tasks, cache, sizes, progress, should_stop);
-    pipeline.Run(num_workers);
-    reports = pipeline.Reports();
-    failures = pipeline.Failures();
-    first_failure = pipeline.FirstFailure();
+    PipelineOutcome outcome =
+        ImagePipeline<int64_t>(
+            tasks, images, "", cache, sizes, progress, should_stop)
+            .Run(num_workers);
+    reports = std::move(outcome.reports);
+    failures = std::move(outcome.failures);
+    first_failure = outcome.first_failure;
   }
 
   int NumFailures() const {
@@ -145,6 +148,7 @@ struct PipelineRun {
   }
 
   DrawnTasks tasks;
+  std::vector<size_t> images;
   PipelineSizes sizes;
   size_t num_workers = 1;
   size_t max_views = 20;
@@ -171,7 +175,7 @@ TEST(ImagePipeline, TheNumbersOfThreadsAndOfViewsChangeNothing) {
       run.Go();
       EXPECT_EQ(run.NumFailures(), 0);
       EXPECT_EQ(run.NumWith(Outcome::kSkipped), 3);
-      EXPECT_EQ(run.NumWith(Outcome::kRefined), kNumImages - 3);
+      EXPECT_EQ(run.NumWith(Outcome::kDone), kNumImages - 3);
       for (size_t i = 0; i < kNumImages; ++i) {
         if (run.tasks.done_before.count(i) == 0) {
           EXPECT_EQ(run.reports[i].counts.at("sum"), run.tasks.ExpectedSum(i));
@@ -187,7 +191,7 @@ TEST(ImagePipeline, FiveThousandImagesNeedTheMemoryOfFew) {
   run.sizes = {4, 2, 4, 2};
   run.num_workers = 4;
   run.Go();
-  EXPECT_EQ(run.NumWith(Outcome::kRefined), 5000);
+  EXPECT_EQ(run.NumWith(Outcome::kDone), 5000);
   EXPECT_FALSE(run.first_failure);
   EXPECT_LE(run.max_alive, 20);
   // With the workers, in the queue, with the writers.
@@ -204,13 +208,13 @@ TEST(ImagePipeline, AnImageThatCannotBeReadLeavesThoseBeforeItDone) {
   // The first that needs view 27 is 27 - 3 * kNumSources.
   constexpr size_t kFirst = 27 - 3 * kNumSources;
   for (size_t i = 0; i < kFirst; ++i) {
-    EXPECT_EQ(run.reports[i].outcome, Outcome::kRefined) << i;
+    EXPECT_EQ(run.reports[i].outcome, Outcome::kDone) << i;
     EXPECT_FALSE(run.failures[i]) << i;
   }
   EXPECT_TRUE(run.failures[kFirst]);
   EXPECT_EQ(run.reports[kFirst].outcome, Outcome::kNotDone);
   // Those at work were taken to their end, and no others begun.
-  EXPECT_LT(run.NumWith(Outcome::kRefined), 35);
+  EXPECT_LT(run.NumWith(Outcome::kDone), 35);
   EXPECT_EQ(run.num_alive, 0);
 }
 
@@ -228,9 +232,9 @@ TEST(ImagePipeline, FailuresOfWorkersAndWritersEndTheRun) {
         std::rethrow_exception(run.failures[7]);
       });
       EXPECT_EQ(run.NumFailures(), 1);
-      EXPECT_EQ(run.NumWith(Outcome::kRefined), run.tasks.num_written);
+      EXPECT_EQ(run.NumWith(Outcome::kDone), run.tasks.num_written);
       for (size_t i = 0; i < 7; ++i) {
-        EXPECT_EQ(run.reports[i].outcome, Outcome::kRefined) << i;
+        EXPECT_EQ(run.reports[i].outcome, Outcome::kDone) << i;
       }
       // Those that were at work: with the loader and ready, and where a writer
       // fails also with the worker and finished. Of several threads one may
@@ -285,9 +289,23 @@ TEST(ImagePipeline, StopsInTheMiddle) {
     EXPECT_GE(run.tasks.num_written, 20);
     // A writer that had asked before the twentieth was done.
     EXPECT_LE(run.tasks.num_written, 20 + num_threads - 1);
-    EXPECT_EQ(run.NumWith(Outcome::kRefined), run.tasks.num_written);
+    EXPECT_EQ(run.NumWith(Outcome::kDone), run.tasks.num_written);
     EXPECT_EQ(run.num_alive, 0);
   }
+}
+
+TEST(ImagePipeline, TakesTheImagesThatItIsGiven) {
+  PipelineRun run(30);
+  run.images = {3, 11, 12, 28};
+  run.tasks.fails_to_write = {12};
+  run.Go();
+  ASSERT_EQ(run.reports.size(), 4u);
+  for (const size_t place : {0, 1}) {
+    EXPECT_EQ(run.reports[place].counts.at("sum"),
+              run.tasks.ExpectedSum(run.images[place]));
+  }
+  EXPECT_TRUE(run.failures[2]);
+  EXPECT_EQ(run.reports[2].outcome, Outcome::kNotDone);
 }
 
 TEST(ImagePipeline, WorksWithoutImages) {

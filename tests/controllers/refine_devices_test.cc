@@ -36,7 +36,8 @@ class RefineDevicesTest : public testing::Test {
   GpuSystem Gpus(int num_gpus) {
     return {
         [this, num_gpus] {
-          EXPECT_NE(options_.device, "cpu") << "the driver is not needed";
+          EXPECT_NE(options_.choice, DeviceChoice::kCpu)
+              << "the driver is not needed";
           return num_gpus;
         },
         [this](int index) {
@@ -67,7 +68,7 @@ class RefineDevicesTest : public testing::Test {
   }
 
   WorkspaceOverview overview_;
-  WorkspaceRefineOptions options_;
+  DeviceOptions options_;
   std::map<int, size_t> memory_;
   std::set<int> without_code_;
   std::map<int, int> num_created_;
@@ -98,30 +99,30 @@ TEST_F(RefineDevicesTest, TakesEveryGpuWithTwoWorkers) {
 }
 
 TEST_F(RefineDevicesTest, TakesTheNamedGpusInTheirOrder) {
-  options_.gpu_index = "2,0";
+  options_.gpu_indices = {2, 0};
   EXPECT_EQ(Create(3).description, "GPU 2 (Card), GPU 0 (Card)");
-  options_.gpu_index = "0,3";
+  options_.gpu_indices = {0, 3};
   ExpectRefusal(
       ErrorCode::kDevice, {"gpu_index", "no GPU 3", "has 3", "0 to 2"}, 3);
-  options_.gpu_index = "1";
+  options_.gpu_indices = {1};
   ExpectRefusal(ErrorCode::kDevice, {"gpu_index", "no GPU 1", "number 0"}, 1);
 }
 
 TEST_F(RefineDevicesTest, LeavesOutGpusWithoutCodeUnlessNamed) {
   without_code_ = {0};
   EXPECT_EQ(Create(2).description, "GPU 1 (Card)");
-  options_.gpu_index = "0,1";
+  options_.gpu_indices = {0, 1};
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 2);
 }
 
 TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
   without_code_ = {0, 1};
-  options_.device = "auto";
+  options_.choice = DeviceChoice::kAuto;
   EXPECT_EQ(Create(2).description, "16 CPU threads");
   EXPECT_EQ(Create(0).description, "16 CPU threads");
-  options_.device = "cpu";
+  options_.choice = DeviceChoice::kCpu;
   EXPECT_EQ(Create(3).description, "16 CPU threads");
-  options_.device = "cuda";
+  options_.choice = DeviceChoice::kCuda;
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 2);
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 0);
 }
@@ -145,7 +146,7 @@ TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
   ExpectRefusal(ErrorCode::kDevice, texts, 1);
   // Another has enough.
   EXPECT_EQ(Create(2).description, "GPU 1 (Card)");
-  options_.gpu_index = "0,1";
+  options_.gpu_indices = {0, 1};
   ExpectRefusal(ErrorCode::kDevice, texts, 2);
 }
 
@@ -161,7 +162,7 @@ TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
       EXPECT_EQ(devices.view_caches.size(), num_created_.size());
     }
   }
-  options_.device = "cpu";
+  options_.choice = DeviceChoice::kCpu;
   EXPECT_EQ(Create(1, 3).workers.size(), 3u);
 }
 
@@ -183,8 +184,9 @@ TEST_F(RefineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
 
 TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
   max_num_devices_ = 1;
-  for (const char* gpu_index : {"-1", "0,1"}) {
-    options_.gpu_index = gpu_index;
+  for (const std::vector<int>& gpu_indices :
+       {std::vector<int>(), std::vector<int>({0, 1})}) {
+    options_.gpu_indices = gpu_indices;
     testing::internal::CaptureStderr();
     const RefineDevices devices = Create(2);
     EXPECT_THAT(testing::internal::GetCapturedStderr(),
@@ -199,9 +201,9 @@ TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
 }
 
 TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
-  for (const char* device : {"cpu", "cuda"}) {
-    SCOPED_TRACE(device);
-    options_.device = device;
+  for (const DeviceChoice device : {DeviceChoice::kCpu, DeviceChoice::kCuda}) {
+    SCOPED_TRACE(ToString(device));
+    options_.choice = device;
     options_.cache_size = 0.25;
     testing::internal::CaptureStderr();
     const RefineDevices devices = Create(1);
@@ -228,7 +230,8 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
                  ? devices.sizes.num_loaders
                  : static_cast<int64_t>(devices.workers.size())) *
                 DiscoveryBytes(overview_) +
-            (options_.device == "cpu" ? WorkBytes(overview_) : 0)) /
+            (options_.choice == DeviceChoice::kCpu ? WorkBytes(overview_)
+                                                   : 0)) /
         1e9;
     std::ostringstream number;
     number << "needs " << std::ceil(needed * 10) / 10 << " GB of main memory";
@@ -244,7 +247,7 @@ TEST_F(RefineDevicesTest, WarnsWhereOneImageNeedsMoreThanTheCacheSize) {
 
 // Memory for two images is not used for three workers.
 TEST_F(RefineDevicesTest, TakesFewerCpuWorkersBeforeItNeedsMore) {
-  options_.device = "cpu";
+  options_.choice = DeviceChoice::kCpu;
   for (const int num_sources : {1, 10}) {
     overview_.max_num_sources = num_sources;
     for (double cache_size = 0.42 + 0.042 * num_sources; cache_size < 3.0;
@@ -273,8 +276,8 @@ TEST_F(RefineDevicesTest, TakesFewerLoadersWhereTheCacheIsSmall) {
 
 // The default cache_size on a small machine.
 TEST_F(RefineDevicesTest, LeavesAFifthOfTheMachinesMemory) {
-  for (const char* device : {"cpu", "cuda"}) {
-    options_.device = device;
+  for (const DeviceChoice device : {DeviceChoice::kCpu, DeviceChoice::kCuda}) {
+    options_.choice = device;
     options_.cache_size = 32;
     machine_bytes_ = 10 * static_cast<int64_t>(kGigabyte);
     const size_t num_bytes = Create(1).cache_num_bytes;
@@ -294,7 +297,7 @@ class VeryLargeMapsTest : public RefineDevicesTest {
     overview_.max_num_pixels = int64_t{14142} * 10607;
     overview_.max_num_image_pixels = overview_.max_num_pixels;
     overview_.max_num_sources = 2;
-    options_.device = "cpu";
+    options_.choice = DeviceChoice::kCpu;
   }
   std::string WarningOf(int num_images) {
     testing::internal::CaptureStderr();
@@ -349,7 +352,7 @@ TEST_F(VeryLargeMapsTest, NeedMoreWithCostsAndASecondType) {
 }
 
 TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
-  options_.device = "cuda";
+  options_.choice = DeviceChoice::kCuda;
   ExpectRefusal(
       ErrorCode::kDevice,
       {"needs 10.3 GB of GPU memory", "8.0 GB are free", "max_image_size"},
@@ -387,17 +390,18 @@ TEST(DiscoveryBytes, DoNotGrowWithoutBound) {
 }
 
 TEST_F(RefineDevicesTest, AllMemoryTogetherIsTheCacheSize) {
-  for (const char* device : {"cpu", "cuda"}) {
-    options_.device = device;
+  for (const DeviceChoice device : {DeviceChoice::kCpu, DeviceChoice::kCuda}) {
+    options_.choice = device;
     for (const double cache_size : {0.001, 1.0, 8.0}) {
       options_.cache_size = cache_size;
       const RefineDevices devices = Create(2);
-      EXPECT_EQ(devices.finds_scenes_ahead, options_.device == "cuda");
+      EXPECT_EQ(devices.finds_scenes_ahead,
+                options_.choice == DeviceChoice::kCuda);
       const auto num_results =
           static_cast<int64_t>(devices.workers.size() +
                                devices.sizes.max_finished) +
           devices.sizes.num_writers;
-      const auto work = options_.device == "cpu"
+      const auto work = options_.choice == DeviceChoice::kCpu
                             ? WorkBytes(overview_) *
                                   static_cast<int64_t>(devices.workers.size())
                             : 0;

@@ -1,140 +1,22 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/refine_shard.h"
-
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/shard_record.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"
 
-#include <chrono>
 #include <functional>
 #include <sstream>
 #include <thread>
 
-#include "tests/support/drawn_workspace.h"
-#include "tests/support/test_workspace.h"
+#include "tests/controllers/refine_shard_fixture.h"
 #include <nlohmann/json.hpp>
 
 namespace tsar {
 namespace {
-
-using Tree = std::map<std::string, std::string>;
-
-// All that does not tell the time. Equality of such trees is looked at as a
-// whole: a failure shall not print megabytes.
-Tree ResultOf(const std::filesystem::path& root) {
-  Tree tree = ReadTree(root);
-  std::erase_if(tree, [](const auto& file) {
-    return file.first.find("stereo/tsar/records/") == 0 ||
-           file.first == "stereo/tsar/manifest.json";
-  });
-  return tree;
-}
-
-nlohmann::json ManifestOf(const std::filesystem::path& root) {
-  nlohmann::json json =
-      nlohmann::json::parse(ReadText(root / "stereo/tsar/manifest.json"));
-  json.erase("seconds");
-  json.erase("runtime");
-  for (nlohmann::json& image : json["images"]) {
-    image.erase("seconds");
-  }
-  return json;
-}
-
-class RefineShardTest : public testing::Test {
- protected:
-  void SetUp() override { DrawWorkspace(root_); }
-
-  static WorkspaceRefineOptions Options(const std::filesystem::path& root,
-                                        const std::string& pass = "all",
-                                        const std::string& shard = "") {
-    WorkspaceRefineOptions options;
-    options.workspace_path = root;
-    options.device = "cpu";
-    options.num_threads = 1;
-    options.pass = pass;
-    options.shard = shard;
-    return options;
-  }
-  static RunSummary Refine(
-      const WorkspaceRefineOptions& options,
-      const RefineOptions& refine = {},
-      const std::function<bool()>& should_stop = [] { return false; }) {
-    std::ostringstream text;
-    Progress progress(text, false);
-    return RefineWorkspace(options, refine, progress, should_stop);
-  }
-  RunSummary Run(const std::string& pass,
-                 const std::string& shard = "",
-                 const RefineOptions& refine = {}) const {
-    return Refine(Options(root_, pass, shard), refine);
-  }
-  void RunAll(const std::string& pass,
-              int count,
-              const RefineOptions& refine = {}) const {
-    for (int i = 0; i < count; ++i) {
-      Run(pass, std::to_string(i) + "/" + std::to_string(count), refine);
-    }
-  }
-
-  // Expects an error before a file was changed.
-  void ExpectRefusal(ErrorCode code,
-                     const std::vector<std::string>& texts,
-                     const WorkspaceRefineOptions& options,
-                     const RefineOptions& refine = {}) const {
-    Tree before = ReadTree(root_);
-    ExpectError(code, texts, [&] { Refine(options, refine); });
-    Tree after = ReadTree(root_);
-    // What a shard leaves, whoever comes last takes.
-    before.erase("stereo/tsar/lock");
-    after.erase("stereo/tsar/lock");
-    EXPECT_TRUE(after == before);
-  }
-  void ExpectRefusal(ErrorCode code,
-                     const std::vector<std::string>& texts,
-                     const std::string& pass,
-                     const std::string& shard = "") const {
-    ExpectRefusal(code, texts, Options(root_, pass, shard));
-  }
-
-  // A workspace that was refined in one go.
-  std::filesystem::path Whole(
-      const RefineOptions& refine = {},
-      const std::function<void(const std::filesystem::path&)>& change =
-          [](const std::filesystem::path&) {}) const {
-    const std::filesystem::path root = folder_.Path() / "whole";
-    std::filesystem::remove_all(root);
-    DrawWorkspace(root);
-    change(root);
-    Refine(Options(root), refine);
-    return root;
-  }
-  void Redraw() const {
-    std::filesystem::remove_all(root_);
-    DrawWorkspace(root_);
-  }
-  MapPaths Paths(int view) const {
-    return GetMapPaths(root_,
-                       DrawnWorkspace::Names()[static_cast<size_t>(view)],
-                       MapType::kGeometric);
-  }
-  std::filesystem::path Evidence(int view) const {
-    return root_ / "stereo/tsar/evidence" /
-           (DrawnWorkspace::Names()[static_cast<size_t>(view)] +
-            ".geometric.bin");
-  }
-  bool HasShards() const {
-    return std::filesystem::exists(root_ / "stereo/tsar/shards");
-  }
-
-  TemporaryFolder folder_;
-  const std::filesystem::path root_ = folder_.Path() / "dense";
-};
 
 TEST_F(RefineShardTest, AnyNumberOfShardsGivesTheBytesOfOneRun) {
   const std::filesystem::path whole = Whole();
@@ -300,210 +182,12 @@ TEST_F(RefineShardTest, ListsOfOtherImagesAreSeen) {
 TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
   ExpectRefusal(ErrorCode::kBadOption, {"shard", "observe"}, "all", "0/2");
   ExpectRefusal(ErrorCode::kBadOption, {"shard"}, "merge", "0/2");
-  ExpectRefusal(ErrorCode::kBadOption, {"shard"}, "observe", "2/2");
-  ExpectRefusal(ErrorCode::kBadOption, {"pass"}, "finish");
   WorkspaceRefineOptions options = Options(root_, "observe", "0/2");
   options.output_path = folder_.Path() / "out";
   ExpectRefusal(ErrorCode::kBadOption, {"output_path", "cp -as"}, options);
   // One of one is all.
   EXPECT_EQ(Run("all", "0/1").num_refined, 4);
   EXPECT_FALSE(HasShards());
-}
-
-TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
-  RunAll("observe", 2);
-  for (int view = 0; view < 4; ++view) {
-    const auto time = std::filesystem::last_write_time(Paths(view).depth);
-    std::filesystem::last_write_time(Paths(view).depth,
-                                     time + std::chrono::seconds(2));
-    int num_refusals = 0;
-    for (const char* shard : {"0/2", "1/2"}) {
-      const Tree before = ReadTree(root_ / "stereo/depth_maps");
-      try {
-        Run("compose", shard);
-      } catch (const Error& error) {
-        ++num_refusals;
-        EXPECT_TRUE(error.Code() == ErrorCode::kMismatch);
-        EXPECT_THAT(error.what(),
-                    testing::AllOf(
-                        testing::HasSubstr(
-                            DrawnWorkspace::Names()[static_cast<size_t>(view)] +
-                            ": its maps have changed"),
-                        testing::HasSubstr("observe of all shards again")));
-        EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == before);
-      }
-    }
-    EXPECT_EQ(num_refusals, 1) << view;
-    Restore(root_);
-    RunAll("observe", 2);
-  }
-}
-
-// What the first has seen of an image is not what the second sees.
-TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
-  for (const bool scene_planes : {true, false}) {
-    RefineOptions refine;
-    refine.scene_planes = scene_planes;
-    for (int view = 0; view < 4; ++view) {
-      Redraw();
-      Run("observe", "0/2", refine);
-      const std::filesystem::path photo =
-          root_ / "images" / DrawnWorkspace::Names()[static_cast<size_t>(view)];
-      std::filesystem::last_write_time(
-          photo,
-          std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
-      Run("observe", "1/2", refine);
-      int num_refusals = 0;
-      for (const char* shard : {"0/2", "1/2"}) {
-        const Tree before = ReadTree(root_ / "stereo/depth_maps");
-        try {
-          Run("compose", shard, refine);
-        } catch (const Error& error) {
-          ++num_refusals;
-          EXPECT_TRUE(error.Code() == ErrorCode::kMismatch);
-          EXPECT_THAT(error.what(),
-                      testing::HasSubstr("observe of all shards again"));
-          EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == before);
-        }
-      }
-      // By themselves, images of the second shard are right if the image is one
-      // of them, and so are all if nobody had seen it before.
-      const bool is_in_first =
-          ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
-                  .images[0]
-                  .image ==
-              DrawnWorkspace::Names()[static_cast<size_t>(view)] ||
-          ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
-                  .images[1]
-                  .image == DrawnWorkspace::Names()[static_cast<size_t>(view)];
-      EXPECT_EQ(num_refusals, scene_planes || is_in_first ? 2 : 0) << view;
-      RunAll("observe", 2, refine);
-      RunAll("compose", 2, refine);
-      Run("merge", "", refine);
-      EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole(refine))) << view;
-    }
-  }
-}
-
-// Also if it is the former one again when its own shard looks at it.
-TEST_F(RefineShardTest, AnotherCameraIsSeenWhateverItsShard) {
-  RunAll("observe", 2);
-  const std::filesystem::path path = root_ / "sparse/images.txt";
-  const std::string images = ReadText(path);
-  for (int view = 0; view < 4; ++view) {
-    const std::string number = std::to_string(view + 1) + " 1 ";
-    std::string changed = images;
-    changed.replace(changed.find(number), number.size(), number + "1e-4 ");
-    const size_t fourth = changed.find(" 0 0 0", changed.find("1e-4"));
-    ASSERT_NE(fourth, std::string::npos);
-    changed.erase(fourth, 2);
-    WriteText(path, changed);
-    for (const char* shard : {"0/2", "1/2"}) {
-      ExpectError(ErrorCode::kMismatch,
-                  {DrawnWorkspace::Names()[static_cast<size_t>(view)] +
-                       ": its camera has changed",
-                   "observe of all shards"},
-                  [&] { Run("compose", shard); });
-    }
-  }
-  WriteText(path, images);
-  RunAll("compose", 2);
-  Run("merge");
-  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
-}
-
-TEST_F(RefineShardTest, RecordsOfOtherListsOfImagesAreNamed) {
-  RunAll("observe", 2);
-  ShardRecord record = ReadShardRecord(GetShardPath(root_, "observe", 1, 2));
-  record.images.pop_back();
-  WriteShardRecord(root_, record);
-  ExpectRefusal(ErrorCode::kMismatch,
-                {"observe-1-of-2.json", "names 1 images, not 2"},
-                "compose",
-                "0/2");
-}
-
-// What is stored of maps that no shard works on may be older than these.
-TEST_F(RefineShardTest, ReadsTheLatestMapsOfOtherTypesAndImages) {
-  RefineOptions refine;
-  refine.scene_planes = false;
-  refine.filter = false;
-  WorkspaceRefineOptions photometric = Options(root_);
-  photometric.input_type = MapType::kPhotometric;
-  Refine(photometric, refine);
-  Refine(Options(root_), refine);
-  const auto write_anew = [&](int view, MapType type) {
-    const MapPaths paths = GetMapPaths(
-        root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
-    ASSERT_TRUE(std::filesystem::exists(paths.original_depth));
-    WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
-    WriteNormalMap(paths.normal,
-                   Image<Vec3f>(96, 72, Vec3f{0.06f, 0.08f, -0.99499f}));
-    for (const ContainedPath& path : {paths.depth, paths.normal}) {
-      std::filesystem::last_write_time(
-          path, std::filesystem::last_write_time(path) + std::chrono::hours(1));
-    }
-  };
-  for (const bool is_other_type : {true, false}) {
-    if (is_other_type) {
-      write_anew(0, MapType::kPhotometric);
-    } else {
-      write_anew(3, MapType::kGeometric);
-      WriteText(root_ / "stereo/patch-match.cfg",
-                "v0.png\n__all__\nv1.png\n__all__\nleft/v2.png\n__all__\n");
-    }
-    const std::filesystem::path whole =
-        folder_.Path() / (is_other_type ? "whole_type" : "whole_image");
-    std::filesystem::copy(
-        root_, whole, std::filesystem::copy_options::recursive);
-    refine.segment = !is_other_type;
-    Refine(Options(whole), refine);
-    RunAll("observe", 3, refine);
-    RunAll("compose", 3, refine);
-    Run("merge", "", refine);
-    EXPECT_TRUE(ResultOf(root_) == ResultOf(whole)) << is_other_type;
-  }
-}
-
-TEST_F(RefineShardTest, LostAndForeignEvidenceIsSeen) {
-  RunAll("observe", 2);
-  const std::string own = ReadText(Evidence(0));
-  // Every image needs that of all others.
-  for (const char* shard : {"0/2", "1/2"}) {
-    std::filesystem::remove(Evidence(0));
-    ExpectError(ErrorCode::kMismatch, {Evidence(0).string(), "observe"}, [&] {
-      Run("compose", shard);
-    });
-    WriteText(Evidence(0), ReadText(Evidence(1)).substr(0, 40));
-    ExpectError(ErrorCode::kMismatch, {Evidence(0).string(), "observe"}, [&] {
-      Run("compose", shard);
-    });
-    WriteText(Evidence(0), own);
-  }
-  RunAll("compose", 2);
-  Run("merge");
-  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
-}
-
-TEST_F(RefineShardTest, WhatNobodyNeededIsAskedFor) {
-  RunAll("observe", 2);
-  RunAll("compose", 2);
-  RunAll("observe", 2);  // Nothing is needed: all are done.
-  std::filesystem::remove(Paths(2).provenance);
-  int num_refusals = 0;
-  for (const char* shard : {"0/2", "1/2"}) {
-    try {
-      Run("compose", shard);
-    } catch (const Error& error) {
-      ++num_refusals;
-      EXPECT_THAT(error.what(), testing::HasSubstr("observe of all shards"));
-    }
-  }
-  EXPECT_EQ(num_refusals, 1);
-  RunAll("observe", 2);
-  RunAll("compose", 2);
-  Run("merge");
-  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
 }
 
 TEST_F(RefineShardTest, GoesOnAfterAnInterruption) {

@@ -185,8 +185,8 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
     WorkspaceRefineOptions options;
     options.workspace_path = root_;
     options.output_path = folder_.Path() / output;
-    options.device = "cuda";
-    options.gpu_index = gpu_index;
+    options.devices.choice = DeviceChoice::kCuda;
+    options.devices.gpu_indices = ParseGpuIndices(gpu_index);
     std::ostringstream text;
     Progress progress(text, false);
     return RefineWorkspace(options, refine, progress, [] { return false; });
@@ -261,9 +261,9 @@ TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
   WorkspaceOverview overview;
   overview.max_num_pixels = int64_t{1} << 34;
   overview.max_num_sources = 10;
-  WorkspaceRefineOptions options;
-  options.device = "cuda";
-  options.gpu_index = "0";
+  DeviceOptions options;
+  options.choice = DeviceChoice::kCuda;
+  options.gpu_indices = {0};
   ExpectError(ErrorCode::kDevice,
               {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
               [&] { CreateRefineDevices(options, overview, 10); });

@@ -4,6 +4,7 @@
 #include "colmap_tsar/stereo/stereo_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/pipeline/depth_interval.h"
 #include "colmap_tsar/store/workspace.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -59,13 +60,13 @@ class StereoWorkspaceTest : public testing::Test {
       bool overwrite = false,
       int num_threads = 1,
       const std::function<bool()>& should_stop = [] { return false; }) {
-    WorkspaceRefineOptions run;
-    run.workspace_path = root_;
-    run.device = "cpu";
-    run.num_threads = num_threads;
+    DeviceOptions devices;
+    devices.choice = DeviceChoice::kCpu;
+    devices.num_threads = num_threads;
     std::ostringstream log;
     Progress progress(log, false);
-    return MatchWorkspace(run, options_, overwrite, progress, should_stop);
+    return MatchWorkspace(
+        root_, devices, options_, overwrite, progress, should_stop);
   }
 
   void ExpectError(ErrorCode code,
@@ -194,8 +195,9 @@ TEST_F(StereoWorkspaceTest, GoesOnAfterAnInterruptionInAnyPass) {
       ASSERT_LT(++num_interruptions, 100);
     }
   }
-  // Three passes of four images, each of which ends a run.
-  EXPECT_EQ(num_interruptions, 12);
+  // Three passes of four images, each of which ends a run; after the last there
+  // is nothing left to interrupt.
+  EXPECT_EQ(num_interruptions, 3 * 4 - 1);
   EXPECT_TRUE(Maps() == expected);
   EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar_stereo/pass_1"));
 }
@@ -237,7 +239,7 @@ TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
   Run();
   WorkspaceRefineOptions refine;
   refine.workspace_path = root_;
-  refine.device = "cpu";
+  refine.devices.choice = DeviceChoice::kCpu;
   std::ostringstream log;
   Progress progress(log, false);
   const RunSummary refined =

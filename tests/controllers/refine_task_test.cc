@@ -1,10 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/image_runner.h"
+#include "colmap_tsar/controllers/refine_task.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/controllers/observe_runner.h"
+#include "colmap_tsar/controllers/compose_task.h"
+#include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/controllers/observe_task.h"
+#include "colmap_tsar/controllers/single_view_task.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
 #include <algorithm>
@@ -45,7 +48,7 @@ class BrokenDevice : public CountingDevice {
   bool is_broken_ = false;
 };
 
-class ImageRunnerTest : public testing::Test {
+class RefineTaskTest : public testing::Test {
  protected:
   // Runs all images with one worker; what a stage throws is kept. With
   // scene_planes, what they observe comes first, and where that fails, nothing
@@ -62,35 +65,40 @@ class ImageRunnerTest : public testing::Test {
     options.scene_planes = scene_planes;
     InputFingerprints inputs(workspace, scene_planes);
     EvidenceStore evidence(workspace, inputs, HashRefineOptions(options), 4);
-    ImageRunner runner(workspace,
-                       std::vector<bool>(4, true),
-                       options,
-                       workers,
-                       inputs,
-                       scene_planes ? &evidence : nullptr,
-                       finds_scenes_ahead);
+    ImageCatalogue images(workspace,
+                          std::vector<bool>(4, true),
+                          HashRefineOptions(options),
+                          inputs,
+                          /*reuses_results=*/true);
+    const RefineTaskInputs task_inputs = {images, options, workers};
     ViewCache cache(
-        1 << 30, 1 << 20, [&](int image) { return runner.Load(image); });
+        1 << 30, 1 << 20, [&](int image) { return images.Load(image); });
     if (scene_planes) {
-      ObserveRunner observer(runner, evidence);
-      RunPipeline(observer, cache);
+      ObserveTask observe(task_inputs, evidence);
+      RunPipeline(observe, cache);
       observed_ = reports_;
       num_allocations_to_observe_ = counter.NumAllocations();
       if (FirstFailed() < 4) {
         return;
       }
+      ComposeTask compose(task_inputs, workspace, evidence, finds_scenes_ahead);
+      RunPipeline(compose, cache);
+    } else {
+      SingleViewTask refine(task_inputs);
+      RunPipeline(refine, cache);
     }
-    RunPipeline(runner, cache);
     num_allocations_ = counter.NumAllocations();
   }
-  void RunPipeline(ImageTasks& tasks, ViewCache& cache) {
+  void RunPipeline(RefineTask& task, ViewCache& cache) {
     std::ostringstream text;
     Progress progress(text, false);
     const std::function<bool()> never = [] { return false; };
-    ImagePipeline pipeline(tasks, cache, {}, progress, never);
-    pipeline.Run(1);
-    reports_ = pipeline.Reports();
-    failures_ = pipeline.Failures();
+    PipelineOutcome outcome =
+        ImagePipeline<RefineResult>(
+            task, {0, 1, 2, 3}, "", cache, {}, progress, never)
+            .Run(1);
+    reports_ = std::move(outcome.reports);
+    failures_ = std::move(outcome.failures);
   }
   void Run(bool scene_planes, bool finds_scenes_ahead = false) {
     Run(std::make_unique<CountingDevice>("Card", size_t{1} << 30),
@@ -122,12 +130,12 @@ class ImageRunnerTest : public testing::Test {
     });
     EXPECT_EQ(reports_[failed].outcome, ImageReport::Outcome::kNotDone);
     for (size_t i = 0; i < failed; ++i) {
-      EXPECT_EQ(reports_[i].outcome, ImageReport::Outcome::kRefined);
+      EXPECT_EQ(reports_[i].outcome, ImageReport::Outcome::kDone);
     }
   }
   void ExpectAllRefined() const {
     for (size_t i = 0; i < 4; ++i) {
-      EXPECT_EQ(reports_[i].outcome, ImageReport::Outcome::kRefined);
+      EXPECT_EQ(reports_[i].outcome, ImageReport::Outcome::kDone);
       EXPECT_FALSE(failures_[i]);
     }
   }
@@ -149,7 +157,7 @@ class ImageRunnerTest : public testing::Test {
   int num_allocations_ = 0;
 };
 
-TEST_F(ImageRunnerTest, NamesTheGpuAndTheImageThatItFailedOn) {
+TEST_F(RefineTaskTest, NamesTheGpuAndTheImageThatItFailedOn) {
   DrawWorkspace(root_);
   Run(false);
   ExpectAllRefined();
@@ -163,7 +171,7 @@ TEST_F(ImageRunnerTest, NamesTheGpuAndTheImageThatItFailedOn) {
   }
 }
 
-TEST_F(ImageRunnerTest, AFailureWhileObservingChangesNoMap) {
+TEST_F(RefineTaskTest, AFailureWhileObservingChangesNoMap) {
   DrawWorkspace(root_);
   const auto before = ReadMaps();
   Run(true);
@@ -177,7 +185,7 @@ TEST_F(ImageRunnerTest, AFailureWhileObservingChangesNoMap) {
   }
 }
 
-TEST_F(ImageRunnerTest, AFailureWhileComposingLeavesTheOthersRefined) {
+TEST_F(RefineTaskTest, AFailureWhileComposingLeavesTheOthersRefined) {
   DrawWorkspace(root_);
   Run(true);
   const auto refined = ReadMaps();
@@ -198,7 +206,7 @@ TEST_F(ImageRunnerTest, AFailureWhileComposingLeavesTheOthersRefined) {
   }
 }
 
-TEST_F(ImageRunnerTest, WhoFindsTheScenesChangesNoByte) {
+TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
   DrawWorkspace(root_);
   Run(true);
   ExpectAllRefined();
@@ -216,7 +224,7 @@ TEST_F(ImageRunnerTest, WhoFindsTheScenesChangesNoByte) {
   }
 }
 
-TEST_F(ImageRunnerTest, ObservesOnlyWhatSomebodyNeeds) {
+TEST_F(RefineTaskTest, ObservesOnlyWhatSomebodyNeeds) {
   DrawWorkspace(root_);
   WriteText(root_ / "stereo/patch-match.cfg",
             "v0.png\nv1.png\nv1.png\nv0.png\n"
@@ -229,10 +237,8 @@ TEST_F(ImageRunnerTest, ObservesOnlyWhatSomebodyNeeds) {
   std::filesystem::remove(workspace.Paths(1, MapType::kGeometric).confidence);
   Run(true);
   for (size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(observed_[i].outcome == ImageReport::Outcome::kRefined, i < 2)
-        << i;
-    EXPECT_EQ(reports_[i].outcome == ImageReport::Outcome::kRefined, i == 1)
-        << i;
+    EXPECT_EQ(observed_[i].outcome == ImageReport::Outcome::kDone, i < 2) << i;
+    EXPECT_EQ(reports_[i].outcome == ImageReport::Outcome::kDone, i == 1) << i;
   }
   // The time for both passes is booked, of the image at work alone.
   EXPECT_GT(reports_[1].seconds.at("superpixels"), 0.0);

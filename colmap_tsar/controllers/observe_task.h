@@ -4,25 +4,23 @@
 #pragma once
 
 #include "colmap_tsar/controllers/evidence_store.h"
-#include "colmap_tsar/controllers/image_pipeline.h"
-#include "colmap_tsar/controllers/image_runner.h"
+#include "colmap_tsar/controllers/refine_task.h"
 
-#include <string>
+#include <cstddef>
 #include <vector>
 
 namespace tsar {
 
-// The first pass over a workspace: what each image observes goes to the store.
-// Left out, unless the run has an observer, are images whose evidence is there
+// The first of two passes: what each image observes goes to the store. Left
+// out, unless everything is to be done anew, are images whose evidence is there
 // already; and those that nobody needs because they and all whose sources they
 // are have been refined.
-class ObserveRunner : public ImageTasks {
+class ObserveTask : public RefineTask {
  public:
-  // All references must outlive this object. images: does the second pass.
-  ObserveRunner(ImageRunner& images, EvidenceStore& evidence);
+  // evidence must outlive this object.
+  ObserveTask(const RefineTaskInputs& inputs, EvidenceStore& evidence)
+      : RefineTask(inputs), evidence_(evidence) {}
 
-  size_t NumImages() const override { return images_.NumImages(); }
-  std::string PassName() const override { return "Pass 1 of 2:"; }
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override {
     return images_.SourcesAndReference(index);
@@ -34,7 +32,6 @@ class ObserveRunner : public ImageTasks {
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
  private:
-  ImageRunner& images_;
   EvidenceStore& evidence_;
 };
 

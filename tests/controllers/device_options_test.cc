@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/gpu_indices.h"
+#include "colmap_tsar/controllers/device_options.h"
 
 #include "tests/support/test_workspace.h"
 
@@ -41,6 +41,22 @@ TEST(ParseGpuIndices, RefusesEverythingElse) {
   });
   ExpectError(ErrorCode::kBadOption, {"gpu_index", "GPU 1 is named twice"}, [] {
     ParseGpuIndices("1,0,1");
+  });
+}
+
+TEST(GpuIndicesText, IsReadBack) {
+  for (const char* text : {"-1", "0", "3,0,11"}) {
+    EXPECT_EQ(GpuIndicesText(ParseGpuIndices(text)), text);
+  }
+}
+
+TEST(ParseDeviceChoice, ReadsWhatToStringWrites) {
+  for (const DeviceChoice choice :
+       {DeviceChoice::kAuto, DeviceChoice::kCuda, DeviceChoice::kCpu}) {
+    EXPECT_EQ(ParseDeviceChoice(ToString(choice)), choice);
+  }
+  ExpectError(ErrorCode::kBadOption, {"device", "auto, cuda or cpu"}, [] {
+    ParseDeviceChoice("abacus");
   });
 }
 

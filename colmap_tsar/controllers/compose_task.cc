@@ -1,0 +1,81 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/compose_task.h"
+
+#include <utility>
+
+namespace tsar {
+
+ComposeTask::ComposeTask(const RefineTaskInputs& inputs,
+                         const Workspace& workspace,
+                         EvidenceStore& evidence,
+                         bool finds_scenes_ahead)
+    : RefineMapsTask(inputs),
+      workspace_(workspace),
+      evidence_(evidence),
+      finds_scenes_ahead_(finds_scenes_ahead),
+      scenes_(inputs.images.NumImages()) {}
+
+void ComposeTask::Prepare(size_t index, const ViewCache::Lease& views) {
+  if (!finds_scenes_ahead_ ||
+      !HasDepth(views.Get(images_.Reference(index)).depth)) {
+    return;
+  }
+  try {
+    scenes_[index] = FindSceneOf(index, *Device::CreateCpu(1));
+  } catch (const Error& error) {
+    throw WithPlace(error, index, "the CPU");
+  }
+}
+
+RefineResult ComposeTask::RefineMaps(size_t index,
+                                     size_t worker_index,
+                                     ViewCache::Lease* views) {
+  const int image = images_.Reference(index);
+  const ViewData& reference = views->Get(image);
+  RefineWorker& worker = workers_[worker_index];
+  const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
+  try {
+    std::unique_ptr<Scene> scene = std::move(scenes_[index]);
+    if (!scene) {
+      scene = FindSceneOf(index, *worker.device);
+    }
+    return ComposeImage(reference,
+                        scene->views,
+                        scene->found,
+                        options_,
+                        *worker.device,
+                        observer.get());
+  } catch (const Error& error) {
+    throw WithPlace(error, index, worker.name);
+  }
+}
+
+std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,
+                                                             Device& device) {
+  const int reference = images_.Reference(index);
+  auto scene = std::make_unique<Scene>();
+  scene->own = evidence_.ReadAll(reference);
+  scene->views = {Observed(reference, scene->own)};
+  for (const int source : images_.Sources(index)) {
+    if (source == reference) {
+      continue;
+    }
+    if (EvidenceStore::Evidence evidence = evidence_.Get(source)) {
+      scene->views.push_back(Observed(source, *evidence));
+      scene->others.push_back(std::move(evidence));
+    }
+  }
+  scene->found = FindScene(scene->views, options_, device);
+  return scene;
+}
+
+ObservedView ComposeTask::Observed(int image,
+                                   const ViewEvidence& evidence) const {
+  return {&evidence,
+          workspace_.Model().images[static_cast<size_t>(image)].camera.Resized(
+              evidence.width, evidence.height)};
+}
+
+}  // namespace tsar

@@ -1,0 +1,59 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/controllers/refine_task.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace tsar {
+
+// The second of two passes: the maps of each image, from its own evidence and
+// that of its sources, all of which an ObserveTask wrote before.
+class ComposeTask : public RefineMapsTask {
+ public:
+  // workspace and evidence must outlive this object. finds_scenes_ahead:
+  // whether threads that read also find the planes of the scene, for workers
+  // that would otherwise wait for the CPU meanwhile.
+  ComposeTask(const RefineTaskInputs& inputs,
+              const Workspace& workspace,
+              EvidenceStore& evidence,
+              bool finds_scenes_ahead);
+
+  std::vector<int> Views(size_t index) const override {
+    return {images_.Reference(index)};
+  }
+  void Prepare(size_t index, const ViewCache::Lease& views) override;
+
+ protected:
+  RefineResult RefineMaps(size_t index,
+                          size_t worker,
+                          ViewCache::Lease* views) override;
+
+ private:
+  // An image and its neighbours, and what was found in their evidence.
+  struct Scene {
+    ViewEvidence own;
+    std::vector<EvidenceStore::Evidence> others;
+    std::vector<ObservedView> views;
+    FoundScene found;
+  };
+
+  std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
+  // Its camera for the raster of its evidence.
+  ObservedView Observed(int image, const ViewEvidence& evidence) const;
+
+  const Workspace& workspace_;
+  EvidenceStore& evidence_;
+  const bool finds_scenes_ahead_;
+  // By image of the run, what Prepare() found for RefineMaps().
+  std::vector<std::unique_ptr<Scene>> scenes_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,220 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/image_catalogue.h"
+
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/controllers/load_view.h"
+#include "colmap_tsar/store/write_back.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+int64_t CountDepths(const Image<float>& depth) {
+  return std::count_if(
+      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
+}
+
+// Adds what the maps tell to the image's counts.
+void CountPixels(const RefinedMaps& maps,
+                 std::map<std::string, int64_t>* counts) {
+  std::array<int64_t, 256> histogram = {};
+  for (const uint8_t provenance : maps.provenance) {
+    ++histogram[provenance];
+  }
+  const auto from = [&](Provenance provenance) {
+    return histogram[static_cast<size_t>(provenance)];
+  };
+  (*counts)["pixels"] = static_cast<int64_t>(maps.depth.NumPixels());
+  (*counts)["depth_after"] = CountDepths(maps.depth);
+  (*counts)["measured"] = from(Provenance::kMeasured);
+  (*counts)["superpixel_plane"] = from(Provenance::kSuperpixelPlane);
+  (*counts)["interpolated"] = from(Provenance::kInterpolated);
+  (*counts)["region_plane"] = from(Provenance::kRegionPlane);
+  (*counts)["other_views"] = from(Provenance::kOtherViews);
+}
+
+}  // namespace
+
+void AddStageSeconds(const std::map<std::string, double>& seconds,
+                     std::map<std::string, double>* sums) {
+  for (const auto& [stage, value] : seconds) {
+    (*sums)[stage] += value;
+  }
+}
+
+ImageCatalogue::ImageCatalogue(const Workspace& workspace,
+                               std::vector<bool> has_maps,
+                               std::string options_hash,
+                               InputFingerprints& inputs,
+                               bool reuses_results)
+    : workspace_(workspace),
+      has_maps_(std::move(has_maps)),
+      options_hash_(std::move(options_hash)),
+      inputs_(inputs),
+      reuses_results_(reuses_results),
+      is_done_flags_(workspace.Problems().size()),
+      is_done_(workspace.Problems().size()),
+      users_(workspace.Model().images.size()),
+      seconds_(workspace.Problems().size()),
+      file_mutexes_(workspace.Model().images.size()) {
+  for (size_t index = 0; index < NumImages(); ++index) {
+    if (CanRefine(index)) {
+      for (const int view : SourcesAndReference(index)) {
+        users_[static_cast<size_t>(view)].push_back(index);
+      }
+    }
+  }
+}
+
+const std::string& ImageCatalogue::Name(int image) const {
+  return workspace_.Model().images[static_cast<size_t>(image)].name;
+}
+
+bool ImageCatalogue::HasMaps(int image) const {
+  return has_maps_[static_cast<size_t>(image)];
+}
+
+std::vector<int> ImageCatalogue::Sources(size_t index) const {
+  std::vector<int> sources;
+  std::copy_if(Problem(index).sources.begin(),
+               Problem(index).sources.end(),
+               std::back_inserter(sources),
+               [&](int source) { return HasMaps(source); });
+  return sources;
+}
+
+std::vector<int> ImageCatalogue::SourcesAndReference(size_t index) const {
+  std::vector<int> views = Sources(index);
+  views.push_back(Reference(index));
+  return views;
+}
+
+int ImageCatalogue::NumSourcesWithoutMaps(size_t index) const {
+  return static_cast<int>(Problem(index).sources.size() -
+                          Sources(index).size());
+}
+
+bool ImageCatalogue::CanRefine(size_t index) const {
+  return HasMaps(Reference(index)) && !Sources(index).empty();
+}
+
+bool ImageCatalogue::HasBeenRefined(size_t index) {
+  std::call_once(is_done_flags_[index], [&] {
+    const int image = Reference(index);
+    // Before anything of it is read, also where nothing is reused.
+    const InputState inputs = inputs_.OfResult(image);
+    is_done_[index] =
+        reuses_results_ && IsDone(workspace_, image, options_hash_, inputs);
+  });
+  return is_done_[index] != 0;
+}
+
+bool ImageCatalogue::IsNeeded(size_t index) {
+  const std::vector<size_t>& users =
+      users_[static_cast<size_t>(Reference(index))];
+  return std::any_of(users.begin(), users.end(), [&](size_t other) {
+    return !HasBeenRefined(other);
+  });
+}
+
+void ImageCatalogue::WarnOfChanges(size_t index) {
+  if (HasBeenRefined(index) || !reuses_results_) {
+    return;
+  }
+  const int image = Reference(index);
+  const std::optional<ImageRecord> record =
+      ReadRecord(workspace_.Paths(image, workspace_.Type()).record);
+  if (!record || record->status != ImageStatus::kDone ||
+      record->options_hash != options_hash_) {
+    return;
+  }
+  const std::string reason =
+      record->inputs.empty() || record->version != TSAR_VERSION
+          ? "it was refined by another version"
+          : inputs_.ChangesOfResult(image, record->inputs);
+  if (!reason.empty()) {
+    Warn(Name(image) + ": refined again, since " + reason);
+  }
+}
+
+ViewCache::View ImageCatalogue::Load(int image) {
+  const std::lock_guard<std::mutex> lock(
+      file_mutexes_[static_cast<size_t>(image)]);
+  return std::make_shared<const ViewData>(LoadView(workspace_, image));
+}
+
+ImageReport ImageCatalogue::BeginRefining(size_t index) {
+  const std::string type = ToString(workspace_.Type());
+  // Before its maps are changed, for those whose source it is.
+  inputs_.OfView(Reference(index));
+  ImageReport report;
+  report.seconds = seconds_[index];
+  if (!HasMaps(Reference(index))) {
+    Keep(index,
+         "it has no " + type + " maps; run patch_match_stereo for this image",
+         &report);
+  } else if (Problem(index).sources.empty()) {
+    Keep(index, "no other image shares enough of its sparse points", &report);
+  } else if (Sources(index).empty()) {
+    Keep(index, "none of its source images has " + type + " maps", &report);
+  } else if (HasBeenRefined(index)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  }
+  return report;
+}
+
+void ImageCatalogue::WriteRefined(size_t index,
+                                  const RefinedMaps& maps,
+                                  ImageReport* report) {
+  const int image = Reference(index);
+  CountPixels(maps, &report->counts);
+  ImageRecord record;
+  record.options_hash = options_hash_;
+  record.inputs = inputs_.OfResult(image);
+  record.counts = report->counts;
+  record.seconds = report->seconds;
+  const Clock::time_point start = Clock::now();
+  WriteBack write_back(workspace_, image, std::move(record));
+  write_back.PrepareFiles(maps);
+  {
+    const std::lock_guard<std::mutex> lock(
+        file_mutexes_[static_cast<size_t>(image)]);
+    write_back.Commit();
+  }
+  report->seconds["write"] =
+      std::chrono::duration<double>(Clock::now() - start).count();
+  report->outcome = ImageReport::Outcome::kDone;
+}
+
+void ImageCatalogue::Keep(size_t index,
+                          const std::string& reason,
+                          ImageReport* report) {
+  const int image = Reference(index);
+  report->outcome = ImageReport::Outcome::kKept;
+  report->reason = reason;
+  ImageRecord record;
+  record.options_hash = options_hash_;
+  record.note = reason;
+  record.counts = report->counts;
+  const std::lock_guard<std::mutex> lock(
+      file_mutexes_[static_cast<size_t>(image)]);
+  KeepImage(workspace_, image, std::move(record));
+}
+
+void ImageCatalogue::AddSeconds(size_t index,
+                                const std::map<std::string, double>& seconds) {
+  AddStageSeconds(seconds, &seconds_[index]);
+}
+
+}  // namespace tsar

@@ -1,0 +1,210 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/refine_controller.h"
+
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/controllers/compose_task.h"
+#include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/controllers/manifest_account.h"
+#include "colmap_tsar/controllers/memory_plan.h"
+#include "colmap_tsar/controllers/observe_task.h"
+#include "colmap_tsar/controllers/open_workspace.h"
+#include "colmap_tsar/controllers/shard_account.h"
+#include "colmap_tsar/controllers/single_view_task.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/store/output_workspace.h"
+
+#include <memory>
+#include <utility>
+
+namespace tsar {
+
+RefineController::RefineController(const WorkspaceRefineOptions& options,
+                                   const RefineOptions& refine_options,
+                                   Progress& progress,
+                                   const std::function<bool()>& should_stop,
+                                   RefineObserver* observer)
+    : options_(options),
+      refine_options_(refine_options),
+      progress_(progress),
+      should_stop_(should_stop),
+      observer_(IsShard() ? nullptr : observer),
+      workspace_(OpenWorkspace(options)),
+      shards_(SplitImages(workspace_, options.shard.count)) {
+  Lock();
+}
+
+void RefineController::Lock() {
+  const bool in_place = options_.output_path.empty();
+  if (IsShard()) {
+    lock_.emplace(workspace_.Root(),
+                  options_.pass == RefinePass::kObserve
+                      ? WorkspaceLock::Mode::kObserve
+                      : WorkspaceLock::Mode::kCompose,
+                  options_.shard.index);
+  } else if (in_place) {
+    lock_.emplace(workspace_.Root());
+  }
+  if (!in_place || workspace_.IsOutput()) {
+    // So that nobody changes the originals while they are read.
+    input_lock_.emplace(workspace_.SourceRoot(),
+                        workspace_.IsOutput()
+                            ? WorkspaceLock::Mode::kSharedIfThere
+                            : WorkspaceLock::Mode::kShared);
+  }
+}
+
+RunSummary RefineController::Run() {
+  overview_ = CheckWorkspace(workspace_);
+  if (options_.pass != RefinePass::kCompose) {
+    CheckOriginals(workspace_);
+  }
+  if (!Images().empty()) {
+    devices_ = CreateRefineDevices(
+        options_.devices, overview_, static_cast<int>(Images().size()));
+  }
+  if (!options_.output_path.empty()) {
+    OpenOutput();
+  }
+  const std::string options_hash = HashRefineOptions(refine_options_);
+  InputFingerprints inputs(
+      workspace_, refine_options_.scene_planes && refine_options_.refine);
+  EvidenceStore evidence(workspace_,
+                         inputs,
+                         options_hash,
+                         NumEvidenceViews(overview_, devices_.workers.size()));
+  // Who observes is to see every image.
+  ImageCatalogue catalogue(workspace_,
+                           overview_.has_maps,
+                           options_hash,
+                           inputs,
+                           /*reuses_results=*/observer_ == nullptr);
+  const RefineRun run = {options_,
+                         refine_options_,
+                         workspace_,
+                         shards_,
+                         devices_,
+                         inputs,
+                         evidence,
+                         catalogue};
+  std::unique_ptr<RunAccount> account;
+  if (IsShard()) {
+    account = std::make_unique<ShardAccount>(run);
+  } else {
+    account = std::make_unique<ManifestAccount>(run);
+  }
+  account->Begin();
+  const PipelineOutcome outcome = RunPasses(run, *account);
+  RunSummary summary = Summarize(run, outcome);
+  account->End(outcome);
+  return summary;
+}
+
+void RefineController::OpenOutput() {
+  if (ReadOutputMarker(options_.output_path)) {
+    // Another program may be at work on it.
+    lock_.emplace(options_.output_path);
+  }
+  workspace_ = CreateOutputWorkspace(
+      workspace_, options_.output_path, workspace_.Type());
+  if (!lock_) {
+    lock_.emplace(workspace_.Root());
+  }
+}
+
+PipelineOutcome RefineController::RunPasses(const RefineRun& run,
+                                            RunAccount& account) {
+  const auto pass_name = [&](const std::string& of_all_images) {
+    return IsShard() ? "Shard " + ToString(options_.shard) + ", " +
+                           ToString(options_.pass) + ":"
+                     : of_all_images;
+  };
+  const RefineTaskInputs inputs = {
+      run.catalogue, refine_options_, devices_.workers, observer_};
+  ViewCache cache(devices_.cache_num_bytes,
+                  static_cast<size_t>(ViewBytes(overview_)),
+                  [&](int image) { return run.catalogue.Load(image); });
+  if (options_.pass != RefinePass::kCompose) {
+    account.BeforeObserving();
+    const PipelineOutcome outcome =
+        Observe(run, inputs, pass_name("Pass 1 of 2:"), cache);
+    if (options_.pass == RefinePass::kObserve) {
+      return outcome;
+    }
+    if (!outcome.IsComplete()) {
+      // A view whose neighbours were not all observed would get another map.
+      PipelineOutcome none_refined(Images().size());
+      none_refined.failures = outcome.failures;
+      none_refined.first_failure = outcome.first_failure;
+      return none_refined;
+    }
+  }
+  account.BeforeComposing();
+  if (run.HasScenePlanes()) {
+    ComposeTask compose(
+        inputs, workspace_, run.evidence, devices_.finds_scenes_ahead);
+    return RunPass(compose, pass_name("Pass 2 of 2:"), cache);
+  }
+  SingleViewTask refine(inputs);
+  return RunPass(refine, pass_name(""), cache);
+}
+
+PipelineOutcome RefineController::Observe(const RefineRun& run,
+                                          const RefineTaskInputs& inputs,
+                                          std::string name,
+                                          ViewCache& cache) {
+  if (!run.HasScenePlanes()) {
+    // Images that are refined by themselves have nothing to observe.
+    ImageReport nothing_to_do;
+    nothing_to_do.outcome = ImageReport::Outcome::kSkipped;
+    PipelineOutcome outcome(Images().size());
+    outcome.reports.assign(Images().size(), nothing_to_do);
+    return outcome;
+  }
+  ObserveTask observe(inputs, run.evidence);
+  return RunPass(observe, std::move(name), cache);
+}
+
+PipelineOutcome RefineController::RunPass(RefineTask& task,
+                                          std::string name,
+                                          ViewCache& cache) {
+  if (Images().empty()) {
+    return PipelineOutcome();
+  }
+  return ImagePipeline<RefineResult>(task,
+                                     Images(),
+                                     std::move(name),
+                                     cache,
+                                     devices_.sizes,
+                                     progress_,
+                                     should_stop_)
+      .Run(devices_.workers.size());
+}
+
+RunSummary RefineController::Summarize(const RefineRun& run,
+                                       const PipelineOutcome& outcome) const {
+  RunSummary summary;
+  summary.workspace_path = workspace_.Root();
+  summary.type = workspace_.Type();
+  summary.pass = options_.pass;
+  summary.shard = options_.shard;
+  summary.device = devices_.description;
+  summary.num_workers = static_cast<int>(devices_.workers.size());
+  summary.peak_gpu_memory = PeakGpuMemory(devices_);
+  summary.num_images = static_cast<int>(Images().size());
+  for (size_t i = 0; i < outcome.reports.size(); ++i) {
+    summary.Add(run.catalogue.Name(run.catalogue.Reference(Images()[i])),
+                outcome.reports[i]);
+  }
+  if (options_.pass == RefinePass::kObserve) {
+    summary.num_observed = std::exchange(summary.num_refined, 0);
+    summary.num_skipped = summary.num_images - summary.num_observed;
+  }
+  summary.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
+          .count();
+  return summary;
+}
+
+}  // namespace tsar

@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/refine_task.h"
+
+#include <chrono>
+#include <utility>
+
+namespace tsar {
+
+RefineResult RefineTask::RunSingleView(size_t index,
+                                       size_t worker_index,
+                                       ViewCache::Lease* views,
+                                       const SingleViewStages& stages) {
+  using Clock = std::chrono::steady_clock;
+  const int image = images_.Reference(index);
+  RefineWorker& worker = workers_[worker_index];
+  const std::unique_ptr<StageObserver> observer =
+      ObserverOf(image, views->Get(image));
+  try {
+    const Clock::time_point start = Clock::now();
+    // Nothing reads the sources before DeviceViews has them, which waits for
+    // the device before it lets go of them, also where a stage fails.
+    std::vector<DeviceViewCache::View> sources;
+    for (const int source : images_.Sources(index)) {
+      sources.push_back(
+          worker.views->Get(source, views->Get(source), *worker.device));
+      if (source != image) {
+        views->Release(source);
+      }
+    }
+    const double upload_seconds =
+        std::chrono::duration<double>(Clock::now() - start).count();
+    RefineResult result =
+        stages(std::move(sources), *worker.device, observer.get());
+    result.seconds["upload"] += upload_seconds;
+    return result;
+  } catch (const Error& error) {
+    throw WithPlace(error, index, worker.name);
+  }
+}
+
+std::unique_ptr<StageObserver> RefineTask::ObserverOf(
+    int image, const ViewData& view) const {
+  return observer_ ? observer_->Observe(images_.Name(image), view.depth)
+                   : nullptr;
+}
+
+Error RefineTask::WithPlace(const Error& error,
+                            size_t index,
+                            const std::string& device) const {
+  return Error(error.Code(),
+               images_.Name(images_.Reference(index)) + " on " + device + ": " +
+                   error.what());
+}
+
+RefineResult RefineMapsTask::Compute(size_t index,
+                                     size_t worker,
+                                     ViewCache::Lease* views,
+                                     ImageReport* report) {
+  const ViewData& reference = views->Get(images_.Reference(index));
+  report->counts["not_finite"] = reference.num_not_finite;
+  if (!HasDepth(reference.depth)) {
+    RefineResult result;
+    result.reason_to_keep = "its depth map holds no valid depth";
+    return result;
+  }
+  report->num_sources_without_maps = images_.NumSourcesWithoutMaps(index);
+  RefineResult result = RefineMaps(index, worker, views);
+  if (result.reason_to_keep.empty()) {
+    report->counts["depth_before"] = reference.num_depths_to_refine;
+  }
+  return result;
+}
+
+void RefineMapsTask::Write(size_t index,
+                           RefineResult result,
+                           ImageReport* report) {
+  if (!result.reason_to_keep.empty()) {
+    images_.Keep(index, result.reason_to_keep, report);
+    return;
+  }
+  AddStageSeconds(result.seconds, &report->seconds);
+  images_.WriteRefined(index, result.maps, report);
+}
+
+}  // namespace tsar

@@ -1,0 +1,88 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/controllers/image_catalogue.h"
+#include "colmap_tsar/controllers/image_tasks.h"
+#include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_observer.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// What the passes of tsar_refine have in common. All references must outlive
+// the tasks.
+struct RefineTaskInputs {
+  ImageCatalogue& images;
+  const RefineOptions& options;
+  std::vector<RefineWorker>& workers;
+  // Is shown what the stages find; null where nobody wants to see it.
+  RefineObserver* observer = nullptr;
+};
+
+// A pass over the images of tsar_refine.
+class RefineTask : public ImageTasks<RefineResult> {
+ public:
+  explicit RefineTask(const RefineTaskInputs& inputs)
+      : images_(inputs.images),
+        options_(inputs.options),
+        workers_(inputs.workers),
+        observer_(inputs.observer) {}
+
+ protected:
+  using SingleViewStages =
+      std::function<RefineResult(std::vector<DeviceViewCache::View> sources,
+                                 Device& device,
+                                 StageObserver* observer)>;
+
+  // Calls the stages with the sources in the worker's memory.
+  RefineResult RunSingleView(size_t index,
+                             size_t worker,
+                             ViewCache::Lease* views,
+                             const SingleViewStages& stages);
+  // Null where nobody observes.
+  std::unique_ptr<StageObserver> ObserverOf(int image,
+                                            const ViewData& view) const;
+  // The same error, with the image and the device that it concerns.
+  Error WithPlace(const Error& error,
+                  size_t index,
+                  const std::string& device) const;
+
+  ImageCatalogue& images_;
+  const RefineOptions& options_;
+  std::vector<RefineWorker>& workers_;
+  RefineObserver* const observer_;
+};
+
+// A pass that ends with the refined maps of each image. Images that cannot be
+// refined keep theirs.
+class RefineMapsTask : public RefineTask {
+ public:
+  using RefineTask::RefineTask;
+
+  ImageReport Begin(size_t index) override {
+    return images_.BeginRefining(index);
+  }
+  RefineResult Compute(size_t index,
+                       size_t worker,
+                       ViewCache::Lease* views,
+                       ImageReport* report) override;
+  void Write(size_t index, RefineResult result, ImageReport* report) override;
+
+ protected:
+  // Of an image that has depths.
+  virtual RefineResult RefineMaps(size_t index,
+                                  size_t worker,
+                                  ViewCache::Lease* views) = 0;
+};
+
+}  // namespace tsar

@@ -1,0 +1,66 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/controllers/image_catalogue.h"
+#include "colmap_tsar/controllers/input_fingerprints.h"
+#include "colmap_tsar/controllers/pipeline_outcome.h"
+#include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The parts of a run over images. All outlive what they are handed to.
+struct RefineRun {
+  const WorkspaceRefineOptions& options;
+  const RefineOptions& refine_options;
+  Workspace& workspace;  // The one that is written.
+  // By shard, places in Problems(); those of this run are its own shard's.
+  const std::vector<std::vector<size_t>>& shards;
+  const RefineDevices& devices;
+  InputFingerprints& inputs;
+  EvidenceStore& evidence;
+  ImageCatalogue& catalogue;
+
+  const std::vector<size_t>& Images() const {
+    return shards[static_cast<size_t>(options.shard.index)];
+  }
+  bool HasScenePlanes() const {
+    return refine_options.scene_planes && refine_options.refine;
+  }
+};
+
+// What a run leaves on disk beside the results of its images, so that the user,
+// later runs and other shards know what was done.
+class RunAccount {
+ public:
+  virtual ~RunAccount() = default;
+
+  // Before any image is changed. Throws what forbids the run.
+  virtual void Begin() = 0;
+  // Before the passes.
+  virtual void BeforeObserving() {}
+  virtual void BeforeComposing() {}
+  // When the last pass has come to its end, or to where it had to stop: then
+  // throws the failure of an image, or kInterrupted.
+  virtual void End(const PipelineOutcome& outcome) = 0;
+};
+
+// What a run was done with, by names; no result depends on it.
+std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
+                                               const RefineDevices& devices);
+
+// Throws the first failure or, where images are left to be done, kInterrupted.
+void RequireComplete(const PipelineOutcome& outcome);
+
+}  // namespace tsar

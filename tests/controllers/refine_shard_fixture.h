@@ -1,0 +1,131 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/controllers/refine_workspace.h"
+
+#include <functional>
+#include <sstream>
+
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+
+using Tree = std::map<std::string, std::string>;
+
+// All that does not tell the time. Equality of such trees is looked at as a
+// whole: a failure shall not print megabytes.
+inline Tree ResultOf(const std::filesystem::path& root) {
+  Tree tree = ReadTree(root);
+  std::erase_if(tree, [](const auto& file) {
+    return file.first.find("stereo/tsar/records/") == 0 ||
+           file.first == "stereo/tsar/manifest.json";
+  });
+  return tree;
+}
+
+inline nlohmann::json ManifestOf(const std::filesystem::path& root) {
+  nlohmann::json json =
+      nlohmann::json::parse(ReadText(root / "stereo/tsar/manifest.json"));
+  json.erase("seconds");
+  json.erase("runtime");
+  for (nlohmann::json& image : json["images"]) {
+    image.erase("seconds");
+  }
+  return json;
+}
+
+class RefineShardTest : public testing::Test {
+ protected:
+  void SetUp() override { DrawWorkspace(root_); }
+
+  static WorkspaceRefineOptions Options(const std::filesystem::path& root,
+                                        const std::string& pass = "all",
+                                        const std::string& shard = "") {
+    WorkspaceRefineOptions options;
+    options.workspace_path = root;
+    options.devices.choice = DeviceChoice::kCpu;
+    options.devices.num_threads = 1;
+    options.pass = ParsePass(pass);
+    options.shard = ParseShard(shard);
+    return options;
+  }
+  static RunSummary Refine(
+      const WorkspaceRefineOptions& options,
+      const RefineOptions& refine = {},
+      const std::function<bool()>& should_stop = [] { return false; }) {
+    std::ostringstream text;
+    Progress progress(text, false);
+    return RefineWorkspace(options, refine, progress, should_stop);
+  }
+  RunSummary Run(const std::string& pass,
+                 const std::string& shard = "",
+                 const RefineOptions& refine = {}) const {
+    return Refine(Options(root_, pass, shard), refine);
+  }
+  void RunAll(const std::string& pass,
+              int count,
+              const RefineOptions& refine = {}) const {
+    for (int i = 0; i < count; ++i) {
+      Run(pass, std::to_string(i) + "/" + std::to_string(count), refine);
+    }
+  }
+
+  // Expects an error before a file was changed.
+  void ExpectRefusal(ErrorCode code,
+                     const std::vector<std::string>& texts,
+                     const WorkspaceRefineOptions& options,
+                     const RefineOptions& refine = {}) const {
+    Tree before = ReadTree(root_);
+    ExpectError(code, texts, [&] { Refine(options, refine); });
+    Tree after = ReadTree(root_);
+    // What a shard leaves, whoever comes last takes.
+    before.erase("stereo/tsar/lock");
+    after.erase("stereo/tsar/lock");
+    EXPECT_TRUE(after == before);
+  }
+  void ExpectRefusal(ErrorCode code,
+                     const std::vector<std::string>& texts,
+                     const std::string& pass,
+                     const std::string& shard = "") const {
+    ExpectRefusal(code, texts, Options(root_, pass, shard));
+  }
+
+  // A workspace that was refined in one go.
+  std::filesystem::path Whole(
+      const RefineOptions& refine = {},
+      const std::function<void(const std::filesystem::path&)>& change =
+          [](const std::filesystem::path&) {}) const {
+    const std::filesystem::path root = folder_.Path() / "whole";
+    std::filesystem::remove_all(root);
+    DrawWorkspace(root);
+    change(root);
+    Refine(Options(root), refine);
+    return root;
+  }
+  void Redraw() const {
+    std::filesystem::remove_all(root_);
+    DrawWorkspace(root_);
+  }
+  MapPaths Paths(int view) const {
+    return GetMapPaths(root_,
+                       DrawnWorkspace::Names()[static_cast<size_t>(view)],
+                       MapType::kGeometric);
+  }
+  std::filesystem::path Evidence(int view) const {
+    return root_ / "stereo/tsar/evidence" /
+           (DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+            ".geometric.bin");
+  }
+  bool HasShards() const {
+    return std::filesystem::exists(root_ / "stereo/tsar/shards");
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+};
+
+}  // namespace tsar

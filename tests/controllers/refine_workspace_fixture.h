@@ -1,0 +1,158 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <functional>
+#include <sstream>
+
+#include "tests/support/drawn_workspace.h"
+#include "tests/support/test_workspace.h"
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+
+using Tree = std::map<std::string, std::string>;
+
+// Those files of a tree that other programs read.
+inline Tree MapsOf(const std::filesystem::path& root) {
+  Tree maps;
+  for (const char* folder : {"stereo/depth_maps",
+                             "stereo/normal_maps",
+                             "stereo/confidence_maps",
+                             "stereo/provenance_maps"}) {
+    // Those of this program are not there from the beginning.
+    if (!std::filesystem::exists(root / folder)) {
+      continue;
+    }
+    for (auto& [name, content] : ReadTree(root / folder)) {
+      maps[std::string(folder) + "/" + name] = std::move(content);
+    }
+  }
+  return maps;
+}
+
+// A photo with both ends, but zeros between them: that shows only when it is
+// decoded.
+inline std::string WithZeros(std::string photo) {
+  const size_t middle = photo.size() / 2;
+  return photo.replace(middle, 20, 20, '\0');
+}
+
+// Equality without printing megabytes where it fails.
+inline void ExpectSameFiles(const Tree& a, const Tree& b) {
+  for (const auto& [name, content] : a) {
+    const auto found = b.find(name);
+    ASSERT_NE(found, b.end()) << name << " is missing";
+    EXPECT_TRUE(found->second == content) << name << " differs";
+  }
+  for (const auto& [name, content] : b) {
+    EXPECT_EQ(a.count(name), 1u) << name << " is new";
+  }
+}
+
+class RefineWorkspaceTest : public testing::Test {
+ protected:
+  void SetUp() override { DrawWorkspace(root_); }
+
+  // One thread, so that the order of the images is known.
+  WorkspaceRefineOptions Options(const std::filesystem::path& root) const {
+    WorkspaceRefineOptions options;
+    options.workspace_path = root;
+    options.devices.choice = DeviceChoice::kCpu;
+    options.devices.num_threads = 1;
+    return options;
+  }
+
+  RunSummary Refine(
+      const WorkspaceRefineOptions& options,
+      const RefineOptions& refine = {},
+      const std::function<bool()>& should_stop = [] { return false; }) {
+    std::ostringstream text;
+    Progress progress(text, false);
+    return RefineWorkspace(options, refine, progress, should_stop);
+  }
+  RunSummary Refine() { return Refine(Options(root_)); }
+
+  // Expects an error before anything was changed.
+  void ExpectRefusal(ErrorCode code,
+                     const std::vector<std::string>& texts,
+                     const WorkspaceRefineOptions& options) {
+    const Tree before = ReadTree(folder_.Path());
+    ExpectError(code, texts, [&] { Refine(options); });
+    ExpectSameFiles(before, ReadTree(folder_.Path()));
+  }
+  void ExpectRefusal(ErrorCode code, const std::vector<std::string>& texts) {
+    ExpectRefusal(code, texts, Options(root_));
+  }
+
+  MapPaths Paths(int view, MapType type = MapType::kGeometric) const {
+    return GetMapPaths(
+        root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
+  }
+  void RemoveMaps(int view, MapType type) const {
+    std::filesystem::remove(Paths(view, type).depth);
+    std::filesystem::remove(Paths(view, type).normal);
+  }
+  nlohmann::json Manifest() const {
+    return nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
+  }
+
+  // Where an image's evidence lies while a run needs it.
+  static std::filesystem::path Evidence(const std::filesystem::path& root,
+                                        int view) {
+    return root / "stereo/tsar/evidence" /
+           (DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+            ".geometric.bin");
+  }
+  // Stops a run once all images have been observed.
+  void Observe(const WorkspaceRefineOptions& options,
+               const RefineOptions& refine = {}) {
+    const std::filesystem::path root = options.output_path.empty()
+                                           ? options.workspace_path
+                                           : options.output_path;
+    ExpectError(ErrorCode::kInterrupted, {"0 of 4", "same command"}, [&] {
+      Refine(options, refine, [&] {
+        return std::filesystem::exists(Evidence(root, 3));
+      });
+    });
+    for (int view = 0; view < 4; ++view) {
+      EXPECT_TRUE(std::filesystem::exists(Evidence(root, view)));
+    }
+  }
+  // The maps of a workspace drawn and changed alike that is refined in one go.
+  Tree RefinedInOneGo(
+      const RefineOptions& refine = {},
+      const std::function<void(const std::filesystem::path&)>& change =
+          [](const std::filesystem::path&) {}) {
+    const std::filesystem::path root = folder_.Path() / "whole";
+    std::filesystem::remove_all(root);
+    DrawWorkspace(root);
+    change(root);
+    Refine(Options(root), refine);
+    return MapsOf(root);
+  }
+  static void RemoveDepths(const std::filesystem::path& root, int view) {
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      WriteDepthMap(
+          UserPath(
+              GetMapPaths(root,
+                          DrawnWorkspace::Names()[static_cast<size_t>(view)],
+                          type)
+                  .depth),
+          Image<float>(96, 72, 0.f));
+    }
+  }
+  bool HasEvidence() const {
+    return std::filesystem::exists(root_ / "stereo/tsar/evidence");
+  }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+};
+
+}  // namespace tsar
