@@ -17,7 +17,7 @@ enum class RatioTerm {
 
 struct ConfidenceOptions {
   // c_min / c_sec compares two views at one plane, not two hypotheses; without
-  // it the sum ranks pixels better on every scene (docs/method.md).
+  // it the sum ranks pixels better on every scene (docs/ablation.md).
   RatioTerm ratio_term = RatioTerm::kNone;
   bool use_left_right_difference = true;
 };

@@ -7,7 +7,7 @@
 
 namespace tsar {
 
-// What a user can set; docs/method.md tells how each default was found. Pixel
+// What a user can set; docs/ablation.md tells how each default was found. Pixel
 // numbers hold at the paper's sizes: maps 3110 pixels wide and a segmentation
 // raster 777 wide; they are scaled to the maps at hand.
 struct RefineOptions {

@@ -20,7 +20,7 @@ struct CorrelationOptions {
   float spatial_sigma = 2.f;         // alpha
   float color_sigma = 3.f;           // beta
   // Whether pixels that were not reliable may come to be trusted. The paper's
-  // gate lifts a weak mask by it; a strong one loses (docs/method.md).
+  // gate lifts a weak mask by it; a strong one loses (docs/ablation.md).
   bool readmit_filtered = false;
   bool use_superpixel_planes = true;
   bool use_weighted_median = true;
