@@ -4,6 +4,7 @@
 #include "colmap_tsar/matching/patch_match.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/matching/plane_sampling.h"
 #include "colmap_tsar/matching/propagation_areas.h"
@@ -429,6 +430,12 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
     }
   }
   return hypotheses;
+}
+
+int64_t RunPatchMatchWorkingBytes(int64_t num_pixels, int num_sources) {
+  const int64_t costs = BytesOf<float>(num_pixels);
+  const int64_t weights = BytesOf<uint8_t>(num_pixels * num_sources);
+  return costs + weights;
 }
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 #include <utility>
@@ -171,6 +172,12 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
               SceneConfidenceKernel{
                   inputs, composed.provenance.View(), confidence.View()});
   return confidence;
+}
+
+int64_t ComposeSceneWorkingBytes(int64_t num_pixels) {
+  const int64_t provenance_and_off_plane = 2 * BytesOf<uint8_t>(num_pixels);
+  const int64_t blobs_and_sizes = 2 * BytesOf<int>(num_pixels);
+  return provenance_and_off_plane + blobs_and_sizes;
 }
 
 }  // namespace tsar

@@ -76,5 +76,8 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                                   const DisparityScale& scale,
                                   const GroupPlaneOptions& options,
                                   Device& device);
+int64_t FitGroupPlanesWorkingBytes(int64_t num_pixels,
+                                   int64_t num_groups,
+                                   const GroupPlaneOptions& options);
 
 }  // namespace tsar

@@ -8,6 +8,7 @@
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -32,6 +33,10 @@ class LazyGreedySelection {
   // best: the score of each superpixel's best plane so far; none may be below
   // that of the call before. Of equal candidates the first wins.
   Choice Next(const std::vector<float>& best);
+
+  static int64_t WorkingBytes(int64_t num_candidates,
+                              int64_t num_superpixels,
+                              int num_views);
 
  private:
   void UpdateGains(const std::vector<int>& candidates);

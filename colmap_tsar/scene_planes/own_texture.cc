@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/own_texture.h"
 
+#include "colmap_tsar/device/working_bytes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -109,6 +111,12 @@ Image<float> ComputeOwnTexture(const Image<float>& gray,
     }
   }
   return own;
+}
+
+int64_t OwnTextureMainBytes(int64_t num_pixels) {
+  // The two ranges, two of texture, and the rows and the result of Select().
+  constexpr int64_t kNumImages = 6;
+  return kNumImages * BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

@@ -8,6 +8,7 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/direction_sectors.h"
 #include "colmap_tsar/scene_planes/visibility_votes.h"
 
@@ -315,6 +316,29 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
 float CostOfNone(float mass, float num_pixels, const LabelOptions& options) {
   return options.cost_of_unexplained * mass +
          options.cost_of_none * std::max(num_pixels - mass, 0.f);
+}
+
+int64_t ComputePlaneCostsWorkingBytes(int num_views,
+                                      int64_t num_pixels,
+                                      int64_t num_superpixels,
+                                      int64_t num_observations,
+                                      int num_planes,
+                                      const PlaneSupportOptions& support) {
+  const int64_t labels = BytesOf<int>(num_pixels);
+  const int64_t superpixels = BytesOf<SuperpixelData>(num_superpixels);
+  const int64_t sources =
+      (num_views - 1) * (BytesOf<SourceView>(1) + BytesOf<float>(num_pixels));
+  // No cell is without an observation.
+  const int64_t max_cells =
+      std::min(num_views * num_observations,
+               int64_t{support.num_cells} * support.num_cells * num_planes);
+  const int64_t planes =
+      BytesOf<PlaneData>(num_planes) + BytesOf<PlanePoint>(max_cells);
+  const int64_t costs = BytesOf<PlaneCost>(num_superpixels * num_planes);
+  return std::max(labels + GroupPixelsWorkingBytes(num_pixels, num_superpixels),
+                  PixelGroupsBytes(num_pixels, num_superpixels) + superpixels +
+                      sources + planes +
+                      BytesOf<Observation>(num_observations) + costs);
 }
 
 }  // namespace tsar

@@ -10,6 +10,7 @@
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -34,5 +35,14 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
 
 // What a superpixel costs that has no plane. mass: see ViewEvidence.
 float CostOfNone(float mass, float num_pixels, const LabelOptions& options);
+
+// num_pixels: of the raster of each view; superpixels and observations are
+// those of the first view.
+int64_t ComputePlaneCostsWorkingBytes(int num_views,
+                                      int64_t num_pixels,
+                                      int64_t num_superpixels,
+                                      int64_t num_observations,
+                                      int num_planes,
+                                      const PlaneSupportOptions& support);
 
 }  // namespace tsar

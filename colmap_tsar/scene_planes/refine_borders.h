@@ -78,4 +78,8 @@ void DistrustSpilled(ImageView<const uint8_t> spilled,
                      ImageView<uint8_t> trust,
                      Device& device);
 
+int64_t RefineBordersWorkingBytes(int64_t num_pixels,
+                                  int64_t num_superpixels,
+                                  int64_t num_planes);
+
 }  // namespace tsar

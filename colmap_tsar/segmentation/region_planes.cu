@@ -6,7 +6,9 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
+#include "colmap_tsar/device/working_bytes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -450,6 +452,37 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                    options.max_extrapolation * options.max_extrapolation,
                    result.View()});
   return result;
+}
+
+int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
+                                    int64_t num_regions,
+                                    const RegionPlaneOptions& options) {
+  const int64_t core_and_rim = 2 * BytesOf<int>(num_pixels);
+  const int64_t groups = PixelGroupsBytes(num_pixels, num_regions);
+  const int64_t states = 2 * BytesOf<RegionState>(num_regions);
+  const int64_t remaining = BytesOf<RayDepth>(num_pixels);
+  const int64_t core_fits = BytesOf<GroupPlane>(num_regions);
+  const int64_t fitting =
+      2 * groups + states + remaining + core_fits +
+      FitGroupPlanesWorkingBytes(num_pixels, num_regions, options.ransac);
+  const int64_t grouping =
+      groups + GroupPixelsWorkingBytes(num_pixels, num_regions);
+  return RegionPlanesBytes(num_pixels, num_regions) +
+         std::max(GrowLabelsWorkingBytes(num_pixels),
+                  core_and_rim + std::max(grouping, fitting));
+}
+
+int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions) {
+  return BytesOf<int>(num_pixels) +
+         BytesOf<SupportedPlane>(num_regions * kMaxPlanesPerRegion);
+}
+
+int64_t AssignRegionPlanesWorkingBytes(int64_t num_pixels) {
+  // Of any shape, the last block of each row or column may be a part of one:
+  // only a raster one pixel wide has as many as that.
+  const int64_t max_blocks = num_pixels / kBlockSize + 1;
+  return BytesOf<BlockVotes>(max_blocks) + BytesOf<int>(max_blocks) +
+         BytesOf<Plane>(num_pixels);
 }
 
 }  // namespace tsar

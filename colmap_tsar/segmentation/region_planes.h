@@ -78,4 +78,11 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                       const RegionPlaneOptions& options,
                                       Device& device);
 
+int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
+                                    int64_t num_regions,
+                                    const RegionPlaneOptions& options);
+// Of what it returns.
+int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions);
+int64_t AssignRegionPlanesWorkingBytes(int64_t num_pixels);
+
 }  // namespace tsar

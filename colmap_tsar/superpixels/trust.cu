@@ -134,4 +134,8 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                   estimate, color, intrinsics, table.Taps(), gate, trusted});
 }
 
+int64_t GateByWeightedMedianWorkingBytes(const WeightedMedianOptions& options) {
+  return WindowTapTable::WorkingBytes(options);
+}
+
 }  // namespace tsar
