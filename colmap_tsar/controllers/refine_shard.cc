@@ -66,7 +66,12 @@ class ShardRun {
     }
     if (!Images().empty()) {
       devices_ = CreateRefineDevices(
-          workspace_options_, overview, static_cast<int>(Images().size()));
+          workspace_options_,
+          overview,
+          [&](const WorkspaceOverview& maps) {
+            return PlanRefinement(refine_options_, maps);
+          },
+          static_cast<int>(Images().size()));
     }
     const bool has_scene =
         refine_options_.scene_planes && refine_options_.refine;

@@ -132,10 +132,13 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
   CheckOriginals(workspace);
-  RefineDevices devices =
-      CreateRefineDevices(workspace_options,
-                          overview,
-                          static_cast<int>(workspace.Problems().size()));
+  RefineDevices devices = CreateRefineDevices(
+      workspace_options,
+      overview,
+      [&](const WorkspaceOverview& maps) {
+        return PlanRefinement(refine_options, maps);
+      },
+      static_cast<int>(workspace.Problems().size()));
   if (!in_place) {
     if (ReadOutputMarker(workspace_options.output_path)) {
       // Another program may be at work on it.

@@ -13,6 +13,7 @@
 #include "colmap_tsar/stereo/stereo_claim.h"
 #include "colmap_tsar/stereo/stereo_image.h"
 #include "colmap_tsar/stereo/stereo_inputs.h"
+#include "colmap_tsar/stereo/stereo_memory.h"
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/store/workspace_lock.h"
@@ -325,8 +326,11 @@ StereoSummary MatchWorkspace(const WorkspaceRefineOptions& run,
         "names no image with sources",
         "an image needs others that share sparse points with it");
   }
-  RefineDevices devices =
-      CreateRefineDevices(run, overview, summary.num_images);
+  RefineDevices devices = CreateRefineDevices(
+      run,
+      overview,
+      [&](const WorkspaceOverview& maps) { return PlanStereo(options, maps); },
+      summary.num_images);
   summary.device = devices.description;
   StereoRun stereo(
       workspace, options, devices, overview, progress, should_stop);
