@@ -61,7 +61,7 @@ struct CostKernel {
   const Observation* observations;
   const int* pixels;
   const PlanePoint* cells;
-  const SourceView* sources;
+  const SourceDepths* sources;
   int num_sources;
   VoteSampling sampling;
   VoteLimits limits;
@@ -274,7 +274,7 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
       MakeSuperpixelData(
           evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
   std::vector<DeviceImage<float>> strong_depths;
-  std::vector<SourceView> sources;
+  std::vector<SourceDepths> sources;
   for (size_t j = 1; j < views.size(); ++j) {
     strong_depths.emplace_back(device, views[j].evidence->strong_depth);
     sources.push_back({views[j].camera.GetIntrinsics(),
@@ -282,7 +282,7 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                        DisparityScale{0.f, views[j].evidence->error_per_depth},
                        std::as_const(strong_depths.back()).View()});
   }
-  const Buffer<SourceView> device_sources(device, sources);
+  const Buffer<SourceDepths> device_sources(device, sources);
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
   const Buffer<Observation> observations(device, evidence.observations);
   const Buffer<PlanePoint> cells(device, support.cells);
