@@ -25,9 +25,9 @@ struct HoughOptions {
 // transform: every edge pixel votes for all lines through it and then takes the
 // one with most votes. If these are enough, the first of adjacent pixels on one
 // line follows it in both directions over gaps of at most
-// t_c = min(0.1 * length, max_gap), and draws the segment that it finds. Segments are 8-connected, which keeps 4-connected
-// regions apart.
-// edges, and the result: other than 0 on edges.
+// t_c = min(0.1 * length, max_gap), and draws the segment that it finds.
+// Segments are 8-connected, which keeps 4-connected regions apart. edges, and
+// the result: other than 0 on edges.
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                                       const HoughOptions& options,
                                       Device& device);
