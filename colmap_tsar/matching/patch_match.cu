@@ -4,11 +4,11 @@
 #include "colmap_tsar/matching/patch_match.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/pixel_costs.cuh"
-#include "colmap_tsar/matching/plane_sampling.h"
-#include "colmap_tsar/matching/propagation_areas.h"
-#include "colmap_tsar/matching/view_weight.h"
+#include "colmap_tsar/matching/plane_sampling.cuh"
+#include "colmap_tsar/matching/propagation_areas.cuh"
+#include "colmap_tsar/matching/view_weight.cuh"
 
 #include <cmath>
 

@@ -3,10 +3,10 @@
 
 #pragma once
 
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/patch_match.h"
-#include "colmap_tsar/matching/plane_sampling.h"
-#include "colmap_tsar/matching/reprojection.h"
+#include "colmap_tsar/matching/plane_sampling.cuh"
+#include "colmap_tsar/matching/reprojection.cuh"
 #include "colmap_tsar/matching/views.h"
 
 #include <cmath>

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/stereo/stereo_image.h"
 
-#include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
