@@ -103,7 +103,7 @@ bool SolveCoefficients(const SurfaceCosts& costs,
                  (sample.y - surface.middle_y) / scale.extent);
       const double measured = 1.0 / (sample.z * inverse);
       const double error =
-          measured * costs.Scale().RelativeDepthError(sample.z) * sigma;
+          measured * costs.Resolution().RelativeDepthError(sample.z) * sigma;
       double weight = observation.quality * share / (error * error);
       if (iteration > 0) {
         const double residual = (measured - powers.dot(coefficients)) / error;
@@ -172,7 +172,7 @@ bool IsKnown(const FittedSurface& fitted,
     const Vector6 powers = Powers((ray.x - surface.middle_x) / surface.extent,
                                   (ray.y - surface.middle_y) / surface.extent);
     const double sigma = std::sqrt(powers.dot(fitted.covariance * powers)) *
-                         depth / costs.Scale().RelativeDepthError(depth);
+                         depth / costs.Resolution().RelativeDepthError(depth);
     if (!(sigma < costs.Options().labels.max_sigma)) {
       return false;
     }

@@ -67,7 +67,7 @@ struct CostKernel {
   VoteLimits limits;
   int raster_width;
   Intrinsics intrinsics;
-  DisparityScale scale;
+  DepthResolution resolution;
   float min_depth;
   float max_depth;
   LabelOptions options;
@@ -102,8 +102,9 @@ struct CostKernel {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
       float share = 1.f;
       if (depth > 0.f) {
-        const float residual = fabsf(depth - sample.z) /
-                               (sample.z * scale.RelativeDepthError(sample.z));
+        const float residual =
+            fabsf(depth - sample.z) /
+            (sample.z * resolution.RelativeDepthError(sample.z));
         share = fminf(residual / options.tolerance, 1.f);
       }
       cost += observation.quality * share * share;
@@ -156,7 +157,7 @@ struct CostKernel {
     const PlanePoint point = plane.frame.Coordinates(ray * depth);
     const float slope = fmaxf(-Dot(plane.plane.normal, ray), kMinSlope);
     const float sigma = plane.frame.Sigma(point) / slope /
-                        (depth * scale.RelativeDepthError(depth));
+                        (depth * resolution.RelativeDepthError(depth));
     const float share = fminf(sigma / options.max_sigma, 1.f);
     return fmaxf(share * share,
                  options.doubt_of_extrapolation * Extrapolation(point, plane));
@@ -279,7 +280,7 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
     strong_depths.emplace_back(device, views[j].evidence->strong_depth);
     sources.push_back({views[j].camera.GetIntrinsics(),
                        ComputeRelativePose(views[0].camera, views[j].camera),
-                       DisparityScale{0.f, views[j].evidence->error_per_depth},
+                       views[j].evidence->resolution,
                        std::as_const(strong_depths.back()).View()});
   }
   const Buffer<SourceDepths> device_sources(device, sources);
@@ -304,7 +305,7 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                           options.min_contradiction},
                          evidence.width,
                          intrinsics,
-                         DisparityScale{0.f, evidence.error_per_depth},
+                         evidence.resolution,
                          min_depth,
                          max_depth,
                          options,

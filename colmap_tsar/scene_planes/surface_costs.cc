@@ -21,13 +21,13 @@ SurfaceCosts::SurfaceCosts(const std::vector<ObservedView>& views,
                            const CurvedSurfaceOptions& options)
     : evidence_(*views[0].evidence),
       intrinsics_(views[0].camera.GetIntrinsics()),
-      scale_{0.f, evidence_.error_per_depth},
+      resolution_(evidence_.resolution),
       labeled_(labeled),
       options_(options) {
   for (size_t j = 1; j < views.size(); ++j) {
     sources_.push_back({views[j].camera.GetIntrinsics(),
                         ComputeRelativePose(views[0].camera, views[j].camera),
-                        DisparityScale{0.f, views[j].evidence->error_per_depth},
+                        views[j].evidence->resolution,
                         views[j].evidence->strong_depth.View()});
   }
   MakeSuperpixels();
@@ -114,7 +114,7 @@ float SurfaceCosts::Difference(const RayDepth& sample,
                                const CurvedSurface& surface) const {
   const float depth = DepthAt(surface, {sample.x, sample.y, 1.f});
   return depth > 0.f ? std::abs(depth - sample.z) /
-                           (sample.z * scale_.RelativeDepthError(sample.z))
+                           (sample.z * resolution_.RelativeDepthError(sample.z))
                      : INFINITY;
 }
 

@@ -42,7 +42,7 @@ class SurfaceCosts {
                const CurvedSurfaceOptions& options);
 
   const CurvedSurfaceOptions& Options() const { return options_; }
-  const DisparityScale& Scale() const { return scale_; }
+  const DepthResolution& Resolution() const { return resolution_; }
   int Count() const { return static_cast<int>(superpixels_.size()); }
   const Superpixel& At(int s) const {
     return superpixels_[static_cast<size_t>(s)];
@@ -88,7 +88,7 @@ class SurfaceCosts {
 
   const ViewEvidence& evidence_;
   Intrinsics intrinsics_;
-  DisparityScale scale_;
+  DepthResolution resolution_;
   const LabeledView& labeled_;
   const CurvedSurfaceOptions& options_;
   std::vector<SourceDepths> sources_;

@@ -21,7 +21,7 @@ namespace tsar {
 struct SourceDepths {
   Intrinsics intrinsics;
   RelativePose from_reference;
-  DisparityScale scale;
+  DepthResolution resolution;
   ImageView<const float> strong_depth;  // 0 where none is certain.
 };
 
@@ -63,7 +63,7 @@ TSAR_HD inline void AddVote(const SourceDepths& source,
     return;
   }
   const float gap = (seen.z - measured) /
-                    (measured * source.scale.RelativeDepthError(measured));
+                    (measured * source.resolution.RelativeDepthError(measured));
   if (fabsf(gap) < limits.max_confirmed) {
     ++votes->confirmed;
   } else if (gap < -limits.min_contradicted) {

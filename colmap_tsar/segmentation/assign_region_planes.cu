@@ -26,7 +26,7 @@ struct CountVotesKernel {
   ImageView<const RayDepth> samples;
   const SupportedPlane* planes;
   PlaneTolerance tolerance;
-  DisparityScale scale;
+  DepthResolution resolution;
   ImageView<BlockVotes> blocks;
 
   TSAR_HD void operator()(int column, int row) const {
@@ -42,7 +42,7 @@ struct CountVotesKernel {
           !(samples(x, y).z > 0.f)) {
         continue;
       }
-      const float max_distance = tolerance.At(samples(x, y).z, scale);
+      const float max_distance = tolerance.At(samples(x, y).z, resolution);
       for (int slot = 0; slot < kMaxPlanesPerRegion; ++slot) {
         const Plane& plane =
             planes[block.region * kMaxPlanesPerRegion + slot].plane;
@@ -149,7 +149,7 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                       const RegionPlanes& planes,
                                       ImageView<const RayDepth> samples,
                                       const Intrinsics& intrinsics,
-                                      const DisparityScale& scale,
+                                      const DepthResolution& resolution,
                                       const RegionPlaneOptions& options,
                                       Device& device) {
   const ImageView<const int> labels = regions.labels.View();
@@ -164,7 +164,7 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                samples,
                                planes.planes.Data(),
                                options.ransac.tolerance,
-                               scale,
+                               resolution,
                                blocks.View()});
   DeviceImage<int> slots(device, columns, rows);
   ParallelFor(device,

@@ -14,7 +14,7 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                       const RegionPlanes& planes,
                                       ImageView<const RayDepth> samples,
                                       const Intrinsics& intrinsics,
-                                      const DisparityScale& scale,
+                                      const DepthResolution& resolution,
                                       const RegionPlaneOptions& options,
                                       Device& device);
 

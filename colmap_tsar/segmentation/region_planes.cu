@@ -67,7 +67,7 @@ struct ChooseKernel {
   GroupedPixels core_pixels;
   GroupedPixels rim_pixels;
   const RayDepth* remaining;
-  DisparityScale scale;
+  DepthResolution resolution;
   RegionPlaneOptions options;
   int slot;
   const RegionState* states;
@@ -157,9 +157,10 @@ struct ChooseKernel {
   // Infinite where there is no sample.
   TSAR_HD float DistanceInTolerances(const Plane& plane,
                                      const RayDepth& sample) const {
-    return sample.z > 0.f ? RelativeDistance(plane, sample) /
-                                options.ransac.tolerance.At(sample.z, scale)
-                          : INFINITY;
+    return sample.z > 0.f
+               ? RelativeDistance(plane, sample) /
+                     options.ransac.tolerance.At(sample.z, resolution)
+               : INFINITY;
   }
 
   // The mean depth gap of Eq. 15.
@@ -187,7 +188,7 @@ struct RemoveInliersKernel {
   const SupportedPlane* planes;
   int slot;
   PlaneTolerance tolerance;
-  DisparityScale scale;
+  DepthResolution resolution;
   ImageView<RayDepth> remaining;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -197,8 +198,8 @@ struct RemoveInliersKernel {
       return;
     }
     const Plane& plane = planes[label * kMaxPlanesPerRegion + slot].plane;
-    if (plane.Valid() &&
-        RelativeDistance(plane, sample) < 2.f * tolerance.At(sample.z, scale)) {
+    if (plane.Valid() && RelativeDistance(plane, sample) <
+                             2.f * tolerance.At(sample.z, resolution)) {
       sample = {};
     }
   }
@@ -208,7 +209,7 @@ struct RemoveInliersKernel {
 
 RegionPlanes FitRegionPlanes(const Regions& regions,
                              ImageView<const RayDepth> samples,
-                             const DisparityScale& scale,
+                             const DepthResolution& resolution,
                              const RegionPlaneOptions& options,
                              Device& device) {
   const ImageView<const int> labels = regions.labels.View();
@@ -243,11 +244,11 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
     GroupPlaneOptions ransac = options.ransac;
     // Superpixels draw from the streams below kFirstStream.
     ransac.iteration = kFirstStream + 2 * slot;
-    const Buffer<GroupPlane> core_fits =
-        FitGroupPlanes(core_groups, remaining.View(), scale, ransac, device);
+    const Buffer<GroupPlane> core_fits = FitGroupPlanes(
+        core_groups, remaining.View(), resolution, ransac, device);
     ++ransac.iteration;
-    const Buffer<GroupPlane> rim_fits =
-        FitGroupPlanes(rim_groups, remaining.View(), scale, ransac, device);
+    const Buffer<GroupPlane> rim_fits = FitGroupPlanes(
+        rim_groups, remaining.View(), resolution, ransac, device);
     ParallelForTeams<256>(
         device,
         regions.count,
@@ -256,7 +257,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                      {core_groups.begin.Data(), core_groups.pixels.Data()},
                      {rim_groups.begin.Data(), rim_groups.pixels.Data()},
                      remaining.View().data,
-                     scale,
+                     resolution,
                      options,
                      slot,
                      states.Data(),
@@ -270,7 +271,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                                     result.planes.Data(),
                                     slot,
                                     ransac.tolerance,
-                                    scale,
+                                    resolution,
                                     remaining.View()});
   }
   return result;

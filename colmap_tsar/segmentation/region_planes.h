@@ -63,7 +63,7 @@ struct RegionPlanes {
 // samples: reliable measurements on the regions' raster, z = 0 elsewhere.
 RegionPlanes FitRegionPlanes(const Regions& regions,
                              ImageView<const RayDepth> samples,
-                             const DisparityScale& scale,
+                             const DepthResolution& resolution,
                              const RegionPlaneOptions& options,
                              Device& device);
 
