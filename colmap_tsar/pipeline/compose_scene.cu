@@ -35,7 +35,7 @@ struct OffPlaneKernel {
   ImageView<const float> depth;
   ImageView<const uint8_t> trust;
   PlaneRaster scene_planes;
-  DisparityScale scale;
+  DepthResolution resolution;
   ComposeSceneOptions options;
   ImageView<uint8_t> off_plane;
 
@@ -45,7 +45,7 @@ struct OffPlaneKernel {
     const float plane = is_off ? DepthOnPlane(scene_planes, x, y) : 0.f;
     if (plane > 0.f) {
       is_off = options.keep_off_plane &&
-               fabsf(plane - own) > options.on_plane.At(own, scale) * own;
+               fabsf(plane - own) > options.on_plane.At(own, resolution) * own;
     }
     off_plane(x, y) = is_off ? 1 : 0;
   }
@@ -118,7 +118,7 @@ struct SceneConfidenceKernel {
 
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const DisparityScale& scale,
+                         const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
                          Device& device) {
   const int width = own.depth.Width();
@@ -132,7 +132,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
               OffPlaneKernel{composed.map.depth.View(),
                              inputs.trust,
                              inputs.scene_planes,
-                             scale,
+                             resolution,
                              options,
                              off_plane.View()});
   DeviceImage<int> blobs(device, width, height);

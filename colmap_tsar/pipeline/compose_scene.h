@@ -38,7 +38,7 @@ struct ComposeSceneInputs {
 // own: the measured hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const DisparityScale& scale,
+                         const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
                          Device& device);
 

@@ -10,6 +10,7 @@
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/segmentation/assign_region_planes.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/segmentation/roberts.h"

@@ -11,11 +11,11 @@ namespace tsar {
 
 BorderCosts::BorderCosts(const ViewEvidence& evidence,
                          const Intrinsics& intrinsics,
-                         const DisparityScale& scale,
+                         const DepthResolution& resolution,
                          const std::vector<Plane>& planes,
                          float full_gap)
     : borders_(evidence.borders),
-      scale_(scale),
+      resolution_(resolution),
       full_gap_(full_gap),
       num_planes_(static_cast<int>(planes.size())) {
   constexpr auto kNumPixels = static_cast<size_t>(SuperpixelBorder::kNumPixels);
@@ -49,7 +49,7 @@ float BorderCosts::operator()(int edge, int a, int b) const {
       continue;
     }
     const float gap = std::abs(first[i] - second[i]) /
-                      (nearer * scale_.RelativeDepthError(nearer));
+                      (nearer * resolution_.RelativeDepthError(nearer));
     sum += std::min(gap / full_gap_, 1.f);
   }
   return weight * sum / SuperpixelBorder::kNumPixels;

@@ -19,7 +19,7 @@ class BorderCosts {
   // full_gap: see LabelOptions.
   BorderCosts(const ViewEvidence& evidence,
               const Intrinsics& intrinsics,
-              const DisparityScale& scale,
+              const DepthResolution& resolution,
               const std::vector<Plane>& planes,
               float full_gap);
 
@@ -35,7 +35,7 @@ class BorderCosts {
   }
 
   const std::vector<SuperpixelBorder>& borders_;
-  DisparityScale scale_;
+  DepthResolution resolution_;
   float full_gap_;
   int num_planes_;
   // Of each plane at the pixels of each border.

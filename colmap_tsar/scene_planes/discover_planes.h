@@ -21,7 +21,7 @@ struct ObservedView {
 
 struct DiscoverPlanesOptions {
   // How far a depth may be off a plane to speak for it at all, in relative
-  // depths of one pixel of disparity (DisparityScale::RelativeDepthError).
+  // depths of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
   // A superpixel counts for this many pixels of full quality at most, so that
   // the size of superpixels and of the raster decide little.

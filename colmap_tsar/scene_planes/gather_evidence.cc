@@ -245,7 +245,7 @@ float MeasureNoise(const EvidenceInputs& inputs) {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
       residuals.push_back(
           std::abs(depth - sample.z) /
-          (sample.z * inputs.scale.RelativeDepthError(sample.z)));
+          (sample.z * inputs.resolution.RelativeDepthError(sample.z)));
     }
   }
   if (residuals.empty()) {
@@ -264,7 +264,7 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
   ViewEvidence evidence;
   evidence.width = inputs.superpixels.Width();
   evidence.height = inputs.superpixels.Height();
-  evidence.error_per_depth = inputs.scale.error_per_depth;
+  evidence.resolution = inputs.resolution;
   evidence.noise = MeasureNoise(inputs);
   evidence.superpixels = Image<uint16_t>(evidence.width, evidence.height);
   std::copy(inputs.superpixels.begin(),

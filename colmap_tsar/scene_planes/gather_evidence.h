@@ -44,7 +44,7 @@ struct EvidenceInputs {
   Image<float> contrast;
   Image<float> own_texture;  // May be empty: 1 everywhere.
   Intrinsics intrinsics;     // Of the raster.
-  DisparityScale scale;
+  DepthResolution resolution;
 };
 
 // The evidence without `trust`, which is of the map's size.

@@ -52,7 +52,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   }
   const BorderCosts border_costs(evidence,
                                  views[0].camera.GetIntrinsics(),
-                                 DisparityScale{0.f, evidence.error_per_depth},
+                                 evidence.resolution,
                                  result.planes,
                                  options.full_gap);
   graph.pairwise = [&](int edge, int a, int b) {

@@ -62,13 +62,13 @@ struct CostKernel {
   const Observation* observations;
   const int* pixels;
   const PlanePoint* cells;
-  const SourceView* sources;
+  const SourceDepths* sources;
   int num_sources;
   VoteSampling sampling;
   VoteLimits limits;
   int raster_width;
   Intrinsics intrinsics;
-  DisparityScale scale;
+  DepthResolution resolution;
   float min_depth;
   float max_depth;
   LabelOptions options;
@@ -103,8 +103,9 @@ struct CostKernel {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
       float share = 1.f;
       if (depth > 0.f) {
-        const float residual = fabsf(depth - sample.z) /
-                               (sample.z * scale.RelativeDepthError(sample.z));
+        const float residual =
+            fabsf(depth - sample.z) /
+            (sample.z * resolution.RelativeDepthError(sample.z));
         share = fminf(residual / options.tolerance, 1.f);
       }
       cost += observation.quality * share * share;
@@ -157,7 +158,7 @@ struct CostKernel {
     const PlanePoint point = plane.frame.Coordinates(ray * depth);
     const float slope = fmaxf(-Dot(plane.plane.normal, ray), kMinSlope);
     const float sigma = plane.frame.Sigma(point) / slope /
-                        (depth * scale.RelativeDepthError(depth));
+                        (depth * resolution.RelativeDepthError(depth));
     const float share = fminf(sigma / options.max_sigma, 1.f);
     return fmaxf(share * share,
                  options.doubt_of_extrapolation * Extrapolation(point, plane));
@@ -275,15 +276,15 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
       MakeSuperpixelData(
           evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
   std::vector<DeviceImage<float>> strong_depths;
-  std::vector<SourceView> sources;
+  std::vector<SourceDepths> sources;
   for (size_t j = 1; j < views.size(); ++j) {
     strong_depths.emplace_back(device, views[j].evidence->strong_depth);
     sources.push_back({views[j].camera.GetIntrinsics(),
                        ComputeRelativePose(views[0].camera, views[j].camera),
-                       DisparityScale{0.f, views[j].evidence->error_per_depth},
+                       views[j].evidence->resolution,
                        std::as_const(strong_depths.back()).View()});
   }
-  const Buffer<SourceView> device_sources(device, sources);
+  const Buffer<SourceDepths> device_sources(device, sources);
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
   const Buffer<Observation> observations(device, evidence.observations);
   const Buffer<PlanePoint> cells(device, support.cells);
@@ -305,7 +306,7 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                           options.min_contradiction},
                          evidence.width,
                          intrinsics,
-                         DisparityScale{0.f, evidence.error_per_depth},
+                         evidence.resolution,
                          min_depth,
                          max_depth,
                          options,
@@ -327,7 +328,7 @@ int64_t ComputePlaneCostsWorkingBytes(int num_views,
   const int64_t labels = BytesOf<int>(num_pixels);
   const int64_t superpixels = BytesOf<SuperpixelData>(num_superpixels);
   const int64_t sources =
-      (num_views - 1) * (BytesOf<SourceView>(1) + BytesOf<float>(num_pixels));
+      (num_views - 1) * (BytesOf<SourceDepths>(1) + BytesOf<float>(num_pixels));
   // No cell is without an observation.
   const int64_t max_cells =
       std::min(num_views * num_observations,

@@ -58,7 +58,8 @@ struct Neighborhood {
 
   TSAR_HD float Gap(float a, float b) const {
     const float nearer = fminf(a, b);
-    return fabsf(a - b) / (nearer * inputs.scale.RelativeDepthError(nearer));
+    return fabsf(a - b) /
+           (nearer * inputs.resolution.RelativeDepthError(nearer));
   }
 
   // 0 where there is none.

@@ -48,7 +48,7 @@ struct BorderInputs {
   ImageView<const float> depth;
   ImageView<const uint8_t> trust;
   Intrinsics intrinsics;  // Of the raster.
-  DisparityScale scale;
+  DepthResolution resolution;
 };
 
 struct RefinedBorders {

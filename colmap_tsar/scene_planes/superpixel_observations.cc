@@ -14,7 +14,7 @@ SuperpixelObservations::SuperpixelObservations(
     const int number = static_cast<int>(frames_.size());
     frames_.push_back({reference.rotation * (view.camera.Center() - origin),
                        reference.rotation * view.camera.rotation.transpose(),
-                       DisparityScale{0.f, evidence.error_per_depth}});
+                       evidence.resolution});
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
       const int begin = evidence.first_observation[k];
       const int end = evidence.first_observation[k + 1];
@@ -41,8 +41,8 @@ DepthObservation SuperpixelObservations::At(int customer, int number) const {
   observation.center = frame.center;
   observation.ray = frame.rotation * Eigen::Vector3d(sample.x, sample.y, 1.0);
   observation.depth = sample.z;
-  observation.sigma =
-      static_cast<double>(sample.z) * frame.scale.RelativeDepthError(sample.z);
+  observation.sigma = static_cast<double>(sample.z) *
+                      frame.resolution.RelativeDepthError(sample.z);
   observation.weight = observed.quality * entry.mass / entry.qualities;
   return observation;
 }

@@ -68,7 +68,7 @@ class SuperpixelObservations {
   struct Frame {
     Eigen::Vector3d center;
     Eigen::Matrix3d rotation;  // From the view's camera.
-    DisparityScale scale;
+    DepthResolution resolution;
   };
   struct Entry {
     const Observation* observations;

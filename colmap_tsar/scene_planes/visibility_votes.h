@@ -18,10 +18,10 @@
 namespace tsar {
 
 // A view that looks at the same scene, on its raster.
-struct SourceView {
+struct SourceDepths {
   Intrinsics intrinsics;
   RelativePose from_reference;
-  DisparityScale scale;
+  DepthResolution resolution;
   ImageView<const float> strong_depth;  // 0 where none is certain.
 };
 
@@ -41,7 +41,7 @@ struct Votes {
 };
 
 // Adds the view's vote on a point in the reference camera's frame.
-TSAR_HD inline void AddVote(const SourceView& source,
+TSAR_HD inline void AddVote(const SourceDepths& source,
                             const Vec3f& point,
                             const VoteLimits& limits,
                             Votes* votes) {
@@ -63,7 +63,7 @@ TSAR_HD inline void AddVote(const SourceView& source,
     return;
   }
   const float gap = (seen.z - measured) /
-                    (measured * source.scale.RelativeDepthError(measured));
+                    (measured * source.resolution.RelativeDepthError(measured));
   if (fabsf(gap) < limits.max_confirmed) {
     ++votes->confirmed;
   } else if (gap < -limits.min_contradicted) {
@@ -110,7 +110,7 @@ struct SuperpixelVotes {
 template <typename PointAt>
 TSAR_HD SuperpixelVotes CollectVotes(int num_pixels,
                                      const VoteSampling& sampling,
-                                     const SourceView* sources,
+                                     const SourceDepths* sources,
                                      int num_sources,
                                      const VoteLimits& limits,
                                      const PointAt& point_at) {

@@ -26,8 +26,8 @@ struct HoughOptions {
 // one with most votes. If these are enough, the first of adjacent pixels on one
 // line follows it in both directions over gaps of at most
 // t_c = min(0.1 * length, max_gap), and draws the segment that it finds.
-// Segments are 8-connected, which keeps 4-connected regions apart. edges, and
-// the result: other than 0 on edges.
+// Segments are 8-connected, which keeps 4-connected regions apart. Both images
+// are other than 0 on edges.
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                                       const HoughOptions& options,
                                       Device& device);

@@ -4,10 +4,10 @@
 #include "colmap_tsar/stereo/stereo_image.h"
 
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/smooth_normals.h"
 #include "colmap_tsar/pipeline/gray.h"
 

@@ -4,7 +4,7 @@
 #include "colmap_tsar/superpixels/trust.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/superpixels/window_taps.h"
+#include "colmap_tsar/superpixels/window_taps.cuh"
 
 namespace tsar {
 namespace {

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/superpixels/window_taps.h"
+#include "colmap_tsar/superpixels/window_taps.cuh"
 
 #include <cfloat>
 #include <cmath>
