@@ -14,7 +14,6 @@
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/view_data.h"

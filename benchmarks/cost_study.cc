@@ -14,7 +14,7 @@
 //   cost_study WORKSPACE [WORKSPACE ...]
 
 #include "colmap_tsar/controllers/load_view.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/view_data.h"

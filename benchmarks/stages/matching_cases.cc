@@ -5,7 +5,7 @@
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
 
 #include "benchmarks/stages/cases.h"
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/segmentation/assign_region_planes.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/roberts.h"
 

@@ -8,6 +8,7 @@
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
+#include "colmap_tsar/segmentation/assign_region_planes.h"
 #include "colmap_tsar/segmentation/roberts.h"
 #include "colmap_tsar/store/workspace.h"
 

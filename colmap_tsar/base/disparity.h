@@ -13,22 +13,26 @@ namespace tsar {
 // The long side of the images for which the paper states its pixel numbers.
 constexpr int kPaperSize = 3110;
 
-// Converts depth to disparity in the paper's pixels: dp = focal length *
-// baseline / depth, scaled from the map's long side to 3110. Thresholds on it
-// depend neither on the scene's scale nor on the image's size.
-struct DisparityScale {
-  float factor = 0.f;  // paper pixels times depth
+// How precise depths of a map can be: one pixel of disparity bounds the
+// precision of matching.
+struct DepthResolution {
+  float error_per_depth = 0.f;  // 1 / (f b), f in pixels of the map itself
 
-  TSAR_HD float ToDisparity(float depth) const { return factor / depth; }
-
-  // The relative depth change of one pixel of the map itself, which is what
-  // bounds the precision of matching: u(z) = clip(z / (f b), 0.002, 0.02).
+  // The relative depth change of one pixel of the map:
+  // u(z) = clip(z / (f b), 0.002, 0.02).
   TSAR_HD float RelativeDepthError(float depth) const {
     const float error = depth * error_per_depth;
     return error < 0.002f ? 0.002f : (error > 0.02f ? 0.02f : error);
   }
+};
 
-  float error_per_depth = 0.f;  // 1 / (f b) for the map's own f
+// Converts depth to disparity in the paper's pixels: dp = focal length *
+// baseline / depth, scaled from the map's long side to 3110. Thresholds on it
+// depend neither on the scene's scale nor on the image's size.
+struct DisparityScale : DepthResolution {
+  float factor = 0.f;  // paper pixels times depth
+
+  TSAR_HD float ToDisparity(float depth) const { return factor / depth; }
 };
 
 // The scale for a reference camera of the map's size. The baseline is the mean

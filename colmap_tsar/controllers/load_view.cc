@@ -4,7 +4,7 @@
 #include "colmap_tsar/controllers/load_view.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <filesystem>

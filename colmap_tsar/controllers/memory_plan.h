@@ -4,54 +4,67 @@
 #pragma once
 
 #include "colmap_tsar/controllers/workspace_check.h"
+#include "colmap_tsar/pipeline/refine_options.h"
 
+#include <cstddef>
 #include <cstdint>
-#include <string>
+#include <functional>
 
 namespace tsar {
 
-// One image is copied while another is computed.
-constexpr int kMaxGpuWorkers = 2;
-
 // What the images at work take of the memories, in bytes. Every number holds
 // for the largest map of the workspace and the image with most sources.
+struct MemoryPlan {
+  int num_sources = 0;  // Of the image with most.
 
-// A view in main memory: colour, depth, normal and, where there are any, two
-// exported costs.
+  // Of a device's memory, which is main memory where the device is the CPU: all
+  // that a device needs for one image at a time beside the sources that were
+  // uploaded, and one of these.
+  int64_t work = 0;
+  int64_t uploaded_view = 0;
+
+  // Of main memory.
+  int64_t view = 0;
+  // What reading a view takes at most beside the view itself.
+  int64_t load = 0;
+  // An image on its way from a worker to the disk: its maps with their encoded
+  // files, or what was measured in it.
+  int64_t result = 0;
+
+  // Of main memory, for images that are refined together with their neighbours;
+  // otherwise 0. Making the evidence of an image of what was measured in it:
+  int64_t make_evidence = 0;
+  // Finding planes in the evidence of an image and its sources, beside that.
+  int64_t find_scene = 0;
+  // What an image needs of its own evidence, and what of a neighbour's.
+  int64_t own_evidence = 0;
+  int64_t neighbour_evidence = 0;
+};
+
+// The plan for another workspace with the same options.
+using MemoryPlanner = std::function<MemoryPlan(const WorkspaceOverview&)>;
+
+MemoryPlan PlanRefinement(const RefineOptions& options,
+                          const WorkspaceOverview& overview);
+
+// Parts of plans that do not depend on what is done to the images: see
+// MemoryPlan.
 int64_t ViewBytes(const WorkspaceOverview& overview);
-
-// What reading a view takes at most in main memory beside the view itself.
 int64_t LoadBytes(const WorkspaceOverview& overview);
 
-// An image on its way from a worker to the disk: its refined maps with their
-// encoded files, or what was measured in it.
-int64_t ResultBytes(const WorkspaceOverview& overview);
-
-// The source views of one image in a device's memory.
-int64_t SourceBytes(const WorkspaceOverview& overview);
+// All the views of one image in main memory.
+int64_t BytesForViews(const MemoryPlan& plan);
 
 // What a DeviceViewCache may hold for this many workers: the sources of an
 // image, which those after it share for the most part.
-int64_t SharedViewBytes(const WorkspaceOverview& overview, int num_workers);
+int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers);
 
-// A device at work on one image: the sources, the reference, and all that the
-// stages make of it at a time.
-int64_t WorkBytes(const WorkspaceOverview& overview);
+// What this many workers that share a device's memory take of it.
+int64_t DeviceBytes(const MemoryPlan& plan, int num_workers);
 
 // The views whose evidence is kept in main memory, and what they take: a
 // neighbourhood for each image at work, and one for those to come.
 size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_images);
-int64_t EvidenceBytes(const WorkspaceOverview& overview, size_t num_images);
-
-// Finding planes in the evidence of an image and its sources, or making the
-// evidence of an image: beside the evidence, in main memory.
-int64_t DiscoveryBytes(const WorkspaceOverview& overview);
-
-// How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws
-// kDevice, with what the user can do, where not even one does. gpu: what the
-// message calls it.
-int NumGpuWorkers(const WorkspaceOverview& overview,
-                  int64_t free_bytes,
-                  const std::string& gpu);
+int64_t EvidenceBytes(const MemoryPlan& plan, size_t num_images);
 
 }  // namespace tsar

@@ -62,7 +62,12 @@ RunSummary RefineController::Run() {
   }
   if (!Images().empty()) {
     devices_ = CreateRefineDevices(
-        options_.devices, overview_, static_cast<int>(Images().size()));
+        options_.devices,
+        overview_,
+        [&](const WorkspaceOverview& maps) {
+          return PlanRefinement(refine_options_, maps);
+        },
+        static_cast<int>(Images().size()));
   }
   if (!options_.output_path.empty()) {
     OpenOutput();

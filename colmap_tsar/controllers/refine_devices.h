@@ -6,14 +6,15 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/controllers/device_options.h"
 #include "colmap_tsar/controllers/device_view_cache.h"
+#include "colmap_tsar/controllers/gpu_workers.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/controllers/memory_plan.h"
 #include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/controllers/workspace_check.h"
 #include "colmap_tsar/device/device.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -42,19 +43,6 @@ struct RefineDevices {
   size_t cache_num_bytes = 0;
 };
 
-// The GPUs of the machine, for tests to replace.
-struct GpuSystem {
-  // Asked where the CPU alone is not what the user wants: the answer has the
-  // driver set itself up, which takes its time, addresses and threads.
-  std::function<int()> count;
-  std::function<std::unique_ptr<Device>(int gpu_index)> create;
-  // Called once before these are created.
-  std::function<void(const std::vector<int>& gpu_indices)> prepare =
-      [](const std::vector<int>&) {};
-
-  static GpuSystem Cuda();
-};
-
 // Images are spread over the GPUs before one GPU gets a second image at a time,
 // and on CPUs over the threads before the loops of an image are: images need
 // not wait for each other. There are no more workers than num_images, which is
@@ -71,6 +59,7 @@ struct GpuSystem {
 // or main memory for its copies) and kBadOption (gpu_index).
 RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const WorkspaceOverview& overview,
+                                  const MemoryPlanner& planner,
                                   int num_images,
                                   const GpuSystem& gpus = GpuSystem::Cuda(),
                                   int64_t machine_bytes = MainMemoryBytes());

@@ -6,6 +6,8 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 // The pixels of a raster sorted by label: those of label k are
@@ -22,5 +24,8 @@ struct PixelGroups {
 PixelGroups GroupPixels(ImageView<const int> labels,
                         int num_labels,
                         Device& device);
+int64_t GroupPixelsWorkingBytes(int64_t num_pixels, int64_t num_labels);
+// Of what it returns.
+int64_t PixelGroupsBytes(int64_t num_pixels, int64_t num_labels);
 
 }  // namespace tsar

@@ -5,6 +5,9 @@
 
 #include "colmap_tsar/device/buffer.h"
 
+#include <cstddef>
+#include <cstdint>
+
 namespace tsar {
 
 // The sums of the values before each one: element i of the result is
@@ -12,5 +15,6 @@ namespace tsar {
 // one is the sum of all.
 // values: count elements in the device's memory.
 Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device);
+int64_t ExclusiveSumWorkingBytes(int64_t count);
 
 }  // namespace tsar

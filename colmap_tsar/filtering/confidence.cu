@@ -4,7 +4,7 @@
 #include "colmap_tsar/filtering/confidence.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/matching_cost.h"
 
 namespace tsar {
 namespace {

@@ -6,6 +6,8 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 struct DiscontinuityOptions {
@@ -26,5 +28,7 @@ DeviceImage<float> ComputeDiscontinuity(ImageView<const float> depth,
                                         const DisparityScale& scale,
                                         const DiscontinuityOptions& options,
                                         Device& device);
+
+int64_t ComputeDiscontinuityWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

@@ -4,7 +4,7 @@
 #include "colmap_tsar/matching/agreement.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/reprojection.h"
+#include "colmap_tsar/matching/reprojection.cuh"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include "colmap_tsar/matching/matching_cost.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
 
 namespace tsar {
 namespace {

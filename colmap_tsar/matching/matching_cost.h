@@ -8,8 +8,12 @@
 
 namespace tsar {
 
-// How well each pixel's own plane explains the source images. Undefined values
-// are kUndefinedCost (bilateral_ncc.h): no evidence, which is not bad evidence.
+// The cost of a window that carries no evidence: its centre leaves the source
+// image, or one of the two windows has no texture. That is not bad evidence.
+constexpr float kUndefinedCost = -1.f;
+
+// How well each pixel's own plane explains the source images; kUndefinedCost
+// where nothing tells.
 struct MatchingCosts {
   DeviceImage<float> min_cost;     // c_min: smallest 1 - NCC over the sources
   DeviceImage<float> second_cost;  // c_sec: second smallest

@@ -4,19 +4,17 @@
 #include "colmap_tsar/matching/patch_match.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
-#include "colmap_tsar/matching/plane_sampling.h"
-#include "colmap_tsar/matching/propagation_areas.h"
-#include "colmap_tsar/matching/reprojection.h"
-#include "colmap_tsar/matching/view_weight.h"
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
+#include "colmap_tsar/matching/pixel_costs.cuh"
+#include "colmap_tsar/matching/plane_sampling.cuh"
+#include "colmap_tsar/matching/propagation_areas.cuh"
+#include "colmap_tsar/matching/view_weight.cuh"
 
 #include <cmath>
 
 namespace tsar {
 namespace {
-
-// The cost of a window that a view does not see, or sees without texture.
-constexpr float kMaxCost = 2.f;
 
 // Draws of one pixel in one iteration never share a block of random numbers
 // with those of another.
@@ -39,90 +37,6 @@ struct DrawKernel {
     planes(x, y) = Plane::FromPoint(ray, depth, DrawNormal(ray, &random));
   }
 };
-
-struct ResizeKernel {
-  ImageView<const Plane> from;
-  ImageView<Plane> to;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const int u = static_cast<int>((x + 0.5f) * from.width / to.width);
-    const int v = static_cast<int>((y + 0.5f) * from.height / to.height);
-    to(x, y) = from(u < from.width ? u : from.width - 1,
-                    v < from.height ? v : from.height - 1);
-  }
-};
-
-struct FromMapsKernel {
-  Intrinsics intrinsics;
-  ImageView<const float> depth;
-  ImageView<const Vec3f> normal;
-  ImageView<Plane> planes;
-
-  TSAR_HD void operator()(int x, int y) const {
-    planes(x, y) =
-        depth(x, y) > 0.f
-            ? Plane::FromPoint(intrinsics.Ray(x, y), depth(x, y), normal(x, y))
-            : Plane{};
-  }
-};
-
-struct ToMapsKernel {
-  Intrinsics intrinsics;
-  ImageView<const Plane> planes;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const Plane& plane = planes(x, y);
-    const float z = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
-    depth(x, y) = z;
-    normal(x, y) = z > 0.f ? plane.normal : Vec3f{};
-  }
-};
-
-// What planes cost at one pixel.
-struct PixelCosts {
-  const ReferenceView& reference;
-  const PatchMatchOptions& options;
-  const ReferencePatch& patch;
-  Vec3f ray;
-
-  // 1 - NCC in one view.
-  TSAR_HD float Photometric(const SourceView& source,
-                            const Plane& plane) const {
-    if (!patch.HasTexture()) {
-      return kMaxCost;
-    }
-    const PlaneHomography homography(
-        reference.intrinsics, source.intrinsics, source.from_reference, plane);
-    const float cost = PatchCost(patch, homography, source.gray);
-    return cost == kUndefinedCost ? kMaxCost : cost;
-  }
-
-  // The term by which the view's own depth map disagrees.
-  TSAR_HD float Geometric(const SourceView& source, const Plane& plane) const {
-    if (source.depth.width == 0) {
-      return 0.f;
-    }
-    float error = options.max_geometric_error;
-    SeenThroughSource seen;
-    if (LookThroughSource(
-            reference.intrinsics, source, ray * plane.Depth(ray), &seen)) {
-      const float dx = seen.x - patch.center_x;
-      const float dy = seen.y - patch.center_y;
-      error = fminf(error, sqrtf(dx * dx + dy * dy));
-    }
-    return options.geometric_weight * error;
-  }
-};
-
-// Whether the plane gives the pixel a depth between the bounds.
-TSAR_HD bool IsUsable(const Plane& plane,
-                      const Vec3f& ray,
-                      const PatchMatchOptions& options) {
-  const DepthBounds bounds{options.depth_min, options.depth_max};
-  return plane.Valid() && bounds.Contains(plane.Depth(ray));
-}
 
 // The cost of the pixels' own planes before views were selected: the mean of
 // the two sources where they are lowest.
@@ -353,40 +267,6 @@ DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
   return planes;
 }
 
-PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
-                         ImageView<const Plane> planes,
-                         Device& device) {
-  PlaneMaps maps{DeviceImage<float>(device, planes.width, planes.height),
-                 DeviceImage<Vec3f>(device, planes.width, planes.height)};
-  ParallelFor(
-      device,
-      planes.width,
-      planes.height,
-      ToMapsKernel{intrinsics, planes, maps.depth.View(), maps.normal.View()});
-  return maps;
-}
-
-DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
-                                int width,
-                                int height,
-                                Device& device) {
-  DeviceImage<Plane> resized(device, width, height);
-  ParallelFor(device, width, height, ResizeKernel{planes, resized.View()});
-  return resized;
-}
-
-DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
-                                  ImageView<const float> depth,
-                                  ImageView<const Vec3f> normal,
-                                  Device& device) {
-  DeviceImage<Plane> planes(device, depth.width, depth.height);
-  ParallelFor(device,
-              depth.width,
-              depth.height,
-              FromMapsKernel{intrinsics, depth, normal, planes.View()});
-  return planes;
-}
-
 PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               DeviceImage<Plane> planes,
                               const PatchMatchOptions& options,
@@ -429,6 +309,12 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
     }
   }
   return hypotheses;
+}
+
+int64_t RunPatchMatchWorkingBytes(int64_t num_pixels, int num_sources) {
+  const int64_t costs = BytesOf<float>(num_pixels);
+  const int64_t weights = BytesOf<uint8_t>(num_pixels * num_sources);
+  return costs + weights;
 }
 
 }  // namespace tsar

@@ -58,33 +58,13 @@ DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
                               const PatchMatchOptions& options,
                               Device& device);
 
-// The depth and normal of the planes at their own pixels; 0 where there is
-// none.
-struct PlaneMaps {
-  DeviceImage<float> depth;
-  DeviceImage<Vec3f> normal;
-};
-PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
-                         ImageView<const Plane> planes,
-                         Device& device);
-
-// For another size of the same image: each pixel takes the plane of the one
-// that lies at its place.
-DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
-                                int width,
-                                int height,
-                                Device& device);
-
-// Planes through the depths, for pixels that have one.
-DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
-                                  ImageView<const float> depth,
-                                  ImageView<const Vec3f> normal,
-                                  Device& device);
-
 // Improves the planes.
 PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               DeviceImage<Plane> planes,
                               const PatchMatchOptions& options,
                               Device& device);
+
+// Beside the planes that it is given.
+int64_t RunPatchMatchWorkingBytes(int64_t num_pixels, int num_sources);
 
 }  // namespace tsar

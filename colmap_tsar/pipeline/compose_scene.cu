@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 #include <utility>
@@ -34,7 +35,7 @@ struct OffPlaneKernel {
   ImageView<const float> depth;
   ImageView<const uint8_t> trust;
   PlaneRaster scene_planes;
-  DisparityScale scale;
+  DepthResolution resolution;
   ComposeSceneOptions options;
   ImageView<uint8_t> off_plane;
 
@@ -44,7 +45,7 @@ struct OffPlaneKernel {
     const float plane = is_off ? DepthOnPlane(scene_planes, x, y) : 0.f;
     if (plane > 0.f) {
       is_off = options.keep_off_plane &&
-               fabsf(plane - own) > options.on_plane.At(own, scale) * own;
+               fabsf(plane - own) > options.on_plane.At(own, resolution) * own;
     }
     off_plane(x, y) = is_off ? 1 : 0;
   }
@@ -117,7 +118,7 @@ struct SceneConfidenceKernel {
 
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const DisparityScale& scale,
+                         const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
                          Device& device) {
   const int width = own.depth.Width();
@@ -131,7 +132,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
               OffPlaneKernel{composed.map.depth.View(),
                              inputs.trust,
                              inputs.scene_planes,
-                             scale,
+                             resolution,
                              options,
                              off_plane.View()});
   DeviceImage<int> blobs(device, width, height);
@@ -171,6 +172,12 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
               SceneConfidenceKernel{
                   inputs, composed.provenance.View(), confidence.View()});
   return confidence;
+}
+
+int64_t ComposeSceneWorkingBytes(int64_t num_pixels) {
+  const int64_t provenance_and_off_plane = 2 * BytesOf<uint8_t>(num_pixels);
+  const int64_t blobs_and_sizes = 2 * BytesOf<int>(num_pixels);
+  return provenance_and_off_plane + blobs_and_sizes;
 }
 
 }  // namespace tsar

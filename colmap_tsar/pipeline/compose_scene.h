@@ -38,7 +38,7 @@ struct ComposeSceneInputs {
 // own: the measured hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const DisparityScale& scale,
+                         const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
                          Device& device);
 
@@ -47,5 +47,8 @@ ComposedMap ComposeScene(DepthNormalImages own,
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        Device& device);
+
+// Beside `own`.
+int64_t ComposeSceneWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

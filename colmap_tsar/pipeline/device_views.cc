@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/device_views.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/superpixels/reduce_color.h"
 
@@ -14,12 +15,9 @@
 namespace tsar {
 namespace {
 
-// The long side of the paper's segmentation images.
-constexpr int kRasterSize = 777;
-
 ReducedRaster MakeRaster(int width, int height) {
-  const double scale =
-      std::min(1.0, kRasterSize / static_cast<double>(std::max(width, height)));
+  const double scale = std::min(
+      1.0, kMaxRasterSide / static_cast<double>(std::max(width, height)));
   return {std::max(1, static_cast<int>(std::lround(width * scale))),
           std::max(1, static_cast<int>(std::lround(height * scale)))};
 }
@@ -85,7 +83,27 @@ Intrinsics DeviceViews::RasterIntrinsics() const {
 
 double DeviceViews::RasterScale() const {
   return std::max(raster_.width, raster_.height) /
-         static_cast<double>(kRasterSize);
+         static_cast<double>(kMaxRasterSide);
+}
+
+int64_t MaxRasterPixels(int64_t num_pixels) {
+  return std::min(num_pixels, int64_t{kMaxRasterSide} * kMaxRasterSide);
+}
+
+int64_t DeviceReferenceWorkingBytes(int64_t num_pixels) {
+  return BytesOf<Rgb>(num_pixels) + BytesOf<float>(num_pixels) +
+         BytesOf<Vec3f>(num_pixels);
+}
+
+int64_t DeviceViewsWorkingBytes(int64_t num_pixels, int num_sources) {
+  const int64_t gray = BytesOf<float>(num_pixels);
+  return DeviceViewsBytesWithoutSources(num_pixels) + gray +
+         BytesOf<SourceView>(num_sources);
+}
+
+int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels) {
+  return DeviceReferenceWorkingBytes(num_pixels) +
+         BytesOf<Rgb>(MaxRasterPixels(num_pixels));
 }
 
 }  // namespace tsar

@@ -10,11 +10,16 @@
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/superpixels/samples.h"
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
 
 namespace tsar {
+
+// The long side of the paper's segmentation images. The raster of superpixels
+// and regions is no larger, and no larger than the map.
+constexpr int kMaxRasterSide = 777;
 
 // A reference image and its maps in the device's memory.
 struct DeviceReference {
@@ -98,5 +103,14 @@ class DeviceViews {
   Buffer<SourceView> sources_;
   int num_sources_with_depth_ = 0;
 };
+
+// Of a map of this many pixels.
+int64_t MaxRasterPixels(int64_t num_pixels);
+
+int64_t DeviceReferenceWorkingBytes(int64_t num_pixels);
+// Beside the sources, which others hold, too (UploadedViewBytes). The second
+// one: after ReleaseSources().
+int64_t DeviceViewsWorkingBytes(int64_t num_pixels, int num_sources);
+int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels);
 
 }  // namespace tsar

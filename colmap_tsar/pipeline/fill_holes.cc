@@ -6,21 +6,35 @@
 #include "colmap_tsar/superpixels/correlation.h"
 
 namespace tsar {
+namespace {
+
+bool HasFilter(const RefineOptions& options) {
+  return options.refine && options.weighted_median;
+}
+
+WeightedMedianOptions FilterOptions(const RefineOptions& options,
+                                    int width,
+                                    int height) {
+  WeightedMedianOptions filter;
+  filter.radius = ScaledRadius(2.f * options.window_radius, width, height);
+  filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
+  filter.color_sigma = static_cast<float>(options.color_sigma);
+  filter.min_support = 1.f / 3.f;
+  return filter;
+}
+
+}  // namespace
 
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,
                ComposedMap* composed,
                Device& device) {
-  if (!options.refine || !options.weighted_median) {
+  if (!HasFilter(options)) {
     return;
   }
-  WeightedMedianOptions filter;
-  filter.radius =
-      ScaledRadius(2.f * options.window_radius, color.width, color.height);
-  filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
-  filter.color_sigma = static_cast<float>(options.color_sigma);
-  filter.min_support = 1.f / 3.f;
+  const WeightedMedianOptions filter =
+      FilterOptions(options, color.width, color.height);
   const DeviceImage<uint8_t> filled = InterpolateHoles(color,
                                                        intrinsics,
                                                        options.num_iterations,
@@ -48,6 +62,14 @@ void ShowMaps(StageObserver* observer, const RefinedMaps& maps) {
   observer->Show(RefineStage::kNormals, maps.normal);
   observer->Show(RefineStage::kProvenance, maps.provenance);
   observer->Show(RefineStage::kConfidence, maps.confidence);
+}
+
+int64_t FillHolesWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels) {
+  // The size of the window does not matter.
+  return HasFilter(options) ? InterpolateHolesWorkingBytes(
+                                  num_pixels, FilterOptions(options, 1, 1))
+                            : 0;
 }
 
 }  // namespace tsar

@@ -8,6 +8,8 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 // R2: fills small holes by weighted medians, and marks them as interpolated.
@@ -23,5 +25,7 @@ RefinedMaps Download(const ComposedMap& composed,
 
 // Shows the result to an observer where there is one.
 void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
+
+int64_t FillHolesWorkingBytes(const RefineOptions& options, int64_t num_pixels);
 
 }  // namespace tsar

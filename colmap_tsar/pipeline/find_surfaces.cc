@@ -3,18 +3,21 @@
 
 #include "colmap_tsar/pipeline/find_surfaces.h"
 
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/filtering/confidence.h"
 #include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/segmentation/assign_region_planes.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/segmentation/roberts.h"
 #include "colmap_tsar/superpixels/correlation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tsar {
@@ -171,6 +174,83 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
   return pixel_planes;
 }
 
+int64_t ScoringBytes(const RefineOptions& options, int64_t num_pixels) {
+  const int64_t one_image = BytesOf<float>(num_pixels);
+  // Three costs and the confidence; exported costs take the place of others.
+  const int64_t matching = options.filter_confidence ? 4 * one_image : 0;
+  const int64_t confidence = options.filter_confidence ? one_image : 0;
+  const int64_t agreement =
+      options.view_agreement ? BytesOf<uint8_t>(num_pixels) : 0;
+  const int64_t layers = options.filter_discontinuity
+                             ? ComputeDiscontinuityWorkingBytes(num_pixels)
+                             : 0;
+  const int64_t discontinuity = options.filter_discontinuity ? one_image : 0;
+  return std::max(
+      matching,
+      confidence + agreement + std::max(layers, discontinuity + one_image));
+}
+
+// Beside the regions' labels, with the result.
+int64_t RegionPlanesWorkingBytes(const RefineOptions& options,
+                                 int64_t num_raster_pixels) {
+  // Rasters of other shapes are longer.
+  const double min_scale =
+      std::sqrt(static_cast<double>(num_raster_pixels)) / kMaxRasterSide;
+  const int64_t num_regions =
+      MaxRegions(num_raster_pixels, MinRegionSize(options, min_scale));
+  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
+  return samples +
+         std::max(FitRegionPlanesWorkingBytes(
+                      num_raster_pixels,
+                      num_regions,
+                      MakeRegionPlaneOptions(options, min_scale, 0)),
+                  RegionPlanesBytes(num_raster_pixels, num_regions) +
+                      AssignRegionPlanesWorkingBytes(num_raster_pixels));
+}
+
+int64_t SegmentingBytes(const RefineOptions& options,
+                        int64_t num_raster_pixels) {
+  const int64_t edges = BytesOf<uint8_t>(num_raster_pixels);
+  const int64_t labels = BytesOf<int>(num_raster_pixels);
+  return std::max(
+      {edges + DrawLineSegmentsWorkingBytes(num_raster_pixels, kMaxRasterSide),
+       2 * edges + FindRegionsWorkingBytes(num_raster_pixels),
+       labels + RegionPlanesWorkingBytes(options, num_raster_pixels)});
+}
+
+int64_t ScoreAndTrustBytes(int64_t num_pixels) {
+  return BytesOf<float>(num_pixels) + BytesOf<uint8_t>(num_pixels);
+}
+
+// What RefineTrust() adds to that for good.
+int64_t SuperpixelBytes(const RefineOptions& options,
+                        int64_t num_raster_pixels) {
+  const int64_t num_superpixels =
+      MaxSuperpixels(num_raster_pixels, options.superpixel_size);
+  return options.refine
+             ? BytesOf<int>(num_raster_pixels) + BytesOf<Plane>(num_superpixels)
+             : 0;
+}
+
+int64_t RefineTrustWorkingBytes(const RefineOptions& options,
+                                int64_t num_pixels) {
+  if (!options.refine) {
+    return 0;
+  }
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  SlicOptions slic;
+  slic.superpixel_size = options.superpixel_size;
+  const int64_t score = BytesOf<float>(num_raster_pixels);
+  const int64_t labels = BytesOf<int>(num_raster_pixels);
+  return std::max(
+      score + ComputeSuperpixelsWorkingBytes(num_raster_pixels, slic),
+      labels + RefineByCorrelationWorkingBytes(
+                   num_pixels,
+                   num_raster_pixels,
+                   MaxSuperpixels(num_raster_pixels, options.superpixel_size),
+                   MakeCorrelationOptions(options, 0)));
+}
+
 }  // namespace
 
 Surfaces FindSurfaces(const ViewData& reference,
@@ -220,6 +300,30 @@ Surfaces FindSurfaces(const ViewData& reference,
                                               observer);
   }
   return surfaces;
+}
+
+int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels,
+                                 int num_sources) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t segmenting =
+      options.segment ? SuperpixelBytes(options, num_raster_pixels) +
+                            SegmentingBytes(options, num_raster_pixels)
+                      : 0;
+  return std::max(
+      DeviceViewsWorkingBytes(num_pixels, num_sources) +
+          std::max(ScoringBytes(options, num_pixels),
+                   ScoreAndTrustBytes(num_pixels)),
+      DeviceViewsBytesWithoutSources(num_pixels) +
+          ScoreAndTrustBytes(num_pixels) +
+          std::max(RefineTrustWorkingBytes(options, num_pixels), segmenting));
+}
+
+int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  return ScoreAndTrustBytes(num_pixels) +
+         SuperpixelBytes(options, num_raster_pixels) +
+         (options.segment ? BytesOf<Plane>(num_raster_pixels) : 0);
 }
 
 }  // namespace tsar

@@ -66,7 +66,7 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   inputs.texture = ComputeTexture(gray, device).ToHost();
   inputs.contrast = ComputeContrast(gray, device).ToHost();
   inputs.intrinsics = views.RasterIntrinsics();
-  inputs.scale = views.Scale();
+  inputs.resolution = views.Scale();
   return inputs;
 }
 
@@ -187,17 +187,16 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
       ReduceColor(view.color.View(), {evidence.width, evidence.height}, device)
           .View(),
       device);
-  const RefinedBorders refined =
-      RefineBorders({superpixels.View(),
-                     lab.View(),
-                     view.hypotheses.depth.View(),
-                     trust->View(),
-                     observed.camera.GetIntrinsics(),
-                     DisparityScale{0.f, evidence.error_per_depth}},
-                    labeled.labels,
-                    labeled.planes,
-                    options,
-                    device);
+  const RefinedBorders refined = RefineBorders({superpixels.View(),
+                                                lab.View(),
+                                                view.hypotheses.depth.View(),
+                                                trust->View(),
+                                                observed.camera.GetIntrinsics(),
+                                                evidence.resolution},
+                                               labeled.labels,
+                                               labeled.planes,
+                                               options,
+                                               device);
   DistrustSpilled(refined.spilled.View(), trust->View(), device);
   return refined.superpixels.ToHost();
 }
@@ -339,7 +338,6 @@ RefineResult ComposeImage(const ViewData& reference,
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
   DeviceReference view(reference, device);
-  const DisparityScale scale{0.f, evidence.error_per_depth};
   DeviceImage<uint8_t> trust(device, evidence.trust);
   timer.Finish("upload");
   const Image<uint16_t> superpixels =
@@ -370,8 +368,11 @@ RefineResult ComposeImage(const ViewData& reference,
                                   view.OnMap(scene_planes),
                                   kinds.View(),
                                   view.OnMap(region_planes)};
-  ComposedMap composed = ComposeScene(
-      std::move(view.hypotheses), inputs, scale, scene.composition, device);
+  ComposedMap composed = ComposeScene(std::move(view.hypotheses),
+                                      inputs,
+                                      evidence.resolution,
+                                      scene.composition,
+                                      device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   FillHoles(
       view.color.View(), view.MapIntrinsics(), options, &composed, device);

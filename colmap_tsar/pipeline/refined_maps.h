@@ -28,4 +28,10 @@ struct RefinedMaps {
   Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
 };
 
+inline int64_t RefinedMapsBytes(int64_t num_pixels) {
+  constexpr size_t kBytesPerPixel =
+      2 * sizeof(float) + sizeof(Vec3f) + sizeof(uint8_t);
+  return num_pixels * static_cast<int64_t>(kBytesPerPixel);
+}
+
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/uploaded_view.h"
 
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/gray.h"
 
 #include <algorithm>
@@ -42,6 +43,11 @@ std::vector<std::shared_ptr<const UploadedView>> UploadViews(
     uploaded.push_back(UploadView(*view, device));
   }
   return uploaded;
+}
+
+int64_t UploadedViewBytes(int64_t num_pixels) {
+  const int64_t gray_and_depth = 2 * BytesOf<float>(num_pixels);
+  return gray_and_depth;
 }
 
 }  // namespace tsar

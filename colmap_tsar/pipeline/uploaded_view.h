@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -31,5 +32,7 @@ std::shared_ptr<const UploadedView> UploadView(
     std::shared_ptr<UploadedView> spare = nullptr);
 std::vector<std::shared_ptr<const UploadedView>> UploadViews(
     const std::vector<const ViewData*>& views, Device& device);
+
+int64_t UploadedViewBytes(int64_t num_pixels);
 
 }  // namespace tsar

@@ -11,4 +11,10 @@ size_t ViewData::NumBytes() const {
          (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
 }
 
+int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {
+  const size_t bytes_per_pixel = sizeof(Rgb) + sizeof(float) + sizeof(Vec3f) +
+                                 (has_costs ? 2 * sizeof(float) : 0);
+  return num_pixels * static_cast<int64_t>(bytes_per_pixel);
+}
+
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 
@@ -82,7 +83,7 @@ TSAR_HD inline Plane DrawHypothesis(const SampleList& list,
 // tolerance)^2, so that the middle of a noisy surface scores best (MSAC).
 struct ScoreKernel {
   GroupedSamples groups;
-  DisparityScale scale;
+  DepthResolution resolution;
   GroupPlaneOptions options;
   int* scores;
 
@@ -108,7 +109,7 @@ struct ScoreKernel {
         (list.count + step - 1) / step, [&](int i, int* sum) {
           const RayDepth& sample = list[i * step];
           const float ratio = RelativeDistance(plane, sample) /
-                              options.tolerance.At(sample.z, scale);
+                              options.tolerance.At(sample.z, resolution);
           if (ratio < 1.f) {
             *sum += static_cast<int>((1.f - ratio * ratio) * kScoreUnit);
           }
@@ -168,7 +169,7 @@ struct DepthRange {
 struct RefitKernel {
   GroupedSamples groups;
   const int* scores;
-  DisparityScale scale;
+  DepthResolution resolution;
   GroupPlaneOptions options;
   GroupPlane* results;
 
@@ -195,7 +196,8 @@ struct RefitKernel {
           team.template Accumulate<PlaneRegression>(
               list.count, [&](int i, PlaneRegression* sum) {
                 const float distance = RelativeDistance(plane, list[i]);
-                const float tolerance = options.tolerance.At(list[i].z, scale);
+                const float tolerance =
+                    options.tolerance.At(list[i].z, resolution);
                 if (distance < tolerance) {
                   const double ratio = distance / (kCauchyShare * tolerance);
                   sum->Add(list[i], 1.0 / (1.0 + ratio * ratio));
@@ -237,7 +239,7 @@ struct RefitKernel {
         list.count, [&](int i, PlaneSupport* sum) {
           const RayDepth& sample = list[i];
           const float distance = RelativeDistance(plane, sample);
-          const float tolerance = options.tolerance.At(sample.z, scale);
+          const float tolerance = options.tolerance.At(sample.z, resolution);
           sum->num_near += distance < 3.f * tolerance ? 1 : 0;
           if (distance < tolerance) {
             ++sum->num_inliers;
@@ -255,7 +257,7 @@ struct RefitKernel {
 
 Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                                   ImageView<const RayDepth> samples,
-                                  const DisparityScale& scale,
+                                  const DepthResolution& resolution,
                                   const GroupPlaneOptions& options,
                                   Device& device) {
   const int num_groups = groups.NumGroups();
@@ -280,15 +282,27 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
       groups.begin.Data(), num_before.Data(), gathered.Data()};
   Buffer<int> scores(device,
                      static_cast<size_t>(num_groups) * options.num_hypotheses);
-  ParallelForTeams<32>(device,
-                       static_cast<int64_t>(scores.Size()),
-                       ScoreKernel{grouped, scale, options, scores.Data()});
+  ParallelForTeams<32>(
+      device,
+      static_cast<int64_t>(scores.Size()),
+      ScoreKernel{grouped, resolution, options, scores.Data()});
   Buffer<GroupPlane> results(device, num_groups);
   ParallelForTeams<256>(
       device,
       num_groups,
-      RefitKernel{grouped, scores.Data(), scale, options, results.Data()});
+      RefitKernel{grouped, scores.Data(), resolution, options, results.Data()});
   return results;
+}
+
+int64_t FitGroupPlanesWorkingBytes(int64_t num_pixels,
+                                   int64_t num_groups,
+                                   const GroupPlaneOptions& options) {
+  const int64_t marks = BytesOf<int>(num_pixels);
+  const int64_t gathered = BytesOf<RayDepth>(num_pixels);
+  const int64_t scores = BytesOf<int>(num_groups * options.num_hypotheses);
+  const int64_t results = BytesOf<GroupPlane>(num_groups);
+  return marks + ExclusiveSumWorkingBytes(num_pixels) + gathered + scores +
+         results;
 }
 
 }  // namespace tsar

@@ -21,8 +21,8 @@ struct PlaneTolerance {
   // the paper's image size that is what its 10^-3 amounts to.
   float pixels = 0.3f;
 
-  TSAR_HD float At(float depth, const DisparityScale& scale) const {
-    const float by_disparity = pixels * scale.RelativeDepthError(depth);
+  TSAR_HD float At(float depth, const DepthResolution& resolution) const {
+    const float by_disparity = pixels * resolution.RelativeDepthError(depth);
     return by_disparity > relative ? by_disparity : relative;
   }
 };
@@ -73,8 +73,11 @@ struct GroupPlane {
 // samples: measurements on the raster of the groups, z = 0 where there is none.
 Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                                   ImageView<const RayDepth> samples,
-                                  const DisparityScale& scale,
+                                  const DepthResolution& resolution,
                                   const GroupPlaneOptions& options,
                                   Device& device);
+int64_t FitGroupPlanesWorkingBytes(int64_t num_pixels,
+                                   int64_t num_groups,
+                                   const GroupPlaneOptions& options);
 
 }  // namespace tsar

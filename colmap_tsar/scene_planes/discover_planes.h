@@ -9,6 +9,7 @@
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -20,7 +21,7 @@ struct ObservedView {
 
 struct DiscoverPlanesOptions {
   // How far a depth may be off a plane to speak for it at all, in relative
-  // depths of one pixel of disparity (DisparityScale::RelativeDepthError).
+  // depths of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
   // A superpixel counts for this many pixels of full quality at most, so that
   // the size of superpixels and of the raster decide little.
@@ -78,5 +79,19 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 const std::vector<WorldPlane>& candidates,
                                 const DiscoverPlanesOptions& options,
                                 Device& device);
+
+// The evidence in which planes are looked for, all views together.
+struct DiscoverySize {
+  int num_views = 1;
+  int64_t num_superpixels = 0;
+  int64_t num_observations = 0;
+  int64_t num_candidates = 0;
+};
+
+int64_t DiscoverPlanesWorkingBytes(const DiscoverySize& size,
+                                   const DiscoverPlanesOptions& options);
+// What it takes of main memory beside that, where it also runs on the CPU.
+int64_t DiscoverPlanesMainBytes(const DiscoverySize& size,
+                                const DiscoverPlanesOptions& options);
 
 }  // namespace tsar

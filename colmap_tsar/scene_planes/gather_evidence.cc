@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
+#include "colmap_tsar/device/working_bytes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -243,7 +245,7 @@ float MeasureNoise(const EvidenceInputs& inputs) {
       const float depth = plane.Depth({sample.x, sample.y, 1.f});
       residuals.push_back(
           std::abs(depth - sample.z) /
-          (sample.z * inputs.scale.RelativeDepthError(sample.z)));
+          (sample.z * inputs.resolution.RelativeDepthError(sample.z)));
     }
   }
   if (residuals.empty()) {
@@ -262,7 +264,7 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
   ViewEvidence evidence;
   evidence.width = inputs.superpixels.Width();
   evidence.height = inputs.superpixels.Height();
-  evidence.error_per_depth = inputs.scale.error_per_depth;
+  evidence.resolution = inputs.resolution;
   evidence.noise = MeasureNoise(inputs);
   evidence.superpixels = Image<uint16_t>(evidence.width, evidence.height);
   std::copy(inputs.superpixels.begin(),
@@ -276,6 +278,45 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                std::back_inserter(evidence.candidates),
                [](const Plane& plane) { return plane.Valid(); });
   return evidence;
+}
+
+int64_t GatherEvidenceMainBytes(int64_t num_pixels,
+                                int64_t num_superpixels,
+                                const EvidenceOptions& options) {
+  // The observations, the list of those of each superpixel, which may have room
+  // for as many more, and the pixels along the borders.
+  const int64_t observations = BytesOf<Observation>(num_pixels);
+  const int64_t lists = 3 * BytesOf<int>(num_pixels);
+  return observations + lists +
+         EvidenceBytes(num_pixels, num_superpixels, options);
+}
+
+int64_t EvidenceBytes(int64_t num_pixels,
+                      int64_t num_superpixels,
+                      const EvidenceOptions& options) {
+  // Superpixels have six neighbours, each border of which counts once.
+  constexpr int64_t kBordersPerSuperpixel = 3;
+  return EvidenceForNeighboursBytes(num_pixels, num_superpixels, options) +
+         BytesOf<uint16_t>(num_pixels) +
+         BytesOf<SuperpixelBorder>(kBordersPerSuperpixel * num_superpixels);
+}
+
+int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
+                                   int64_t num_superpixels,
+                                   const EvidenceOptions& options) {
+  const int64_t superpixels = BytesOf<uint16_t>(num_pixels);
+  const int64_t strong_depth = BytesOf<float>(num_pixels);
+  const int64_t mass_and_first = 2 * BytesOf<float>(num_superpixels);
+  return superpixels + strong_depth + mass_and_first +
+         BytesOf<Observation>(
+             MaxObservations(num_pixels, num_superpixels, options));
+}
+
+int64_t MaxObservations(int64_t num_pixels,
+                        int64_t num_superpixels,
+                        const EvidenceOptions& options) {
+  return std::min(num_pixels,
+                  num_superpixels * options.max_observations_per_superpixel);
 }
 
 }  // namespace tsar

@@ -9,6 +9,7 @@
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -43,11 +44,27 @@ struct EvidenceInputs {
   Image<float> contrast;
   Image<float> own_texture;  // May be empty: 1 everywhere.
   Intrinsics intrinsics;     // Of the raster.
-  DisparityScale scale;
+  DepthResolution resolution;
 };
 
 // The evidence without `trust`, which is of the map's size.
 ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                             const EvidenceOptions& options);
+
+// Main memory that it takes at a time at most, with the result.
+int64_t GatherEvidenceMainBytes(int64_t num_pixels,
+                                int64_t num_superpixels,
+                                const EvidenceOptions& options);
+// Of the evidence without `trust`, and of what neighbours need of it.
+int64_t EvidenceBytes(int64_t num_pixels,
+                      int64_t num_superpixels,
+                      const EvidenceOptions& options);
+int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
+                                   int64_t num_superpixels,
+                                   const EvidenceOptions& options);
+// Of all superpixels together.
+int64_t MaxObservations(int64_t num_pixels,
+                        int64_t num_superpixels,
+                        const EvidenceOptions& options);
 
 }  // namespace tsar

@@ -3,10 +3,15 @@
 
 #include "colmap_tsar/scene_planes/own_texture.h"
 
+#include "colmap_tsar/device/working_bytes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace tsar {
 namespace {
@@ -18,41 +23,46 @@ constexpr float kFullShare = 0.5f;
 // Contrasts are compared with so many grey levels added, which noise causes.
 constexpr float kNoise = 1.f;
 
-// Each pixel becomes the one of the square around it that wins by `better`.
-template <typename Better>
-Image<float> Select(const Image<float>& image, int radius, Better better) {
-  const int width = image.Width();
-  const int height = image.Height();
-  Image<float> rows(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      float best = image(x, y);
-      const int end = std::min(x + radius, width - 1);
-      for (int u = std::max(x - radius, 0); u <= end; ++u) {
-        best = better(best, image(u, y));
-      }
-      rows(x, y) = best;
-    }
-  }
-  Image<float> result = rows;
-  for (int y = 0; y < height; ++y) {
-    const int end = std::min(y + radius, height - 1);
-    for (int v = std::max(y - radius, 0); v <= end; ++v) {
-      for (int x = 0; x < width; ++x) {
-        result(x, y) = better(result(x, y), rows(x, v));
-      }
-    }
-  }
+using Morphology = void (*)(cv::InputArray,
+                            cv::OutputArray,
+                            cv::InputArray,
+                            cv::Point,
+                            int,
+                            int,
+                            const cv::Scalar&);
+
+// The result of cv::erode or cv::dilate with the square around each pixel, the
+// part of it that lies in the image.
+Image<float> Filter(const Image<float>& image,
+                    int radius,
+                    Morphology morphology) {
+  Image<float> result =
+      Image<float>::Uninitialized(image.Width(), image.Height());
+  const cv::Mat from(
+      image.Height(), image.Width(), CV_32F, const_cast<float*>(image.Data()));
+  cv::Mat to(image.Height(), image.Width(), CV_32F, result.Data());
+  morphology(from,
+             to,
+             cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8U),
+             cv::Point(-1, -1),
+             /*iterations=*/1,
+             cv::BORDER_CONSTANT,
+             cv::morphologyDefaultBorderValue());
   return result;
 }
 
-float Lesser(float a, float b) { return std::min(a, b); }
-float Greater(float a, float b) { return std::max(a, b); }
+Image<float> Smallest(const Image<float>& image, int radius) {
+  return Filter(image, radius, cv::erode);
+}
+
+Image<float> Largest(const Image<float>& image, int radius) {
+  return Filter(image, radius, cv::dilate);
+}
 
 // The largest minus the smallest grey level around each pixel.
 Image<float> Range(const Image<float>& gray, int radius) {
-  Image<float> range = Select(gray, radius, Greater);
-  const Image<float> smallest = Select(gray, radius, Lesser);
+  Image<float> range = Largest(gray, radius);
+  const Image<float> smallest = Smallest(gray, radius);
   for (size_t i = 0; i < range.NumPixels(); ++i) {
     range.Data()[i] -= smallest.Data()[i];
   }
@@ -91,6 +101,9 @@ Image<float> ComputeOwnTexture(const Image<float>& gray,
                                const Image<int>& superpixels,
                                int num_superpixels,
                                int patch_radius) {
+  if (gray.Empty()) {
+    return {};
+  }
   const int near_radius =
       std::max(1, static_cast<int>(std::lround(kNearShare * patch_radius)));
   patch_radius = std::max(patch_radius, near_radius + 1);
@@ -98,7 +111,7 @@ Image<float> ComputeOwnTexture(const Image<float>& gray,
   const Image<float> patch = Range(gray, patch_radius);
   const Image<float> texture =
       TextureOfSuperpixels(contrast, superpixels, num_superpixels);
-  const Image<float> most_texture = Select(texture, patch_radius, Greater);
+  const Image<float> most_texture = Largest(texture, patch_radius);
   Image<float> own(near.Width(), near.Height(), 1.f);
   for (size_t i = 0; i < own.NumPixels(); ++i) {
     if (patch.Data()[i] > 0.f) {
@@ -109,6 +122,13 @@ Image<float> ComputeOwnTexture(const Image<float>& gray,
     }
   }
   return own;
+}
+
+int64_t OwnTextureMainBytes(int64_t num_pixels) {
+  // The two ranges, the texture, the most texture around each pixel, and the
+  // result; before the last two, lists of contrasts that have room to grow.
+  constexpr int64_t kNumImages = 5;
+  return kNumImages * BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 // Whose depth it is that a patch measured. Matching finds the depth of what
@@ -26,5 +28,8 @@ Image<float> ComputeOwnTexture(const Image<float>& gray,
                                const Image<int>& superpixels,
                                int num_superpixels,
                                int patch_radius);
+
+// Main memory that it takes at a time at most, with the result.
+int64_t OwnTextureMainBytes(int64_t num_pixels);
 
 }  // namespace tsar

@@ -45,7 +45,7 @@ void AddSuperpixel(const ObservedView& view,
                    const PlaneSupportOptions& options,
                    PlaneObservations* result) {
   const ViewEvidence& evidence = *view.evidence;
-  const DisparityScale scale{0.f, evidence.error_per_depth};
+  const DepthResolution& resolution = evidence.resolution;
   const Eigen::Vector3d center = view.camera.Center();
   const Eigen::Matrix3d to_world = view.camera.rotation.transpose();
   const int begin = evidence.first_observation[superpixel];
@@ -64,7 +64,7 @@ void AddSuperpixel(const ObservedView& view,
     depth.center = center;
     depth.ray = to_world * Eigen::Vector3d(sample.x, sample.y, 1.0);
     depth.depth = sample.z;
-    depth.sigma = sample.z * scale.RelativeDepthError(sample.z);
+    depth.sigma = sample.z * resolution.RelativeDepthError(sample.z);
     if (!(std::abs(NormalizedResidual(plane, depth)) < options.tolerance)) {
       continue;
     }
@@ -82,7 +82,7 @@ void AddSuperpixel(const ObservedView& view,
   mean.ray /= num_measured;
   mean.depth /= num_measured;
   mean.sigma = options.error_share * options.tolerance * mean.depth *
-               scale.RelativeDepthError(static_cast<float>(mean.depth));
+               resolution.RelativeDepthError(static_cast<float>(mean.depth));
   double total = 0.0;
   for (int i = begin; i < end; ++i) {
     total += evidence.observations[static_cast<size_t>(i)].quality;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/samples.h"
 
 #include <cmath>
@@ -57,7 +58,8 @@ struct Neighborhood {
 
   TSAR_HD float Gap(float a, float b) const {
     const float nearer = fminf(a, b);
-    return fabsf(a - b) / (nearer * inputs.scale.RelativeDepthError(nearer));
+    return fabsf(a - b) /
+           (nearer * inputs.resolution.RelativeDepthError(nearer));
   }
 
   // 0 where there is none.
@@ -328,6 +330,18 @@ void DistrustSpilled(ImageView<const uint8_t> spilled,
                      Device& device) {
   ParallelFor(
       device, trust.width, trust.height, DistrustKernel{spilled, trust});
+}
+
+int64_t RefineBordersWorkingBytes(int64_t num_pixels,
+                                  int64_t num_superpixels,
+                                  int64_t num_planes) {
+  const int64_t labels_and_planes =
+      BytesOf<int>(num_superpixels) + BytesOf<Plane>(num_planes);
+  const int64_t measured = BytesOf<float>(num_pixels);
+  const int64_t marks = BytesOf<uint8_t>(num_pixels);
+  const int64_t refined_and_previous = 2 * BytesOf<uint16_t>(num_pixels);
+  const int64_t ballots = BytesOf<Ballot>(num_pixels);
+  return labels_and_planes + measured + marks + refined_and_previous + ballots;
 }
 
 }  // namespace tsar

@@ -48,7 +48,7 @@ struct BorderInputs {
   ImageView<const float> depth;
   ImageView<const uint8_t> trust;
   Intrinsics intrinsics;  // Of the raster.
-  DisparityScale scale;
+  DepthResolution resolution;
 };
 
 struct RefinedBorders {
@@ -77,5 +77,9 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
 void DistrustSpilled(ImageView<const uint8_t> spilled,
                      ImageView<uint8_t> trust,
                      Device& device);
+
+int64_t RefineBordersWorkingBytes(int64_t num_pixels,
+                                  int64_t num_superpixels,
+                                  int64_t num_planes);
 
 }  // namespace tsar

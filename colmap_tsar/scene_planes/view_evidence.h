@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
@@ -38,8 +39,7 @@ struct SuperpixelBorder {
 struct ViewEvidence {
   int width = 0;  // Of the raster.
   int height = 0;
-  // DisparityScale::error_per_depth of the view.
-  float error_per_depth = 0.f;
+  DepthResolution resolution;
   // Spread of the measurements about the planes of superpixels, in relative
   // depths of one pixel of disparity; 0 where no superpixel has a plane.
   float noise = 0.f;

@@ -25,11 +25,14 @@ struct HoughOptions {
 // transform: every edge pixel votes for all lines through it and then takes the
 // one with most votes. If these are enough, the first of adjacent pixels on one
 // line follows it in both directions over gaps of at most
-// t_c = min(0.1 * length, max_gap), and draws the segment that it finds. Segments are 8-connected, which keeps 4-connected
-// regions apart.
-// edges, and the result: other than 0 on edges.
+// t_c = min(0.1 * length, max_gap), and draws the segment that it finds.
+// Segments are 8-connected, which keeps 4-connected regions apart. Both images
+// are other than 0 on edges.
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                                       const HoughOptions& options,
                                       Device& device);
+
+// longest_side: of the image, or more.
+int64_t DrawLineSegmentsWorkingBytes(int64_t num_pixels, int longest_side);
 
 }  // namespace tsar

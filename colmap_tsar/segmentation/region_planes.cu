@@ -6,7 +6,9 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
+#include "colmap_tsar/device/working_bytes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -67,7 +69,7 @@ struct ChooseKernel {
   GroupedPixels core_pixels;
   GroupedPixels rim_pixels;
   const RayDepth* remaining;
-  DisparityScale scale;
+  DepthResolution resolution;
   RegionPlaneOptions options;
   int slot;
   const RegionState* states;
@@ -157,9 +159,10 @@ struct ChooseKernel {
   // Infinite where there is no sample.
   TSAR_HD float DistanceInTolerances(const Plane& plane,
                                      const RayDepth& sample) const {
-    return sample.z > 0.f ? RelativeDistance(plane, sample) /
-                                options.ransac.tolerance.At(sample.z, scale)
-                          : INFINITY;
+    return sample.z > 0.f
+               ? RelativeDistance(plane, sample) /
+                     options.ransac.tolerance.At(sample.z, resolution)
+               : INFINITY;
   }
 
   // The mean depth gap of Eq. 15.
@@ -187,7 +190,7 @@ struct RemoveInliersKernel {
   const SupportedPlane* planes;
   int slot;
   PlaneTolerance tolerance;
-  DisparityScale scale;
+  DepthResolution resolution;
   ImageView<RayDepth> remaining;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -197,145 +200,10 @@ struct RemoveInliersKernel {
       return;
     }
     const Plane& plane = planes[label * kMaxPlanesPerRegion + slot].plane;
-    if (plane.Valid() &&
-        RelativeDistance(plane, sample) < 2.f * tolerance.At(sample.z, scale)) {
+    if (plane.Valid() && RelativeDistance(plane, sample) <
+                             2.f * tolerance.At(sample.z, resolution)) {
       sample = {};
     }
-  }
-};
-
-// The samples of one region in a block of 4 x 4 pixels, by plane.
-struct BlockVotes {
-  int region = -1;
-  float votes[kMaxPlanesPerRegion] = {};
-};
-
-constexpr int kBlockSize = 4;
-// How far votes reach, in blocks, and the distance at which they count a
-// quarter.
-constexpr int kVoteRadius = 32;
-constexpr float kVoteScale = 4.f;
-
-struct CountVotesKernel {
-  ImageView<const int> labels;
-  ImageView<const int> grown;
-  ImageView<const RayDepth> samples;
-  const SupportedPlane* planes;
-  PlaneTolerance tolerance;
-  DisparityScale scale;
-  ImageView<BlockVotes> blocks;
-
-  TSAR_HD void operator()(int column, int row) const {
-    BlockVotes block;
-    block.region = Region(labels, column, row);
-    if (block.region < 0) {
-      block.region = Region(grown, column, row);
-    }
-    for (int i = 0; i < kBlockSize * kBlockSize && block.region >= 0; ++i) {
-      const int x = column * kBlockSize + i % kBlockSize;
-      const int y = row * kBlockSize + i / kBlockSize;
-      if (!grown.Contains(x, y) || grown(x, y) != block.region ||
-          !(samples(x, y).z > 0.f)) {
-        continue;
-      }
-      const float max_distance = tolerance.At(samples(x, y).z, scale);
-      for (int slot = 0; slot < kMaxPlanesPerRegion; ++slot) {
-        const Plane& plane =
-            planes[block.region * kMaxPlanesPerRegion + slot].plane;
-        if (plane.Valid() &&
-            RelativeDistance(plane, samples(x, y)) < max_distance) {
-          block.votes[slot] += 1.f;
-        }
-      }
-    }
-    blocks(column, row) = block;
-  }
-
-  // The first label in the block.
-  TSAR_HD static int Region(const ImageView<const int>& labels,
-                            int column,
-                            int row) {
-    for (int i = 0; i < kBlockSize * kBlockSize; ++i) {
-      const int x = column * kBlockSize + i % kBlockSize;
-      const int y = row * kBlockSize + i / kBlockSize;
-      if (labels.Contains(x, y) && labels(x, y) >= 0) {
-        return labels(x, y);
-      }
-    }
-    return -1;
-  }
-};
-
-// The plane with most votes around each block, nearer ones counting more.
-struct ElectKernel {
-  ImageView<const BlockVotes> blocks;
-  const SupportedPlane* planes;
-  ImageView<int> slots;
-
-  TSAR_HD void operator()(int column, int row) const {
-    const int region = blocks(column, row).region;
-    slots(column, row) = 0;
-    if (region < 0 || !planes[region * kMaxPlanesPerRegion + 1].plane.Valid()) {
-      return;
-    }
-    float sums[kMaxPlanesPerRegion] = {};
-    for (int r = row - kVoteRadius; r <= row + kVoteRadius; ++r) {
-      for (int c = column - kVoteRadius; c <= column + kVoteRadius; ++c) {
-        if (!blocks.Contains(c, r) || blocks(c, r).region != region) {
-          continue;
-        }
-        const float squared = static_cast<float>((c - column) * (c - column) +
-                                                 (r - row) * (r - row));
-        const float weight = 1.f + squared / (kVoteScale * kVoteScale);
-        for (int slot = 0; slot < kMaxPlanesPerRegion; ++slot) {
-          sums[slot] += blocks(c, r).votes[slot] / (weight * weight);
-        }
-      }
-    }
-    for (int slot = 1; slot < kMaxPlanesPerRegion; ++slot) {
-      if (sums[slot] > sums[slots(column, row)]) {
-        slots(column, row) = slot;
-      }
-    }
-  }
-};
-
-struct AssignKernel {
-  ImageView<const int> labels;
-  ImageView<const BlockVotes> blocks;
-  ImageView<const int> slots;
-  const SupportedPlane* planes;
-  Intrinsics intrinsics;
-  float max_squared_distance;
-  ImageView<Plane> result;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const int label = labels(x, y);
-    result(x, y) = {};
-    if (label < 0) {
-      return;
-    }
-    const int slot = Slot(label, x / kBlockSize, y / kBlockSize);
-    const SupportedPlane& chosen = planes[label * kMaxPlanesPerRegion + slot];
-    if (chosen.plane.Valid() && chosen.support.SquaredDistance(intrinsics.Ray(
-                                    x, y)) <= max_squared_distance) {
-      result(x, y) = chosen.plane;
-    }
-  }
-
-  // That of the pixel's block, or of a neighbouring one of the same region.
-  TSAR_HD int Slot(int label, int column, int row) const {
-    if (blocks(column, row).region == label) {
-      return slots(column, row);
-    }
-    for (int r = row - 1; r <= row + 1; ++r) {
-      for (int c = column - 1; c <= column + 1; ++c) {
-        if (blocks.Contains(c, r) && blocks(c, r).region == label) {
-          return slots(c, r);
-        }
-      }
-    }
-    return 0;
   }
 };
 
@@ -343,7 +211,7 @@ struct AssignKernel {
 
 RegionPlanes FitRegionPlanes(const Regions& regions,
                              ImageView<const RayDepth> samples,
-                             const DisparityScale& scale,
+                             const DepthResolution& resolution,
                              const RegionPlaneOptions& options,
                              Device& device) {
   const ImageView<const int> labels = regions.labels.View();
@@ -378,11 +246,11 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
     GroupPlaneOptions ransac = options.ransac;
     // Superpixels draw from the streams below kFirstStream.
     ransac.iteration = kFirstStream + 2 * slot;
-    const Buffer<GroupPlane> core_fits =
-        FitGroupPlanes(core_groups, remaining.View(), scale, ransac, device);
+    const Buffer<GroupPlane> core_fits = FitGroupPlanes(
+        core_groups, remaining.View(), resolution, ransac, device);
     ++ransac.iteration;
-    const Buffer<GroupPlane> rim_fits =
-        FitGroupPlanes(rim_groups, remaining.View(), scale, ransac, device);
+    const Buffer<GroupPlane> rim_fits = FitGroupPlanes(
+        rim_groups, remaining.View(), resolution, ransac, device);
     ParallelForTeams<256>(
         device,
         regions.count,
@@ -391,7 +259,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                      {core_groups.begin.Data(), core_groups.pixels.Data()},
                      {rim_groups.begin.Data(), rim_groups.pixels.Data()},
                      remaining.View().data,
-                     scale,
+                     resolution,
                      options,
                      slot,
                      states.Data(),
@@ -405,51 +273,33 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                                     result.planes.Data(),
                                     slot,
                                     ransac.tolerance,
-                                    scale,
+                                    resolution,
                                     remaining.View()});
   }
   return result;
 }
 
-DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
-                                      const RegionPlanes& planes,
-                                      ImageView<const RayDepth> samples,
-                                      const Intrinsics& intrinsics,
-                                      const DisparityScale& scale,
-                                      const RegionPlaneOptions& options,
-                                      Device& device) {
-  const ImageView<const int> labels = regions.labels.View();
-  const int columns = (labels.width + kBlockSize - 1) / kBlockSize;
-  const int rows = (labels.height + kBlockSize - 1) / kBlockSize;
-  DeviceImage<BlockVotes> blocks(device, columns, rows);
-  ParallelFor(device,
-              columns,
-              rows,
-              CountVotesKernel{labels,
-                               planes.grown.View(),
-                               samples,
-                               planes.planes.Data(),
-                               options.ransac.tolerance,
-                               scale,
-                               blocks.View()});
-  DeviceImage<int> slots(device, columns, rows);
-  ParallelFor(device,
-              columns,
-              rows,
-              ElectKernel{blocks.View(), planes.planes.Data(), slots.View()});
-  DeviceImage<Plane> result(device, labels.width, labels.height);
-  ParallelFor(
-      device,
-      labels.width,
-      labels.height,
-      AssignKernel{labels,
-                   blocks.View(),
-                   slots.View(),
-                   planes.planes.Data(),
-                   intrinsics,
-                   options.max_extrapolation * options.max_extrapolation,
-                   result.View()});
-  return result;
+int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
+                                    int64_t num_regions,
+                                    const RegionPlaneOptions& options) {
+  const int64_t core_and_rim = 2 * BytesOf<int>(num_pixels);
+  const int64_t groups = PixelGroupsBytes(num_pixels, num_regions);
+  const int64_t states = 2 * BytesOf<RegionState>(num_regions);
+  const int64_t remaining = BytesOf<RayDepth>(num_pixels);
+  const int64_t core_fits = BytesOf<GroupPlane>(num_regions);
+  const int64_t fitting =
+      2 * groups + states + remaining + core_fits +
+      FitGroupPlanesWorkingBytes(num_pixels, num_regions, options.ransac);
+  const int64_t grouping =
+      groups + GroupPixelsWorkingBytes(num_pixels, num_regions);
+  return RegionPlanesBytes(num_pixels, num_regions) +
+         std::max(GrowLabelsWorkingBytes(num_pixels),
+                  core_and_rim + std::max(grouping, fitting));
+}
+
+int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions) {
+  return BytesOf<int>(num_pixels) +
+         BytesOf<SupportedPlane>(num_regions * kMaxPlanesPerRegion);
 }
 
 }  // namespace tsar

@@ -63,19 +63,14 @@ struct RegionPlanes {
 // samples: reliable measurements on the regions' raster, z = 0 elsewhere.
 RegionPlanes FitRegionPlanes(const Regions& regions,
                              ImageView<const RayDepth> samples,
-                             const DisparityScale& scale,
+                             const DepthResolution& resolution,
                              const RegionPlaneOptions& options,
                              Device& device);
 
-// The plane of each pixel of a region: where the region has several, the one
-// whose samples are nearest and most; none (invalid) further from the plane's
-// support than max_extrapolation, and outside the regions.
-DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
-                                      const RegionPlanes& planes,
-                                      ImageView<const RayDepth> samples,
-                                      const Intrinsics& intrinsics,
-                                      const DisparityScale& scale,
-                                      const RegionPlaneOptions& options,
-                                      Device& device);
+int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
+                                    int64_t num_regions,
+                                    const RegionPlaneOptions& options);
+// Of what it returns.
+int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions);
 
 }  // namespace tsar

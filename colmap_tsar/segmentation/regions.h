@@ -36,4 +36,10 @@ DeviceImage<int> ShrinkLabels(ImageView<const int> labels,
                               int num_steps,
                               Device& device);
 
+int64_t FindRegionsWorkingBytes(int64_t num_pixels);
+// How many it can find.
+int64_t MaxRegions(int64_t num_pixels, int min_size);
+// Of both GrowLabels and ShrinkLabels.
+int64_t GrowLabelsWorkingBytes(int64_t num_pixels);
+
 }  // namespace tsar

@@ -3,10 +3,11 @@
 
 #include "colmap_tsar/stereo/stereo_image.h"
 
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/smooth_normals.h"
 #include "colmap_tsar/pipeline/gray.h"
 
@@ -156,6 +157,25 @@ int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
   return num_levels;
 }
 
+// Images of all levels: each holds a quarter of the pixels of the one before,
+// or less.
+int64_t PyramidBytes(int64_t num_pixels, int num_levels) {
+  int64_t num_bytes = 0;
+  for (int level = 0; level < num_levels; ++level) {
+    num_bytes += BytesOf<float>(num_pixels >> (2 * level));
+  }
+  return num_bytes;
+}
+
+// The depth and normal that planes stand for.
+int64_t PlaneMapsBytes(int64_t num_pixels) {
+  return BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
+}
+
+int64_t MatchingCostsBytes(int64_t num_pixels) {
+  return 3 * BytesOf<float>(num_pixels);
+}
+
 }  // namespace
 
 StereoMaps MatchImage(const ViewData& reference,
@@ -242,6 +262,46 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                 device);
   }
   return ToHostWithCosts(view, level_sources, maps, device);
+}
+
+int64_t MatchImageWorkingBytes(const StereoOptions& options,
+                               int64_t num_pixels,
+                               int num_sources) {
+  const int64_t views =
+      (num_sources + 1) * PyramidBytes(num_pixels, options.num_levels) +
+      BytesOf<SourceView>(num_sources);
+  const int64_t color = BytesOf<Rgb>(num_pixels);
+  const int64_t planes = BytesOf<Plane>(num_pixels);
+  const int64_t smaller_planes = BytesOf<Plane>(num_pixels / 4);
+  return views +
+         std::max({color,
+                   planes + smaller_planes,
+                   planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
+                   planes + PlaneMapsBytes(num_pixels) +
+                       MatchingCostsBytes(num_pixels)});
+}
+
+int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
+                                            int num_sources) {
+  const int64_t gray_and_depth = 2 * BytesOf<float>(num_pixels);
+  const int64_t views =
+      (num_sources + 1) * gray_and_depth + BytesOf<SourceView>(num_sources);
+  const int64_t maps = PlaneMapsBytes(num_pixels);
+  const int64_t planes = BytesOf<Plane>(num_pixels);
+  const int64_t found = planes + BytesOf<float>(num_pixels);
+  // Maps go in and, smoothed or not, come out.
+  const int64_t matching =
+      maps +
+      std::max(planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
+               found + maps);
+  const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
+  return views + std::max(matching,
+                          maps + std::max(smoothed_normals,
+                                          MatchingCostsBytes(num_pixels)));
+}
+
+int64_t StereoMapsBytes(int64_t num_pixels) {
+  return PlaneMapsBytes(num_pixels) + 2 * BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

@@ -11,6 +11,7 @@
 #include "colmap_tsar/controllers/refine_devices.h"
 #include "colmap_tsar/stereo/stereo_claim.h"
 #include "colmap_tsar/stereo/stereo_inputs.h"
+#include "colmap_tsar/stereo/stereo_memory.h"
 #include "colmap_tsar/stereo/stereo_passes.h"
 #include "colmap_tsar/stereo/stereo_task.h"
 #include "colmap_tsar/store/links.h"
@@ -146,8 +147,11 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
         "names no image with sources",
         "an image needs others that share sparse points with it");
   }
-  RefineDevices devices =
-      CreateRefineDevices(device_options, overview, summary.num_images);
+  RefineDevices devices = CreateRefineDevices(
+      device_options,
+      overview,
+      [&](const WorkspaceOverview& maps) { return PlanStereo(options, maps); },
+      summary.num_images);
   summary.device = devices.description;
   const StereoPasses passes(workspace, options);
   for (const StereoProblem& problem : workspace.Problems()) {

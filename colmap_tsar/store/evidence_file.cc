@@ -138,7 +138,7 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
       first.size() != evidence.mass.size() + 1) {
     return "sizes that do not fit each other";
   }
-  if (!IsFiniteNotNegative(evidence.error_per_depth) ||
+  if (!IsFiniteNotNegative(evidence.resolution.error_per_depth) ||
       !IsFiniteNotNegative(evidence.noise)) {
     return "a noise that is no number";
   }
@@ -370,7 +370,7 @@ void WriteEvidence(const ContainedPath& path,
   header.height = evidence.height;
   header.trust_width = evidence.trust.Width();
   header.trust_height = evidence.trust.Height();
-  header.error_per_depth = evidence.error_per_depth;
+  header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
   header.num_superpixels = evidence.mass.size();
   header.num_observations = evidence.observations.size();
@@ -402,7 +402,7 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   ViewEvidence evidence;
   evidence.width = width;
   evidence.height = height;
-  evidence.error_per_depth = header.error_per_depth;
+  evidence.resolution.error_per_depth = header.error_per_depth;
   evidence.noise = header.noise;
   evidence.superpixels = Image<uint16_t>::Uninitialized(width, height);
   evidence.strong_depth = Image<float>::Uninitialized(width, height);

@@ -5,8 +5,10 @@
 
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/trust.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -56,6 +58,13 @@ struct FillHolesKernel {
     }
   }
 };
+
+WeightedMedianOptions SigmasOf(const CorrelationOptions& options) {
+  WeightedMedianOptions filter;
+  filter.spatial_sigma = options.spatial_sigma;
+  filter.color_sigma = options.color_sigma;
+  return filter;
+}
 
 }  // namespace
 
@@ -114,14 +123,12 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
           estimate.View(), intrinsics, gate, result.trusted.View(), device);
       continue;
     }
-    WeightedMedianOptions filter;
+    WeightedMedianOptions filter = SigmasOf(options);
     filter.radius = ScaledRadius(
         options.window_radius *
             std::exp2(static_cast<float>(options.num_iterations - round + 1)),
         width,
         height);
-    filter.spatial_sigma = options.spatial_sigma;
-    filter.color_sigma = options.color_sigma;
     GateByWeightedMedian(estimate.View(),
                          color,
                          intrinsics,
@@ -165,6 +172,40 @@ DeviceImage<uint8_t> InterpolateHoles(ImageView<const Rgb> color,
     options.radius *= 2.f;
   }
   return interpolated;
+}
+
+int64_t RefineByCorrelationWorkingBytes(int64_t num_pixels,
+                                        int64_t num_raster_pixels,
+                                        int64_t num_superpixels,
+                                        const CorrelationOptions& options) {
+  const int64_t estimate = BytesOf<InverseDepthPlane>(num_pixels);
+  const int64_t filter =
+      options.use_weighted_median
+          ? GateByWeightedMedianWorkingBytes(SigmasOf(options))
+          : 0;
+  if (!options.use_superpixel_planes) {
+    return estimate + filter;
+  }
+  const int64_t planes = BytesOf<Plane>(num_raster_pixels);
+  // The samples are there together with each of these two. From the second
+  // round on, the planes of the round before are, too.
+  const int64_t fits =
+      BytesOf<Plane>(num_superpixels) +
+      std::max(FitSuperpixelPlanesWorkingBytes(
+                   num_raster_pixels, num_superpixels, options.planes),
+               planes);
+  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
+  return std::max(
+      GroupPixelsWorkingBytes(num_raster_pixels, num_superpixels),
+      PixelGroupsBytes(num_raster_pixels, num_superpixels) + estimate +
+          std::max(samples + fits,
+                   BytesOf<Plane>(num_superpixels) + planes + filter));
+}
+
+int64_t InterpolateHolesWorkingBytes(int64_t num_pixels,
+                                     const WeightedMedianOptions& options) {
+  const int64_t filled_and_holes = 2 * BytesOf<uint8_t>(num_pixels);
+  return filled_and_holes + WeightedMedianWorkingBytes(num_pixels, options);
 }
 
 }  // namespace tsar

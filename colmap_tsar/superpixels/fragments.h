@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/device/buffer.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 // Turns a labelling (no label negative) into one whose segments are 4-connected
@@ -13,5 +15,7 @@ namespace tsar {
 // comes first. Labels become 0 ... count - 1 in the order of their first pixel.
 // Returns the count.
 int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
+
+int64_t MergeFragmentsWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/cielab.h"
 #include "colmap_tsar/superpixels/fragments.h"
 
@@ -191,6 +192,9 @@ struct UpdateKernel {
   }
 };
 
+// The least number of pixels of a superpixel.
+int MinSize(int superpixel_size) { return superpixel_size / 4; }
+
 }  // namespace
 
 Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
@@ -236,9 +240,24 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
   }
   Superpixels superpixels;
   superpixels.count =
-      MergeFragments(labels, options.superpixel_size / 4, device);
+      MergeFragments(labels, MinSize(options.superpixel_size), device);
   superpixels.labels = std::move(labels);
   return superpixels;
+}
+
+int64_t ComputeSuperpixelsWorkingBytes(int64_t num_pixels,
+                                       const SlicOptions& options) {
+  // A side is rounded to one and a half of its superpixels at most.
+  const int64_t max_clusters =
+      MaxSuperpixels(num_pixels, options.superpixel_size);
+  const int64_t clusters =
+      BytesOf<Cluster>(max_clusters) + BytesOf<ClusterSum>(max_clusters);
+  return BytesOf<Vec3f>(num_pixels) + clusters + BytesOf<int>(num_pixels) +
+         MergeFragmentsWorkingBytes(num_pixels);
+}
+
+int64_t MaxSuperpixels(int64_t num_pixels, int superpixel_size) {
+  return num_pixels / std::max(1, MinSize(superpixel_size)) + 1;
 }
 
 }  // namespace tsar

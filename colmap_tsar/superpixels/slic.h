@@ -6,6 +6,8 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 struct SlicOptions {
@@ -32,5 +34,11 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,
                                const SlicOptions& options,
                                Device& device);
+
+// For images no narrower than half a superpixel.
+int64_t ComputeSuperpixelsWorkingBytes(int64_t num_pixels,
+                                       const SlicOptions& options);
+// How many there can be.
+int64_t MaxSuperpixels(int64_t num_pixels, int superpixel_size);
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/superpixels/superpixel_planes.h"
 
 #include "colmap_tsar/device/parallel_for_teams.h"
+#include "colmap_tsar/device/working_bytes.h"
 
 namespace tsar {
 namespace {
@@ -78,6 +79,14 @@ Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                     options.min_support,
                                     planes.Data()});
   return planes;
+}
+
+int64_t FitSuperpixelPlanesWorkingBytes(int64_t num_pixels,
+                                        int64_t num_superpixels,
+                                        const SuperpixelPlaneOptions& options) {
+  return FitGroupPlanesWorkingBytes(
+             num_pixels, num_superpixels, options.ransac) +
+         BytesOf<Plane>(num_superpixels);
 }
 
 }  // namespace tsar

@@ -6,6 +6,8 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/planes/group_planes.h"
 
+#include <cstdint>
+
 namespace tsar {
 
 struct SuperpixelPlaneOptions {
@@ -27,5 +29,9 @@ Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                   const DisparityScale& scale,
                                   const SuperpixelPlaneOptions& options,
                                   Device& device);
+
+int64_t FitSuperpixelPlanesWorkingBytes(int64_t num_pixels,
+                                        int64_t num_superpixels,
+                                        const SuperpixelPlaneOptions& options);
 
 }  // namespace tsar

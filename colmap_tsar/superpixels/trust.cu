@@ -4,7 +4,7 @@
 #include "colmap_tsar/superpixels/trust.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/superpixels/window_taps.h"
+#include "colmap_tsar/superpixels/window_taps.cuh"
 
 namespace tsar {
 namespace {
@@ -132,6 +132,10 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
               trusted.height,
               GateByMedianKernel{
                   estimate, color, intrinsics, table.Taps(), gate, trusted});
+}
+
+int64_t GateByWeightedMedianWorkingBytes(const WeightedMedianOptions& options) {
+  return WindowTapTable::WorkingBytes(options);
 }
 
 }  // namespace tsar

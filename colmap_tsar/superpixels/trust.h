@@ -65,4 +65,6 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                           ImageView<uint8_t> trusted,
                           Device& device);
 
+int64_t GateByWeightedMedianWorkingBytes(const WeightedMedianOptions& options);
+
 }  // namespace tsar

@@ -5,7 +5,8 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/superpixels/window_taps.h"
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/superpixels/window_taps.cuh"
 
 #include <cfloat>
 #include <cmath>
@@ -182,6 +183,12 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                    output.depth.View(),
                                    output.normal.View()});
   return output;
+}
+
+int64_t WeightedMedianWorkingBytes(int64_t num_pixels,
+                                   const WeightedMedianOptions& options) {
+  return BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels) +
+         WindowTapTable::WorkingBytes(options);
 }
 
 }  // namespace tsar

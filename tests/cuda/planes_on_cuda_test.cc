@@ -34,7 +34,7 @@ ViewEvidence ObserveInPart(const DrawnRoom& room, size_t view) {
   inputs.texture = RandomImage(camera.width, camera.height, 4.f, 30 + seed);
   inputs.contrast = RandomImage(camera.width, camera.height, 20.f, 40 + seed);
   inputs.intrinsics = camera.GetIntrinsics();
-  inputs.scale.error_per_depth = DrawnRoom::kErrorPerDepth;
+  inputs.resolution.error_per_depth = DrawnRoom::kErrorPerDepth;
   Philox random(50, seed, 0);
   std::vector<uint32_t> choices(DrawnRoom::kNumSuperpixels);
   for (uint32_t& choice : choices) {
@@ -202,7 +202,7 @@ TEST_F(CudaTest, RefineBorders) {
                        device_depth.View(),
                        std::as_const(device_trust).View(),
                        {100.f, 100.f, 64.5f, 44.5f},
-                       DisparityScale{0.f, 0.0025f}},
+                       DepthResolution{0.0025f}},
                       labels,
                       planes,
                       {},

@@ -266,7 +266,15 @@ TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
   options.gpu_indices = {0};
   ExpectError(ErrorCode::kDevice,
               {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
-              [&] { CreateRefineDevices(options, overview, 10); });
+              [&] {
+                CreateRefineDevices(
+                    options,
+                    overview,
+                    [](const WorkspaceOverview& maps) {
+                      return PlanRefinement({}, maps);
+                    },
+                    10);
+              });
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ broken = []
 root = os.path.join(args.repository, "colmap_tsar")
 for path in sorted(glob.glob(os.path.join(root, "**", "*.*"), recursive=True)):
     name = os.path.relpath(path, root)
-    if not name.endswith((".cc", ".cu", ".h")):
+    if not name.endswith((".cc", ".cu", ".cuh", ".h")):
         continue
     num_files += 1
     with open(path, encoding="utf-8") as file:

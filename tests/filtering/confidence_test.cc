@@ -4,7 +4,7 @@
 #include "colmap_tsar/filtering/confidence.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/matching_cost.h"
 
 #include <gtest/gtest.h>
 

@@ -76,7 +76,7 @@ std::vector<std::string> MakeSeeds() {
   ViewEvidence evidence;
   evidence.width = 3;
   evidence.height = 2;
-  evidence.error_per_depth = 0.01f;
+  evidence.resolution.error_per_depth = 0.01f;
   evidence.noise = 0.3f;
   evidence.superpixels = Image<uint16_t>(3, 2, 1);
   evidence.strong_depth = Image<float>(3, 2, 2.f);

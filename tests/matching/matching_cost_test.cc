@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/matching/matching_cost.h"
 
-#include "colmap_tsar/matching/bilateral_ncc.h"
-
 #include <algorithm>
 
 #include "tests/matching/textured_plane.h"

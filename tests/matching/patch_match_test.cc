@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/matching/patch_match.h"
 
+#include "colmap_tsar/matching/plane_maps.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/matching/bilateral_ncc.h"
+#include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 

@@ -59,7 +59,7 @@ class CurvedSurfacesTest : public testing::Test {
     inputs_.texture = Image<float>(kWidth, kHeight, 5.f);
     inputs_.contrast = Image<float>(kWidth, kHeight, 0.f);
     inputs_.intrinsics = camera_.GetIntrinsics();
-    inputs_.scale.error_per_depth = kErrorPerDepth;
+    inputs_.resolution.error_per_depth = kErrorPerDepth;
     // As many for a superpixel as usual, which is larger than here.
     options_.pixels_per_observation = 60.f;
     labeled_.labels.assign(kNumSuperpixels, -1);
@@ -73,7 +73,8 @@ class CurvedSurfacesTest : public testing::Test {
       for (int x = 0; x < kWidth; ++x) {
         const Vec3f ray = inputs_.intrinsics.Ray(x, y);
         const float depth = shape(ray);
-        const double error = noise * inputs_.scale.RelativeDepthError(depth) *
+        const double error = noise *
+                             inputs_.resolution.RelativeDepthError(depth) *
                              NextNormal(&random);
         inputs_.samples(x, y) = {
             ray.x, ray.y, depth * static_cast<float>(1.0 + error)};
@@ -128,7 +129,7 @@ class CurvedSurfacesTest : public testing::Test {
     std::vector<ObservedView> views = {{&evidence, camera_}};
     ViewEvidence witness;
     if (witness_depth_ > 0.f) {
-      witness.error_per_depth = inputs_.scale.error_per_depth;
+      witness.resolution.error_per_depth = inputs_.resolution.error_per_depth;
       witness.width = kWidth;
       witness.height = kHeight;
       witness.first_observation = {0};
@@ -154,9 +155,10 @@ class CurvedSurfacesTest : public testing::Test {
         const Vec3f ray = inputs_.intrinsics.Ray(x, y);
         const Plane tangent = view.surfaces[k].TangentAt(ray);
         const float depth = shape(ray);
-        error = std::max(error,
-                         std::abs(tangent.Depth(ray) - depth) /
-                             (depth * inputs_.scale.RelativeDepthError(depth)));
+        error = std::max(
+            error,
+            std::abs(tangent.Depth(ray) - depth) /
+                (depth * inputs_.resolution.RelativeDepthError(depth)));
         const auto point = [&](float dx, float dy) {
           const Vec3f at = inputs_.intrinsics.Ray(x + dx, y + dy);
           return at * shape(at);
@@ -380,7 +382,7 @@ TEST_F(CurvedSurfacesTest, DoesNotDependOnTheUnit) {
   // Powers of two, so that not even rounding differs; about 1000 and 0.001.
   for (const float unit : {1024.f, 1.f / 1024.f}) {
     inputs_ = inputs;
-    inputs_.scale.error_per_depth /= unit;
+    inputs_.resolution.error_per_depth /= unit;
     for (RayDepth& sample : inputs_.samples) {
       sample.z *= unit;
     }

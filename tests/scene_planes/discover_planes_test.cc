@@ -98,8 +98,6 @@ double SupportOf(int plane,
   for (size_t view = 0; view < views.size(); ++view) {
     const ViewEvidence& evidence = *views[view].evidence;
     const Camera& camera = views[view].camera;
-    DisparityScale scale;
-    scale.error_per_depth = evidence.error_per_depth;
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
       if (found.serving[view][k] != plane) {
         continue;
@@ -115,7 +113,8 @@ double SupportOf(int plane,
         observation.ray = camera.rotation.transpose() *
                           Eigen::Vector3d(sample.x, sample.y, 1.0);
         observation.depth = sample.z;
-        observation.sigma = sample.z * scale.RelativeDepthError(sample.z);
+        observation.sigma =
+            sample.z * evidence.resolution.RelativeDepthError(sample.z);
         const double residual =
             NormalizedResidual(found.planes[plane].plane, observation);
         scores += quality * std::max(1.0 - residual * residual, 0.0);
@@ -171,18 +170,16 @@ TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
   const WorldPlane floor = PlaneThrough({0.0, -1.0, 0.0}, {0.0, 0.1, 0.0});
   constexpr int kNumSuperpixels = 20;
   ViewEvidence evidence;
-  evidence.error_per_depth = DrawnRoom::kErrorPerDepth;
+  evidence.resolution.error_per_depth = DrawnRoom::kErrorPerDepth;
   evidence.mass.assign(kNumSuperpixels, 100.f);
   evidence.first_observation.push_back(0);
-  DisparityScale scale;
-  scale.error_per_depth = evidence.error_per_depth;
   Philox random(5, 0, 0);
   for (int k = 0; k < kNumSuperpixels; ++k) {
     for (int i = 0; i < 10; ++i) {
       const float y = 0.015f + 0.025f * random.NextFloat();
       const float z = 0.1f / y;
       const double error =
-          0.6 * scale.RelativeDepthError(z) * NextNormal(&random);
+          0.6 * evidence.resolution.RelativeDepthError(z) * NextNormal(&random);
       evidence.observations.push_back(
           {{0.1f * k - 1.f, y, z * static_cast<float>(1.0 + error)}, 1.f});
     }

@@ -48,7 +48,7 @@ class GatherEvidenceTest : public testing::Test {
     inputs_.texture = Image<float>(kWidth, kHeight, 5.f);
     inputs_.contrast = Image<float>(kWidth, kHeight, 0.f);
     inputs_.intrinsics = camera_.GetIntrinsics();
-    inputs_.scale.error_per_depth = 0.001f;
+    inputs_.resolution.error_per_depth = 0.001f;
   }
 
   ViewEvidence Gather() const { return GatherEvidence(inputs_, options_); }
@@ -98,7 +98,7 @@ TEST_F(GatherEvidenceTest, KeepsTheRasterAndItsScale) {
   const ViewEvidence evidence = Gather();
   EXPECT_EQ(evidence.width, kWidth);
   EXPECT_EQ(evidence.height, kHeight);
-  EXPECT_EQ(evidence.error_per_depth, 0.001f);
+  EXPECT_EQ(evidence.resolution.error_per_depth, 0.001f);
   EXPECT_EQ(evidence.NumSuperpixels(), kNumSuperpixels);
   EXPECT_EQ(evidence.first_observation.size(), kNumSuperpixels + 1u);
   EXPECT_TRUE(std::equal(evidence.superpixels.begin(),
@@ -293,7 +293,7 @@ TEST_F(GatherEvidenceTest, NoiseIsTheSpreadAboutTheSuperpixelsPlanes) {
   EXPECT_NEAR(Gather().noise, 0.f, 1e-3f);
   Philox random(4, 0, 0);
   for (RayDepth& sample : inputs_.samples) {
-    sample.z *= 1.f + 0.7f * inputs_.scale.RelativeDepthError(sample.z) *
+    sample.z *= 1.f + 0.7f * inputs_.resolution.RelativeDepthError(sample.z) *
                           static_cast<float>(NextNormal(&random));
   }
   EXPECT_NEAR(Gather().noise, 0.7f, 0.05f);

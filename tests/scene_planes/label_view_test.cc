@@ -45,7 +45,7 @@ class LabelViewTest : public testing::Test {
     inputs_.texture = Image<float>(kWidth, kHeight, 5.f);
     inputs_.contrast = Image<float>(kWidth, kHeight, 0.f);
     inputs_.intrinsics = camera_.GetIntrinsics();
-    inputs_.scale.error_per_depth = 0.001f;
+    inputs_.resolution.error_per_depth = 0.001f;
   }
 
   // The plane is measured in these columns of superpixels, both inclusive.
@@ -73,7 +73,7 @@ class LabelViewTest : public testing::Test {
   // A second view, 1 to the right, of which this is known for certain. A point
   // at depth 3 lies 80 / 3 pixels further left in it.
   void AddWitness(const std::function<float(int x, int y)>& strong_depth) {
-    witness_.error_per_depth = inputs_.scale.error_per_depth;
+    witness_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
     witness_.width = kWidth;
     witness_.height = kHeight;
     witness_.first_observation = {0};

@@ -25,7 +25,7 @@ constexpr double kSigma = 0.25 * kDepth * kDepth * kErrorPerDepth;
 class PlaneSupportTest : public testing::Test {
  protected:
   PlaneSupportTest() {
-    evidence_.error_per_depth = kErrorPerDepth;
+    evidence_.resolution.error_per_depth = kErrorPerDepth;
     evidence_.first_observation.push_back(0);
     LookFrom(Camera());
     discovered_.serving.resize(1);

@@ -89,7 +89,7 @@ class RefineBordersTest : public testing::Test {
                                                   depth.View(),
                                                   trust.View(),
                                                   {80.f, 80.f, 39.5f, 29.5f},
-                                                  scale_},
+                                                  resolution_},
                                                  labels_,
                                                  planes_,
                                                  options_,
@@ -128,7 +128,7 @@ class RefineBordersTest : public testing::Test {
   std::vector<int> labels_;
   std::vector<Plane> planes_ = {{{0.f, 0.f, -1.f}, kWallDepth},
                                 {{0.f, 0.f, -1.f}, kBoxDepth}};
-  DisparityScale scale_{0.f, 0.0025f};  // A pixel is 1 % of the wall's depth.
+  DepthResolution resolution_{0.0025f};  // A pixel is 1 % of the wall's depth.
   BorderOptions options_;
 };
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/segmentation/region_planes.h"
 
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/segmentation/assign_region_planes.h"
 
 #include <cmath>
 #include <utility>

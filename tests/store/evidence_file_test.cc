@@ -28,7 +28,7 @@ ViewEvidence DrawEvidence() {
   ViewEvidence evidence;
   evidence.width = 9;
   evidence.height = 7;
-  evidence.error_per_depth = draw();
+  evidence.resolution.error_per_depth = draw();
   evidence.noise = draw();
   evidence.superpixels = Image<uint16_t>(9, 7);
   evidence.strong_depth = Image<float>(9, 7);
@@ -148,7 +148,7 @@ std::string FileBytes(const HeaderFields& fields,
   Append(fields.height, &bytes);
   Append(fields.trust_width, &bytes);
   Append(fields.trust_height, &bytes);
-  Append(evidence.error_per_depth, &bytes);
+  Append(evidence.resolution.error_per_depth, &bytes);
   Append(evidence.noise, &bytes);
   Append(fields.num_superpixels, &bytes);
   Append(fields.num_observations, &bytes);
@@ -163,7 +163,7 @@ std::string FileBytes(const HeaderFields& fields,
 void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
-  EXPECT_EQ(a.error_per_depth, b.error_per_depth);
+  EXPECT_EQ(a.resolution.error_per_depth, b.resolution.error_per_depth);
   EXPECT_EQ(a.noise, b.noise);
   EXPECT_TRUE(a.superpixels.HasSizeOf(b.superpixels));
   EXPECT_TRUE(a.strong_depth.HasSizeOf(b.strong_depth));
@@ -246,7 +246,7 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   evidence.borders.back().pixels[3] = 9 * 7 - 1;
   evidence.borders.front().pixels[0] = 0;
   evidence.region_planes(0, 0) = 3;
-  evidence.error_per_depth = 0.f;
+  evidence.resolution.error_per_depth = 0.f;
   evidence.noise = 0.f;
   WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
@@ -419,8 +419,8 @@ std::vector<Fault> NeighbourFaults() {
   return {
       {label, [](auto* e) { e->superpixels(8, 6) = 5; }},
       {label, [](auto* e) { e->superpixels(0, 0) = 65535; }},
-      {noise, [](auto* e) { e->error_per_depth = kNan; }},
-      {noise, [](auto* e) { e->error_per_depth = -1.f; }},
+      {noise, [](auto* e) { e->resolution.error_per_depth = kNan; }},
+      {noise, [](auto* e) { e->resolution.error_per_depth = -1.f; }},
       {noise, [](auto* e) { e->noise = kInf; }},
       {noise, [](auto* e) { e->noise = -kInf; }},
       {mass, [](auto* e) { e->mass[4] = kNan; }},

@@ -114,7 +114,7 @@ class DrawnRoom {
     for (size_t i = 0; i < cameras.size(); ++i) {
       const Eigen::Vector3d center = scale * cameras[i].Center() + shift;
       cameras[i].translation = -cameras[i].rotation * center;
-      evidence[i].error_per_depth /= static_cast<float>(scale);
+      evidence[i].resolution.error_per_depth /= static_cast<float>(scale);
       for (Observation& observation : evidence[i].observations) {
         observation.sample.z *= static_cast<float>(scale);
       }
@@ -143,9 +143,7 @@ class DrawnRoom {
     ViewEvidence view;
     view.width = kWidth;
     view.height = kHeight;
-    view.error_per_depth = kErrorPerDepth;
-    DisparityScale scale;
-    scale.error_per_depth = kErrorPerDepth;
+    view.resolution.error_per_depth = kErrorPerDepth;
     std::vector<int> surface_of;
     const int num_columns = kWidth / kSuperpixelSize;
     for (int k = 0; k < kNumSuperpixels; ++k) {
@@ -161,7 +159,8 @@ class DrawnRoom {
         const Eigen::Vector3d ray(
             (x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0);
         const auto [surface, depth] = Hit(camera, ray);
-        const float error = scale.RelativeDepthError(static_cast<float>(depth));
+        const float error =
+            view.resolution.RelativeDepthError(static_cast<float>(depth));
         Observation observation;
         observation.sample = {
             static_cast<float>(ray.x()),

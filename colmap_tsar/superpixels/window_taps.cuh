@@ -3,12 +3,12 @@
 
 #pragma once
 
-// The taps of the filters F_A and F_B and their weights (Eq. 8). Included by
-// .cu files only.
+// The taps of the filters F_A and F_B and their weights (Eq. 8).
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/weighted_median.h"
 
 #include <algorithm>
@@ -71,11 +71,17 @@ class WindowTapTable {
 
   const WindowTaps& Taps() const { return taps_; }
 
+  static int64_t WorkingBytes(const WeightedMedianOptions& options) {
+    return BytesOf<float>(NumColors(options.color_sigma));
+  }
+
  private:
-  static std::vector<float> MakeColorTable(float sigma) {
+  static int NumColors(float sigma) {
     const float limit = -std::log(kMinTapWeight) * sigma * sigma;
-    const int size =
-        static_cast<int>(std::min(limit * limit, 3.f * 255.f * 255.f)) + 1;
+    return static_cast<int>(std::min(limit * limit, 3.f * 255.f * 255.f)) + 1;
+  }
+  static std::vector<float> MakeColorTable(float sigma) {
+    const int size = NumColors(sigma);
     std::vector<float> table(size);
     for (int i = 0; i < size; ++i) {
       table[i] = std::exp(-std::sqrt(static_cast<float>(i)) / (sigma * sigma));

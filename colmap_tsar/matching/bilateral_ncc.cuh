@@ -6,15 +6,12 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/matching/bilinear.h"
+#include "colmap_tsar/matching/bilinear.cuh"
+#include "colmap_tsar/matching/matching_cost.h"
 
 #include <cmath>
 
 namespace tsar {
-
-// The cost of a window that carries no evidence: its centre leaves the source
-// image, or one of the two windows has no texture.
-constexpr float kUndefinedCost = -1.f;
 
 // A window of 11 x 11 pixels of which every second row and column is sampled.
 // Windows of another radius have as many samples, closer together or farther

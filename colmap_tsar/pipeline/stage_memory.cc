@@ -1,0 +1,189 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/stage_memory.h"
+
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/fill_holes.h"
+#include "colmap_tsar/pipeline/find_surfaces.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene_planes/own_texture.h"
+#include "colmap_tsar/scene_planes/plane_costs.h"
+#include "colmap_tsar/scene_planes/plane_support.h"
+#include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/superpixels/slic.h"
+
+#include <algorithm>
+
+namespace tsar {
+namespace {
+
+// What a view brings where planes of the scene are looked for: those that it
+// found, at most DiscoverPlanesOptions::max_planes, and those of its regions,
+// of which there are seldom more than this.
+constexpr int kCandidatesOfRegions = 60;
+
+// The superpixels that a raster has as a rule: what is smaller than a quarter
+// of superpixel_size was merged, and what is left at the borders of objects is
+// smaller than superpixel_size. Where many views add up, the most that each of
+// them can have would be far too much.
+int64_t NumSuperpixels(const RefineOptions& options, int64_t num_pixels) {
+  return MaxRasterPixels(num_pixels) * 3 / 2 / options.superpixel_size + 1;
+}
+
+DiscoverySize SizeOfDiscovery(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views) {
+  DiscoverySize size;
+  size.num_views = num_views;
+  size.num_superpixels = num_views * NumSuperpixels(options, num_pixels);
+  size.num_observations =
+      num_views * MaxObservations(MaxRasterPixels(num_pixels),
+                                  NumSuperpixels(options, num_pixels),
+                                  {});
+  size.num_candidates =
+      int64_t{num_views} *
+      (kCandidatesOfRegions + DiscoverPlanesOptions().max_planes);
+  return size;
+}
+
+// The confidence of a composed map; its provenance is there by then.
+int64_t ConfidenceBytes(int64_t num_pixels) {
+  return BytesOf<float>(num_pixels);
+}
+
+}  // namespace
+
+int64_t RefineImageWorkingBytes(const RefineOptions& options,
+                                int64_t num_pixels,
+                                int num_sources) {
+  const int64_t plane_image = options.superpixel_planes && options.refine
+                                  ? BytesOf<Plane>(MaxRasterPixels(num_pixels))
+                                  : 0;
+  const int64_t provenance = BytesOf<uint8_t>(num_pixels);
+  const int64_t composing = DeviceViewsBytesWithoutSources(num_pixels) +
+                            SurfacesBytes(options, num_pixels) + plane_image +
+                            provenance +
+                            std::max(FillHolesWorkingBytes(options, num_pixels),
+                                     ConfidenceBytes(num_pixels));
+  return std::max(FindSurfacesWorkingBytes(options, num_pixels, num_sources),
+                  composing);
+}
+
+int64_t MeasureImageWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels,
+                                 int num_sources) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t gray = BytesOf<float>(num_raster_pixels);
+  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
+  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  const int64_t downloading = DeviceViewsBytesWithoutSources(num_pixels) +
+                              SurfacesBytes(options, num_pixels) + gray +
+                              std::max(samples, trust);
+  return std::max(FindSurfacesWorkingBytes(options, num_pixels, num_sources),
+                  downloading);
+}
+
+int64_t ComposeImageWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t num_superpixels =
+      MaxSuperpixels(num_raster_pixels, options.superpixel_size);
+  // Each superpixel of a curved surface has a plane.
+  const int64_t num_planes =
+      num_superpixels + DiscoverPlanesOptions().max_planes;
+  const int64_t superpixels = BytesOf<uint16_t>(num_raster_pixels);
+  const int64_t lab = BytesOf<Vec3f>(num_raster_pixels);
+  const int64_t borders =
+      options.pixel_borders
+          ? superpixels + lab +
+                RefineBordersWorkingBytes(
+                    num_raster_pixels, num_superpixels, num_planes)
+          : 0;
+  const int64_t planes_of_scene_and_regions =
+      2 * BytesOf<Plane>(num_raster_pixels);
+  const int64_t kinds = BytesOf<uint8_t>(num_raster_pixels);
+  const int64_t provenance = BytesOf<uint8_t>(num_pixels);
+  const int64_t composing =
+      planes_of_scene_and_regions + kinds +
+      std::max(ComposeSceneWorkingBytes(num_pixels),
+               provenance + std::max(FillHolesWorkingBytes(options, num_pixels),
+                                     ConfidenceBytes(num_pixels)));
+  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  return DeviceReferenceWorkingBytes(num_pixels) + trust +
+         std::max(borders, composing);
+}
+
+int64_t FindSceneWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
+  return std::max(DiscoverPlanesWorkingBytes(
+                      SizeOfDiscovery(options, num_pixels, num_views), {}),
+                  ComputePlaneCostsWorkingBytes(
+                      num_views,
+                      num_raster_pixels,
+                      num_superpixels,
+                      MaxObservations(num_raster_pixels, num_superpixels, {}),
+                      DiscoverPlanesOptions().max_planes,
+                      {}));
+}
+
+int64_t MakeEvidenceMainBytes(const RefineOptions& options,
+                              int64_t num_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
+  // Each superpixel that has a plane is a candidate.
+  DiscoverySize size = SizeOfDiscovery(options, num_pixels, 1);
+  size.num_candidates = num_superpixels + kCandidatesOfRegions;
+  const int64_t own_texture =
+      options.own_texture ? BytesOf<float>(num_raster_pixels) : 0;
+  return std::max(
+      options.own_texture ? OwnTextureMainBytes(num_raster_pixels) : 0,
+      own_texture +
+          std::max(
+              GatherEvidenceMainBytes(num_raster_pixels, num_superpixels, {}),
+              EvidenceBytes(num_raster_pixels, num_superpixels, {}) +
+                  DiscoverPlanesWorkingBytes(size, {}) +
+                  DiscoverPlanesMainBytes(size, {})));
+}
+
+int64_t FindSceneMainBytes(const RefineOptions& options,
+                           int64_t num_pixels,
+                           int num_views) {
+  return FindSceneWorkingBytes(options, num_pixels, num_views) +
+         DiscoverPlanesMainBytes(
+             SizeOfDiscovery(options, num_pixels, num_views), {});
+}
+
+int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t superpixels =
+      BytesOf<int>(num_raster_pixels) +
+      BytesOf<Plane>(NumSuperpixels(options, num_pixels));
+  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
+  const int64_t region_planes = BytesOf<Plane>(num_raster_pixels);
+  const int64_t gray_texture_contrast = 3 * BytesOf<float>(num_raster_pixels);
+  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  return superpixels + samples + region_planes + gray_texture_contrast + trust;
+}
+
+int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
+  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  return EvidenceBytes(MaxRasterPixels(num_pixels),
+                       NumSuperpixels(options, num_pixels),
+                       {}) +
+         trust;
+}
+
+int64_t NeighbourEvidenceBytes(const RefineOptions& options,
+                               int64_t num_pixels) {
+  return EvidenceForNeighboursBytes(
+      MaxRasterPixels(num_pixels), NumSuperpixels(options, num_pixels), {});
+}
+
+}  // namespace tsar

@@ -1,0 +1,43 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/refine_options.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// What an image takes of memory on its way through the stages, in bytes; each
+// number holds for maps of any shape with num_pixels pixels.
+
+// Of the device's memory, beside the sources that were uploaded
+// (UploadedViewBytes).
+int64_t RefineImageWorkingBytes(const RefineOptions& options,
+                                int64_t num_pixels,
+                                int num_sources);
+int64_t MeasureImageWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels,
+                                 int num_sources);
+int64_t ComposeImageWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels);
+int64_t FindSceneWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views);
+
+// Of main memory, where these run on the CPU: with what they take of its memory
+// as a device, beside what they read.
+int64_t MakeEvidenceMainBytes(const RefineOptions& options, int64_t num_pixels);
+int64_t FindSceneMainBytes(const RefineOptions& options,
+                           int64_t num_pixels,
+                           int num_views);
+
+// Of main memory: what was measured in an image, all of its evidence, and the
+// part of this that its neighbours need.
+int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels);
+int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels);
+int64_t NeighbourEvidenceBytes(const RefineOptions& options,
+                               int64_t num_pixels);
+
+}  // namespace tsar

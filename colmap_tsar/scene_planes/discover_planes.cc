@@ -1,0 +1,264 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/discover_planes.h"
+
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/planes/fit_plane.h"
+#include "colmap_tsar/scene_planes/lazy_greedy_selection.h"
+#include "colmap_tsar/scene_planes/merge_planes.h"
+#include "colmap_tsar/scene_planes/plane_ranking.h"
+#include "colmap_tsar/scene_planes/plane_scores.h"
+#include "colmap_tsar/scene_planes/regular_directions.h"
+#include "colmap_tsar/scene_planes/superpixel_observations.h"
+#include "colmap_tsar/scene_planes/superpixel_plane_fitter.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// Planes are made regular by fewer observations of each: all of them count
+// together.
+constexpr size_t kMaxAlignedObservations = 500;
+// The share of its support that a plane may lose for being regular. Not small:
+// what a plane misses by a little it misses in all views, by errors that they
+// have in common.
+constexpr double kMaxAlignmentLoss = 0.1;
+// How often a candidate that was chosen is fitted.
+constexpr int kNumFirstFits = 2;
+constexpr int kMaxImprovingRounds = 3;
+
+class Discovery {
+ public:
+  Discovery(const SuperpixelObservations& observations,
+            const DiscoverPlanesOptions& options,
+            Device& device)
+      : observations_(observations),
+        options_(options),
+        device_(&device),
+        scorer_(observations, options.tolerance, device),
+        fitter_(observations, scorer_, options.tolerance) {}
+
+  std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
+    ChooseCandidates(candidates);
+    do {
+      FitToAssigned();
+    } while (DropAndMergePlanes(fitter_, options_.min_gain, &planes_));
+    if (options_.regular_directions) {
+      AlignPlanes();
+    }
+    return std::move(planes_);
+  }
+
+ private:
+  void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
+    LazyGreedySelection selection(candidates, scorer_, *device_);
+    std::vector<float> best(observations_.Count(), 0.f);
+    while (static_cast<int>(planes_.size()) < options_.max_planes) {
+      const LazyGreedySelection::Choice choice = selection.Next(best);
+      if (choice.candidate < 0 || choice.gain < options_.min_gain) {
+        break;
+      }
+      planes_.push_back(ImproveByFits(
+          {candidates[choice.candidate], selection.Scores(choice.candidate)},
+          best));
+      for (const int k : planes_.back().customers) {
+        best[k] = std::max(best[k], planes_.back().scores[k]);
+      }
+    }
+  }
+
+  // Fits a plane to the customers that it would win.
+  ScoredPlane ImproveByFits(ScoredPlane plane,
+                            const std::vector<float>& best) const {
+    const auto best_of = [&](int k) { return best[k]; };
+    double gain = Gain(plane, best_of);
+    for (int i = 0; i < kNumFirstFits; ++i) {
+      std::vector<int> won;
+      for (const int k : plane.customers) {
+        if (plane.scores[k] > best[k]) {
+          won.push_back(k);
+        }
+      }
+      ScoredPlane fitted =
+          fitter_.ScoreOne(fitter_.Fit(plane.plane, fitter_.Sample(won)));
+      const double fitted_gain = Gain(fitted, best_of);
+      if (!(fitted_gain > gain)) {
+        break;
+      }
+      plane = std::move(fitted);
+      gain = fitted_gain;
+    }
+    return plane;
+  }
+
+  // Fits the planes to the customers that they serve and keeps what raises the
+  // sum of the best scores.
+  void FitToAssigned() {
+    const int num_planes = static_cast<int>(planes_.size());
+    bool improved = true;
+    for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
+      improved = false;
+      std::vector<Ranking> rankings = Rank(planes_, observations_.Count());
+      const std::vector<std::vector<int>> members =
+          AssignedSuperpixels(rankings, planes_.size());
+      std::vector<WorldPlane> fits(num_planes);
+      device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
+        for (int64_t p = begin; p < end; ++p) {
+          fits[p] = fitter_.Fit(planes_[p].plane, fitter_.Sample(members[p]));
+        }
+      });
+      std::vector<ScoredPlane> fitted = fitter_.Score(fits);
+      for (int p = 0; p < num_planes; ++p) {
+        const auto best_of_others = [&](int k) {
+          return rankings[k].BestWithout(p, p);
+        };
+        if (Gain(fitted[p], best_of_others) >
+            Gain(planes_[p], best_of_others)) {
+          std::swap(planes_[p], fitted[p]);
+          UpdateRankings(planes_, p, fitted[p], &rankings);
+          improved = true;
+        }
+      }
+    }
+  }
+
+  // Makes planes regular where that costs little of what is assigned to them.
+  void AlignPlanes() {
+    const std::vector<Ranking> rankings = Rank(planes_, observations_.Count());
+    const std::vector<std::vector<int>> members =
+        AssignedSuperpixels(rankings, planes_.size());
+    std::vector<MeasuredPlane> measured;
+    for (size_t p = 0; p < planes_.size(); ++p) {
+      double support = 0.0;
+      for (const int k : members[p]) {
+        support += rankings[k].scores[0];
+      }
+      measured.push_back({planes_[p].plane,
+                          support,
+                          fitter_.Sample(members[p], kMaxAlignedObservations)});
+    }
+    const auto is_acceptable = [&](int p, const WorldPlane& plane) {
+      const auto best_of_others = [&](int k) {
+        return rankings[k].BestWithout(p, p);
+      };
+      const ScoredPlane scored = fitter_.ScoreOne(plane);
+      const double loss =
+          Gain(planes_[p], best_of_others) - Gain(scored, best_of_others);
+      return loss <= std::max(options_.min_gain,
+                              kMaxAlignmentLoss * measured[p].support);
+    };
+    const std::vector<WorldPlane> regular =
+        MakeRegular(measured, fitter_.LossScale(), is_acceptable);
+    planes_ = fitter_.Score(regular);
+  }
+
+  const SuperpixelObservations& observations_;
+  DiscoverPlanesOptions options_;
+  Device* device_;
+  PlaneScorer scorer_;
+  SuperpixelPlaneFitter fitter_;
+  std::vector<ScoredPlane> planes_;
+};
+
+WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
+  return {reference.rotation * plane.normal, plane.Height(reference.Center())};
+}
+
+WorldPlane ToWorld(const WorldPlane& plane, const Camera& reference) {
+  const Eigen::Vector3d normal = reference.rotation.transpose() * plane.normal;
+  return {normal, plane.offset - normal.dot(reference.Center())};
+}
+
+}  // namespace
+
+DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
+                                const std::vector<WorldPlane>& candidates,
+                                const DiscoverPlanesOptions& options,
+                                Device& device) {
+  DiscoveredPlanes result;
+  for (const ObservedView& view : views) {
+    result.serving.emplace_back(view.evidence->NumSuperpixels(), -1);
+  }
+  if (views.empty()) {
+    return result;
+  }
+  const SuperpixelObservations observations(views, options.max_mass);
+  if (observations.Count() == 0) {
+    return result;
+  }
+  const Camera& reference = views[0].camera;
+  std::vector<WorldPlane> local_candidates;
+  const size_t max_candidates = options.max_scores / observations.Count();
+  for (size_t i = 0; i < std::min(candidates.size(), max_candidates); ++i) {
+    local_candidates.push_back(FromWorld(candidates[i], reference));
+  }
+  const std::vector<ScoredPlane> planes =
+      Discovery(observations, options, device).Run(local_candidates);
+
+  const std::vector<Ranking> rankings = Rank(planes, observations.Count());
+  std::vector<double> supports(planes.size(), 0.0);
+  for (const Ranking& ranking : rankings) {
+    if (ranking.planes[0] >= 0) {
+      supports[ranking.planes[0]] += ranking.scores[0];
+    }
+  }
+  std::vector<int> order(planes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return supports[a] > supports[b];
+  });
+  std::vector<int> places(planes.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    places[order[i]] = static_cast<int>(i);
+    result.planes.push_back(
+        {ToWorld(planes[order[i]].plane, reference), supports[order[i]]});
+  }
+  int customer = 0;
+  for (std::vector<int>& of_view : result.serving) {
+    for (int& plane : of_view) {
+      const int found = rankings[customer++].planes[0];
+      plane = found >= 0 ? places[found] : -1;
+    }
+  }
+  return result;
+}
+
+int64_t DiscoverPlanesWorkingBytes(const DiscoverySize& size,
+                                   const DiscoverPlanesOptions& options) {
+  const int64_t max_candidates = static_cast<int64_t>(options.max_scores) /
+                                 std::max<int64_t>(1, size.num_superpixels);
+  // A plane that was chosen is scored while the candidates' scores are there,
+  // all planes after that.
+  const int64_t choosing =
+      LazyGreedySelection::WorkingBytes(
+          std::min(size.num_candidates, max_candidates),
+          size.num_superpixels,
+          size.num_views) +
+      PlaneScorer::ScoreWorkingBytes(1, size.num_superpixels, size.num_views);
+  const int64_t fitting = PlaneScorer::ScoreWorkingBytes(
+      options.max_planes, size.num_superpixels, size.num_views);
+  return PlaneScorer::WorkingBytes(size.num_superpixels,
+                                   size.num_observations) +
+         std::max(choosing, fitting);
+}
+
+int64_t DiscoverPlanesMainBytes(const DiscoverySize& size,
+                                const DiscoverPlanesOptions& options) {
+  // Where an observation is found, and its superpixel's best three planes.
+  constexpr int64_t kTableBytes = 64;
+  // The planes, their fits and, on the way, the rows of scores; and as many
+  // joint fits of two planes each.
+  constexpr int64_t kScoresPerPlane = 5;
+  const int64_t before_upload =
+      PlaneScorer::WorkingBytes(size.num_superpixels, size.num_observations);
+  const int64_t scores = BytesOf<float>(kScoresPerPlane * options.max_planes) *
+                         size.num_superpixels;
+  return kTableBytes * size.num_superpixels + std::max(before_upload, scores);
+}
+
+}  // namespace tsar

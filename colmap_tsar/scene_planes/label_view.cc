@@ -1,0 +1,76 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/label_view.h"
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/border_costs.h"
+#include "colmap_tsar/scene_planes/plane_costs.h"
+
+#include <cstddef>
+
+namespace tsar {
+
+LabeledView LabelView(const std::vector<ObservedView>& views,
+                      const DiscoveredPlanes& discovered,
+                      const PlaneSupport& support,
+                      const LabelOptions& options,
+                      Device& device) {
+  const ViewEvidence& evidence = *views[0].evidence;
+  const int num_superpixels = evidence.NumSuperpixels();
+  const int num_planes = static_cast<int>(discovered.planes.size());
+  LabeledView result;
+  result.labels.assign(static_cast<size_t>(num_superpixels), -1);
+  result.evidence.assign(static_cast<size_t>(num_superpixels),
+                         LabelEvidence::kNone);
+  if (num_planes == 0 || num_superpixels == 0) {
+    return result;
+  }
+  for (const ScenePlane& found : discovered.planes) {
+    result.planes.push_back(ToCameraPlane(found.plane, views[0].camera));
+  }
+  const Image<PlaneCost> costs =
+      ComputePlaneCosts(views, result.planes, support, options, device);
+  std::vector<float> num_pixels(static_cast<size_t>(num_superpixels), 0.f);
+  for (const uint16_t label : evidence.superpixels) {
+    ++num_pixels[label];
+  }
+  LabelGraph graph;
+  graph.num_nodes = num_superpixels;
+  graph.num_labels = num_planes + 1;
+  for (int s = 0; s < num_superpixels; ++s) {
+    for (int k = 0; k < num_planes; ++k) {
+      graph.unary.push_back(costs(k, s).cost);
+    }
+    const auto i = static_cast<size_t>(s);
+    graph.unary.push_back(CostOfNone(evidence.mass[i], num_pixels[i], options));
+  }
+  for (const SuperpixelBorder& border : evidence.borders) {
+    graph.edges.push_back({border.first, border.second});
+  }
+  const BorderCosts border_costs(evidence,
+                                 views[0].camera.GetIntrinsics(),
+                                 evidence.resolution,
+                                 result.planes,
+                                 options.full_gap);
+  graph.pairwise = [&](int edge, int a, int b) {
+    return border_costs(edge, a, b);
+  };
+  const std::vector<int> labels = MinimizeByExpansion(graph, options.expansion);
+  for (int s = 0; s < num_superpixels; ++s) {
+    const int k = labels[static_cast<size_t>(s)];
+    if (k == num_planes) {
+      continue;
+    }
+    result.labels[static_cast<size_t>(s)] = k;
+    result.evidence[static_cast<size_t>(s)] =
+        costs(k, s).explained > 0.f   ? LabelEvidence::kMeasured
+        : costs(k, s).confirmed > 0.f ? LabelEvidence::kCarried
+                                      : LabelEvidence::kGuessed;
+  }
+  return result;
+}
+
+}  // namespace tsar

@@ -1,0 +1,345 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/plane_costs.h"
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/scene_planes/direction_sectors.h"
+#include "colmap_tsar/scene_planes/visibility_votes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// Depths are believed down to this share of the nearest observation, and up to
+// its inverse times the farthest.
+constexpr float kDepthMargin = 0.5f;
+// The shares of the observations that are left out as the nearest and the
+// farthest: some are wrong.
+constexpr double kDepthQuantile = 0.005;
+// What a pixel costs that cannot lie on a plane.
+constexpr float kCostOfImpossible = 2.f;
+// Directions of eight in which a plane must have been observed around a point
+// so as not to be unknown there.
+constexpr int kSectorsUnknown = 3;
+// The flattest slope of a ray to a plane that counts: beyond, the error of the
+// depth would have no bound.
+constexpr float kMinSlope = 0.02f;
+
+// A superpixel's part of the evidence.
+struct SuperpixelData {
+  int first_observation = 0;
+  int num_observations = 0;
+  int first_pixel = 0;
+  int num_pixels = 0;
+  float mass = 0.f;
+  // Quality of the observations together.
+  float quality = 0.f;
+  // The middle of the pixels.
+  Vec3f ray;
+};
+
+struct PlaneData {
+  Plane plane;
+  PlaneFrame frame;
+  int first_cell = 0;
+  int num_cells = 0;
+  float cell_size = 0.f;
+};
+
+struct CostKernel {
+  const SuperpixelData* superpixels;
+  const PlaneData* planes;
+  const Observation* observations;
+  const int* pixels;
+  const PlanePoint* cells;
+  const SourceDepths* sources;
+  int num_sources;
+  VoteSampling sampling;
+  VoteLimits limits;
+  int raster_width;
+  Intrinsics intrinsics;
+  DepthResolution resolution;
+  float min_depth;
+  float max_depth;
+  LabelOptions options;
+  ImageView<PlaneCost> costs;  // Column: plane, row: superpixel.
+
+  TSAR_HD void operator()(int k, int s) const {
+    const SuperpixelData& superpixel = superpixels[s];
+    const PlaneData& plane = planes[k];
+    PlaneCost result;
+    AddObservations(superpixel, plane.plane, &result);
+    AddOtherViews(superpixel, plane.plane, &result);
+    const float unobserved =
+        fmaxf(superpixel.num_pixels - superpixel.mass, 0.f);
+    result.cost +=
+        options.cost_of_doubt * unobserved * Doubt(superpixel.ray, plane);
+    costs(k, s) = result;
+  }
+
+  TSAR_HD bool IsPossible(float depth) const {
+    return depth > 0.f && depth >= min_depth && depth <= max_depth;
+  }
+
+  TSAR_HD void AddObservations(const SuperpixelData& superpixel,
+                               const Plane& plane,
+                               PlaneCost* result) const {
+    float cost = 0.f;
+    float explained = 0.f;
+    for (int i = 0; i < superpixel.num_observations; ++i) {
+      const Observation& observation =
+          observations[superpixel.first_observation + i];
+      const RayDepth& sample = observation.sample;
+      const float depth = plane.Depth({sample.x, sample.y, 1.f});
+      float share = 1.f;
+      if (depth > 0.f) {
+        const float residual =
+            fabsf(depth - sample.z) /
+            (sample.z * resolution.RelativeDepthError(sample.z));
+        share = fminf(residual / options.tolerance, 1.f);
+      }
+      cost += observation.quality * share * share;
+      explained += share < 1.f ? observation.quality : 0.f;
+    }
+    if (superpixel.quality > 0.f) {
+      result->cost += cost * superpixel.mass / superpixel.quality;
+      result->explained = explained / superpixel.quality;
+    }
+  }
+
+  TSAR_HD void AddOtherViews(const SuperpixelData& superpixel,
+                             const Plane& plane,
+                             PlaneCost* result) const {
+    if (superpixel.num_pixels == 0) {
+      return;
+    }
+    const SuperpixelVotes sum = CollectVotes(
+        superpixel.num_pixels,
+        sampling,
+        sources,
+        num_sources,
+        limits,
+        [&](int number, Vec3f* point) {
+          const int pixel = pixels[superpixel.first_pixel + number];
+          const Vec3f ray =
+              intrinsics.Ray(pixel % raster_width, pixel / raster_width);
+          const float depth = plane.Depth(ray);
+          *point = ray * depth;
+          return IsPossible(depth);
+        });
+    const float pixels_per_test =
+        static_cast<float>(superpixel.num_pixels) / sum.num_tests;
+    const float pixels_per_vote = pixels_per_test / kMaxVotes;
+    result->cost +=
+        kCostOfImpossible * pixels_per_test * sum.num_impossible +
+        options.cost_of_contradiction * pixels_per_vote *
+            sum.votes.contradicted -
+        options.gain_of_confirmation * pixels_per_vote * sum.votes.confirmed;
+    result->confirmed =
+        static_cast<float>(sum.votes.confirmed) / (sum.num_tests * kMaxVotes);
+  }
+
+  // How little is known about the plane's depth there, from 0 to 1.
+  TSAR_HD float Doubt(const Vec3f& ray, const PlaneData& plane) const {
+    const float depth = plane.plane.Depth(ray);
+    if (!IsPossible(depth)) {
+      return 1.f;
+    }
+    const PlanePoint point = plane.frame.Coordinates(ray * depth);
+    const float slope = fmaxf(-Dot(plane.plane.normal, ray), kMinSlope);
+    const float sigma = plane.frame.Sigma(point) / slope /
+                        (depth * resolution.RelativeDepthError(depth));
+    const float share = fminf(sigma / options.max_sigma, 1.f);
+    return fmaxf(share * share,
+                 options.doubt_of_extrapolation * Extrapolation(point, plane));
+  }
+
+  // 0 where the plane was observed all around the point or next to it, 1 where
+  // the point lies far out on one side.
+  TSAR_HD float Extrapolation(const PlanePoint& point,
+                              const PlaneData& plane) const {
+    if (plane.num_cells == 0) {
+      return 1.f;
+    }
+    DirectionSectors sectors;
+    float nearest = INFINITY;
+    for (int i = 0; i < plane.num_cells; ++i) {
+      const PlanePoint& cell = cells[plane.first_cell + i];
+      const float s = cell.s - point.s;
+      const float t = cell.t - point.t;
+      sectors.Add(s, t);
+      nearest = fminf(nearest, s * s + t * t);
+    }
+    const float openness =
+        static_cast<float>(DirectionSectors::kNumKnown - sectors.Count()) /
+        (DirectionSectors::kNumKnown - kSectorsUnknown);
+    const float reach = options.extrapolation_reach * plane.cell_size *
+                        sqrtf(static_cast<float>(plane.num_cells));
+    return fminf(fmaxf(openness, 0.f), 1.f) *
+           fminf(sqrtf(nearest) / reach, 1.f);
+  }
+};
+
+std::vector<PlaneData> MakePlaneData(const std::vector<Plane>& planes,
+                                     const PlaneSupport& support) {
+  std::vector<PlaneData> result;
+  for (size_t k = 0; k < planes.size(); ++k) {
+    PlaneData data;
+    data.plane = planes[k];
+    data.frame = support.frames[k];
+    data.first_cell = support.first_cell[k];
+    data.num_cells = support.first_cell[k + 1] - support.first_cell[k];
+    data.cell_size = support.cell_sizes[k];
+    result.push_back(data);
+  }
+  return result;
+}
+
+// groups: the pixels of the superpixels, in main memory.
+std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
+                                               const Intrinsics& intrinsics,
+                                               const std::vector<int>& begin,
+                                               const std::vector<int>& pixels) {
+  std::vector<SuperpixelData> superpixels;
+  for (size_t s = 0; s < evidence.mass.size(); ++s) {
+    SuperpixelData data;
+    data.first_observation = evidence.first_observation[s];
+    data.num_observations =
+        evidence.first_observation[s + 1] - data.first_observation;
+    data.first_pixel = begin[s];
+    data.num_pixels = begin[s + 1] - begin[s];
+    data.mass = evidence.mass[s];
+    for (int i = 0; i < data.num_observations; ++i) {
+      data.quality +=
+          evidence.observations[static_cast<size_t>(data.first_observation + i)]
+              .quality;
+    }
+    double x = 0.0;
+    double y = 0.0;
+    for (int i = begin[s]; i < begin[s + 1]; ++i) {
+      x += pixels[static_cast<size_t>(i)] % evidence.width;
+      y += pixels[static_cast<size_t>(i)] / evidence.width;
+    }
+    const int count = std::max(data.num_pixels, 1);
+    data.ray = intrinsics.Ray(static_cast<float>(x / count),
+                              static_cast<float>(y / count));
+    superpixels.push_back(data);
+  }
+  return superpixels;
+}
+
+// The nearest and the farthest depth that a plane may have.
+std::pair<float, float> DepthRange(const ViewEvidence& evidence) {
+  std::vector<float> depths;
+  for (const Observation& observation : evidence.observations) {
+    depths.push_back(observation.sample.z);
+  }
+  if (depths.empty()) {
+    return {0.f, 0.f};
+  }
+  std::sort(depths.begin(), depths.end());
+  const auto last = static_cast<double>(depths.size() - 1);
+  return {depths[static_cast<size_t>(last * kDepthQuantile)] * kDepthMargin,
+          depths[static_cast<size_t>(last * (1.0 - kDepthQuantile))] /
+              kDepthMargin};
+}
+
+}  // namespace
+
+Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
+                                   const std::vector<Plane>& planes,
+                                   const PlaneSupport& support,
+                                   const LabelOptions& options,
+                                   Device& device) {
+  const ViewEvidence& evidence = *views[0].evidence;
+  const Intrinsics intrinsics = views[0].camera.GetIntrinsics();
+  Image<int> labels =
+      Image<int>::Uninitialized(evidence.width, evidence.height);
+  std::copy(
+      evidence.superpixels.begin(), evidence.superpixels.end(), labels.begin());
+  const PixelGroups groups =
+      GroupPixels(DeviceImage<int>(device, labels).View(),
+                  evidence.NumSuperpixels(),
+                  device);
+  const Buffer<SuperpixelData> superpixels(
+      device,
+      MakeSuperpixelData(
+          evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
+  std::vector<DeviceImage<float>> strong_depths;
+  std::vector<SourceDepths> sources;
+  for (size_t j = 1; j < views.size(); ++j) {
+    strong_depths.emplace_back(device, views[j].evidence->strong_depth);
+    sources.push_back({views[j].camera.GetIntrinsics(),
+                       ComputeRelativePose(views[0].camera, views[j].camera),
+                       views[j].evidence->resolution,
+                       std::as_const(strong_depths.back()).View()});
+  }
+  const Buffer<SourceDepths> device_sources(device, sources);
+  const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
+  const Buffer<Observation> observations(device, evidence.observations);
+  const Buffer<PlanePoint> cells(device, support.cells);
+  const auto [min_depth, max_depth] = DepthRange(evidence);
+  DeviceImage<PlaneCost> costs(
+      device, static_cast<int>(planes.size()), evidence.NumSuperpixels());
+  ParallelFor(device,
+              costs.Width(),
+              costs.Height(),
+              CostKernel{superpixels.Data(),
+                         device_planes.Data(),
+                         observations.Data(),
+                         groups.pixels.Data(),
+                         cells.Data(),
+                         device_sources.Data(),
+                         static_cast<int>(sources.size()),
+                         kPlaneSampling,
+                         {options.confirmation_share * options.tolerance,
+                          options.min_contradiction},
+                         evidence.width,
+                         intrinsics,
+                         evidence.resolution,
+                         min_depth,
+                         max_depth,
+                         options,
+                         costs.View()});
+  return costs.ToHost();
+}
+
+float CostOfNone(float mass, float num_pixels, const LabelOptions& options) {
+  return options.cost_of_unexplained * mass +
+         options.cost_of_none * std::max(num_pixels - mass, 0.f);
+}
+
+int64_t ComputePlaneCostsWorkingBytes(int num_views,
+                                      int64_t num_pixels,
+                                      int64_t num_superpixels,
+                                      int64_t num_observations,
+                                      int num_planes,
+                                      const PlaneSupportOptions& support) {
+  const int64_t labels = BytesOf<int>(num_pixels);
+  const int64_t superpixels = BytesOf<SuperpixelData>(num_superpixels);
+  const int64_t sources =
+      (num_views - 1) * (BytesOf<SourceDepths>(1) + BytesOf<float>(num_pixels));
+  // No cell is without an observation.
+  const int64_t max_cells =
+      std::min(num_views * num_observations,
+               int64_t{support.num_cells} * support.num_cells * num_planes);
+  const int64_t planes =
+      BytesOf<PlaneData>(num_planes) + BytesOf<PlanePoint>(max_cells);
+  const int64_t costs = BytesOf<PlaneCost>(num_superpixels * num_planes);
+  return std::max(labels + GroupPixelsWorkingBytes(num_pixels, num_superpixels),
+                  PixelGroupsBytes(num_pixels, num_superpixels) + superpixels +
+                      sources + planes +
+                      BytesOf<Observation>(num_observations) + costs);
+}
+
+}  // namespace tsar

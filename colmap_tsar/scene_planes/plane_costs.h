@@ -1,0 +1,48 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/plane_support.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// What the costs of one superpixel on one plane were made of.
+struct PlaneCost {
+  float cost = 0.f;
+  // Observations on the plane, as a share of all.
+  float explained = 0.f;
+  // Pixels that other views confirm, as a share of those tested.
+  float confirmed = 0.f;
+};
+
+// The cost of each superpixel of the first view (row) on each plane (column),
+// neighbours left aside. views: see LabelView; planes: in the reference
+// camera's frame, with their support.
+Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
+                                   const std::vector<Plane>& planes,
+                                   const PlaneSupport& support,
+                                   const LabelOptions& options,
+                                   Device& device);
+
+// What a superpixel costs that has no plane. mass: see ViewEvidence.
+float CostOfNone(float mass, float num_pixels, const LabelOptions& options);
+
+// num_pixels: of the raster of each view; superpixels and observations are
+// those of the first view.
+int64_t ComputePlaneCostsWorkingBytes(int num_views,
+                                      int64_t num_pixels,
+                                      int64_t num_superpixels,
+                                      int64_t num_observations,
+                                      int num_planes,
+                                      const PlaneSupportOptions& support);
+
+}  // namespace tsar

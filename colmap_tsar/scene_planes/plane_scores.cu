@@ -1,0 +1,231 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/plane_scores.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace tsar {
+namespace {
+
+// The flattest angle to a plane that counts, by its sine; see RaySlope.
+constexpr float kMinSlope = 0.05f;
+
+// Makes up for the rounding of planes that just reach a customer: scores are 0
+// beyond without it, too.
+constexpr double kReachMargin = 1.05;
+
+// Customers that one call of the kernel scores for one plane: their
+// observations stay in the fastest memory while all planes pass.
+constexpr int kTileSize = 16;
+
+// scores[plane * num_customers + customer] for one plane and one tile.
+struct ScoreKernel {
+  const Ball* balls;
+  const ObservationBlock* blocks;
+  const int* first_block;  // num_customers + 1 of them.
+  const int* views;        // Of each customer.
+  int num_customers;
+  int num_views;
+  const Vec3f* normals;
+  const float* offsets;
+  const float* heights;  // num_views of them per plane: of the cameras over it.
+  int num_planes;
+  float* scores;
+
+  TSAR_HD void operator()(int64_t item) const {
+    const int64_t plane = item % num_planes;
+    const int begin = static_cast<int>(item / num_planes) * kTileSize;
+    const int end =
+        begin + kTileSize < num_customers ? begin + kTileSize : num_customers;
+    const Vec3f normal = normals[plane];
+    for (int customer = begin; customer < end; ++customer) {
+      const Ball& ball = balls[customer];
+      float score = 0.f;
+      if (!(fabsf(Dot(normal, ball.center) + offsets[plane]) > ball.radius)) {
+        score = Score(normal,
+                      heights[plane * num_views + views[customer]],
+                      first_block[customer],
+                      first_block[customer + 1]);
+      }
+      scores[plane * num_customers + customer] = score;
+    }
+  }
+
+  TSAR_HD float Score(const Vec3f& normal,
+                      float height,
+                      int begin,
+                      int end) const {
+    float sums[ObservationBlock::kSize] = {};
+    for (int b = begin; b < end; ++b) {
+      const ObservationBlock& block = blocks[b];
+      // In loops without branches, or compilers use no vector units.
+      float shares[ObservationBlock::kSize];
+      for (int i = 0; i < ObservationBlock::kSize; ++i) {
+        const float slope = normal.x * block.ray_x[i] +
+                            normal.y * block.ray_y[i] +
+                            normal.z * block.ray_z[i];
+        const float steepness = fabsf(slope);
+        const float ratio = (slope + height * block.inverse_distance[i]) *
+                            block.precision[i] /
+                            (steepness > kMinSlope ? steepness : kMinSlope);
+        const float share = 1.f - ratio * ratio;
+        shares[i] = share > 0.f ? share : 0.f;
+      }
+      for (int i = 0; i < ObservationBlock::kSize; ++i) {
+        sums[i] += block.weight[i] * shares[i];
+      }
+    }
+    for (int half = ObservationBlock::kSize / 2; half > 0; half /= 2) {
+      for (int i = 0; i < half; ++i) {
+        sums[i] += sums[i + half];
+      }
+    }
+    return sums[0];
+  }
+};
+
+Vec3f ToVec3f(const Eigen::Vector3d& vector) {
+  const Eigen::Vector3f rounded = vector.cast<float>();
+  return {rounded.x(), rounded.y(), rounded.z()};
+}
+
+// Holds the box and what is within reach of it; of no size where the box is
+// empty.
+Ball BallAround(const Eigen::AlignedBox3d& box, double reach) {
+  if (box.isEmpty()) {
+    return {};
+  }
+  return {ToVec3f(box.center()),
+          static_cast<float>(0.5 * box.diagonal().norm() + reach)};
+}
+
+}  // namespace
+
+PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
+                         double tolerance,
+                         Device& device)
+    : num_customers_(observations.Count()),
+      device_(&device),
+      views_(device, observations.Views()) {
+  for (int i = 0; i < observations.NumViews(); ++i) {
+    centers_.push_back(observations.CameraCenter(i));
+  }
+  constexpr int kSize = ObservationBlock::kSize;
+  std::vector<int> first_block = {0};
+  for (int k = 0; k < num_customers_; ++k) {
+    first_block.push_back(first_block.back() +
+                          (observations.NumObservations(k) + kSize - 1) /
+                              kSize);
+  }
+  std::vector<ObservationBlock> blocks(first_block.back());
+  std::vector<Ball> balls;
+  for (int k = 0; k < num_customers_; ++k) {
+    Eigen::AlignedBox3d box;
+    double reach = 0.0;
+    for (int i = 0; i < observations.NumObservations(k); ++i) {
+      const DepthObservation observation = observations.At(k, i);
+      const double length = observation.ray.norm();
+      const Eigen::Vector3f ray = (observation.ray / length).cast<float>();
+      ObservationBlock& block = blocks[first_block[k] + i / kSize];
+      const int lane = i % kSize;
+      block.ray_x[lane] = ray.x();
+      block.ray_y[lane] = ray.y();
+      block.ray_z[lane] = ray.z();
+      block.inverse_distance[lane] =
+          static_cast<float>(1.0 / (observation.depth * length));
+      block.precision[lane] = static_cast<float>(
+          observation.depth / (observation.sigma * tolerance));
+      block.weight[lane] = static_cast<float>(observation.weight);
+      box.extend(observation.Point());
+      reach = std::max(reach, observation.sigma * tolerance * length);
+    }
+    balls.push_back(BallAround(box, kReachMargin * reach));
+  }
+  blocks_ = Buffer<ObservationBlock>(device, blocks);
+  first_block_ = Buffer<int>(device, first_block);
+  balls_ = Buffer<Ball>(device, balls);
+}
+
+Buffer<float> PlaneScorer::Score(const std::vector<WorldPlane>& planes) const {
+  std::vector<Vec3f> normals;
+  std::vector<float> offsets;
+  std::vector<float> heights;
+  for (const WorldPlane& plane : planes) {
+    normals.push_back(ToVec3f(plane.normal));
+    offsets.push_back(static_cast<float>(plane.offset));
+    for (const Eigen::Vector3d& center : centers_) {
+      heights.push_back(static_cast<float>(plane.Height(center)));
+    }
+  }
+  const Buffer<Vec3f> device_normals(*device_, normals);
+  const Buffer<float> device_offsets(*device_, offsets);
+  const Buffer<float> device_heights(*device_, heights);
+  Buffer<float> scores(*device_, planes.size() * num_customers_);
+  const int64_t num_tiles = (num_customers_ + kTileSize - 1) / kTileSize;
+  ParallelFor(*device_,
+              num_tiles * static_cast<int64_t>(planes.size()),
+              ScoreKernel{balls_.Data(),
+                          blocks_.Data(),
+                          first_block_.Data(),
+                          views_.Data(),
+                          num_customers_,
+                          static_cast<int>(centers_.size()),
+                          device_normals.Data(),
+                          device_offsets.Data(),
+                          device_heights.Data(),
+                          static_cast<int>(planes.size()),
+                          scores.Data()});
+  return scores;
+}
+
+int64_t PlaneScorer::WorkingBytes(int64_t num_superpixels,
+                                  int64_t num_observations) {
+  // The last block of each superpixel may hold a single observation.
+  const int64_t max_blocks =
+      num_observations / ObservationBlock::kSize + num_superpixels;
+  return BytesOf<ObservationBlock>(max_blocks) +
+         BytesOf<Ball>(num_superpixels) + BytesOf<int>(num_superpixels) +
+         BytesOf<int>(num_superpixels + 1);
+}
+
+int64_t PlaneScorer::ScoreWorkingBytes(int64_t num_planes,
+                                       int64_t num_superpixels,
+                                       int num_views) {
+  return BytesOf<Vec3f>(num_planes) + BytesOf<float>(num_planes) +
+         BytesOf<float>(num_planes * num_views) +
+         BytesOf<float>(num_planes * num_superpixels);
+}
+
+ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
+    : plane(plane), scores(std::move(scores)) {
+  for (size_t k = 0; k < this->scores.size(); ++k) {
+    if (this->scores[k] > 0.f) {
+      customers.push_back(static_cast<int>(k));
+    }
+  }
+}
+
+std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
+                                     const std::vector<WorldPlane>& planes) {
+  const std::vector<float> scores = scorer.Score(planes).ToHost();
+  std::vector<ScoredPlane> scored;
+  auto row = scores.begin();
+  for (const WorldPlane& plane : planes) {
+    scored.emplace_back(plane,
+                        std::vector<float>(row, row + scorer.NumCustomers()));
+    row += scorer.NumCustomers();
+  }
+  return scored;
+}
+
+}  // namespace tsar

@@ -1,0 +1,83 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/superpixel_observations.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// Some observations of one superpixel, side by side so that vector units work
+// on all at once. Unused ones are zero and add nothing.
+struct ObservationBlock {
+  static constexpr int kSize = 8;
+  float ray_x[kSize] = {};  // A unit vector.
+  float ray_y[kSize] = {};
+  float ray_z[kSize] = {};
+  float inverse_distance[kSize] = {};  // One over the length along it.
+  float precision[kSize] = {};  // One over the tolerance, which is relative.
+  float weight[kSize] = {};
+};
+
+// Planes that pass by it come near none of a customer's observations.
+struct Ball {
+  Vec3f center;
+  float radius = 0.f;
+};
+
+// Scores planes for all superpixels on a device, by the score that
+// DiscoverPlanes states. Planes are in the frame of the first camera.
+class PlaneScorer {
+ public:
+  // tolerance: see DiscoverPlanesOptions.
+  PlaneScorer(const SuperpixelObservations& observations,
+              double tolerance,
+              Device& device);
+
+  int NumCustomers() const { return num_customers_; }
+
+  // A row of scores per plane.
+  Buffer<float> Score(const std::vector<WorldPlane>& planes) const;
+
+  // Of a scorer for this many superpixels and observations of all views, and
+  // of a call of Score().
+  static int64_t WorkingBytes(int64_t num_superpixels,
+                              int64_t num_observations);
+  static int64_t ScoreWorkingBytes(int64_t num_planes,
+                                   int64_t num_superpixels,
+                                   int num_views);
+
+ private:
+  std::vector<Eigen::Vector3d> centers_;  // Of the cameras.
+  int num_customers_;
+  Device* device_;
+  Buffer<int> views_;
+  Buffer<Ball> balls_;
+  Buffer<ObservationBlock> blocks_;
+  Buffer<int> first_block_;
+};
+
+// A plane with its score for each superpixel.
+struct ScoredPlane {
+  ScoredPlane() = default;
+  ScoredPlane(const WorldPlane& plane, std::vector<float> scores);
+
+  WorldPlane plane;
+  std::vector<float> scores;
+  // The superpixels whose score is not 0: a few of all.
+  std::vector<int> customers;
+};
+
+std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
+                                     const std::vector<WorldPlane>& planes);
+
+}  // namespace tsar

@@ -1,0 +1,33 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/stereo/stereo_memory.h"
+
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/stereo/stereo_image.h"
+
+#include <algorithm>
+
+namespace tsar {
+
+MemoryPlan PlanStereo(const StereoOptions& options,
+                      const WorkspaceOverview& overview) {
+  const int64_t num_pixels = overview.max_num_pixels;
+  MemoryPlan plan;
+  plan.num_sources = overview.max_num_sources;
+  // Each image uploads its sources anew: they count as work.
+  plan.work = MatchImageWorkingBytes(options, num_pixels, plan.num_sources);
+  if (options.geom_consistency) {
+    plan.work = std::max(
+        plan.work,
+        MatchImageGeometricallyWorkingBytes(num_pixels, plan.num_sources));
+  }
+  plan.view = ViewBytes(overview);
+  plan.load = LoadBytes(overview);
+  // Costs are copied into one array for their file.
+  const int64_t costs = 2 * BytesOf<float>(num_pixels);
+  plan.result = StereoMapsBytes(num_pixels) + costs;
+  return plan;
+}
+
+}  // namespace tsar

@@ -1,0 +1,146 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/memory_plan.h"
+
+#include "colmap_tsar/controllers/device_view_cache.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+
+#include <cstdint>
+#include <vector>
+
+#include "tests/controllers/counting_device.h"
+#include "tests/support/drawn_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+WorkspaceOverview OverviewOf(int64_t num_pixels, int num_sources) {
+  WorkspaceOverview overview;
+  overview.max_num_pixels = num_pixels;
+  overview.max_num_image_pixels = num_pixels;
+  overview.max_num_sources = num_sources;
+  return overview;
+}
+
+TEST(PlanRefinement, CountsCostsAndASecondType) {
+  WorkspaceOverview overview = OverviewOf(1000000, 2);
+  const MemoryPlan plan = PlanRefinement({}, overview);
+  overview.has_other_type = true;
+  const MemoryPlan with_type = PlanRefinement({}, overview);
+  EXPECT_EQ(with_type.view, plan.view);
+  EXPECT_EQ(with_type.load, 16 * overview.max_num_pixels);
+  EXPECT_GT(with_type.load, plan.load);
+  overview.has_costs = true;
+  const MemoryPlan with_costs = PlanRefinement({}, overview);
+  EXPECT_EQ(with_costs.view, plan.view + 8 * overview.max_num_pixels);
+  EXPECT_EQ(with_costs.load, 24 * overview.max_num_pixels);
+  EXPECT_EQ(with_costs.work, plan.work);
+}
+
+TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {
+  WorkspaceOverview overview = OverviewOf(1000000, 10);
+  EXPECT_EQ(NumEvidenceViews(overview, 2), 33u);
+  const MemoryPlan plan = PlanRefinement({}, overview);
+  EXPECT_EQ(EvidenceBytes(plan, 2),
+            33 * plan.neighbour_evidence + 2 * plan.own_evidence);
+  // Larger maps have the same raster; only the own trust is of their size.
+  overview.max_num_pixels *= 10;
+  const MemoryPlan larger = PlanRefinement({}, overview);
+  EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
+  EXPECT_EQ(larger.own_evidence, plan.own_evidence + 9000000);
+  EXPECT_EQ(larger.find_scene, plan.find_scene);
+}
+
+TEST(PlanRefinement, CountsNoEvidenceWhereEachImageIsAlone) {
+  for (bool RefineOptions::*option :
+       {&RefineOptions::scene_planes, &RefineOptions::refine}) {
+    RefineOptions options;
+    options.*option = false;
+    const MemoryPlan plan = PlanRefinement(options, OverviewOf(1000000, 10));
+    EXPECT_GT(plan.work, 0);
+    EXPECT_EQ(plan.find_scene + plan.make_evidence + EvidenceBytes(plan, 3), 0);
+  }
+}
+
+TEST(PlanRefinement, BoundsTheScoresOfPlanes) {
+  const MemoryPlan plan = PlanRefinement({}, OverviewOf(300000, 10));
+  EXPECT_LT(PlanRefinement({}, OverviewOf(300000, 5)).find_scene,
+            plan.find_scene);
+  // Whatever the candidates.
+  const auto max_scores =
+      static_cast<int64_t>(DiscoverPlanesOptions().max_scores);
+  const MemoryPlan large = PlanRefinement({}, OverviewOf(10000000, 50));
+  EXPECT_GT(large.find_scene, 4 * max_scores);
+  EXPECT_LT(large.find_scene, 4 * max_scores + (int64_t{1} << 29));
+}
+
+TEST(PlanRefinement, CountsMoreForSmallSuperpixels) {
+  const WorkspaceOverview overview = OverviewOf(300000, 5);
+  MemoryPlan plans[3];
+  for (int i = 0; i < 3; ++i) {
+    RefineOptions options;
+    options.superpixel_size = std::vector<int>{4000, 400, 40}[i];
+    plans[i] = PlanRefinement(options, overview);
+  }
+  for (int i = 1; i < 3; ++i) {
+    EXPECT_GT(plans[i].find_scene, plans[i - 1].find_scene);
+    EXPECT_GT(plans[i].neighbour_evidence, plans[i - 1].neighbour_evidence);
+    EXPECT_GE(plans[i].work, plans[i - 1].work);
+  }
+}
+
+// Observes and composes an image, with its sources in a cache that holds as
+// much as it may.
+int64_t PeakOfRefinement(const DrawnViews& drawn,
+                         const RefineOptions& options,
+                         const MemoryPlan& plan) {
+  CountingDevice device("", SIZE_MAX, 2);
+  DeviceViewCache cache(static_cast<size_t>(SharedViewBytes(plan, 1)));
+  // A view of the image before.
+  cache.Get(-1, drawn.views[0], device);
+  std::vector<DeviceViewCache::View> sources;
+  for (const ViewData* source : drawn.Sources()) {
+    sources.push_back(
+        cache.Get(static_cast<int>(sources.size()), *source, device));
+  }
+  const RefineResult observed =
+      ObserveImage(drawn.views[0], std::move(sources), 1, options, device);
+  const ViewEvidence& evidence = *observed.evidence;
+  const std::vector<ObservedView> views(
+      drawn.views.size(),
+      {&evidence,
+       drawn.views[0].camera.Resized(evidence.width, evidence.height)});
+  ComposeImage(drawn.views[0], views, options, device);
+  return static_cast<int64_t>(device.PeakMemory());
+}
+
+TEST(PlanRefinement, HoldsForAnImageAtWork) {
+  for (const auto& [width, height] : {std::pair{161, 120}, {320, 240}}) {
+    SCOPED_TRACE(width);
+    DrawnViewsOptions size;
+    size.width = width;
+    size.height = height;
+    const DrawnViews drawn = DrawViews(size);
+    for (const int superpixel_size : {100, 400, 1600}) {
+      SCOPED_TRACE(superpixel_size);
+      RefineOptions options;
+      options.superpixel_size = superpixel_size;
+      const MemoryPlan plan =
+          PlanRefinement(options,
+                         OverviewOf(int64_t{width} * height,
+                                    static_cast<int>(drawn.Sources().size())));
+      const int64_t peak = PeakOfRefinement(drawn, options, plan);
+      EXPECT_GE(DeviceBytes(plan, 1), peak);
+      EXPECT_LE(DeviceBytes(plan, 1), 1.5 * peak);
+      RecordProperty("percent_" + std::to_string(width) + "_" +
+                         std::to_string(superpixel_size),
+                     static_cast<int>(100 * DeviceBytes(plan, 1) / peak));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,211 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/stage_memory.h"
+
+#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/pipeline/uploaded_view.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/controllers/counting_device.h"
+#include "tests/support/drawn_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+struct MapSize {
+  int width;
+  int height;
+  // What the plan may say at most, times what is taken.
+  double max_ratio;
+};
+
+// As large as its raster, and so small that the accumulator of lines counts,
+// which the plan takes to be that of the largest raster.
+const MapSize kSmall = {161, 120, 1.5};
+// Larger than its raster.
+const MapSize kLarge = {840, 840, 1.1};
+// The plan knows the number of pixels alone, and takes the raster to be square.
+const MapSize kLong = {801, 81, 1.2};
+
+// What a function takes of a device's memory, with the sources gone when it
+// lets them go.
+int64_t PeakOf(const std::function<void(Device&)>& function) {
+  CountingDevice device("", SIZE_MAX, 2);
+  function(device);
+  return static_cast<int64_t>(device.PeakMemory());
+}
+
+class StageMemoryTest : public testing::Test {
+ protected:
+  void Draw(const MapSize& size) {
+    DrawnViewsOptions drawn;
+    drawn.width = size.width;
+    drawn.height = size.height;
+    drawn_ = DrawViews(drawn);
+    num_pixels_ = int64_t{size.width} * size.height;
+    max_ratio_ = size.max_ratio;
+    label_ = std::to_string(size.width);
+  }
+  int NumSources() const { return static_cast<int>(drawn_.Sources().size()); }
+
+  // name: of the ratio in the test's record.
+  void ExpectPlanned(const std::string& name, int64_t planned, int64_t taken) {
+    EXPECT_GE(planned, taken) << name;
+    EXPECT_LE(planned, max_ratio_ * taken) << name;
+    RecordProperty(
+        name + " of " + label_,
+        std::to_string(100 * planned / std::max<int64_t>(1, taken)) + " %");
+  }
+
+  // The sources are uploaded to another device: they do not count.
+  int64_t PeakBesideSources(
+      const std::function<void(std::vector<std::shared_ptr<const UploadedView>>,
+                               Device&)>& function) {
+    const std::unique_ptr<Device> other = Device::CreateCpu(1);
+    return PeakOf([&](Device& device) {
+      function(UploadViews(drawn_.Sources(), *other), device);
+    });
+  }
+
+  void ExpectSingleViewPlanned(const RefineOptions& options) {
+    ExpectPlanned(
+        "refine",
+        RefineImageWorkingBytes(options, num_pixels_, NumSources()),
+        PeakBesideSources([&](auto sources, Device& device) {
+          RefineImage(drawn_.views[0], std::move(sources), 1, options, device);
+        }));
+  }
+
+  void ExpectScenePlanned(const RefineOptions& options) {
+    RefineResult observed;
+    ExpectPlanned(
+        "measure",
+        MeasureImageWorkingBytes(options, num_pixels_, NumSources()),
+        PeakBesideSources([&](auto sources, Device& device) {
+          observed = MeasureImage(
+              drawn_.views[0], std::move(sources), 1, options, device);
+        }));
+    EXPECT_LE(PeakOf([&](Device& device) {
+                MakeEvidence(options, device, &observed);
+              }),
+              MakeEvidenceMainBytes(options, num_pixels_));
+    const ViewEvidence& evidence = *observed.evidence;
+    // As many views as there are, for the size of the tables.
+    const std::vector<ObservedView> views(
+        drawn_.views.size(),
+        {&evidence,
+         drawn_.views[0].camera.Resized(evidence.width, evidence.height)});
+    FoundScene found;
+    const int64_t finding = PeakOf(
+        [&](Device& device) { found = FindScene(views, options, device); });
+    EXPECT_LE(finding,
+              FindSceneWorkingBytes(
+                  options, num_pixels_, static_cast<int>(views.size())));
+    ExpectPlanned("compose",
+                  ComposeImageWorkingBytes(options, num_pixels_),
+                  PeakOf([&](Device& device) {
+                    ComposeImage(
+                        drawn_.views[0], views, found, options, device);
+                  }));
+  }
+
+  DrawnViews drawn_;
+  int64_t num_pixels_ = 0;
+  double max_ratio_ = 1.0;
+  std::string label_;  // For the test's record.
+};
+
+TEST_F(StageMemoryTest, HoldsForMapsOfAllShapes) {
+  for (const MapSize& size : {kSmall, kLarge, kLong}) {
+    SCOPED_TRACE(std::to_string(size.width));
+    Draw(size);
+    ExpectScenePlanned({});
+    if (size.width < kLarge.width) {
+      ExpectSingleViewPlanned({});
+    }
+  }
+}
+
+TEST_F(StageMemoryTest, HoldsForSuperpixelsOfAllSizes) {
+  Draw(kSmall);
+  for (const int superpixel_size : {40, 400, 10000}) {
+    SCOPED_TRACE(superpixel_size);
+    label_ = "superpixels of " + std::to_string(superpixel_size);
+    RefineOptions options;
+    options.superpixel_size = superpixel_size;
+    ExpectSingleViewPlanned(options);
+    ExpectScenePlanned(options);
+  }
+}
+
+TEST_F(StageMemoryTest, HoldsWithoutSomeOfTheStages) {
+  Draw(kSmall);
+  const std::vector<std::vector<bool RefineOptions::*>> switches = {
+      {&RefineOptions::segment},
+      {&RefineOptions::refine},
+      {&RefineOptions::refine, &RefineOptions::segment},
+      {&RefineOptions::refine,
+       &RefineOptions::segment,
+       &RefineOptions::filter_confidence},
+      {&RefineOptions::segment, &RefineOptions::weighted_median},
+      {&RefineOptions::segment, &RefineOptions::superpixel_planes},
+      {&RefineOptions::segment, &RefineOptions::filter_discontinuity}};
+  for (size_t i = 0; i < switches.size(); ++i) {
+    SCOPED_TRACE(i);
+    label_ = "choice " + std::to_string(i);
+    RefineOptions options;
+    for (bool RefineOptions::*option : switches[i]) {
+      options.*option = false;
+    }
+    ExpectSingleViewPlanned(options);
+  }
+  RefineOptions options;
+  options.pixel_borders = false;
+  options.weighted_median = false;
+  ExpectScenePlanned(options);
+}
+
+TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
+  Draw(kSmall);
+  for (const int superpixel_size : {40, 400, 10000}) {
+    SCOPED_TRACE(superpixel_size);
+    label_ = std::to_string(superpixel_size);
+    RefineOptions options;
+    options.superpixel_size = superpixel_size;
+    const std::unique_ptr<Device> device = Device::CreateCpu(2);
+    const RefineResult observed =
+        ObserveImage(drawn_.views[0],
+                     UploadViews(drawn_.Sources(), *device),
+                     1,
+                     options,
+                     *device);
+    const ViewEvidence& evidence = *observed.evidence;
+    const size_t for_neighbours =
+        evidence.superpixels.NumPixels() * sizeof(uint16_t) +
+        evidence.strong_depth.NumPixels() * sizeof(float) +
+        evidence.mass.size() * sizeof(float) +
+        evidence.first_observation.size() * sizeof(int) +
+        evidence.observations.size() * sizeof(Observation);
+    ExpectPlanned("neighbour",
+                  NeighbourEvidenceBytes(options, num_pixels_),
+                  static_cast<int64_t>(for_neighbours));
+    const size_t all = for_neighbours +
+                       evidence.region_planes.NumPixels() * sizeof(uint16_t) +
+                       evidence.borders.size() * sizeof(SuperpixelBorder) +
+                       evidence.trust.NumPixels();
+    ExpectPlanned("all",
+                  ViewEvidenceBytes(options, num_pixels_),
+                  static_cast<int64_t>(all));
+  }
+}
+
+}  // namespace
+}  // namespace tsar

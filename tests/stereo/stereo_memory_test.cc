@@ -1,0 +1,127 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/stereo/stereo_memory.h"
+
+#include "colmap_tsar/stereo/stereo_image.h"
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/controllers/counting_device.h"
+#include "tests/support/drawn_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+struct Matched {
+  int64_t photometric = 0;  // Bytes at a time.
+  int64_t geometric = 0;
+  StereoMaps maps;
+};
+
+Matched Match(const DrawnViews& drawn,
+              size_t num_sources,
+              const StereoOptions& options) {
+  const DepthInterval range{2.0, 10.0};
+  // The first pass has no maps to read.
+  std::vector<ViewData> photos = drawn.views;
+  std::vector<const ViewData*> sources;
+  std::vector<const ViewData*> photo_sources;
+  for (size_t i = 0; i < num_sources; ++i) {
+    const size_t view = 1 + i % (photos.size() - 1);
+    photos[view].depth = {};
+    sources.push_back(&drawn.views[view]);
+    photo_sources.push_back(&photos[view]);
+  }
+  photos[0].depth = {};
+  Matched matched;
+  CountingDevice first("", SIZE_MAX, 2);
+  matched.maps = MatchImage(photos[0], photo_sources, range, 1, options, first);
+  matched.photometric = static_cast<int64_t>(first.PeakMemory());
+  CountingDevice second("", SIZE_MAX, 2);
+  MatchImageGeometrically(drawn.views[0],
+                          sources,
+                          range,
+                          1,
+                          options.num_geometric_passes - 1,
+                          options,
+                          second);
+  matched.geometric = static_cast<int64_t>(second.PeakMemory());
+  return matched;
+}
+
+StereoOptions FastOptions(int num_levels) {
+  StereoOptions options;
+  options.num_iterations = 1;
+  options.window_radius = 2;
+  options.num_levels = num_levels;
+  return options;
+}
+
+TEST(StereoMemory, IsWhatMatchingTakes) {
+  for (const auto& [width, height] : {std::pair{64, 48}, {161, 41}}) {
+    SCOPED_TRACE(width);
+    DrawnViewsOptions size;
+    size.width = width;
+    size.height = height;
+    const DrawnViews drawn = DrawViews(size);
+    const int64_t num_pixels = int64_t{width} * height;
+    for (const int num_levels : {1, 3}) {
+      SCOPED_TRACE(num_levels);
+      const StereoOptions options = FastOptions(num_levels);
+      for (const size_t num_sources : {size_t{1}, size_t{4}, size_t{40}}) {
+        SCOPED_TRACE(num_sources);
+        const Matched matched = Match(drawn, num_sources, options);
+        const int num = static_cast<int>(num_sources);
+        const int64_t photometric =
+            MatchImageWorkingBytes(options, num_pixels, num);
+        EXPECT_GE(photometric, matched.photometric);
+        EXPECT_LE(photometric, 1.1 * matched.photometric);
+        const int64_t geometric =
+            MatchImageGeometricallyWorkingBytes(num_pixels, num);
+        EXPECT_GE(geometric, matched.geometric);
+        EXPECT_LE(geometric, 1.1 * matched.geometric);
+        RecordProperty(
+            std::to_string(width) + "_" + std::to_string(num_levels) + "_" +
+                std::to_string(num_sources),
+            std::to_string(100 * photometric / matched.photometric) + " % " +
+                std::to_string(100 * geometric / matched.geometric) + " %");
+
+        WorkspaceOverview overview;
+        overview.max_num_pixels = num_pixels;
+        overview.max_num_image_pixels = num_pixels;
+        overview.max_num_sources = num;
+        const MemoryPlan plan = PlanStereo(options, overview);
+        EXPECT_EQ(DeviceBytes(plan, 1), std::max(photometric, geometric));
+        EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
+      }
+    }
+  }
+}
+
+TEST(StereoMemory, CountsMapsAndNoEvidence) {
+  const DrawnViews drawn = DrawViews({});
+  const StereoOptions options = FastOptions(1);
+  const StereoMaps maps = Match(drawn, 4, options).maps;
+  const size_t map_bytes =
+      maps.depth.NumPixels() * sizeof(float) +
+      maps.normal.NumPixels() * sizeof(Vec3f) +
+      (maps.min_cost.NumPixels() + maps.second_cost.NumPixels()) *
+          sizeof(float);
+  WorkspaceOverview overview;
+  overview.max_num_pixels = static_cast<int64_t>(maps.depth.NumPixels());
+  overview.max_num_sources = 4;
+  EXPECT_EQ(StereoMapsBytes(overview.max_num_pixels),
+            static_cast<int64_t>(map_bytes));
+  const MemoryPlan plan = PlanStereo(options, overview);
+  EXPECT_GT(plan.result, static_cast<int64_t>(map_bytes));
+  EXPECT_EQ(plan.view, static_cast<int64_t>(drawn.views[0].NumBytes()));
+  EXPECT_EQ(plan.find_scene + plan.make_evidence + EvidenceBytes(plan, 3), 0);
+}
+
+}  // namespace
+}  // namespace tsar
