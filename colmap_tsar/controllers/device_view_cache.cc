@@ -3,7 +3,9 @@
 
 #include "colmap_tsar/controllers/device_view_cache.h"
 
+#include <cstdint>
 #include <exception>
+#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -18,26 +20,18 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
   std::shared_ptr<UploadedView> spare;
   {
     std::unique_lock<std::mutex> lock(mutex_);
-    const auto found = entries_.find(image);
-    if (found != entries_.end()) {
-      images_.splice(images_.begin(), images_, found->second.position);
-      if (found->second.view != nullptr) {
-        return found->second.view;
+    if (const Entry* found = entries_.Use(image)) {
+      if (found->view != nullptr) {
+        return found->view;
       }
-      const std::shared_future<View> upload = found->second.upload;
+      const std::shared_future<View> upload = found->upload;
       lock.unlock();
       return upload.get();
     }
-    const size_t num_bytes = 2 * sizeof(float) * view.depth.NumPixels();
+    const auto num_bytes = static_cast<size_t>(
+        UploadedViewBytes(static_cast<int64_t>(view.depth.NumPixels())));
     spare = MakeRoom(num_bytes);
-    // All that may fail comes first.
-    std::list<int> position = {image};
-    entries_.emplace(image,
-                     Entry{nullptr,
-                           promise.get_future().share(),
-                           num_bytes,
-                           position.begin()});
-    images_.splice(images_.begin(), position);
+    entries_.Add(image, {nullptr, promise.get_future().share(), num_bytes});
     num_bytes_ += num_bytes;
   }
   View uploaded;
@@ -51,7 +45,7 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
   }
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    Entry& entry = entries_.at(image);
+    Entry& entry = *entries_.Find(image);
     entry.view = uploaded;
     entry.upload = {};
   }
@@ -66,31 +60,24 @@ size_t DeviceViewCache::NumBytes() const {
 
 std::shared_ptr<UploadedView> DeviceViewCache::MakeRoom(size_t num_bytes) {
   std::shared_ptr<UploadedView> dropped;
-  for (auto it = images_.end(); it != images_.begin();) {
-    if (num_bytes_ + num_bytes <= max_num_bytes_) {
-      break;
-    }
-    --it;
-    const auto entry = entries_.find(*it);
+  while (num_bytes_ + num_bytes > max_num_bytes_) {
     // Only this cache hands views out, so none that it alone holds can get
     // another user now.
-    if (entry->second.view.use_count() != 1) {
-      continue;
+    const std::optional<Entry> entry = entries_.TakeOldest(
+        [](const Entry& held) { return held.view.use_count() == 1; });
+    if (!entry) {
+      break;
     }
-    dropped = std::const_pointer_cast<UploadedView>(entry->second.view);
-    num_bytes_ -= entry->second.num_bytes;
-    entries_.erase(entry);
-    it = images_.erase(it);
+    num_bytes_ -= entry->num_bytes;
+    dropped = std::const_pointer_cast<UploadedView>(entry->view);
   }
   return dropped;
 }
 
 void DeviceViewCache::Remove(int image) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = entries_.find(image);
-  num_bytes_ -= found->second.num_bytes;
-  images_.erase(found->second.position);
-  entries_.erase(found);
+  num_bytes_ -= entries_.Find(image)->num_bytes;
+  entries_.Erase(image);
 }
 
 }  // namespace tsar

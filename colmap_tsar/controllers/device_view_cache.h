@@ -3,14 +3,13 @@
 
 #pragma once
 
+#include "colmap_tsar/controllers/lru_map.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 
 #include <cstddef>
 #include <future>
-#include <list>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
 
 namespace tsar {
 
@@ -43,7 +42,6 @@ class DeviceViewCache {
     View view;  // Null while it is being uploaded.
     std::shared_future<View> upload;
     size_t num_bytes = 0;
-    std::list<int>::iterator position;
   };
 
   // With the mutex locked: drops views that nobody uses until num_bytes more
@@ -55,8 +53,7 @@ class DeviceViewCache {
 
   const size_t max_num_bytes_;
   mutable std::mutex mutex_;
-  std::unordered_map<int, Entry> entries_;
-  std::list<int> images_;  // The latest used first.
+  LruMap<int, Entry> entries_;
   size_t num_bytes_ = 0;
 };
 
