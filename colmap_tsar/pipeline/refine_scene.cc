@@ -13,9 +13,9 @@
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
+#include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/own_texture.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 #include "colmap_tsar/scene_planes/put_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/raster_texture.h"
@@ -174,7 +174,7 @@ LabeledView FlattenSurfaces(const ObservedView& view,
 }
 
 // The superpixel of each pixel once its borders are refined. Takes the trust
-// from measurements that spilled over them.
+// from measurements that an edge in front fattened.
 Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
                                   const LabeledView& labeled,
@@ -197,7 +197,7 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                                labeled.planes,
                                                options,
                                                device);
-  DistrustSpilled(refined.spilled.View(), trust->View(), device);
+  DistrustFattened(refined.fattened.View(), trust->View(), device);
   return refined.superpixels.ToHost();
 }
 
@@ -269,12 +269,12 @@ void MakeEvidence(const RefineOptions& options,
   MeasuredImage& measured = *result->measured;
   if (options.own_texture) {
     EvidenceInputs& inputs = measured.inputs;
-    inputs.own_texture =
-        ComputeOwnTexture(measured.gray,
-                          inputs.contrast,
-                          inputs.superpixels,
-                          inputs.num_superpixels,
-                          PatchRadius(measured.gray, measured.camera));
+    inputs.fattening_weight =
+        ComputeFatteningWeight(measured.gray,
+                               inputs.contrast,
+                               inputs.superpixels,
+                               inputs.num_superpixels,
+                               PatchRadius(measured.gray, measured.camera));
   }
   result->evidence =
       std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));

@@ -86,14 +86,14 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
   }
 }
 
-float OwnQuality(const Image<float>& own_texture,
-                 int x,
-                 int y,
-                 const EvidenceOptions& options) {
-  if (own_texture.Empty()) {
+float QualityAgainstFattening(const Image<float>& fattening_weight,
+                              int x,
+                              int y,
+                              const EvidenceOptions& options) {
+  if (fattening_weight.Empty()) {
     return 1.f;
   }
-  const float share = own_texture(x, y);
+  const float share = fattening_weight(x, y);
   return std::max(share * share, options.min_own_quality);
 }
 
@@ -113,7 +113,8 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
         observations(x, y) = {
             sample,
             (is_strong ? 1.f : options.quality_without_texture) *
-                OwnQuality(inputs.own_texture, x, y, options)};
+                QualityAgainstFattening(
+                    inputs.fattening_weight, x, y, options)};
         evidence->strong_depth(x, y) = is_strong ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);

@@ -18,7 +18,7 @@ struct EvidenceOptions {
   // and what one on weaker texture counts.
   float min_texture = 1.f;
   float quality_without_texture = 0.5f;
-  // Measurements count by the square of their share in own_texture, too, but
+  // Measurements count by the square of their fattening weight, too, but
   // by no less than this where the pattern is not the pixel's own.
   float min_own_quality = 0.02f;
   // What a pixel counts that was not measured, but lies in a region that has a
@@ -41,8 +41,8 @@ struct EvidenceInputs {
   Image<Plane> region_planes;            // Of each pixel; may be empty.
   Image<float> texture;
   Image<float> contrast;
-  Image<float> own_texture;  // May be empty: 1 everywhere.
-  Intrinsics intrinsics;     // Of the raster.
+  Image<float> fattening_weight;  // May be empty: 1 everywhere.
+  Intrinsics intrinsics;          // Of the raster.
   DepthResolution resolution;
 };
 

@@ -207,16 +207,16 @@ TEST_F(CudaTest, RefineBorders) {
                       planes,
                       {},
                       device);
-    DistrustSpilled(refined.spilled.View(), device_trust.View(), device);
+    DistrustFattened(refined.fattened.View(), device_trust.View(), device);
     StageResult result;
     result.Add("superpixels", kSameLabels, refined.superpixels);
-    result.Add("spilled", kSameLabels, refined.spilled);
+    result.Add("fattened", kSameLabels, refined.fattened);
     result.Add("trust", kSameLabels, device_trust);
     return result;
   };
   const StageResult on_cpu = run(*cpu_);
-  const std::vector<double>& spilled = on_cpu.Channels()[1].values;
-  EXPECT_NE(std::count(spilled.begin(), spilled.end(), 1.0), 0);
+  const std::vector<double>& fattened = on_cpu.Channels()[1].values;
+  EXPECT_NE(std::count(fattened.begin(), fattened.end(), 1.0), 0);
   EXPECT_EQ(FindDifferentBytes(on_cpu, run(*cuda_)), "");
 }
 

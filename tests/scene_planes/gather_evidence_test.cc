@@ -59,20 +59,20 @@ TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {
   EXPECT_EQ(ObservationsOf(evidence, 4).size(), 32u);
 }
 
-TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirOwnTexture) {
+TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirFatteningWeight) {
   const ViewEvidence without = Gather();
-  inputs_.own_texture = Image<float>(kWidth, kHeight, 1.f);
+  inputs_.fattening_weight = Image<float>(kWidth, kHeight, 1.f);
   EXPECT_EQ(Gather().mass, without.mass);
-  Fill(&inputs_.own_texture, 1, 0.6f);
-  Fill(&inputs_.own_texture, 2, 0.1f);
-  Fill(&inputs_.own_texture, 3, 0.f);
+  Fill(&inputs_.fattening_weight, 1, 0.6f);
+  Fill(&inputs_.fattening_weight, 2, 0.1f);
+  Fill(&inputs_.fattening_weight, 3, 0.f);
   // Together with weak texture.
-  Fill(&inputs_.own_texture, 4, 0.6f);
+  Fill(&inputs_.fattening_weight, 4, 0.6f);
   Fill(&inputs_.texture, 4, 0.9f);
-  Fill(&inputs_.own_texture, 5, 0.f);
+  Fill(&inputs_.fattening_weight, 5, 0.f);
   Fill(&inputs_.texture, 5, 0.9f);
   // Of no effect where nothing was measured.
-  Fill(&inputs_.own_texture, 6, 0.f);
+  Fill(&inputs_.fattening_weight, 6, 0.f);
   Fill(&inputs_.samples, 6, RayDepth{});
   DrawRegionPlane(6, plane_);
   const ViewEvidence evidence = Gather();
