@@ -90,7 +90,7 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   SceneOptions scene;
   scene.discovery.tolerance = tolerance;
   scene.discovery.min_gain = options.min_scene_plane;
-  scene.discovery.regular_directions = options.regular_directions;
+  scene.discovery.manhattan_frame = options.regular_directions;
   scene.support.tolerance = tolerance;
   scene.labels.tolerance = static_cast<float>(tolerance);
   scene.labels.cost_of_none = static_cast<float>(options.cost_of_none);

@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/planes/fit_plane.h"
 #include "colmap_tsar/scene_planes/lazy_greedy_selection.h"
+#include "colmap_tsar/scene_planes/manhattan_frame.h"
 #include "colmap_tsar/scene_planes/merge_planes.h"
 #include "colmap_tsar/scene_planes/plane_ranking.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
-#include "colmap_tsar/scene_planes/regular_directions.h"
 #include "colmap_tsar/scene_planes/superpixel_observations.h"
 #include "colmap_tsar/scene_planes/superpixel_plane_fitter.h"
 
@@ -47,7 +47,7 @@ class Discovery {
     do {
       FitToAssigned();
     } while (DropAndMergePlanes(fitter_, options_.min_gain, &planes_));
-    if (options_.regular_directions) {
+    if (options_.manhattan_frame) {
       AlignPlanes();
     }
     return std::move(planes_);
@@ -152,7 +152,7 @@ class Discovery {
                               kMaxAlignmentLoss * measured[p].support);
     };
     const std::vector<WorldPlane> regular =
-        MakeRegular(measured, fitter_.LossScale(), is_acceptable);
+        AlignToManhattanFrame(measured, fitter_.LossScale(), is_acceptable);
     planes_ = fitter_.Score(regular);
   }
 

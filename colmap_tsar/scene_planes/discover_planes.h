@@ -31,7 +31,7 @@ struct DiscoverPlanesOptions {
   int max_planes = 40;
   // Whether planes become exactly parallel or orthogonal to each other where
   // that agrees with the observations.
-  bool regular_directions = true;
+  bool manhattan_frame = true;
   // How many scores of a candidate for a superpixel are held at a time, in four
   // bytes each.
   size_t max_scores = size_t{1} << 25;
@@ -62,8 +62,8 @@ struct DiscoveredPlanes {
 // rounds in which each plane is fitted to the superpixels it serves, in all
 // views at once, and in which planes are dropped or merged that are not worth
 // min_gain. Then leaving out any plane would cost at least min_gain. At last
-// planes are made regular (MakeRegular) that lose little by that, and each
-// superpixel is served by the plane with the highest score.
+// planes are made regular (AlignToManhattanFrame) that lose little by that, and
+// each superpixel is served by the plane with the highest score.
 //
 // Where candidates times superpixels are more than max_scores, the last of the
 // candidates are left out: list the likely ones first.

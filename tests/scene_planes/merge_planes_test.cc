@@ -115,7 +115,7 @@ class LeaningBoardTest : public DiscoverPlanesTest {
   }
 
   WorldPlane FindBoard(const DrawnRoom& room, bool regular) {
-    options_.regular_directions = regular;
+    options_.manhattan_frame = regular;
     const DiscoveredPlanes found = Discover(room);
     EXPECT_EQ(found.planes.size(), 4u);
     for (const ScenePlane& plane : found.planes) {
