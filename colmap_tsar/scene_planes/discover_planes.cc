@@ -65,20 +65,20 @@ class Discovery {
       planes_.push_back(ImproveByFits(
           {candidates[choice.candidate], selection.Scores(choice.candidate)},
           best));
-      for (const int k : planes_.back().customers) {
+      for (const int k : planes_.back().superpixels) {
         best[k] = std::max(best[k], planes_.back().scores[k]);
       }
     }
   }
 
-  // Fits a plane to the customers that it would win.
+  // Fits a plane to the superpixels that it would win.
   ScoredPlane ImproveByFits(ScoredPlane plane,
                             const std::vector<float>& best) const {
     const auto best_of = [&](int k) { return best[k]; };
     double gain = Gain(plane, best_of);
     for (int i = 0; i < kNumFirstFits; ++i) {
       std::vector<int> won;
-      for (const int k : plane.customers) {
+      for (const int k : plane.superpixels) {
         if (plane.scores[k] > best[k]) {
           won.push_back(k);
         }
@@ -95,8 +95,8 @@ class Discovery {
     return plane;
   }
 
-  // Fits the planes to the customers that they serve and keeps what raises the
-  // sum of the best scores.
+  // Fits the planes to the superpixels that are assigned to them and keeps what
+  // raises the sum of the best scores.
   void FitToAssigned() {
     const int num_planes = static_cast<int>(planes_.size());
     bool improved = true;
@@ -181,7 +181,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 Device& device) {
   DiscoveredPlanes result;
   for (const ObservedView& view : views) {
-    result.serving.emplace_back(view.evidence->NumSuperpixels(), -1);
+    result.assignment.emplace_back(view.evidence->NumSuperpixels(), -1);
   }
   if (views.empty()) {
     return result;
@@ -217,10 +217,10 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
     result.planes.push_back(
         {ToWorld(planes[order[i]].plane, reference), supports[order[i]]});
   }
-  int customer = 0;
-  for (std::vector<int>& of_view : result.serving) {
+  int superpixel = 0;
+  for (std::vector<int>& of_view : result.assignment) {
     for (int& plane : of_view) {
-      const int found = rankings[customer++].planes[0];
+      const int found = rankings[superpixel++].planes[0];
       plane = found >= 0 ? places[found] : -1;
     }
   }

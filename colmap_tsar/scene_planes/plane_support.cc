@@ -38,7 +38,7 @@ Vec3f ToVec3f(const Eigen::Vector3d& vector) {
           static_cast<float>(vector.z())};
 }
 
-// Adds what one superpixel observed of the plane that serves it.
+// Adds what one superpixel observed of the plane that it is assigned to.
 void AddSuperpixel(const ObservedView& view,
                    size_t superpixel,
                    const WorldPlane& plane,
@@ -98,8 +98,8 @@ std::vector<PlaneObservations> CollectObservations(
     const PlaneSupportOptions& options) {
   std::vector<PlaneObservations> result(discovered.planes.size());
   for (size_t i = 0; i < views.size(); ++i) {
-    for (size_t s = 0; s < discovered.serving[i].size(); ++s) {
-      const int plane = discovered.serving[i][s];
+    for (size_t s = 0; s < discovered.assignment[i].size(); ++s) {
+      const int plane = discovered.assignment[i][s];
       if (plane >= 0) {
         const auto k = static_cast<size_t>(plane);
         AddSuperpixel(

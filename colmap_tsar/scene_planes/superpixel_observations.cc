@@ -32,9 +32,9 @@ SuperpixelObservations::SuperpixelObservations(
   }
 }
 
-DepthObservation SuperpixelObservations::At(int customer, int number) const {
-  const Entry& entry = entries_[customer];
-  const Frame& frame = frames_[views_[customer]];
+DepthObservation SuperpixelObservations::At(int superpixel, int number) const {
+  const Entry& entry = entries_[superpixel];
+  const Frame& frame = frames_[views_[superpixel]];
   const Observation& observed = entry.observations[number];
   const RayDepth& sample = observed.sample;
   DepthObservation observation;

@@ -32,9 +32,11 @@ class SuperpixelObservations {
     return frames_[view].center;
   }
 
-  int NumObservations(int customer) const { return entries_[customer].count; }
+  int NumObservations(int superpixel) const {
+    return entries_[superpixel].count;
+  }
   // The weights of a superpixel's observations add up to its mass.
-  DepthObservation At(int customer, int number) const;
+  DepthObservation At(int superpixel, int number) const;
 
   // Calls add(observation) for an evenly spaced sample of the observations of
   // some superpixels, and returns the size of the sample.

@@ -73,8 +73,8 @@ TEST_F(CudaTest, DiscoverPlanes) {
     }
     StageResult result;
     result.Add("planes", kSameLabels, numbers);
-    for (const std::vector<int>& of_view : found.serving) {
-      result.Add("serving", kSameLabels, of_view);
+    for (const std::vector<int>& of_view : found.assignment) {
+      result.Add("assignment", kSameLabels, of_view);
     }
     return result;
   };

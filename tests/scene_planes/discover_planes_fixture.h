@@ -76,14 +76,15 @@ inline void ExpectSurfaces(const DrawnRoom& room,
   }
 }
 
-// Every superpixel on one surface is served by that surface's plane.
-inline void ExpectServed(const DrawnRoom& room, const DiscoveredPlanes& found) {
-  ASSERT_EQ(found.serving.size(), room.seen.size());
+// Every superpixel on one surface is assigned to that surface's plane.
+inline void ExpectAssigned(const DrawnRoom& room,
+                           const DiscoveredPlanes& found) {
+  ASSERT_EQ(found.assignment.size(), room.seen.size());
   for (size_t view = 0; view < room.seen.size(); ++view) {
-    ASSERT_EQ(found.serving[view].size(), room.seen[view].size());
+    ASSERT_EQ(found.assignment[view].size(), room.seen[view].size());
     for (size_t k = 0; k < room.seen[view].size(); ++k) {
       if (room.seen[view][k] >= 0) {
-        EXPECT_EQ(found.serving[view][k],
+        EXPECT_EQ(found.assignment[view][k],
                   Find(room.surfaces[room.seen[view][k]], found.planes))
             << "view " << view << ", superpixel " << k;
       }
@@ -102,7 +103,7 @@ inline double SupportOf(int plane,
     const ViewEvidence& evidence = *views[view].evidence;
     const Camera& camera = views[view].camera;
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
-      if (found.serving[view][k] != plane) {
+      if (found.assignment[view][k] != plane) {
         continue;
       }
       double scores = 0.0;
@@ -137,7 +138,7 @@ inline void ExpectSameBits(const DiscoveredPlanes& a,
     EXPECT_EQ(a.planes[i].plane.offset, b.planes[i].plane.offset);
     EXPECT_EQ(a.planes[i].support, b.planes[i].support);
   }
-  EXPECT_EQ(a.serving, b.serving);
+  EXPECT_EQ(a.assignment, b.assignment);
 }
 
 }  // namespace tsar

@@ -18,7 +18,7 @@ TEST_F(DiscoverPlanesTest, FindsThePlanesOfARoomFromTiltedDuplicates) {
   ExpectSurfaces(room, Discover(room));
 }
 
-TEST_F(DiscoverPlanesTest, ServesEachSuperpixelByItsPlane) {
+TEST_F(DiscoverPlanesTest, AssignsEachSuperpixelToItsPlane) {
   const DrawnRoom room;
   int num_on_surface[3] = {};
   for (const std::vector<int>& of_view : room.seen) {
@@ -29,7 +29,7 @@ TEST_F(DiscoverPlanesTest, ServesEachSuperpixelByItsPlane) {
     }
   }
   ASSERT_GT(*std::min_element(num_on_surface, num_on_surface + 3), 30);
-  ExpectServed(room, Discover(room));
+  ExpectAssigned(room, Discover(room));
 }
 
 TEST_F(DiscoverPlanesTest, SupportIsTheSumOfTheScores) {
@@ -129,7 +129,7 @@ TEST_F(DiscoverPlanesTest, MakesNoPlanesOfNoise) {
   }
   const DiscoveredPlanes found = Discover(room, candidates);
   EXPECT_TRUE(found.planes.empty());
-  for (const std::vector<int>& of_view : found.serving) {
+  for (const std::vector<int>& of_view : found.assignment) {
     EXPECT_EQ(of_view, std::vector<int>(DrawnRoom::kNumSuperpixels, -1));
   }
 }
@@ -157,7 +157,7 @@ TEST_F(DiscoverPlanesTest, DoesNotDependOnTheScale) {
   }
   const DiscoveredPlanes found = Discover(room, candidates);
   ExpectSurfaces(room, found, 1000.0);
-  EXPECT_EQ(found.serving, small.serving);
+  EXPECT_EQ(found.assignment, small.assignment);
 }
 
 TEST_F(DiscoverPlanesTest, DoesNotDependOnTheOrigin) {
@@ -178,7 +178,7 @@ TEST_F(DiscoverPlanesTest, DoesNotDependOnTheOrigin) {
                 near.planes[i].plane.Height(point),
                 1e-5);
   }
-  EXPECT_EQ(found.serving, near.serving);
+  EXPECT_EQ(found.assignment, near.assignment);
 }
 
 TEST_F(DiscoverPlanesTest, FindsTheSamePlanesWithTheViewsInAnotherOrder) {
@@ -240,8 +240,8 @@ TEST_F(DiscoverPlanesTest, FindsNothingInNothing) {
 
   const DiscoveredPlanes without_candidates = Discover(room, {});
   EXPECT_TRUE(without_candidates.planes.empty());
-  ASSERT_EQ(without_candidates.serving.size(), 3u);
-  EXPECT_EQ(without_candidates.serving[1],
+  ASSERT_EQ(without_candidates.assignment.size(), 3u);
+  EXPECT_EQ(without_candidates.assignment[1],
             std::vector<int>(DrawnRoom::kNumSuperpixels, -1));
 
   for (ViewEvidence& evidence : room.evidence) {
@@ -250,12 +250,12 @@ TEST_F(DiscoverPlanesTest, FindsNothingInNothing) {
   }
   const DiscoveredPlanes without_observations = Discover(room, candidates);
   EXPECT_TRUE(without_observations.planes.empty());
-  EXPECT_EQ(without_observations.serving, without_candidates.serving);
+  EXPECT_EQ(without_observations.assignment, without_candidates.assignment);
 
   room.evidence.assign(3, ViewEvidence());
   const DiscoveredPlanes without_superpixels = Discover(room, candidates);
   EXPECT_TRUE(without_superpixels.planes.empty());
-  EXPECT_EQ(without_superpixels.serving, std::vector<std::vector<int>>(3));
+  EXPECT_EQ(without_superpixels.assignment, std::vector<std::vector<int>>(3));
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ class LabelViewTest : public testing::Test {
     num_witnesses_ = 1;
   }
 
-  // Each superpixel is served by the first plane that explains its first
+  // Each superpixel is assigned to the first plane that explains its first
   // observation.
   LabeledView Label(const std::vector<Plane>& planes) const {
     const ViewEvidence evidence = GatherEvidence(inputs_, {});
@@ -96,19 +96,19 @@ class LabelViewTest : public testing::Test {
       discovered.planes.push_back({ToWorldPlane(plane, camera_), 1.0});
     }
     std::vector<ObservedView> views = {{&evidence, camera_}};
-    discovered.serving.emplace_back();
+    discovered.assignment.emplace_back();
     for (int s = 0; s < evidence.NumSuperpixels(); ++s) {
-      int serving = -1;
+      int assignment = -1;
       if (evidence.first_observation[s] < evidence.first_observation[s + 1]) {
         const RayDepth& sample =
             evidence.observations[evidence.first_observation[s]].sample;
         for (size_t k = planes.size(); k-- > 0;) {
           if (RelativeDistance(planes[k], sample) < 1e-3f) {
-            serving = static_cast<int>(k);
+            assignment = static_cast<int>(k);
           }
         }
       }
-      discovered.serving[0].push_back(serving);
+      discovered.assignment[0].push_back(assignment);
     }
     for (int i = 0; i < num_witnesses_; ++i) {
       Camera camera = camera_;
@@ -116,7 +116,7 @@ class LabelViewTest : public testing::Test {
       camera.rotation = witness_turn_ * camera.rotation;
       camera.translation = witness_turn_ * camera.translation;
       views.push_back({&witness_, camera});
-      discovered.serving.emplace_back();
+      discovered.assignment.emplace_back();
     }
     // Several observations to each cell, as in rasters of usual size.
     PlaneSupportOptions support_options;

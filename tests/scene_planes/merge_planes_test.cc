@@ -18,7 +18,7 @@ TEST_F(DiscoverPlanesTest, KeepsAPosterApartFromItsWall) {
   ASSERT_GT(std::count(room.seen[0].begin(), room.seen[0].end(), kPoster), 5);
   const DiscoveredPlanes found = Discover(room);
   ExpectSurfaces(room, found);
-  ExpectServed(room, found);
+  ExpectAssigned(room, found);
 }
 
 TEST_F(DiscoverPlanesTest, LeavesOutPlanesThatAreNotWorthTheirCost) {

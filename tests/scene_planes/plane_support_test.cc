@@ -28,7 +28,7 @@ class PlaneSupportTest : public testing::Test {
     evidence_.resolution.error_per_depth = kErrorPerDepth;
     evidence_.first_observation.push_back(0);
     LookFrom(Camera());
-    discovered_.serving.resize(1);
+    discovered_.assignment.resize(1);
   }
 
   void LookFrom(const Camera& camera) {
@@ -49,7 +49,7 @@ class PlaneSupportTest : public testing::Test {
     evidence_.first_observation.push_back(
         static_cast<int>(evidence_.observations.size()));
     evidence_.mass.push_back(mass);
-    discovered_.serving[0].push_back(0);
+    discovered_.assignment[0].push_back(0);
   }
 
   // Four superpixels of one observation around the optical axis.
@@ -234,7 +234,7 @@ TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
   for (const DrawnSurface& surface : room.surfaces) {
     discovered.planes.push_back({surface.plane, 1.0});
   }
-  discovered.serving = room.seen;
+  discovered.assignment = room.seen;
   const PlaneSupport support =
       FindPlaneSupport(room.Views(), discovered, options_);
   ASSERT_EQ(support.frames.size(), 3u);
@@ -259,7 +259,7 @@ TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
     EXPECT_GT(support.first_cell[k + 1], support.first_cell[k] + 50);
   }
   // More views know the planes better.
-  discovered.serving.resize(1);
+  discovered.assignment.resize(1);
   const PlaneSupport of_one =
       FindPlaneSupport({room.Views()[0]}, discovered, options_);
   for (size_t k = 0; k < 3; ++k) {
@@ -268,10 +268,10 @@ TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
   }
 }
 
-TEST_F(PlaneSupportTest, LeavesOutWhatIsServedByNoPlane) {
+TEST_F(PlaneSupportTest, LeavesOutWhatIsAssignedToNoPlane) {
   AddCorners(2.f, 1.f);
   AddSuperpixel({{5.f, 5.f}, {5.f, 5.f}});
-  discovered_.serving[0].back() = -1;
+  discovered_.assignment[0].back() = -1;
   const PlaneSupport support = Find();
   EXPECT_LT(Norm(support.frames[0].center - Vec3f{0.f, 0.f, kDepth}), 1e-5f);
   EXPECT_NEAR(support.cell_sizes[0], 4.f / 64.f, 1e-4f);
