@@ -127,14 +127,14 @@ class CurvedSurfacesTest : public testing::Test {
   CurvedView Find() const {
     const ViewEvidence evidence = GatherEvidence(inputs_, {});
     std::vector<ObservedView> views = {{&evidence, camera_}};
-    ViewEvidence witness;
-    if (witness_depth_ > 0.f) {
-      witness.resolution.error_per_depth = inputs_.resolution.error_per_depth;
-      witness.width = kWidth;
-      witness.height = kHeight;
-      witness.first_observation = {0};
-      witness.strong_depth = Image<float>(kWidth, kHeight, witness_depth_);
-      views.push_back({&witness, camera_});
+    ViewEvidence source;
+    if (source_depth_ > 0.f) {
+      source.resolution.error_per_depth = inputs_.resolution.error_per_depth;
+      source.width = kWidth;
+      source.height = kHeight;
+      source.first_observation = {0};
+      source.strong_depth = Image<float>(kWidth, kHeight, source_depth_);
+      views.push_back({&source, camera_});
     }
     return FindCurvedSurfaces(views, labeled_, options_);
   }
@@ -192,7 +192,7 @@ class CurvedSurfacesTest : public testing::Test {
   LabeledView labeled_;
   CurvedSurfaceOptions options_;
   // Of a second view at the same place, known everywhere; 0: there is none.
-  float witness_depth_ = 0.f;
+  float source_depth_ = 0.f;
 };
 
 }  // namespace tsar

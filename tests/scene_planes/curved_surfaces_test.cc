@@ -64,7 +64,7 @@ TEST_F(CurvedSurfacesTest, FillsWhatMeasurementsSurround) {
 TEST_F(CurvedSurfacesTest, DoesNotHideWhatOtherViewsSawThroughIt) {
   Measure([](const Vec3f& ray) { return Round(10.f, ray, false); });
   Clear(6, 4, 9, 7);
-  witness_depth_ = 6.f;
+  source_depth_ = 6.f;
   const int inside = 5 * kNumColumns + 7;
   // What was measured outweighs one view.
   const CurvedView view = Find();
@@ -78,7 +78,7 @@ TEST_F(CurvedSurfacesTest, OtherViewsCarryWhatTheySawToo) {
   const Shape shape = [](const Vec3f& ray) { return Round(40.f, ray, false); };
   Measure(shape);
   Clear(6, 4, 9, 7);
-  witness_depth_ = 4.f;
+  source_depth_ = 4.f;
   EXPECT_EQ(Find().evidence[5 * kNumColumns + 7], LabelEvidence::kCarried);
 }
 

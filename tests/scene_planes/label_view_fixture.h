@@ -73,18 +73,18 @@ class LabelViewTest : public testing::Test {
 
   // A second view, 1 to the right, of which this is known for certain. A point
   // at depth 3 lies 80 / 3 pixels further left in it.
-  void AddWitness(const std::function<float(int x, int y)>& strong_depth) {
-    witness_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
-    witness_.width = kWidth;
-    witness_.height = kHeight;
-    witness_.first_observation = {0};
-    witness_.strong_depth = Image<float>(kWidth, kHeight);
+  void AddSource(const std::function<float(int x, int y)>& strong_depth) {
+    source_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
+    source_.width = kWidth;
+    source_.height = kHeight;
+    source_.first_observation = {0};
+    source_.strong_depth = Image<float>(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        witness_.strong_depth(x, y) = strong_depth(x, y);
+        source_.strong_depth(x, y) = strong_depth(x, y);
       }
     }
-    num_witnesses_ = 1;
+    num_sources_ = 1;
   }
 
   // Each superpixel is assigned to the first plane that explains its first
@@ -110,12 +110,12 @@ class LabelViewTest : public testing::Test {
       }
       discovered.assignment[0].push_back(assignment);
     }
-    for (int i = 0; i < num_witnesses_; ++i) {
+    for (int i = 0; i < num_sources_; ++i) {
       Camera camera = camera_;
       camera.translation.x() -= 1.0;
-      camera.rotation = witness_turn_ * camera.rotation;
-      camera.translation = witness_turn_ * camera.translation;
-      views.push_back({&witness_, camera});
+      camera.rotation = source_turn_ * camera.rotation;
+      camera.translation = source_turn_ * camera.translation;
+      views.push_back({&source_, camera});
       discovered.assignment.emplace_back();
     }
     // Several observations to each cell, as in rasters of usual size.
@@ -149,9 +149,9 @@ class LabelViewTest : public testing::Test {
   std::unique_ptr<Device> device_ = Device::CreateCpu(1);
   Camera camera_;
   EvidenceInputs inputs_;
-  ViewEvidence witness_;
-  int num_witnesses_ = 0;  // All see the same.
-  Eigen::Matrix3d witness_turn_ = Eigen::Matrix3d::Identity();
+  ViewEvidence source_;
+  int num_sources_ = 0;  // All see the same.
+  Eigen::Matrix3d source_turn_ = Eigen::Matrix3d::Identity();
   LabelOptions options_;
 };
 

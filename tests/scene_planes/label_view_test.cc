@@ -208,7 +208,7 @@ TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
   options_.cost_of_none = 0.01f;
   Measure(WallAt(3.f), 0, 2);
   DrawEdgeLeftOf(6);
-  AddWitness([](int x, int) {
+  AddSource([](int x, int) {
     return x >= 4 && x < 13 ? 3.f : x >= 34 ? 6.f : 0.f;
   });
   const LabeledView expected = Label({WallAt(3.f)});
@@ -230,7 +230,7 @@ TEST_F(LabelViewTest, DoesNotDependOnTheThreads) {
   }
   Measure(WallAt(3.f), 0, 1);
   Measure(WallAt(5.f), 5, 6);
-  AddWitness([](int x, int y) { return x + y < 50 ? 3.f : 5.f; });
+  AddSource([](int x, int y) { return x + y < 50 ? 3.f : 5.f; });
   const std::vector<Plane> planes = {
       WallAt(3.f), WallAt(5.f), WallAt(4.f), WallAt(5.01f)};
   const LabeledView expected = Label(planes);

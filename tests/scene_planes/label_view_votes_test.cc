@@ -13,7 +13,7 @@ namespace {
 
 TEST_F(LabelViewTest, PlanesDoNotHideWhatOtherViewsSawThroughThem) {
   Measure(WallAt(3.f), 0, 2);
-  AddWitness([](int, int) { return 6.f; });
+  AddSource([](int, int) { return 6.f; });
   // The measured ones are contradicted too, but only by one view.
   const LabeledView view = Label({WallAt(3.f)});
   for (int s = 0; s < kNumSuperpixels; ++s) {
@@ -30,17 +30,17 @@ TEST_F(LabelViewTest, OnlyWhatLiesWellInFrontContradicts) {
   Measure(WallAt(3.f), 0, 2);
   // One pixel of disparity is 0.009 there.
   for (const float depth : {3.f + 1.3f * 0.009f, 2.5f, 0.f}) {
-    AddWitness([&](int, int) { return depth; });
+    AddSource([&](int, int) { return depth; });
     ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
   }
-  AddWitness([](int, int) { return 3.f + 2.f * 0.009f; });
+  AddSource([](int, int) { return 3.f + 2.f * 0.009f; });
   EXPECT_EQ(Label({WallAt(3.f)}).labels[5], -1);
 }
 
 TEST_F(LabelViewTest, ViewsThatLookAwaySayNothing) {
   Measure(WallAt(3.f), 0, 2);
-  AddWitness([](int, int) { return 6.f; });
-  witness_turn_.diagonal() << -1.0, 1.0, -1.0;
+  AddSource([](int, int) { return 6.f; });
+  source_turn_.diagonal() << -1.0, 1.0, -1.0;
   ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
@@ -50,7 +50,7 @@ TEST_F(LabelViewTest, OtherViewsConfirmPlanes) {
   Measure(WallAt(3.f), 0, 2);
   ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, -1, -1, -1, -1, -1});
   // Columns 5 and 6 of the reference.
-  AddWitness([](int x, int) { return x >= 24 && x < 43 ? 3.001f : 0.f; });
+  AddSource([](int x, int) { return x >= 24 && x < 43 ? 3.001f : 0.f; });
   const LabeledView view = Label({WallAt(3.f)});
   ExpectColumns(view, {0, 0, 0, -1, -1, 0, 0, -1});
   EXPECT_EQ(view.evidence[5], LabelEvidence::kCarried);
@@ -61,9 +61,9 @@ TEST_F(LabelViewTest, OtherViewsConfirmPlanes) {
 TEST_F(LabelViewTest, TwoViewsSayMoreThanOneButThreeDoNot) {
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
-  const auto label = [&](float depth, int num_witnesses) {
-    AddWitness([&](int x, int) { return x < 60 ? depth : 0.f; });
-    num_witnesses_ = num_witnesses;
+  const auto label = [&](float depth, int num_sources) {
+    AddSource([&](int x, int) { return x < 60 ? depth : 0.f; });
+    num_sources_ = num_sources;
     return Label({WallAt(5.f), WallAt(4.9f)}).labels[2 * kNumColumns + 3];
   };
   // Having no plane costs 0.6 here.
@@ -84,7 +84,7 @@ TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
   Measure(WallAt(3.f), 0, 2);
   DrawEdgeLeftOf(6);
   // Column 3 of the reference; 6 and 7 are seen through.
-  AddWitness([](int x, int) {
+  AddSource([](int x, int) {
     return x >= 4 && x < 13 ? 3.f : x >= 34 ? 6.f : 0.f;
   });
   const LabeledView view = Label({WallAt(3.f)});
