@@ -14,9 +14,9 @@ struct CurvedSurfaceOptions {
   // Costs, tolerance and what other views say, as for planes.
   LabelOptions labels;
   // Only what was measured tells of curvature, not pixels on the plane of a
-  // region: observations of lower quality.
-  float min_quality = 0.4f;
-  // Errors of neighbouring pixels are alike: so many pixels of full quality
+  // region: observations of lower confidence.
+  float min_confidence = 0.4f;
+  // Errors of neighbouring pixels are alike: so many pixels of full confidence
   // count as one observation, with a standard deviation of this share of the
   // tolerance.
   float pixels_per_observation = 250.f;

@@ -186,7 +186,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   if (views.empty()) {
     return result;
   }
-  const SuperpixelObservations observations(views, options.max_mass);
+  const SuperpixelObservations observations(views, options.max_weight);
   if (observations.Count() == 0) {
     return result;
   }

@@ -22,10 +22,10 @@ struct DiscoverPlanesOptions {
   // How far a depth may be off a plane to speak for it at all, in relative
   // depths of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
-  // A superpixel counts for this many pixels of full quality at most, so that
-  // the size of superpixels and of the raster decide little.
-  double max_mass = 40.0;
-  // What a plane must add to be worth having, in pixels of full quality that
+  // A superpixel counts for this many pixels of full confidence at most, so
+  // that the size of superpixels and of the raster decide little.
+  double max_weight = 40.0;
+  // What a plane must add to be worth having, in pixels of full confidence that
   // lie right on it.
   double min_gain = 100.0;
   int max_planes = 40;
@@ -54,9 +54,9 @@ struct DiscoveredPlanes {
 // measured, from many candidates in the world frame: facility location, where a
 // plane costs min_gain and is assigned superpixels. A plane's score for a
 // superpixel is the sum over its observations of 1 - (residual / tolerance)^2,
-// never below 0, times the qualities, scaled to a sum of the superpixel's mass
-// or max_mass, whichever is less. The residual is NormalizedResidual with one
-// pixel of disparity as the expected error.
+// never below 0, times the confidences, scaled to a sum of the superpixel's
+// weight or max_weight, whichever is less. The residual is NormalizedResidual
+// with one pixel of disparity as the expected error.
 //
 // Greedy choice of candidates, while one adds min_gain as it is, is followed by
 // rounds in which each plane is fitted to the superpixels assigned to it, in

@@ -17,13 +17,13 @@ struct EvidenceOptions {
   // Grey levels of standard deviation above which a measurement counts in full,
   // and what one on weaker texture counts.
   float min_texture = 1.f;
-  float quality_without_texture = 0.5f;
+  float confidence_without_texture = 0.5f;
   // Measurements count by the square of their fattening weight, too, but
   // by no less than this where the pattern is not the pixel's own.
-  float min_own_quality = 0.02f;
+  float min_own_confidence = 0.02f;
   // What a pixel counts that was not measured, but lies in a region that has a
   // plane.
-  float quality_of_region_plane = 0.3f;
+  float confidence_of_region_plane = 0.3f;
   int max_observations_per_superpixel = 32;
   // The weight of a pair of pixels across a border is
   // base + contrast exp(-edge / scale), edge in grey levels.

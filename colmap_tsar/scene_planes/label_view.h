@@ -14,8 +14,8 @@
 
 namespace tsar {
 
-// Costs are in pixels of full quality. Depth differences are in relative depths
-// of one pixel of disparity.
+// Costs are in pixels of full confidence. Depth differences are in relative
+// depths of one pixel of disparity.
 struct LabelOptions {
   // From this difference on, an observation speaks fully against a plane.
   float tolerance = 1.f;

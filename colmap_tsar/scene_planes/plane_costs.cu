@@ -40,9 +40,9 @@ struct SuperpixelData {
   int num_observations = 0;
   int first_pixel = 0;
   int num_pixels = 0;
-  float mass = 0.f;
-  // Quality of the observations together.
-  float quality = 0.f;
+  float weight = 0.f;
+  // Confidence of the observations together.
+  float confidence = 0.f;
   // The middle of the pixels.
   Vec3f ray;
 };
@@ -80,7 +80,7 @@ struct CostKernel {
     AddObservations(superpixel, plane.plane, &result);
     AddOtherViews(superpixel, plane.plane, &result);
     const float unobserved =
-        fmaxf(superpixel.num_pixels - superpixel.mass, 0.f);
+        fmaxf(superpixel.num_pixels - superpixel.weight, 0.f);
     result.cost +=
         options.cost_of_doubt * unobserved * Doubt(superpixel.ray, plane);
     costs(k, s) = result;
@@ -107,12 +107,12 @@ struct CostKernel {
             (sample.z * resolution.RelativeDepthError(sample.z));
         share = fminf(residual / options.tolerance, 1.f);
       }
-      cost += observation.quality * share * share;
-      explained += share < 1.f ? observation.quality : 0.f;
+      cost += observation.confidence * share * share;
+      explained += share < 1.f ? observation.confidence : 0.f;
     }
-    if (superpixel.quality > 0.f) {
-      result->cost += cost * superpixel.mass / superpixel.quality;
-      result->explained = explained / superpixel.quality;
+    if (superpixel.confidence > 0.f) {
+      result->cost += cost * superpixel.weight / superpixel.confidence;
+      result->explained = explained / superpixel.confidence;
     }
   }
 
@@ -210,18 +210,18 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
                                                const std::vector<int>& begin,
                                                const std::vector<int>& pixels) {
   std::vector<SuperpixelData> superpixels;
-  for (size_t s = 0; s < evidence.mass.size(); ++s) {
+  for (size_t s = 0; s < evidence.weights.size(); ++s) {
     SuperpixelData data;
     data.first_observation = evidence.first_observation[s];
     data.num_observations =
         evidence.first_observation[s + 1] - data.first_observation;
     data.first_pixel = begin[s];
     data.num_pixels = begin[s + 1] - begin[s];
-    data.mass = evidence.mass[s];
+    data.weights = evidence.weights[s];
     for (int i = 0; i < data.num_observations; ++i) {
-      data.quality +=
+      data.confidence +=
           evidence.observations[static_cast<size_t>(data.first_observation + i)]
-              .quality;
+              .confidence;
     }
     double x = 0.0;
     double y = 0.0;
@@ -274,14 +274,14 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
       device,
       MakeSuperpixelData(
           evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
-  std::vector<DeviceImage<float>> strong_depths;
+  std::vector<DeviceImage<float>> confident_depths;
   std::vector<SourceDepths> sources;
   for (size_t j = 1; j < views.size(); ++j) {
-    strong_depths.emplace_back(device, views[j].evidence->strong_depth);
+    confident_depths.emplace_back(device, views[j].evidence->confident_depth);
     sources.push_back({views[j].camera.GetIntrinsics(),
                        ComputeRelativePose(views[0].camera, views[j].camera),
                        views[j].evidence->resolution,
-                       std::as_const(strong_depths.back()).View()});
+                       std::as_const(confident_depths.back()).View()});
   }
   const Buffer<SourceDepths> device_sources(device, sources);
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
@@ -313,9 +313,9 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
   return costs.ToHost();
 }
 
-float CostOfNone(float mass, float num_pixels, const LabelOptions& options) {
-  return options.cost_of_unexplained * mass +
-         options.cost_of_none * std::max(num_pixels - mass, 0.f);
+float CostOfNone(float weight, float num_pixels, const LabelOptions& options) {
+  return options.cost_of_unexplained * weight +
+         options.cost_of_none * std::max(num_pixels - weight, 0.f);
 }
 
 }  // namespace tsar

@@ -32,7 +32,7 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                                    const LabelOptions& options,
                                    Device& device);
 
-// What a superpixel costs that has no plane. mass: see ViewEvidence.
-float CostOfNone(float mass, float num_pixels, const LabelOptions& options);
+// What a superpixel costs that has no plane. weight: see ViewEvidence.
+float CostOfNone(float weight, float num_pixels, const LabelOptions& options);
 
 }  // namespace tsar

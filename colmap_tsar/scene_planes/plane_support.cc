@@ -54,7 +54,7 @@ void AddSuperpixel(const ObservedView& view,
   mean.center = center;
   mean.ray.setZero();
   mean.depth = 0.0;
-  double quality = 0.0;
+  double confidence = 0.0;
   int num_measured = 0;
   for (int i = begin; i < end; ++i) {
     const Observation& observation =
@@ -69,9 +69,9 @@ void AddSuperpixel(const ObservedView& view,
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
-    if (observation.quality >= options.min_measured_quality) {
+    if (observation.confidence >= options.min_measured_confidence) {
       ++num_measured;
-      quality += observation.quality;
+      confidence += observation.confidence;
       mean.ray += depth.ray;
       mean.depth += depth.depth;
     }
@@ -85,10 +85,11 @@ void AddSuperpixel(const ObservedView& view,
                resolution.RelativeDepthError(static_cast<float>(mean.depth));
   double total = 0.0;
   for (int i = begin; i < end; ++i) {
-    total += evidence.observations[static_cast<size_t>(i)].quality;
+    total += evidence.observations[static_cast<size_t>(i)].confidence;
   }
   mean.weight = std::min(
-      1.0, evidence.mass[superpixel] * quality / total / options.full_mass);
+      1.0,
+      evidence.weights[superpixel] * confidence / total / options.full_weight);
   result->superpixels.push_back(mean);
 }
 

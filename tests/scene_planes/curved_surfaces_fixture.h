@@ -133,7 +133,7 @@ class CurvedSurfacesTest : public testing::Test {
       source.width = kWidth;
       source.height = kHeight;
       source.first_observation = {0};
-      source.strong_depth = Image<float>(kWidth, kHeight, source_depth_);
+      source.confident_depth = Image<float>(kWidth, kHeight, source_depth_);
       views.push_back({&source, camera_});
     }
     return FindCurvedSurfaces(views, labeled_, options_);

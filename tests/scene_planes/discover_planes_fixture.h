@@ -92,12 +92,12 @@ inline void ExpectAssigned(const DrawnRoom& room,
   }
 }
 
-// What a found plane's support is by the header, where each mass is above the
+// What a found plane's support is by the header, where each weight is above the
 // maximum.
 inline double SupportOf(int plane,
                         const DiscoveredPlanes& found,
                         const std::vector<ObservedView>& views,
-                        double max_mass) {
+                        double max_weight) {
   double support = 0.0;
   for (size_t view = 0; view < views.size(); ++view) {
     const ViewEvidence& evidence = *views[view].evidence;
@@ -107,11 +107,11 @@ inline double SupportOf(int plane,
         continue;
       }
       double scores = 0.0;
-      double qualities = 0.0;
+      double confidences = 0.0;
       for (int i = evidence.first_observation[k];
            i < evidence.first_observation[k + 1];
            ++i) {
-        const auto& [sample, quality] = evidence.observations[i];
+        const auto& [sample, confidence] = evidence.observations[i];
         DepthObservation observation;
         observation.center = camera.Center();
         observation.ray = camera.rotation.transpose() *
@@ -121,10 +121,10 @@ inline double SupportOf(int plane,
             sample.z * evidence.resolution.RelativeDepthError(sample.z);
         const double residual =
             NormalizedResidual(found.planes[plane].plane, observation);
-        scores += quality * std::max(1.0 - residual * residual, 0.0);
-        qualities += quality;
+        scores += confidence * std::max(1.0 - residual * residual, 0.0);
+        confidences += confidence;
       }
-      support += max_mass * scores / qualities;
+      support += max_weight * scores / confidences;
     }
   }
   return support;

@@ -37,7 +37,8 @@ TEST_F(DiscoverPlanesTest, SupportIsTheSumOfTheScores) {
   const DiscoveredPlanes found = Discover(room);
   ASSERT_EQ(found.planes.size(), 3u);
   for (int i = 0; i < 3; ++i) {
-    const double support = SupportOf(i, found, room.Views(), options_.max_mass);
+    const double support =
+        SupportOf(i, found, room.Views(), options_.max_weight);
     EXPECT_NEAR(found.planes[i].support, support, 1e-4 * support);
   }
 }
@@ -48,7 +49,7 @@ TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
   constexpr int kNumSuperpixels = 20;
   ViewEvidence evidence;
   evidence.resolution.error_per_depth = DrawnRoom::kErrorPerDepth;
-  evidence.mass.assign(kNumSuperpixels, 100.f);
+  evidence.weights.assign(kNumSuperpixels, 100.f);
   evidence.first_observation.push_back(0);
   Philox random(5, 0, 0);
   for (int k = 0; k < kNumSuperpixels; ++k) {
@@ -67,7 +68,7 @@ TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
       DiscoverPlanes(views, {floor}, options_, *device_);
   ASSERT_EQ(found.planes.size(), 1u);
   EXPECT_LT(AngleBetween(found.planes[0].plane, floor), 0.1);
-  const double support = SupportOf(0, found, views, options_.max_mass);
+  const double support = SupportOf(0, found, views, options_.max_weight);
   EXPECT_NEAR(found.planes[0].support, support, 1e-4 * support);
 }
 
@@ -134,15 +135,15 @@ TEST_F(DiscoverPlanesTest, MakesNoPlanesOfNoise) {
   }
 }
 
-TEST_F(DiscoverPlanesTest, CountsASuperpixelByItsMassUpToTheMaximum) {
+TEST_F(DiscoverPlanesTest, CountsASuperpixelByItsWeightUpToTheMaximum) {
   DrawnRoom room;
   const double full = Discover(room).planes[0].support;
   for (ViewEvidence& evidence : room.evidence) {
-    evidence.mass.assign(evidence.mass.size(), 1e4f);
+    evidence.weights.assign(evidence.weights.size(), 1e4f);
   }
   EXPECT_DOUBLE_EQ(Discover(room).planes[0].support, full);
   for (ViewEvidence& evidence : room.evidence) {
-    evidence.mass.assign(evidence.mass.size(), 20.f);
+    evidence.weights.assign(evidence.weights.size(), 20.f);
   }
   EXPECT_NEAR(Discover(room).planes[0].support, 0.5 * full, 1e-3 * full);
 }

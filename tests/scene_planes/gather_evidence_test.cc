@@ -40,20 +40,20 @@ TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {
   Fill(&inputs_.samples, 2, RayDepth{});
   Fill(&inputs_.samples, 3, RayDepth{});
   const ViewEvidence evidence = Gather();
-  const float qualities[] = {1.f, 0.5f, 0.3f};
+  const float confidences[] = {1.f, 0.5f, 0.3f};
   for (int k = 0; k < 3; ++k) {
-    EXPECT_NEAR(evidence.mass[k], kNumPixels * qualities[k], 1e-3f);
+    EXPECT_NEAR(evidence.weights[k], kNumPixels * confidences[k], 1e-3f);
     const std::vector<Observation> observations = ObservationsOf(evidence, k);
     EXPECT_EQ(observations.size(), 32u);
     for (const Observation& observation : observations) {
-      EXPECT_EQ(observation.quality, qualities[k]);
+      EXPECT_EQ(observation.confidence, confidences[k]);
       EXPECT_NEAR(
           RelativeDistance(k == 2 ? region : plane_, observation.sample),
           0.f,
           1e-6f);
     }
   }
-  EXPECT_EQ(evidence.mass[3], 0.f);
+  EXPECT_EQ(evidence.weights[3], 0.f);
   EXPECT_TRUE(ObservationsOf(evidence, 3).empty());
   // After one without observations the next still has its own.
   EXPECT_EQ(ObservationsOf(evidence, 4).size(), 32u);
@@ -62,7 +62,7 @@ TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {
 TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirFatteningWeight) {
   const ViewEvidence without = Gather();
   inputs_.fattening_weight = Image<float>(kWidth, kHeight, 1.f);
-  EXPECT_EQ(Gather().mass, without.mass);
+  EXPECT_EQ(Gather().weights, without.weights);
   Fill(&inputs_.fattening_weight, 1, 0.6f);
   Fill(&inputs_.fattening_weight, 2, 0.1f);
   Fill(&inputs_.fattening_weight, 3, 0.f);
@@ -76,18 +76,18 @@ TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirFatteningWeight) {
   Fill(&inputs_.samples, 6, RayDepth{});
   DrawRegionPlane(6, plane_);
   const ViewEvidence evidence = Gather();
-  const float qualities[] = {1.f, 0.36f, 0.02f, 0.02f, 0.18f, 0.01f, 0.3f};
+  const float confidences[] = {1.f, 0.36f, 0.02f, 0.02f, 0.18f, 0.01f, 0.3f};
   for (int k = 0; k < 7; ++k) {
-    EXPECT_NEAR(evidence.mass[k], kNumPixels * qualities[k], 1e-3f);
+    EXPECT_NEAR(evidence.weights[k], kNumPixels * confidences[k], 1e-3f);
     for (const Observation& observation : ObservationsOf(evidence, k)) {
-      EXPECT_NEAR(observation.quality, qualities[k], 1e-6f);
+      EXPECT_NEAR(observation.confidence, confidences[k], 1e-6f);
     }
     EXPECT_EQ(ObservationsOf(evidence, k).size(), 32u);
   }
   EvidenceOptions options;
-  options.min_own_quality = 0.5f;
+  options.min_own_confidence = 0.5f;
   EXPECT_NEAR(
-      GatherEvidence(inputs_, options).mass[1], kNumPixels * 0.5f, 1e-3f);
+      GatherEvidence(inputs_, options).weights[1], kNumPixels * 0.5f, 1e-3f);
 }
 
 TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
@@ -129,7 +129,7 @@ TEST_F(GatherEvidenceTest, ObservesRegionPlanesOnlyBeforeTheCamera) {
   const Plane plane{Normalized({-1.f, 0.f, x}), 1.f};
   DrawRegionPlane(0, plane);
   const ViewEvidence evidence = Gather();
-  EXPECT_NEAR(evidence.mass[0], 0.3f * kNumPixels / 2, 1e-3f);
+  EXPECT_NEAR(evidence.weights[0], 0.3f * kNumPixels / 2, 1e-3f);
   for (const Observation& observation : ObservationsOf(evidence, 0)) {
     EXPECT_GT(observation.sample.x, x);
   }
@@ -205,18 +205,18 @@ TEST_F(GatherEvidenceTest, SmallRegionPlanesAreNoObservations) {
   Fill(&inputs_.samples, 0, RayDepth{});
   inputs_.region_planes = Image<Plane>(kWidth, kHeight);
   inputs_.region_planes(3, 3) = plane_;
-  EXPECT_EQ(Gather().mass[0], 0.f);
+  EXPECT_EQ(Gather().weights[0], 0.f);
 }
 
-TEST_F(GatherEvidenceTest, OnlyTexturedDepthsAreStrong) {
+TEST_F(GatherEvidenceTest, OnlyTexturedDepthsAreConfident) {
   Fill(&inputs_.texture, 1, 0.9f);
   Fill(&inputs_.samples, 2, RayDepth{});
   DrawRegionPlane(2, plane_);
   const ViewEvidence evidence = Gather();
-  for (size_t i = 0; i < evidence.strong_depth.NumPixels(); ++i) {
+  for (size_t i = 0; i < evidence.confident_depth.NumPixels(); ++i) {
     const int superpixel = inputs_.superpixels.Data()[i];
     EXPECT_EQ(
-        evidence.strong_depth.Data()[i],
+        evidence.confident_depth.Data()[i],
         superpixel == 1 || superpixel == 2 ? 0.f : inputs_.samples.Data()[i].z);
   }
 }
@@ -225,9 +225,9 @@ TEST_F(GatherEvidenceTest, TakesDepthsThatAreNotFiniteForNone) {
   for (const float depth : {kNan, kInfinity, -1.f}) {
     Fill(&inputs_.samples, 0, RayDepth{0.f, 0.f, depth});
     const ViewEvidence evidence = Gather();
-    EXPECT_EQ(evidence.mass[0], 0.f);
+    EXPECT_EQ(evidence.weights[0], 0.f);
     EXPECT_TRUE(ObservationsOf(evidence, 0).empty());
-    EXPECT_EQ(evidence.strong_depth(3, 3), 0.f);
+    EXPECT_EQ(evidence.confident_depth(3, 3), 0.f);
     EXPECT_NEAR(evidence.noise, 0.f, 1e-3f);
   }
 }
@@ -239,8 +239,8 @@ TEST_F(GatherEvidenceTest, PlanesThatAreNotFiniteAreNone) {
   Fill(&inputs_.samples, 1, RayDepth{});
   inputs_.superpixel_planes[2] = Plane{{0.f, 0.f, -1.f}, kNan};
   const ViewEvidence evidence = Gather();
-  EXPECT_EQ(evidence.mass[0], 0.f);
-  EXPECT_EQ(evidence.mass[1], 0.f);
+  EXPECT_EQ(evidence.weights[0], 0.f);
+  EXPECT_EQ(evidence.weights[1], 0.f);
   EXPECT_NEAR(evidence.noise, 0.f, 1e-3f);
 }
 
@@ -264,7 +264,7 @@ TEST_F(GatherEvidenceTest, TakesOneSuperpixelAndNone) {
   inputs_.superpixel_planes.resize(1);
   const ViewEvidence evidence = Gather();
   EXPECT_TRUE(evidence.borders.empty());
-  EXPECT_EQ(evidence.mass[0], kWidth * kHeight);
+  EXPECT_EQ(evidence.weights[0], kWidth * kHeight);
   EXPECT_EQ(evidence.observations.size(), 32u);
 
   const ViewEvidence empty = GatherEvidence({}, options_);

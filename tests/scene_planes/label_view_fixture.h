@@ -73,15 +73,15 @@ class LabelViewTest : public testing::Test {
 
   // A second view, 1 to the right, of which this is known for certain. A point
   // at depth 3 lies 80 / 3 pixels further left in it.
-  void AddSource(const std::function<float(int x, int y)>& strong_depth) {
+  void AddSource(const std::function<float(int x, int y)>& confident_depth) {
     source_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
     source_.width = kWidth;
     source_.height = kHeight;
     source_.first_observation = {0};
-    source_.strong_depth = Image<float>(kWidth, kHeight);
+    source_.confident_depth = Image<float>(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        source_.strong_depth(x, y) = strong_depth(x, y);
+        source_.confident_depth(x, y) = confident_depth(x, y);
       }
     }
     num_sources_ = 1;
