@@ -46,7 +46,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
     }
     const auto i = static_cast<size_t>(s);
     graph.unary.push_back(
-        CostOfNone(evidence.weights[i], num_pixels[i], options));
+        UnlabelledCost(evidence.weights[i], num_pixels[i], options));
   }
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});

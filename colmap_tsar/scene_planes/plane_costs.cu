@@ -81,8 +81,8 @@ struct CostKernel {
     AddOtherViews(superpixel, plane.plane, &result);
     const float unobserved =
         fmaxf(superpixel.num_pixels - superpixel.weight, 0.f);
-    result.cost +=
-        options.cost_of_doubt * unobserved * Doubt(superpixel.ray, plane);
+    result.cost += options.uncertainty_cost * unobserved *
+                   Uncertainty(superpixel.ray, plane);
     costs(k, s) = result;
   }
 
@@ -149,7 +149,7 @@ struct CostKernel {
   }
 
   // How little is known about the plane's depth there, from 0 to 1.
-  TSAR_HD float Doubt(const Vec3f& ray, const PlaneData& plane) const {
+  TSAR_HD float Uncertainty(const Vec3f& ray, const PlaneData& plane) const {
     const float depth = plane.plane.Depth(ray);
     if (!IsPossible(depth)) {
       return 1.f;
@@ -159,8 +159,9 @@ struct CostKernel {
     const float sigma = plane.frame.Sigma(point) / slope /
                         (depth * resolution.RelativeDepthError(depth));
     const float share = fminf(sigma / options.max_sigma, 1.f);
-    return fmaxf(share * share,
-                 options.doubt_of_extrapolation * Extrapolation(point, plane));
+    return fmaxf(
+        share * share,
+        options.extrapolation_uncertainty * Extrapolation(point, plane));
   }
 
   // 0 where the plane was observed all around the point or next to it, 1 where
@@ -313,9 +314,11 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
   return costs.ToHost();
 }
 
-float CostOfNone(float weight, float num_pixels, const LabelOptions& options) {
+float UnlabelledCost(float weight,
+                     float num_pixels,
+                     const LabelOptions& options) {
   return options.cost_of_unexplained * weight +
-         options.cost_of_none * std::max(num_pixels - weight, 0.f);
+         options.unlabelled_cost * std::max(num_pixels - weight, 0.f);
 }
 
 }  // namespace tsar

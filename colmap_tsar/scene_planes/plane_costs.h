@@ -33,6 +33,8 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                                    Device& device);
 
 // What a superpixel costs that has no plane. weight: see ViewEvidence.
-float CostOfNone(float weight, float num_pixels, const LabelOptions& options);
+float UnlabelledCost(float weight,
+                     float num_pixels,
+                     const LabelOptions& options);
 
 }  // namespace tsar

@@ -90,7 +90,7 @@ void SurfaceCosts::SetPresentCost(int label, Superpixel* superpixel) const {
     superpixel->residual = labels.cost_of_unexplained;
     superpixel->cost =
         superpixel->weight * superpixel->residual +
-        labels.cost_of_none *
+        labels.unlabelled_cost *
             std::max(static_cast<float>(superpixel->pixels.size()) -
                          superpixel->weight,
                      0.f);

@@ -18,7 +18,7 @@ namespace tsar {
 namespace {
 
 TEST_F(LabelViewTest, SpreadsLabelsUpToAnEdgeOfTheImage) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   Measure(WallAt(5.f), 2, 4);
   const LabeledView all = Label({WallAt(5.f)});
   ExpectColumns(all, {0, 0, 0, 0, 0, 0, 0, 0});
@@ -55,7 +55,7 @@ TEST_F(LabelViewTest, ChangesAtAnEdgeWherePlanesAreApart) {
 }
 
 TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 2);
   const LabeledView near = Label({WallAt(5.f)});
@@ -65,12 +65,12 @@ TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
   }
   // Next to where it was observed it is known.
   EXPECT_EQ(near.labels[2 * kNumColumns + 3], 0);
-  options_.doubt_of_extrapolation = 0.f;
+  options_.extrapolation_uncertainty = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
   for (int y = 2 * kSize; y < 4 * kSize; ++y) {
@@ -82,8 +82,8 @@ TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
-TEST_F(LabelViewTest, APlaneIsDoubtedWhereItsDepthIsUnknown) {
-  options_.doubt_of_extrapolation = 0.f;
+TEST_F(LabelViewTest, APlaneIsUncertainWhereItsDepthIsUnknown) {
+  options_.extrapolation_uncertainty = 0.f;
   DrawEdgesEverywhere();
   // Along one row alone, about which the plane could turn.
   Measure(WallAt(5.f), 0, 7);
@@ -97,7 +97,7 @@ TEST_F(LabelViewTest, APlaneIsDoubtedWhereItsDepthIsUnknown) {
   const LabeledView view = Label({WallAt(5.f)});
   EXPECT_EQ(view.labels[3], -1);
   EXPECT_EQ(view.labels[kNumColumns * (kNumRows - 1) + 3], -1);
-  options_.cost_of_doubt = 0.f;
+  options_.uncertainty_cost = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
@@ -146,7 +146,7 @@ TEST_F(LabelViewTest, TakesThePlaneThatFitsBest) {
 
 TEST_F(LabelViewTest, APlaneBehindTheCameraIsNoLabel) {
   const Plane behind{{0.f, 0.f, 1.f}, 5.f};
-  options_.cost_of_doubt = 0.f;
+  options_.uncertainty_cost = 0.f;
   Measure(WallAt(5.f), 0, 2);
   ExpectColumns(Label({behind, WallAt(5.f)}), {1, 1, 1, 1, 1, 1, 1, 1});
   ExpectColumns(Label({behind}), {-1, -1, -1, -1, -1, -1, -1, -1});
@@ -189,7 +189,7 @@ TEST_F(LabelViewTest, APlaneObservedAtOnePointStaysThere) {
 }
 
 TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
   for (int y = 0; y < kHeight; ++y) {
@@ -200,12 +200,12 @@ TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
     }
   }
   ExpectColumns(Label({WallAt(5.f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
-  options_.doubt_of_extrapolation = 0.f;
+  options_.extrapolation_uncertainty = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   Measure(WallAt(3.f), 0, 2);
   DrawEdgeLeftOf(6);
   AddSource([](int x, int) {
@@ -223,7 +223,7 @@ TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnTheThreads) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   Philox random(3, 0, 0);
   for (float& contrast : inputs_.contrast) {
     contrast = 20.f * random.NextFloat();

@@ -45,7 +45,7 @@ TEST_F(LabelViewTest, ViewsThatLookAwaySayNothing) {
 }
 
 TEST_F(LabelViewTest, OtherViewsConfirmPlanes) {
-  options_.cost_of_none = 0.f;
+  options_.unlabelled_cost = 0.f;
   DrawEdgesEverywhere();
   Measure(WallAt(3.f), 0, 2);
   ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, -1, -1, -1, -1, -1});
@@ -102,7 +102,7 @@ TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
 
 TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
   DrawEdgesEverywhere();
-  options_.cost_of_doubt = 0.f;
+  options_.uncertainty_cost = 0.f;
   Measure(WallAt(5.f), 0, 2);
   // From half the nearest depth to twice the farthest.
   ExpectColumns(Label({WallAt(9.9f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
