@@ -56,10 +56,10 @@ struct CurvedView {
   std::vector<LabelEvidence> evidence;
 };
 
-// Finds connected superpixels of the reference which one smooth surface of
-// second order explains better than their planes, or none, do: in the sense of
-// the Bayesian information criterion, which charges a surface for its six
-// parameters and credits it with three for each plane that it replaces
+// Finds connected superpixels of the reference which one quadratic
+// inverse-depth surface explains better than their planes, or none, do: in the
+// sense of the Bayesian information criterion, which charges a surface for its
+// six parameters and credits it with three for each plane that it replaces
 // altogether. Surfaces fill superpixels without measurements only where
 // measurements surround these and the fit is certain there.
 // views: as for LabelView, which gave `labeled`.
