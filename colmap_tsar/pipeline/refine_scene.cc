@@ -17,8 +17,8 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
-#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/raster_texture.h"
+#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
 #include "colmap_tsar/superpixels/cielab.h"
 #include "colmap_tsar/superpixels/reduce_color.h"
@@ -352,11 +352,11 @@ RefineResult ComposeImage(const ViewData& reference,
   timer.Finish("borders");
   DeviceImage<Plane> scene_planes =
       PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
-  PutCurvedSurfaces(curved,
-                    superpixels,
-                    views[0].camera.GetIntrinsics(),
-                    device,
-                    &scene_planes);
+  RasterizeCurvedSurfaces(curved,
+                          superpixels,
+                          views[0].camera.GetIntrinsics(),
+                          device,
+                          &scene_planes);
   const DeviceImage<uint8_t> kinds(
       device, EvidenceRaster(superpixels, curved.evidence));
   ShowScene(observer, evidence, labeled, curved);

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
+#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include <algorithm>
@@ -132,7 +132,7 @@ TEST_F(CudaTest, LabelView) {
   }
 }
 
-TEST_F(CudaTest, PutCurvedSurfaces) {
+TEST_F(CudaTest, RasterizeCurvedSurfaces) {
   constexpr int kWidth = 97;
   constexpr int kHeight = 61;
   CurvedView view;
@@ -151,7 +151,7 @@ TEST_F(CudaTest, PutCurvedSurfaces) {
   const auto run = [&](Device& device) {
     DeviceImage<Plane> planes(
         device, Image<Plane>(kWidth, kHeight, Plane{{0.f, 0.f, -1.f}, 3.f}));
-    PutCurvedSurfaces(view, superpixels, intrinsics, device, &planes);
+    RasterizeCurvedSurfaces(view, superpixels, intrinsics, device, &planes);
     StageResult result;
     result.Add("planes", kSameBytes, planes);
     return result;

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
+#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-TEST_F(CurvedSurfacesTest, PutsTangentsWhereSurfacesAre) {
+TEST_F(CurvedSurfacesTest, RasterizesTangentsWhereSurfacesAre) {
   const Plane wall = DrawnPlane({0.f, 0.f, -1.f}, 5.f);
   CurvedView view;
   view.surfaces = {{0.f, 0.f, 1.f, {0.25f, 0.f, 0.f, 0.1f, 0.f, 0.f}}};
@@ -32,7 +32,8 @@ TEST_F(CurvedSurfacesTest, PutsTangentsWhereSurfacesAre) {
   for (const int num_threads : {1, 4}) {
     const std::unique_ptr<Device> device = Device::CreateCpu(num_threads);
     DeviceImage<Plane> planes(*device, Image<Plane>(kWidth, kHeight, wall));
-    PutCurvedSurfaces(view, superpixels, inputs_.intrinsics, *device, &planes);
+    RasterizeCurvedSurfaces(
+        view, superpixels, inputs_.intrinsics, *device, &planes);
     const Image<Plane> put = planes.ToHost();
     for (const int x : {0, kWidth / 2 - 1, kWidth / 2, kWidth - 1}) {
       const Plane expected =
