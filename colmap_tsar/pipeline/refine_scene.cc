@@ -8,7 +8,7 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/rate_trust.h"
+#include "colmap_tsar/pipeline/quantize_trust.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
@@ -255,7 +255,7 @@ RefineResult MeasureImage(
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),
       gray.ToHost(),
-      RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
+      QuantizeTrust(surfaces.trusted.View(), surfaces.score.View(), device)
           .ToHost(),
       views.ReferenceCamera()});
   timer.Finish("download");
