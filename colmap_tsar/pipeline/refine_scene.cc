@@ -17,9 +17,9 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
-#include "colmap_tsar/scene_planes/raster_texture.h"
 #include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/scene_planes/texture_measures.h"
 #include "colmap_tsar/superpixels/cielab.h"
 #include "colmap_tsar/superpixels/reduce_color.h"
 

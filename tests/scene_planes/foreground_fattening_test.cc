@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/raster_texture.h"
+#include "colmap_tsar/scene_planes/texture_measures.h"
 
 #include <algorithm>
 #include <cstdlib>
