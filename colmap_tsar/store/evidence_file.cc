@@ -149,7 +149,7 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
     return "a label that no superpixel has";
   }
   if (!AllOf(evidence.weights, IsFiniteNotNegative)) {
-    return "a superpixel's mass that is none";
+    return "a superpixel's invalid weight";
   }
   if (first.front() != 0 || !std::ranges::is_sorted(first) ||
       static_cast<size_t>(first.back()) != evidence.observations.size()) {
@@ -161,16 +161,16 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
                IsFinitePositive(sample.z) & (observation.confidence > 0.f) &
                (observation.confidence <= 1.f);
       })) {
-    return "an observation that is none";
+    return "an invalid observation";
   }
   if (!AllOf(evidence.candidates, [](const Plane& plane) {
         return IsFinite(plane.normal.x) & IsFinite(plane.normal.y) &
                IsFinite(plane.normal.z) & IsFinitePositive(plane.offset);
       })) {
-    return "a plane that is none";
+    return "an invalid plane";
   }
   if (!AllOf(evidence.confident_depth, IsFiniteNotNegative)) {
-    return "a depth that is none";
+    return "an invalid depth";
   }
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
@@ -184,7 +184,7 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
   if (!AllOf(evidence.borders, [](const SuperpixelBorder& border) {
         return IsFiniteNotNegative(border.weight);
       })) {
-    return "a border's weight that is none";
+    return "a border's invalid weight";
   }
   const size_t num_candidates = evidence.candidates.size();
   if (!AllOf(evidence.region_planes,

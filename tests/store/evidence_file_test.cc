@@ -414,9 +414,9 @@ std::vector<Fault> NeighbourFaults() {
   const std::string noise = "a noise that is no number";
   const std::string mass = "a superpixel's mass";
   const std::string owners = "observations that are not those of";
-  const std::string observation = "an observation that is none";
-  const std::string plane = "a plane that is none";
-  const std::string depth = "a depth that is none";
+  const std::string observation = "an invalid observation";
+  const std::string plane = "an invalid plane";
+  const std::string depth = "an invalid depth";
   return {
       {label, [](auto* e) { e->superpixels(8, 6) = 5; }},
       {label, [](auto* e) { e->superpixels(0, 0) = 65535; }},
