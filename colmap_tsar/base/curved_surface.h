@@ -11,8 +11,8 @@
 
 namespace tsar {
 
-// A smooth surface in a camera frame whose inverse depth is a polynomial of the
-// ray (x, y, 1):
+// A quadratic inverse-depth surface in a camera frame: its inverse depth is a
+// polynomial of the ray (x, y, 1):
 //   1 / z = c0 + c1 u + c2 v + c3 u u + c4 u v + c5 v v,
 //   u = (x - middle_x) / extent, v = (y - middle_y) / extent.
 // With c3 = c4 = c5 = 0 it is a plane.

@@ -8,18 +8,18 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/rate_trust.h"
+#include "colmap_tsar/pipeline/quantize_trust.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
+#include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/own_texture.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
-#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
-#include "colmap_tsar/scene_planes/raster_texture.h"
+#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/scene_planes/texture_measures.h"
 #include "colmap_tsar/superpixels/cielab.h"
 #include "colmap_tsar/superpixels/reduce_color.h"
 
@@ -174,7 +174,7 @@ LabeledView FlattenSurfaces(const ObservedView& view,
 }
 
 // The superpixel of each pixel once its borders are refined. Takes the trust
-// from measurements that spilled over them.
+// from measurements that an edge in front fattened.
 Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
                                   const LabeledView& labeled,
@@ -197,7 +197,7 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                                labeled.planes,
                                                options,
                                                device);
-  DistrustSpilled(refined.spilled.View(), trust->View(), device);
+  DistrustFattened(refined.fattened.View(), trust->View(), device);
   return refined.superpixels.ToHost();
 }
 
@@ -255,7 +255,7 @@ RefineResult MeasureImage(
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),
       gray.ToHost(),
-      RateTrust(surfaces.trusted.View(), surfaces.score.View(), device)
+      QuantizeTrust(surfaces.trusted.View(), surfaces.score.View(), device)
           .ToHost(),
       views.ReferenceCamera()});
   timer.Finish("download");
@@ -269,12 +269,12 @@ void MakeEvidence(const RefineOptions& options,
   MeasuredImage& measured = *result->measured;
   if (options.own_texture) {
     EvidenceInputs& inputs = measured.inputs;
-    inputs.own_texture =
-        ComputeOwnTexture(measured.gray,
-                          inputs.contrast,
-                          inputs.superpixels,
-                          inputs.num_superpixels,
-                          PatchRadius(measured.gray, measured.camera));
+    inputs.fattening_weight =
+        ComputeFatteningWeight(measured.gray,
+                               inputs.contrast,
+                               inputs.superpixels,
+                               inputs.num_superpixels,
+                               PatchRadius(measured.gray, measured.camera));
   }
   result->evidence =
       std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));
@@ -352,11 +352,11 @@ RefineResult ComposeImage(const ViewData& reference,
   timer.Finish("borders");
   DeviceImage<Plane> scene_planes =
       PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
-  PutCurvedSurfaces(curved,
-                    superpixels,
-                    views[0].camera.GetIntrinsics(),
-                    device,
-                    &scene_planes);
+  RasterizeCurvedSurfaces(curved,
+                          superpixels,
+                          views[0].camera.GetIntrinsics(),
+                          device,
+                          &scene_planes);
   const DeviceImage<uint8_t> kinds(
       device, EvidenceRaster(superpixels, curved.evidence));
   ShowScene(observer, evidence, labeled, curved);

@@ -90,16 +90,16 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   SceneOptions scene;
   scene.discovery.tolerance = tolerance;
   scene.discovery.min_gain = options.min_scene_plane;
-  scene.discovery.regular_directions = options.regular_directions;
+  scene.discovery.manhattan_frame = options.regular_directions;
   scene.support.tolerance = tolerance;
   scene.labels.tolerance = static_cast<float>(tolerance);
-  scene.labels.cost_of_none = static_cast<float>(options.cost_of_none);
+  scene.labels.unlabelled_cost = static_cast<float>(options.cost_of_none);
   if (!options.see_through) {
     scene.labels.cost_of_contradiction = 0.f;
     scene.labels.gain_of_confirmation = 0.f;
   }
   if (!options.bounded_planes) {
-    scene.labels.doubt_of_extrapolation = 0.f;
+    scene.labels.extrapolation_uncertainty = 0.f;
   }
   // Lengths of borders grow with the superpixels.
   const double border_scale =

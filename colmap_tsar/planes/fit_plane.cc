@@ -81,7 +81,7 @@ struct Terms {
   }
 };
 
-// One step of Gauss and Newton towards the least loss of the normalized
+// One step of Gauss-Newton towards the least loss of the normalized
 // residuals. Nothing where the observations do not determine a plane.
 std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
                                     const FitSamples& samples,

@@ -42,7 +42,7 @@ class FitSamples {
 };
 
 // The plane that fits the depths best, from the initial one on: a few steps of
-// Gauss and Newton towards the least weighted sum of Cauchy's loss of the
+// Gauss-Newton towards the least weighted sum of Cauchy's loss of the
 // NormalizedResidual. loss_scale: where that turns from squares to logarithms,
 // in expected errors. Observations off the plane are told by the loss alone, so
 // the initial plane has to be nearer to the wanted plane than to others. The

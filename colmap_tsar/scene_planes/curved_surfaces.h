@@ -14,9 +14,9 @@ struct CurvedSurfaceOptions {
   // Costs, tolerance and what other views say, as for planes.
   LabelOptions labels;
   // Only what was measured tells of curvature, not pixels on the plane of a
-  // region: observations of lower quality.
-  float min_quality = 0.4f;
-  // Errors of neighbouring pixels are alike: so many pixels of full quality
+  // region: observations of lower confidence.
+  float min_confidence = 0.4f;
+  // Errors of neighbouring pixels are alike: so many pixels of full confidence
   // count as one observation, with a standard deviation of this share of the
   // tolerance.
   float pixels_per_observation = 250.f;
@@ -56,10 +56,10 @@ struct CurvedView {
   std::vector<LabelEvidence> evidence;
 };
 
-// Finds connected superpixels of the reference which one smooth surface of
-// second order explains better than their planes, or none, do: in the sense of
-// the Bayesian information criterion, which charges a surface for its six
-// parameters and credits it with three for each plane that it replaces
+// Finds connected superpixels of the reference which one quadratic
+// inverse-depth surface explains better than their planes, or none, do: in the
+// sense of the Bayesian information criterion, which charges a surface for its
+// six parameters and credits it with three for each plane that it replaces
 // altogether. Surfaces fill superpixels without measurements only where
 // measurements surround these and the fit is certain there.
 // views: as for LabelView, which gave `labeled`.

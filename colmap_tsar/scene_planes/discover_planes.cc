@@ -6,10 +6,10 @@
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/planes/fit_plane.h"
 #include "colmap_tsar/scene_planes/lazy_greedy_selection.h"
+#include "colmap_tsar/scene_planes/manhattan_frame.h"
 #include "colmap_tsar/scene_planes/merge_planes.h"
 #include "colmap_tsar/scene_planes/plane_ranking.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
-#include "colmap_tsar/scene_planes/regular_directions.h"
 #include "colmap_tsar/scene_planes/superpixel_observations.h"
 #include "colmap_tsar/scene_planes/superpixel_plane_fitter.h"
 
@@ -48,7 +48,7 @@ class Discovery {
     do {
       FitToAssigned();
     } while (DropAndMergePlanes(fitter_, options_.min_gain, &planes_));
-    if (options_.regular_directions) {
+    if (options_.manhattan_frame) {
       AlignPlanes();
     }
     return std::move(planes_);
@@ -66,20 +66,20 @@ class Discovery {
       planes_.push_back(ImproveByFits(
           {candidates[choice.candidate], selection.Scores(choice.candidate)},
           best));
-      for (const int k : planes_.back().customers) {
+      for (const int k : planes_.back().superpixels) {
         best[k] = std::max(best[k], planes_.back().scores[k]);
       }
     }
   }
 
-  // Fits a plane to the customers that it would win.
+  // Fits a plane to the superpixels that it would win.
   ScoredPlane ImproveByFits(ScoredPlane plane,
                             const std::vector<float>& best) const {
     const auto best_of = [&](int k) { return best[k]; };
     double gain = Gain(plane, best_of);
     for (int i = 0; i < kNumFirstFits; ++i) {
       std::vector<int> won;
-      for (const int k : plane.customers) {
+      for (const int k : plane.superpixels) {
         if (plane.scores[k] > best[k]) {
           won.push_back(k);
         }
@@ -96,8 +96,8 @@ class Discovery {
     return plane;
   }
 
-  // Fits the planes to the customers that they serve and keeps what raises the
-  // sum of the best scores.
+  // Fits the planes to the superpixels that are assigned to them and keeps what
+  // raises the sum of the best scores.
   void FitToAssigned() {
     const int num_planes = static_cast<int>(planes_.size());
     bool improved = true;
@@ -153,7 +153,7 @@ class Discovery {
                               kMaxAlignmentLoss * measured[p].support);
     };
     const std::vector<WorldPlane> regular =
-        MakeRegular(measured, fitter_.LossScale(), is_acceptable);
+        AlignToManhattanFrame(measured, fitter_.LossScale(), is_acceptable);
     planes_ = fitter_.Score(regular);
   }
 
@@ -182,12 +182,12 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 Device& device) {
   DiscoveredPlanes result;
   for (const ObservedView& view : views) {
-    result.serving.emplace_back(view.evidence->NumSuperpixels(), -1);
+    result.assignment.emplace_back(view.evidence->NumSuperpixels(), -1);
   }
   if (views.empty()) {
     return result;
   }
-  const SuperpixelObservations observations(views, options.max_mass);
+  const SuperpixelObservations observations(views, options.max_weight);
   if (observations.Count() == 0) {
     return result;
   }
@@ -218,10 +218,10 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
     result.planes.push_back(
         {ToWorld(planes[order[i]].plane, reference), supports[order[i]]});
   }
-  int customer = 0;
-  for (std::vector<int>& of_view : result.serving) {
+  int superpixel = 0;
+  for (std::vector<int>& of_view : result.assignment) {
     for (int& plane : of_view) {
-      const int found = rankings[customer++].planes[0];
+      const int found = rankings[superpixel++].planes[0];
       plane = found >= 0 ? places[found] : -1;
     }
   }

@@ -23,16 +23,16 @@ struct DiscoverPlanesOptions {
   // How far a depth may be off a plane to speak for it at all, in relative
   // depths of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
-  // A superpixel counts for this many pixels of full quality at most, so that
-  // the size of superpixels and of the raster decide little.
-  double max_mass = 40.0;
-  // What a plane must add to be worth having, in pixels of full quality that
+  // A superpixel counts for this many pixels of full confidence at most, so
+  // that the size of superpixels and of the raster decide little.
+  double max_weight = 40.0;
+  // What a plane must add to be worth having, in pixels of full confidence that
   // lie right on it.
   double min_gain = 100.0;
   int max_planes = 40;
   // Whether planes become exactly parallel or orthogonal to each other where
   // that agrees with the observations.
-  bool regular_directions = true;
+  bool manhattan_frame = true;
   // How many scores of a candidate for a superpixel are held at a time, in four
   // bytes each.
   size_t max_scores = size_t{1} << 25;
@@ -40,31 +40,31 @@ struct DiscoverPlanesOptions {
 
 struct ScenePlane {
   WorldPlane plane;
-  // Sum of the scores of the superpixels that it serves.
+  // Sum of the scores of the superpixels that are assigned to it.
   double support = 0.0;
 };
 
 struct DiscoveredPlanes {
   std::vector<ScenePlane> planes;  // By falling support.
-  // serving[view][superpixel] is the index of the plane that explains the
+  // assignment[view][superpixel] is the index of the plane that explains the
   // superpixel's observations best, or -1 where none explains any.
-  std::vector<std::vector<int>> serving;
+  std::vector<std::vector<int>> assignment;
 };
 
 // The few planes that together explain best what a view and its neighbours
 // measured, from many candidates in the world frame: facility location, where a
-// plane costs min_gain and serves superpixels. A plane's score for a superpixel
-// is the sum over its observations of 1 - (residual / tolerance)^2, never below
-// 0, times the qualities, scaled to a sum of the superpixel's mass or max_mass,
-// whichever is less. The residual is NormalizedResidual with one pixel of
-// disparity as the expected error.
+// plane costs min_gain and is assigned superpixels. A plane's score for a
+// superpixel is the sum over its observations of 1 - (residual / tolerance)^2,
+// never below 0, times the confidences, scaled to a sum of the superpixel's
+// weight or max_weight, whichever is less. The residual is NormalizedResidual
+// with one pixel of disparity as the expected error.
 //
 // Greedy choice of candidates, while one adds min_gain as it is, is followed by
-// rounds in which each plane is fitted to the superpixels it serves, in all
-// views at once, and in which planes are dropped or merged that are not worth
-// min_gain. Then leaving out any plane would cost at least min_gain. At last
-// planes are made regular (MakeRegular) that lose little by that, and each
-// superpixel is served by the plane with the highest score.
+// rounds in which each plane is fitted to the superpixels assigned to it, in
+// all views at once, and in which planes are dropped or merged that are not
+// worth min_gain. Then leaving out any plane would cost at least min_gain. At
+// last planes are made regular (AlignToManhattanFrame) that lose little by
+// that, and each superpixel is assigned to the plane with the highest score.
 //
 // Where candidates times superpixels are more than max_scores, the last of the
 // candidates are left out: list the likely ones first.

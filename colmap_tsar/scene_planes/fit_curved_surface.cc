@@ -54,7 +54,7 @@ bool PlaceSurface(const SurfaceCosts& costs,
   double x = 0.0;
   double y = 0.0;
   ForObservations(costs, members, [&](const Observation& observation) {
-    const double weight = observation.quality;
+    const double weight = observation.confidence;
     scale->weights += weight;
     x += weight * observation.sample.x;
     y += weight * observation.sample.y;
@@ -85,13 +85,14 @@ bool SolveCoefficients(const SurfaceCosts& costs,
                        FittedSurface* fitted) {
   const CurvedSurfaceOptions& options = costs.Options();
   CurvedSurface& surface = fitted->surface;
-  double mass = 0.0;
+  double superpixel_weight = 0.0;
   for (const int s : members) {
-    mass += costs.At(s).mass;
+    superpixel_weight += costs.At(s).weight;
   }
   const double inverse = scale.inverse_depth;
   const double sigma = options.noise_share * options.labels.tolerance;
-  const double share = mass / (scale.weights * options.pixels_per_observation);
+  const double share =
+      superpixel_weight / (scale.weights * options.pixels_per_observation);
   Vector6 coefficients = Vector6::Zero();
   for (int iteration = 0; iteration < kFitIterations; ++iteration) {
     Matrix6 normal = Matrix6::Identity() * 1e-9;
@@ -104,7 +105,7 @@ bool SolveCoefficients(const SurfaceCosts& costs,
       const double measured = 1.0 / (sample.z * inverse);
       const double error =
           measured * costs.Resolution().RelativeDepthError(sample.z) * sigma;
-      double weight = observation.quality * share / (error * error);
+      double weight = observation.confidence * share / (error * error);
       if (iteration > 0) {
         const double residual = (measured - powers.dot(coefficients)) / error;
         weight /= 1.0 + residual * residual;

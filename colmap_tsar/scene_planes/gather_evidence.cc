@@ -88,42 +88,43 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
   }
 }
 
-float OwnQuality(const Image<float>& own_texture,
-                 int x,
-                 int y,
-                 const EvidenceOptions& options) {
-  if (own_texture.Empty()) {
+float ConfidenceAgainstFattening(const Image<float>& fattening_weight,
+                                 int x,
+                                 int y,
+                                 const EvidenceOptions& options) {
+  if (fattening_weight.Empty()) {
     return 1.f;
   }
-  const float share = own_texture(x, y);
-  return std::max(share * share, options.min_own_quality);
+  const float share = fattening_weight(x, y);
+  return std::max(share * share, options.min_own_confidence);
 }
 
-// The observation of each pixel, of quality 0 where there is none; sets
-// strong_depth.
+// The observation of each pixel, of confidence 0 where there is none; sets
+// confident_depth.
 Image<Observation> ObservePixels(const EvidenceInputs& inputs,
                                  const EvidenceOptions& options,
                                  ViewEvidence* evidence) {
   Image<Observation> observations(evidence->width, evidence->height);
-  evidence->strong_depth = Image<float>(evidence->width, evidence->height);
+  evidence->confident_depth = Image<float>(evidence->width, evidence->height);
   for (int y = 0; y < evidence->height; ++y) {
     for (int x = 0; x < evidence->width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
       const int number = evidence->region_planes(x, y);
       if (IsMeasured(sample)) {
-        const bool is_strong = inputs.texture(x, y) > options.min_texture;
+        const bool is_confident = inputs.texture(x, y) > options.min_texture;
         observations(x, y) = {
             sample,
-            (is_strong ? 1.f : options.quality_without_texture) *
-                OwnQuality(inputs.own_texture, x, y, options)};
-        evidence->strong_depth(x, y) = is_strong ? sample.z : 0.f;
+            (is_confident ? 1.f : options.confidence_without_texture) *
+                ConfidenceAgainstFattening(
+                    inputs.fattening_weight, x, y, options)};
+        evidence->confident_depth(x, y) = is_confident ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =
             evidence->candidates[static_cast<size_t>(number - 1)].Depth(ray);
         if (depth > 0.f && std::isfinite(depth)) {
           observations(x, y) = {{ray.x, ray.y, depth},
-                                options.quality_of_region_plane};
+                                options.confidence_of_region_plane};
         }
       }
     }
@@ -138,7 +139,7 @@ std::vector<std::vector<int>> ObservedPixels(
     const Image<Observation>& observations) {
   std::vector<std::vector<int>> pixels(static_cast<size_t>(num_superpixels));
   for (size_t i = 0; i < superpixels.NumPixels(); ++i) {
-    if (observations.Data()[i].quality > 0.f) {
+    if (observations.Data()[i].confidence > 0.f) {
       pixels[static_cast<size_t>(superpixels.Data()[i])].push_back(
           static_cast<int>(i));
     }
@@ -160,11 +161,11 @@ void AddObservations(const EvidenceInputs& inputs,
       ObservedPixels(inputs.superpixels, inputs.num_superpixels, observations);
   evidence->first_observation.push_back(0);
   for (const std::vector<int>& pixels : observed) {
-    float mass = 0.f;
+    float weight = 0.f;
     for (const int pixel : pixels) {
-      mass += observations.Data()[pixel].quality;
+      weight += observations.Data()[pixel].confidence;
     }
-    evidence->mass.push_back(mass);
+    evidence->weights.push_back(weight);
     const size_t count =
         std::min(pixels.size(),
                  static_cast<size_t>(options.max_observations_per_superpixel));

@@ -18,13 +18,13 @@ struct EvidenceOptions {
   // Grey levels of standard deviation above which a measurement counts in full,
   // and what one on weaker texture counts.
   float min_texture = 1.f;
-  float quality_without_texture = 0.5f;
-  // Measurements count by the square of their share in own_texture, too, but
+  float confidence_without_texture = 0.5f;
+  // Measurements count by the square of their fattening weight, too, but
   // by no less than this where the pattern is not the pixel's own.
-  float min_own_quality = 0.02f;
+  float min_own_confidence = 0.02f;
   // What a pixel counts that was not measured, but lies in a region that has a
   // plane.
-  float quality_of_region_plane = 0.3f;
+  float confidence_of_region_plane = 0.3f;
   int max_observations_per_superpixel = 32;
   // The weight of a pair of pixels across a border is
   // base + contrast exp(-edge / scale), edge in grey levels.
@@ -42,8 +42,8 @@ struct EvidenceInputs {
   Image<Plane> region_planes;            // Of each pixel; may be empty.
   Image<float> texture;
   Image<float> contrast;
-  Image<float> own_texture;  // May be empty: 1 everywhere.
-  Intrinsics intrinsics;     // Of the raster.
+  Image<float> fattening_weight;  // May be empty: 1 everywhere.
+  Intrinsics intrinsics;          // Of the raster.
   DepthResolution resolution;
 };
 

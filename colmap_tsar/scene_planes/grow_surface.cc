@@ -97,7 +97,7 @@ std::vector<int> SurfaceGrower::Connected(
            IsKnown(fitted, costs_, superpixel) &&
            costs_.Cost(superpixel, fitted.surface) <=
                superpixel.cost +
-                   costs_.Options().growth_slack * superpixel.mass;
+                   costs_.Options().growth_slack * superpixel.weight;
   };
   std::vector<char> is_member(static_cast<size_t>(costs_.Count()), 0);
   for (const int s : members) {

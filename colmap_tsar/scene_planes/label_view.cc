@@ -45,7 +45,8 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
       graph.unary.push_back(costs(k, s).cost);
     }
     const auto i = static_cast<size_t>(s);
-    graph.unary.push_back(CostOfNone(evidence.mass[i], num_pixels[i], options));
+    graph.unary.push_back(
+        UnlabelledCost(evidence.weights[i], num_pixels[i], options));
   }
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});

@@ -14,8 +14,8 @@
 
 namespace tsar {
 
-// Costs are in pixels of full quality. Depth differences are in relative depths
-// of one pixel of disparity.
+// Costs are in pixels of full confidence. Depth differences are in relative
+// depths of one pixel of disparity.
 struct LabelOptions {
   // From this difference on, an observation speaks fully against a plane.
   float tolerance = 1.f;
@@ -25,13 +25,13 @@ struct LabelOptions {
   float cost_of_unexplained = 0.6f;
   // Per pixel without an observation: of having no plane, and of having one
   // whose depth there is unknown.
-  float cost_of_none = 0.02f;
-  float cost_of_doubt = 0.05f;
+  float unlabelled_cost = 0.02f;
+  float uncertainty_cost = 0.05f;
   // The expected error of a plane at which its depth counts as unknown.
   float max_sigma = 1.f;
   // How unknown a plane's depth is where it was observed on one side only, far
   // from there.
-  float doubt_of_extrapolation = 0.6f;
+  float extrapolation_uncertainty = 0.6f;
   // How far that is, relative to the size of the area in which the plane was
   // observed.
   float extrapolation_reach = 0.6f;

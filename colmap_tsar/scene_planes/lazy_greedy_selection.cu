@@ -21,7 +21,7 @@ constexpr int kGainBatch = 64;
 // By how much a candidate would raise the best scores.
 struct GainKernel {
   const float* scores;
-  int num_customers;
+  int num_superpixels;
   const float* best;
   const int* candidates;
   float* gains;
@@ -29,9 +29,9 @@ struct GainKernel {
   template <typename Team>
   TSAR_HD void operator()(const Team& team, int64_t item) const {
     const float* own =
-        scores + static_cast<int64_t>(candidates[item]) * num_customers;
-    const float gain =
-        team.template Accumulate<float>(num_customers, [&](int i, float* sum) {
+        scores + static_cast<int64_t>(candidates[item]) * num_superpixels;
+    const float gain = team.template Accumulate<float>(
+        num_superpixels, [&](int i, float* sum) {
           const float difference = own[i] - best[i];
           *sum += difference > 0.f ? difference : 0.f;
         });
@@ -47,20 +47,20 @@ LazyGreedySelection::LazyGreedySelection(
     const std::vector<WorldPlane>& candidates,
     const PlaneScorer& scorer,
     Device& device)
-    : num_customers_(scorer.NumCustomers()),
+    : num_superpixels_(scorer.NumSuperpixels()),
       device_(&device),
       scores_(scorer.Score(candidates)),
-      best_(device, num_customers_),
+      best_(device, num_superpixels_),
       gains_(candidates.size(), std::numeric_limits<float>::infinity()),
       order_(candidates.size()) {
   std::iota(order_.begin(), order_.end(), 0);
 }
 
 std::vector<float> LazyGreedySelection::Scores(int candidate) const {
-  std::vector<float> scores(num_customers_);
+  std::vector<float> scores(num_superpixels_);
   device_->CopyToHost(
       scores.data(),
-      scores_.Data() + static_cast<size_t>(candidate) * num_customers_,
+      scores_.Data() + static_cast<size_t>(candidate) * num_superpixels_,
       scores.size() * sizeof(float));
   return scores;
 }
@@ -97,7 +97,7 @@ void LazyGreedySelection::UpdateGains(const std::vector<int>& candidates) {
   ParallelForTeams<128>(*device_,
                         static_cast<int64_t>(candidates.size()),
                         GainKernel{scores_.Data(),
-                                   num_customers_,
+                                   num_superpixels_,
                                    best_.Data(),
                                    device_candidates.Data(),
                                    device_gains.Data()});

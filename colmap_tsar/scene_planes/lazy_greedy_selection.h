@@ -41,7 +41,7 @@ class LazyGreedySelection {
  private:
   void UpdateGains(const std::vector<int>& candidates);
 
-  int num_customers_;
+  int num_superpixels_;
   Device* device_;
   Buffer<float> scores_;
   Buffer<float> best_;

@@ -38,7 +38,7 @@ struct Change {
   const ScoredPlane* joint = nullptr;
 };
 
-// Fits to the customers of two planes, from either plane on; none where they
+// Fits to the superpixels of two planes, from either plane on; none where they
 // are too different.
 using Joint = std::vector<ScoredPlane>;
 
@@ -55,7 +55,7 @@ struct Losses {
   }
 
   std::vector<double> without;
-  // By the best plane of customers and the second best.
+  // By the best plane of superpixels and the second best.
   std::vector<std::vector<double>> more_without_both;
 };
 
@@ -126,8 +126,8 @@ class PlaneMerger {
     return cheapest;
   }
 
-  // Whether at least half of what some customers observe is within the largest
-  // distance for merging.
+  // Whether at least half of what some superpixels observe is within the
+  // largest distance for merging.
   bool IsNear(const WorldPlane& plane, const std::vector<int>& members) const {
     size_t num_near = 0;
     const size_t num_samples = fitter_.Observations().Sample(
@@ -139,7 +139,7 @@ class PlaneMerger {
   }
 
   // The fits are kept until one of the planes changes, though both may win or
-  // lose some customers: there are hundreds of pairs, and nearly all of them
+  // lose some superpixels: there are hundreds of pairs, and nearly all of them
   // are looked at again after each change.
   const Joint& FindJoint(int a,
                          int b,

@@ -41,9 +41,9 @@ struct SuperpixelData {
   int num_observations = 0;
   int first_pixel = 0;
   int num_pixels = 0;
-  float mass = 0.f;
-  // Quality of the observations together.
-  float quality = 0.f;
+  float weight = 0.f;
+  // Confidence of the observations together.
+  float confidence = 0.f;
   // The middle of the pixels.
   Vec3f ray;
 };
@@ -81,9 +81,9 @@ struct CostKernel {
     AddObservations(superpixel, plane.plane, &result);
     AddOtherViews(superpixel, plane.plane, &result);
     const float unobserved =
-        fmaxf(superpixel.num_pixels - superpixel.mass, 0.f);
-    result.cost +=
-        options.cost_of_doubt * unobserved * Doubt(superpixel.ray, plane);
+        fmaxf(superpixel.num_pixels - superpixel.weight, 0.f);
+    result.cost += options.uncertainty_cost * unobserved *
+                   Uncertainty(superpixel.ray, plane);
     costs(k, s) = result;
   }
 
@@ -108,12 +108,12 @@ struct CostKernel {
             (sample.z * resolution.RelativeDepthError(sample.z));
         share = fminf(residual / options.tolerance, 1.f);
       }
-      cost += observation.quality * share * share;
-      explained += share < 1.f ? observation.quality : 0.f;
+      cost += observation.confidence * share * share;
+      explained += share < 1.f ? observation.confidence : 0.f;
     }
-    if (superpixel.quality > 0.f) {
-      result->cost += cost * superpixel.mass / superpixel.quality;
-      result->explained = explained / superpixel.quality;
+    if (superpixel.confidence > 0.f) {
+      result->cost += cost * superpixel.weight / superpixel.confidence;
+      result->explained = explained / superpixel.confidence;
     }
   }
 
@@ -150,7 +150,7 @@ struct CostKernel {
   }
 
   // How little is known about the plane's depth there, from 0 to 1.
-  TSAR_HD float Doubt(const Vec3f& ray, const PlaneData& plane) const {
+  TSAR_HD float Uncertainty(const Vec3f& ray, const PlaneData& plane) const {
     const float depth = plane.plane.Depth(ray);
     if (!IsPossible(depth)) {
       return 1.f;
@@ -160,8 +160,9 @@ struct CostKernel {
     const float sigma = plane.frame.Sigma(point) / slope /
                         (depth * resolution.RelativeDepthError(depth));
     const float share = fminf(sigma / options.max_sigma, 1.f);
-    return fmaxf(share * share,
-                 options.doubt_of_extrapolation * Extrapolation(point, plane));
+    return fmaxf(
+        share * share,
+        options.extrapolation_uncertainty * Extrapolation(point, plane));
   }
 
   // 0 where the plane was observed all around the point or next to it, 1 where
@@ -211,18 +212,18 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
                                                const std::vector<int>& begin,
                                                const std::vector<int>& pixels) {
   std::vector<SuperpixelData> superpixels;
-  for (size_t s = 0; s < evidence.mass.size(); ++s) {
+  for (size_t s = 0; s < evidence.weights.size(); ++s) {
     SuperpixelData data;
     data.first_observation = evidence.first_observation[s];
     data.num_observations =
         evidence.first_observation[s + 1] - data.first_observation;
     data.first_pixel = begin[s];
     data.num_pixels = begin[s + 1] - begin[s];
-    data.mass = evidence.mass[s];
+    data.weights = evidence.weights[s];
     for (int i = 0; i < data.num_observations; ++i) {
-      data.quality +=
+      data.confidence +=
           evidence.observations[static_cast<size_t>(data.first_observation + i)]
-              .quality;
+              .confidence;
     }
     double x = 0.0;
     double y = 0.0;
@@ -275,14 +276,14 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
       device,
       MakeSuperpixelData(
           evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
-  std::vector<DeviceImage<float>> strong_depths;
+  std::vector<DeviceImage<float>> confident_depths;
   std::vector<SourceDepths> sources;
   for (size_t j = 1; j < views.size(); ++j) {
-    strong_depths.emplace_back(device, views[j].evidence->strong_depth);
+    confident_depths.emplace_back(device, views[j].evidence->confident_depth);
     sources.push_back({views[j].camera.GetIntrinsics(),
                        ComputeRelativePose(views[0].camera, views[j].camera),
                        views[j].evidence->resolution,
-                       std::as_const(strong_depths.back()).View()});
+                       std::as_const(confident_depths.back()).View()});
   }
   const Buffer<SourceDepths> device_sources(device, sources);
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
@@ -314,9 +315,11 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
   return costs.ToHost();
 }
 
-float CostOfNone(float mass, float num_pixels, const LabelOptions& options) {
-  return options.cost_of_unexplained * mass +
-         options.cost_of_none * std::max(num_pixels - mass, 0.f);
+float UnlabelledCost(float weight,
+                     float num_pixels,
+                     const LabelOptions& options) {
+  return options.cost_of_unexplained * weight +
+         options.unlabelled_cost * std::max(num_pixels - weight, 0.f);
 }
 
 int64_t ComputePlaneCostsWorkingBytes(int num_views,

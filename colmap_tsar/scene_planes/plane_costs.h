@@ -33,8 +33,10 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                                    const LabelOptions& options,
                                    Device& device);
 
-// What a superpixel costs that has no plane. mass: see ViewEvidence.
-float CostOfNone(float mass, float num_pixels, const LabelOptions& options);
+// What a superpixel costs that has no plane. weight: see ViewEvidence.
+float UnlabelledCost(float weight,
+                     float num_pixels,
+                     const LabelOptions& options);
 
 // num_pixels: of the raster of each view; superpixels and observations are
 // those of the first view.

@@ -39,10 +39,10 @@ bool Ranking::ChangeScore(int plane, float score) {
 }
 
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
-                          int num_customers) {
-  std::vector<Ranking> rankings(num_customers);
+                          int num_superpixels) {
+  std::vector<Ranking> rankings(num_superpixels);
   for (size_t p = 0; p < planes.size(); ++p) {
-    for (const int k : planes[p].customers) {
+    for (const int k : planes[p].superpixels) {
       rankings[k].Offer(static_cast<int>(p), planes[p].scores[k]);
     }
   }
@@ -63,10 +63,10 @@ void UpdateRankings(const std::vector<ScoredPlane>& planes,
       }
     }
   };
-  for (const int k : before.customers) {
+  for (const int k : before.superpixels) {
     update(k);
   }
-  for (const int k : plane.customers) {
+  for (const int k : plane.superpixels) {
     if (!(before.scores[k] > 0.f)) {
       update(k);
     }

@@ -10,7 +10,7 @@
 
 namespace tsar {
 
-// The best three planes of a customer; -1 and 0 where there are fewer.
+// The best three planes of a superpixel; -1 and 0 where there are fewer.
 struct Ranking {
   int planes[3] = {-1, -1, -1};
   float scores[3] = {0.f, 0.f, 0.f};
@@ -32,7 +32,7 @@ struct Ranking {
 };
 
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
-                          int num_customers);
+                          int num_superpixels);
 
 // Follows the change of one plane.
 void UpdateRankings(const std::vector<ScoredPlane>& planes,
@@ -44,11 +44,11 @@ void UpdateRankings(const std::vector<ScoredPlane>& planes,
 std::vector<std::vector<int>> AssignedSuperpixels(
     const std::vector<Ranking>& rankings, size_t num_planes);
 
-// By how much a plane would raise best(customer), the best scores without it.
+// By how much a plane would raise best(superpixel), the best scores without it.
 template <typename Function>
 double Gain(const ScoredPlane& plane, const Function& best) {
   double gain = 0.0;
-  for (const int k : plane.customers) {
+  for (const int k : plane.superpixels) {
     gain += std::max(plane.scores[k] - best(k), 0.f);
   }
   return gain;

@@ -20,21 +20,21 @@ namespace {
 // The flattest angle to a plane that counts, by its sine; see RaySlope.
 constexpr float kMinSlope = 0.05f;
 
-// Makes up for the rounding of planes that just reach a customer: scores are 0
-// beyond without it, too.
+// Makes up for the rounding of planes that just reach a superpixel: scores are
+// 0 beyond without it, too.
 constexpr double kReachMargin = 1.05;
 
-// Customers that one call of the kernel scores for one plane: their
+// Superpixels that one call of the kernel scores for one plane: their
 // observations stay in the fastest memory while all planes pass.
 constexpr int kTileSize = 16;
 
-// scores[plane * num_customers + customer] for one plane and one tile.
+// scores[plane * num_superpixels + superpixel] for one plane and one tile.
 struct ScoreKernel {
   const Ball* balls;
   const ObservationBlock* blocks;
-  const int* first_block;  // num_customers + 1 of them.
-  const int* views;        // Of each customer.
-  int num_customers;
+  const int* first_block;  // num_superpixels + 1 of them.
+  const int* views;        // Of each superpixel.
+  int num_superpixels;
   int num_views;
   const Vec3f* normals;
   const float* offsets;
@@ -45,19 +45,19 @@ struct ScoreKernel {
   TSAR_HD void operator()(int64_t item) const {
     const int64_t plane = item % num_planes;
     const int begin = static_cast<int>(item / num_planes) * kTileSize;
-    const int end =
-        begin + kTileSize < num_customers ? begin + kTileSize : num_customers;
+    const int end = begin + kTileSize < num_superpixels ? begin + kTileSize
+                                                        : num_superpixels;
     const Vec3f normal = normals[plane];
-    for (int customer = begin; customer < end; ++customer) {
-      const Ball& ball = balls[customer];
+    for (int superpixel = begin; superpixel < end; ++superpixel) {
+      const Ball& ball = balls[superpixel];
       float score = 0.f;
       if (!(fabsf(Dot(normal, ball.center) + offsets[plane]) > ball.radius)) {
         score = Score(normal,
-                      heights[plane * num_views + views[customer]],
-                      first_block[customer],
-                      first_block[customer + 1]);
+                      heights[plane * num_views + views[superpixel]],
+                      first_block[superpixel],
+                      first_block[superpixel + 1]);
       }
-      scores[plane * num_customers + customer] = score;
+      scores[plane * num_superpixels + superpixel] = score;
     }
   }
 
@@ -114,7 +114,7 @@ Ball BallAround(const Eigen::AlignedBox3d& box, double reach) {
 PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
                          double tolerance,
                          Device& device)
-    : num_customers_(observations.Count()),
+    : num_superpixels_(observations.Count()),
       device_(&device),
       views_(device, observations.Views()) {
   for (int i = 0; i < observations.NumViews(); ++i) {
@@ -122,14 +122,14 @@ PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
   }
   constexpr int kSize = ObservationBlock::kSize;
   std::vector<int> first_block = {0};
-  for (int k = 0; k < num_customers_; ++k) {
+  for (int k = 0; k < num_superpixels_; ++k) {
     first_block.push_back(first_block.back() +
                           (observations.NumObservations(k) + kSize - 1) /
                               kSize);
   }
   std::vector<ObservationBlock> blocks(first_block.back());
   std::vector<Ball> balls;
-  for (int k = 0; k < num_customers_; ++k) {
+  for (int k = 0; k < num_superpixels_; ++k) {
     Eigen::AlignedBox3d box;
     double reach = 0.0;
     for (int i = 0; i < observations.NumObservations(k); ++i) {
@@ -170,15 +170,15 @@ Buffer<float> PlaneScorer::Score(const std::vector<WorldPlane>& planes) const {
   const Buffer<Vec3f> device_normals(*device_, normals);
   const Buffer<float> device_offsets(*device_, offsets);
   const Buffer<float> device_heights(*device_, heights);
-  Buffer<float> scores(*device_, planes.size() * num_customers_);
-  const int64_t num_tiles = (num_customers_ + kTileSize - 1) / kTileSize;
+  Buffer<float> scores(*device_, planes.size() * num_superpixels_);
+  const int64_t num_tiles = (num_superpixels_ + kTileSize - 1) / kTileSize;
   ParallelFor(*device_,
               num_tiles * static_cast<int64_t>(planes.size()),
               ScoreKernel{balls_.Data(),
                           blocks_.Data(),
                           first_block_.Data(),
                           views_.Data(),
-                          num_customers_,
+                          num_superpixels_,
                           static_cast<int>(centers_.size()),
                           device_normals.Data(),
                           device_offsets.Data(),
@@ -210,7 +210,7 @@ ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
     : plane(plane), scores(std::move(scores)) {
   for (size_t k = 0; k < this->scores.size(); ++k) {
     if (this->scores[k] > 0.f) {
-      customers.push_back(static_cast<int>(k));
+      superpixels.push_back(static_cast<int>(k));
     }
   }
 }
@@ -222,8 +222,8 @@ std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
   auto row = scores.begin();
   for (const WorldPlane& plane : planes) {
     scored.emplace_back(plane,
-                        std::vector<float>(row, row + scorer.NumCustomers()));
-    row += scorer.NumCustomers();
+                        std::vector<float>(row, row + scorer.NumSuperpixels()));
+    row += scorer.NumSuperpixels();
   }
   return scored;
 }

@@ -28,7 +28,7 @@ struct ObservationBlock {
   float weight[kSize] = {};
 };
 
-// Planes that pass by it come near none of a customer's observations.
+// Planes that pass by it come near none of a superpixel's observations.
 struct Ball {
   Vec3f center;
   float radius = 0.f;
@@ -43,7 +43,7 @@ class PlaneScorer {
               double tolerance,
               Device& device);
 
-  int NumCustomers() const { return num_customers_; }
+  int NumSuperpixels() const { return num_superpixels_; }
 
   // A row of scores per plane.
   Buffer<float> Score(const std::vector<WorldPlane>& planes) const;
@@ -58,7 +58,7 @@ class PlaneScorer {
 
  private:
   std::vector<Eigen::Vector3d> centers_;  // Of the cameras.
-  int num_customers_;
+  int num_superpixels_;
   Device* device_;
   Buffer<int> views_;
   Buffer<Ball> balls_;
@@ -74,7 +74,7 @@ struct ScoredPlane {
   WorldPlane plane;
   std::vector<float> scores;
   // The superpixels whose score is not 0: a few of all.
-  std::vector<int> customers;
+  std::vector<int> superpixels;
 };
 
 std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,

@@ -38,7 +38,7 @@ Vec3f ToVec3f(const Eigen::Vector3d& vector) {
           static_cast<float>(vector.z())};
 }
 
-// Adds what one superpixel observed of the plane that serves it.
+// Adds what one superpixel observed of the plane that it is assigned to.
 void AddSuperpixel(const ObservedView& view,
                    size_t superpixel,
                    const WorldPlane& plane,
@@ -54,7 +54,7 @@ void AddSuperpixel(const ObservedView& view,
   mean.center = center;
   mean.ray.setZero();
   mean.depth = 0.0;
-  double quality = 0.0;
+  double confidence = 0.0;
   int num_measured = 0;
   for (int i = begin; i < end; ++i) {
     const Observation& observation =
@@ -69,9 +69,9 @@ void AddSuperpixel(const ObservedView& view,
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
-    if (observation.quality >= options.min_measured_quality) {
+    if (observation.confidence >= options.min_measured_confidence) {
       ++num_measured;
-      quality += observation.quality;
+      confidence += observation.confidence;
       mean.ray += depth.ray;
       mean.depth += depth.depth;
     }
@@ -85,10 +85,11 @@ void AddSuperpixel(const ObservedView& view,
                resolution.RelativeDepthError(static_cast<float>(mean.depth));
   double total = 0.0;
   for (int i = begin; i < end; ++i) {
-    total += evidence.observations[static_cast<size_t>(i)].quality;
+    total += evidence.observations[static_cast<size_t>(i)].confidence;
   }
   mean.weight = std::min(
-      1.0, evidence.mass[superpixel] * quality / total / options.full_mass);
+      1.0,
+      evidence.weights[superpixel] * confidence / total / options.full_weight);
   result->superpixels.push_back(mean);
 }
 
@@ -98,8 +99,8 @@ std::vector<PlaneObservations> CollectObservations(
     const PlaneSupportOptions& options) {
   std::vector<PlaneObservations> result(discovered.planes.size());
   for (size_t i = 0; i < views.size(); ++i) {
-    for (size_t s = 0; s < discovered.serving[i].size(); ++s) {
-      const int plane = discovered.serving[i][s];
+    for (size_t s = 0; s < discovered.assignment[i].size(); ++s) {
+      const int plane = discovered.assignment[i][s];
       if (plane >= 0) {
         const auto k = static_cast<size_t>(plane);
         AddSuperpixel(

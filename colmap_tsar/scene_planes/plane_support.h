@@ -46,13 +46,14 @@ struct PlaneSupportOptions {
   // As in DiscoverPlanesOptions: observations further from the plane are not
   // its own.
   double tolerance = 1.0;
-  // Observations of less quality do not tell how well the plane is known, but
-  // only where it is.
-  float min_measured_quality = 0.5f;
+  // Observations of less confidence do not tell how well the plane is known,
+  // but only where it is.
+  float min_measured_confidence = 0.5f;
   // The expected error of one observation, as a share of the tolerance.
   double error_share = 0.25;
-  // Pixels of full quality from which a superpixel counts as one measurement.
-  double full_mass = 40.0;
+  // Pixels of full confidence from which a superpixel counts as one
+  // measurement.
+  double full_weight = 40.0;
   // Cells along the longer side of the area in which a plane was observed.
   int num_cells = 64;
 };

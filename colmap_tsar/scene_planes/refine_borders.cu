@@ -230,13 +230,13 @@ struct RoundKernel {
   }
 };
 
-struct SpilledKernel {
+struct FattenedKernel {
   Neighborhood around;
   ImageView<const Ballot> ballots;
-  ImageView<uint8_t> spilled;
+  ImageView<uint8_t> fattened;
 
   TSAR_HD void operator()(int x, int y) const {
-    spilled(x, y) = 0;
+    fattened(x, y) = 0;
     const int label = ballots(x, y).label;
     const int side = SideOfPlane(label, x, y);
     if (side == 0) {
@@ -252,7 +252,7 @@ struct SpilledKernel {
         votes_against += weight * ballots(u, v).vote;
       }
     });
-    spilled(x, y) = votes_for < votes_against ? 1 : 0;
+    fattened(x, y) = votes_for < votes_against ? 1 : 0;
   }
 
   // -1 where the measurement lies in front of the plane, 1 behind it, 0 on it
@@ -269,12 +269,13 @@ struct SpilledKernel {
 };
 
 struct DistrustKernel {
-  ImageView<const uint8_t> spilled;
+  ImageView<const uint8_t> fattened;
   ImageView<uint8_t> trust;
 
   TSAR_HD void operator()(int x, int y) const {
-    if (spilled(ReducedRaster::FromMap(x, trust.width, spilled.width),
-                ReducedRaster::FromMap(y, trust.height, spilled.height)) != 0) {
+    if (fattened(ReducedRaster::FromMap(x, trust.width, fattened.width),
+                 ReducedRaster::FromMap(y, trust.height, fattened.height)) !=
+        0) {
       trust(x, y) = 0;
     }
   }
@@ -321,15 +322,15 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
   ParallelFor(device,
               width,
               height,
-              SpilledKernel{around, ballots.View(), marks.View()});
+              FattenedKernel{around, ballots.View(), marks.View()});
   return {std::move(previous), std::move(marks)};
 }
 
-void DistrustSpilled(ImageView<const uint8_t> spilled,
-                     ImageView<uint8_t> trust,
-                     Device& device) {
+void DistrustFattened(ImageView<const uint8_t> fattened,
+                      ImageView<uint8_t> trust,
+                      Device& device) {
   ParallelFor(
-      device, trust.width, trust.height, DistrustKernel{spilled, trust});
+      device, trust.width, trust.height, DistrustKernel{fattened, trust});
 }
 
 int64_t RefineBordersWorkingBytes(int64_t num_pixels,

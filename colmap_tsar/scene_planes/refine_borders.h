@@ -56,7 +56,7 @@ struct RefinedBorders {
   DeviceImage<uint16_t> superpixels;
   // 1 where a measurement off the pixel's plane is that of a surface behind the
   // next edge: it came with the matching window, not with the pixel.
-  DeviceImage<uint8_t> spilled;
+  DeviceImage<uint8_t> fattened;
 };
 
 // Moves pixels near borders between superpixels on different planes to the side
@@ -73,10 +73,10 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
                              const BorderOptions& options,
                              Device& device);
 
-// Sets trust, of the map, to 0 in the pixels of the raster that are spilled.
-void DistrustSpilled(ImageView<const uint8_t> spilled,
-                     ImageView<uint8_t> trust,
-                     Device& device);
+// Sets trust, of the map, to 0 in the pixels of the raster that are fattened.
+void DistrustFattened(ImageView<const uint8_t> fattened,
+                      ImageView<uint8_t> trust,
+                      Device& device);
 
 int64_t RefineBordersWorkingBytes(int64_t num_pixels,
                                   int64_t num_superpixels,

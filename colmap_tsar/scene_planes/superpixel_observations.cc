@@ -6,7 +6,7 @@
 namespace tsar {
 
 SuperpixelObservations::SuperpixelObservations(
-    const std::vector<ObservedView>& views, double max_mass) {
+    const std::vector<ObservedView>& views, double max_weight) {
   const Camera& reference = views[0].camera;
   const Eigen::Vector3d origin = reference.Center();
   for (const ObservedView& view : views) {
@@ -18,23 +18,23 @@ SuperpixelObservations::SuperpixelObservations(
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
       const int begin = evidence.first_observation[k];
       const int end = evidence.first_observation[k + 1];
-      double qualities = 0.0;
+      double confidences = 0.0;
       for (int i = begin; i < end; ++i) {
-        qualities += evidence.observations[i].quality;
+        confidences += evidence.observations[i].confidence;
       }
       views_.push_back(number);
       entries_.push_back(
           {evidence.observations.data() + begin,
            end - begin,
-           std::min(static_cast<double>(evidence.mass[k]), max_mass),
-           qualities});
+           std::min(static_cast<double>(evidence.weights[k]), max_weight),
+           confidences});
     }
   }
 }
 
-DepthObservation SuperpixelObservations::At(int customer, int number) const {
-  const Entry& entry = entries_[customer];
-  const Frame& frame = frames_[views_[customer]];
+DepthObservation SuperpixelObservations::At(int superpixel, int number) const {
+  const Entry& entry = entries_[superpixel];
+  const Frame& frame = frames_[views_[superpixel]];
   const Observation& observed = entry.observations[number];
   const RayDepth& sample = observed.sample;
   DepthObservation observation;
@@ -43,7 +43,7 @@ DepthObservation SuperpixelObservations::At(int customer, int number) const {
   observation.depth = sample.z;
   observation.sigma = static_cast<double>(sample.z) *
                       frame.resolution.RelativeDepthError(sample.z);
-  observation.weight = observed.quality * entry.mass / entry.qualities;
+  observation.weight = observed.confidence * entry.weight / entry.confidences;
   return observation;
 }
 

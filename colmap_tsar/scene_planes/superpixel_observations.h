@@ -20,9 +20,9 @@ namespace tsar {
 // pointers into the views' evidence.
 class SuperpixelObservations {
  public:
-  // A superpixel counts for max_mass at most.
+  // A superpixel counts for max_weight at most.
   SuperpixelObservations(const std::vector<ObservedView>& views,
-                         double max_mass);
+                         double max_weight);
 
   int Count() const { return static_cast<int>(views_.size()); }
   // The number of each superpixel's view.
@@ -32,9 +32,11 @@ class SuperpixelObservations {
     return frames_[view].center;
   }
 
-  int NumObservations(int customer) const { return entries_[customer].count; }
-  // The weights of a superpixel's observations add up to its mass.
-  DepthObservation At(int customer, int number) const;
+  int NumObservations(int superpixel) const {
+    return entries_[superpixel].count;
+  }
+  // The weights of a superpixel's observations add up to its weight.
+  DepthObservation At(int superpixel, int number) const;
 
   // Calls add(observation) for an evenly spaced sample of the observations of
   // some superpixels, and returns the size of the sample.
@@ -73,8 +75,8 @@ class SuperpixelObservations {
   struct Entry {
     const Observation* observations;
     int count;
-    double mass;
-    double qualities;  // The sum of the observations'.
+    double weight;
+    double confidences;  // The sum of the observations'.
   };
 
   std::vector<Frame> frames_;

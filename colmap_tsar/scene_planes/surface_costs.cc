@@ -28,7 +28,7 @@ SurfaceCosts::SurfaceCosts(const std::vector<ObservedView>& views,
     sources_.push_back({views[j].camera.GetIntrinsics(),
                         ComputeRelativePose(views[0].camera, views[j].camera),
                         views[j].evidence->resolution,
-                        views[j].evidence->strong_depth.View()});
+                        views[j].evidence->confident_depth.View()});
   }
   MakeSuperpixels();
 }
@@ -68,19 +68,19 @@ void SurfaceCosts::AddObservations(int s, Superpixel* superpixel) const {
        ++k) {
     const Observation& observation =
         evidence_.observations[static_cast<size_t>(k)];
-    all += observation.quality;
-    if (observation.quality >= options_.min_quality) {
+    all += observation.confidence;
+    if (observation.confidence >= options_.min_confidence) {
       superpixel->observations.push_back(observation);
-      superpixel->quality += observation.quality;
+      superpixel->confidence += observation.confidence;
     }
   }
-  superpixel->mass =
-      all > 0.f ? evidence_.mass[i] * superpixel->quality / all : 0.f;
+  superpixel->weight =
+      all > 0.f ? evidence_.weights[i] * superpixel->confidence / all : 0.f;
   const auto num_pixels = static_cast<float>(superpixel->pixels.size());
-  if (superpixel->mass < options_.min_measured * num_pixels) {
+  if (superpixel->weight < options_.min_measured * num_pixels) {
     superpixel->observations.clear();
-    superpixel->quality = 0.f;
-    superpixel->mass = 0.f;
+    superpixel->confidence = 0.f;
+    superpixel->weight = 0.f;
   }
 }
 
@@ -89,10 +89,10 @@ void SurfaceCosts::SetPresentCost(int label, Superpixel* superpixel) const {
   if (label < 0) {
     superpixel->residual = labels.cost_of_unexplained;
     superpixel->cost =
-        superpixel->mass * superpixel->residual +
-        labels.cost_of_none *
+        superpixel->weight * superpixel->residual +
+        labels.unlabelled_cost *
             std::max(static_cast<float>(superpixel->pixels.size()) -
-                         superpixel->mass,
+                         superpixel->weight,
                      0.f);
     return;
   }
@@ -125,9 +125,9 @@ float SurfaceCosts::Residual(const Superpixel& superpixel,
     const float share = std::min(
         Difference(observation.sample, surface) / options_.labels.tolerance,
         1.f);
-    sum += observation.quality * share * share;
+    sum += observation.confidence * share * share;
   }
-  return superpixel.quality > 0.f ? sum / superpixel.quality : 1.f;
+  return superpixel.confidence > 0.f ? sum / superpixel.confidence : 1.f;
 }
 
 float SurfaceCosts::ResidualOfNearest(
@@ -141,9 +141,9 @@ float SurfaceCosts::ResidualOfNearest(
           share,
           Difference(observation.sample, plane) / options_.labels.tolerance);
     }
-    sum += observation.quality * share * share;
+    sum += observation.confidence * share * share;
   }
-  return sum / superpixel.quality;
+  return sum / superpixel.confidence;
 }
 
 float SurfaceCosts::Cost(const Superpixel& superpixel,
@@ -157,7 +157,7 @@ float SurfaceCosts::Cost(const Superpixel& superpixel,
           static_cast<float>(sum.votes.contradicted) -
       labels.gain_of_confirmation * static_cast<float>(sum.votes.confirmed);
   return (superpixel.IsMeasured()
-              ? superpixel.mass * Residual(superpixel, surface)
+              ? superpixel.weight * Residual(superpixel, surface)
               : 0.f) +
          seen * pixels_per_vote;
 }

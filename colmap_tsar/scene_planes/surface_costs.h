@@ -22,14 +22,14 @@ struct Superpixel {
   std::vector<int> pixels;                // Of the raster.
   std::vector<Observation> observations;  // Those that were measured.
   std::vector<int> neighbors;             // Ascending.
-  float quality = 0.f;                    // Of the observations together.
-  float mass = 0.f;                       // Of what was measured.
+  float confidence = 0.f;                 // Of the observations together.
+  float weight = 0.f;                     // Of what was measured.
   Vec3f middle;                           // A ray.
   // With its plane or without any: what that costs, and Residual().
   float cost = 0.f;
   float residual = 0.f;
 
-  bool IsMeasured() const { return quality > 0.f; }
+  bool IsMeasured() const { return confidence > 0.f; }
 };
 
 // What superpixels of the reference cost on surfaces, and with the planes that

@@ -23,13 +23,13 @@ double ToCost(const SurfaceCosts& costs, double criterion) {
 
 double CostOfParameter(const SurfaceCosts& costs,
                        const std::vector<int>& members) {
-  double mass = 0.0;
+  double weight = 0.0;
   for (const int s : members) {
-    mass += costs.At(s).mass;
+    weight += costs.At(s).weight;
   }
   return ToCost(
       costs,
-      std::log(std::max(mass / costs.Options().pixels_per_observation, 2.0)));
+      std::log(std::max(weight / costs.Options().pixels_per_observation, 2.0)));
 }
 
 // The planes of superpixels and of their neighbours.
@@ -81,14 +81,14 @@ bool Improves(const SurfaceCosts& costs,
               const CurvedSurface& surface,
               const std::vector<int>& members) {
   double fall = 0.0;
-  double mass = 0.0;
+  double weight = 0.0;
   for (const int s : members) {
     const Superpixel& superpixel = costs.At(s);
-    fall += superpixel.mass *
+    fall += superpixel.weight *
             (superpixel.residual - costs.Residual(superpixel, surface));
-    mass += superpixel.mass;
+    weight += superpixel.weight;
   }
-  return fall > costs.Options().min_improvement * mass;
+  return fall > costs.Options().min_improvement * weight;
 }
 
 bool BeatsPlanesAround(const SurfaceCosts& costs,
@@ -96,28 +96,29 @@ bool BeatsPlanesAround(const SurfaceCosts& costs,
                        const std::vector<int>& members) {
   const std::vector<CurvedSurface> planes = PlanesAround(costs, members);
   double fall = 0.0;
-  double mass = 0.0;
+  double weight = 0.0;
   for (const int s : members) {
-    fall += costs.At(s).mass * (costs.ResidualOfNearest(costs.At(s), planes) -
-                                costs.Residual(costs.At(s), surface));
-    mass += costs.At(s).mass;
+    fall += costs.At(s).weight * (costs.ResidualOfNearest(costs.At(s), planes) -
+                                  costs.Residual(costs.At(s), surface));
+    weight += costs.At(s).weight;
   }
-  return fall >= costs.Options().min_improvement * mass;
+  return fall >= costs.Options().min_improvement * weight;
 }
 
 bool IsSound(const SurfaceCosts& costs,
              const FittedSurface& fitted,
              const std::vector<int>& members) {
   double residual = 0.0;
-  double mass = 0.0;
+  double weight = 0.0;
   for (const int s : members) {
-    residual += costs.At(s).mass * costs.Residual(costs.At(s), fitted.surface);
-    mass += costs.At(s).mass;
+    residual +=
+        costs.At(s).weight * costs.Residual(costs.At(s), fitted.surface);
+    weight += costs.At(s).weight;
   }
   const float* c = fitted.surface.coefficients;
   const float sagitta =
       (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / c[0];
-  return residual <= costs.Options().max_residual * mass &&
+  return residual <= costs.Options().max_residual * weight &&
          BeatsPlanesAround(costs, fitted.surface, members) && c[0] > 0.f &&
          sagitta <= costs.Options().max_sagitta &&
          std::all_of(members.begin(), members.end(), [&](int s) {

@@ -16,8 +16,8 @@ namespace tsar {
 // A depth with its own ray, in the camera's frame, and how far it is to be
 // believed.
 struct Observation {
-  RayDepth sample;      // z > 0
-  float quality = 0.f;  // in (0, 1]
+  RayDepth sample;         // z > 0
+  float confidence = 0.f;  // in (0, 1]
 };
 
 // Where two superpixels touch.
@@ -45,8 +45,8 @@ struct ViewEvidence {
   float noise = 0.f;
 
   Image<uint16_t> superpixels;  // Labels in [0, NumSuperpixels()).
-  // Per superpixel, the sum of the qualities of all its pixels.
-  std::vector<float> mass;
+  // Per superpixel, the sum of the confidences of all its pixels.
+  std::vector<float> weights;
   // Those of superpixel k are first_observation[k] to first_observation[k + 1]:
   // a sample of its pixels. NumSuperpixels() + 1 entries.
   std::vector<int> first_observation;
@@ -61,13 +61,13 @@ struct ViewEvidence {
 
   // Depths that are as good as certain, 0 elsewhere: what the view saw through
   // is empty up to there.
-  Image<float> strong_depth;
+  Image<float> confident_depth;
 
   // Of the size of the depth map: 0 where its depth is not trusted, otherwise
   // the score in (0, 1] times 255, rounded up.
   Image<uint8_t> trust;
 
-  int NumSuperpixels() const { return static_cast<int>(mass.size()); }
+  int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };
 
 }  // namespace tsar

@@ -22,7 +22,7 @@ struct SourceDepths {
   Intrinsics intrinsics;
   RelativePose from_reference;
   DepthResolution resolution;
-  ImageView<const float> strong_depth;  // 0 where none is certain.
+  ImageView<const float> confident_depth;  // 0 where none is certain.
 };
 
 // Gaps between a surface and what another view measured, in relative depths of
@@ -53,12 +53,12 @@ TSAR_HD inline void AddVote(const SourceDepths& source,
   float y = 0.f;
   source.intrinsics.Project(seen, &x, &y);
   // As floats, since far outside they do not fit into integers.
-  if (!(x >= 0.f && y >= 0.f && x < source.strong_depth.width - 0.5f &&
-        y < source.strong_depth.height - 0.5f)) {
+  if (!(x >= 0.f && y >= 0.f && x < source.confident_depth.width - 0.5f &&
+        y < source.confident_depth.height - 0.5f)) {
     return;
   }
-  const float measured = source.strong_depth(static_cast<int>(x + 0.5f),
-                                             static_cast<int>(y + 0.5f));
+  const float measured = source.confident_depth(static_cast<int>(x + 0.5f),
+                                                static_cast<int>(y + 0.5f));
   if (!(measured > 0.f)) {
     return;
   }

@@ -79,8 +79,8 @@ auto BytesOf(Container& container) {
 template <typename Evidence>
 auto NeighbourArrays(Evidence& evidence) {
   return std::array{BytesOf(evidence.superpixels),
-                    BytesOf(evidence.strong_depth),
-                    BytesOf(evidence.mass),
+                    BytesOf(evidence.confident_depth),
+                    BytesOf(evidence.weights),
                     BytesOf(evidence.first_observation),
                     BytesOf(evidence.observations),
                     BytesOf(evidence.candidates)};
@@ -134,21 +134,22 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
   };
   const std::vector<int>& first = evidence.first_observation;
   if (evidence.width < 1 || evidence.height < 1 ||
-      !has_raster(evidence.superpixels) || !has_raster(evidence.strong_depth) ||
-      first.size() != evidence.mass.size() + 1) {
+      !has_raster(evidence.superpixels) ||
+      !has_raster(evidence.confident_depth) ||
+      first.size() != evidence.weights.size() + 1) {
     return "sizes that do not fit each other";
   }
   if (!IsFiniteNotNegative(evidence.resolution.error_per_depth) ||
       !IsFiniteNotNegative(evidence.noise)) {
     return "a noise that is no number";
   }
-  const size_t num_superpixels = evidence.mass.size();
+  const size_t num_superpixels = evidence.weights.size();
   if (!AllOf(evidence.superpixels,
              [&](uint16_t label) { return label < num_superpixels; })) {
     return "a label that no superpixel has";
   }
-  if (!AllOf(evidence.mass, IsFiniteNotNegative)) {
-    return "a superpixel's mass that is none";
+  if (!AllOf(evidence.weights, IsFiniteNotNegative)) {
+    return "a superpixel's invalid weight";
   }
   if (first.front() != 0 || !std::ranges::is_sorted(first) ||
       static_cast<size_t>(first.back()) != evidence.observations.size()) {
@@ -157,19 +158,19 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
   if (!AllOf(evidence.observations, [](const Observation& observation) {
         const RayDepth& sample = observation.sample;
         return IsFinite(sample.x) & IsFinite(sample.y) &
-               IsFinitePositive(sample.z) & (observation.quality > 0.f) &
-               (observation.quality <= 1.f);
+               IsFinitePositive(sample.z) & (observation.confidence > 0.f) &
+               (observation.confidence <= 1.f);
       })) {
-    return "an observation that is none";
+    return "an invalid observation";
   }
   if (!AllOf(evidence.candidates, [](const Plane& plane) {
         return IsFinite(plane.normal.x) & IsFinite(plane.normal.y) &
                IsFinite(plane.normal.z) & IsFinitePositive(plane.offset);
       })) {
-    return "a plane that is none";
+    return "an invalid plane";
   }
-  if (!AllOf(evidence.strong_depth, IsFiniteNotNegative)) {
-    return "a depth that is none";
+  if (!AllOf(evidence.confident_depth, IsFiniteNotNegative)) {
+    return "an invalid depth";
   }
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
@@ -183,7 +184,7 @@ std::optional<std::string> FindFault(const ViewEvidence& evidence,
   if (!AllOf(evidence.borders, [](const SuperpixelBorder& border) {
         return IsFiniteNotNegative(border.weight);
       })) {
-    return "a border's weight that is none";
+    return "a border's invalid weight";
   }
   const size_t num_candidates = evidence.candidates.size();
   if (!AllOf(evidence.region_planes,
@@ -372,7 +373,7 @@ void WriteEvidence(const ContainedPath& path,
   header.trust_height = evidence.trust.Height();
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
-  header.num_superpixels = evidence.mass.size();
+  header.num_superpixels = evidence.weights.size();
   header.num_observations = evidence.observations.size();
   header.num_candidates = evidence.candidates.size();
   header.num_borders = evidence.borders.size();
@@ -405,8 +406,8 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.resolution.error_per_depth = header.error_per_depth;
   evidence.noise = header.noise;
   evidence.superpixels = Image<uint16_t>::Uninitialized(width, height);
-  evidence.strong_depth = Image<float>::Uninitialized(width, height);
-  evidence.mass.resize(header.num_superpixels);
+  evidence.confident_depth = Image<float>::Uninitialized(width, height);
+  evidence.weights.resize(header.num_superpixels);
   evidence.first_observation.resize(header.num_superpixels + 1);
   evidence.observations.resize(header.num_observations);
   evidence.candidates.resize(header.num_candidates);

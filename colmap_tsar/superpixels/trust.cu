@@ -4,7 +4,7 @@
 #include "colmap_tsar/superpixels/trust.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/superpixels/window_taps.cuh"
+#include "colmap_tsar/superpixels/bilateral_kernel.cuh"
 
 namespace tsar {
 namespace {
@@ -64,7 +64,7 @@ struct GateByMedianKernel {
   ImageView<const InverseDepthPlane> estimate;
   ImageView<const Rgb> color;
   Intrinsics intrinsics;
-  WindowTaps taps;
+  BilateralKernel taps;
   TrustGate gate;
   ImageView<uint8_t> trusted;
 
@@ -126,7 +126,7 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                           const TrustGate& gate,
                           ImageView<uint8_t> trusted,
                           Device& device) {
-  const WindowTapTable table(options, device);
+  const BilateralKernelTable table(options, device);
   ParallelFor(device,
               trusted.width,
               trusted.height,

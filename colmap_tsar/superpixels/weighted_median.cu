@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/superpixels/window_taps.cuh"
+#include "colmap_tsar/superpixels/bilateral_kernel.cuh"
 
 #include <cfloat>
 #include <cmath>
@@ -23,7 +23,7 @@ struct WeightedMedianKernel {
   ImageView<const uint8_t> where;
   Intrinsics intrinsics;
   float min_support;
-  WindowTaps taps;
+  BilateralKernel taps;
   ImageView<float> depth;
   ImageView<Vec3f> normal;
 
@@ -170,7 +170,7 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                        const WeightedMedianOptions& options,
                                        Device& device) {
   DepthNormalImages output(device, input.depth.width, input.depth.height);
-  const WindowTapTable table(options, device);
+  const BilateralKernelTable table(options, device);
   ParallelFor(device,
               input.depth.width,
               input.depth.height,

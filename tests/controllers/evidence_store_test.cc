@@ -20,9 +20,9 @@ ViewEvidence EvidenceOf(int image) {
   evidence.height = 1;
   evidence.noise = static_cast<float>(image);
   evidence.superpixels = Image<uint16_t>(2, 1);
-  evidence.strong_depth = Image<float>(2, 1);
+  evidence.confident_depth = Image<float>(2, 1);
   evidence.region_planes = Image<uint16_t>(2, 1);
-  evidence.mass = {1.f};
+  evidence.weights = {1.f};
   evidence.first_observation = {0, 0};
   evidence.trust = Image<uint8_t>(4, 3, 7);
   return evidence;
@@ -89,7 +89,7 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   const EvidenceStore::Evidence some = store.Get(1);
   ASSERT_NE(some, nullptr);
   EXPECT_EQ(some->noise, 1.f);
-  EXPECT_EQ(some->mass.size(), 1u);
+  EXPECT_EQ(some->weights.size(), 1u);
   EXPECT_TRUE(some->trust.Empty());
   EXPECT_TRUE(IsCurrent(1));
 }

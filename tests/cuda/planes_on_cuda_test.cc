@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
+#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include <algorithm>
@@ -73,8 +73,8 @@ TEST_F(CudaTest, DiscoverPlanes) {
     }
     StageResult result;
     result.Add("planes", kSameLabels, numbers);
-    for (const std::vector<int>& of_view : found.serving) {
-      result.Add("serving", kSameLabels, of_view);
+    for (const std::vector<int>& of_view : found.assignment) {
+      result.Add("assignment", kSameLabels, of_view);
     }
     return result;
   };
@@ -132,7 +132,7 @@ TEST_F(CudaTest, LabelView) {
   }
 }
 
-TEST_F(CudaTest, PutCurvedSurfaces) {
+TEST_F(CudaTest, RasterizeCurvedSurfaces) {
   constexpr int kWidth = 97;
   constexpr int kHeight = 61;
   CurvedView view;
@@ -151,7 +151,7 @@ TEST_F(CudaTest, PutCurvedSurfaces) {
   const auto run = [&](Device& device) {
     DeviceImage<Plane> planes(
         device, Image<Plane>(kWidth, kHeight, Plane{{0.f, 0.f, -1.f}, 3.f}));
-    PutCurvedSurfaces(view, superpixels, intrinsics, device, &planes);
+    RasterizeCurvedSurfaces(view, superpixels, intrinsics, device, &planes);
     StageResult result;
     result.Add("planes", kSameBytes, planes);
     return result;
@@ -207,16 +207,16 @@ TEST_F(CudaTest, RefineBorders) {
                       planes,
                       {},
                       device);
-    DistrustSpilled(refined.spilled.View(), device_trust.View(), device);
+    DistrustFattened(refined.fattened.View(), device_trust.View(), device);
     StageResult result;
     result.Add("superpixels", kSameLabels, refined.superpixels);
-    result.Add("spilled", kSameLabels, refined.spilled);
+    result.Add("fattened", kSameLabels, refined.fattened);
     result.Add("trust", kSameLabels, device_trust);
     return result;
   };
   const StageResult on_cpu = run(*cpu_);
-  const std::vector<double>& spilled = on_cpu.Channels()[1].values;
-  EXPECT_NE(std::count(spilled.begin(), spilled.end(), 1.0), 0);
+  const std::vector<double>& fattened = on_cpu.Channels()[1].values;
+  EXPECT_NE(std::count(fattened.begin(), fattened.end(), 1.0), 0);
   EXPECT_EQ(FindDifferentBytes(on_cpu, run(*cuda_)), "");
 }
 

@@ -79,12 +79,12 @@ std::vector<std::string> MakeSeeds() {
   evidence.resolution.error_per_depth = 0.01f;
   evidence.noise = 0.3f;
   evidence.superpixels = Image<uint16_t>(3, 2, 1);
-  evidence.strong_depth = Image<float>(3, 2, 2.f);
-  evidence.mass = {1.f, 2.f};
+  evidence.confident_depth = Image<float>(3, 2, 2.f);
+  evidence.weights = {1.f, 2.f};
   evidence.first_observation = {0, 0, 1};
   evidence.observations.resize(1);
   evidence.observations[0].sample = {0.f, 0.f, 2.f};
-  evidence.observations[0].quality = 0.5f;
+  evidence.observations[0].confidence = 0.5f;
   evidence.candidates.resize(1);
   evidence.candidates[0] = {Vec3f{0.f, 0.f, -1.f}, 2.f};
   evidence.borders.resize(1);

@@ -7,10 +7,9 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
 #include <algorithm>
-#include <functional>
-#include <memory>
 #include <vector>
 
+#include "tests/scene_planes/label_view_fixture.h"
 #include "tests/support/drawn_scene.h"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -18,144 +17,8 @@
 namespace tsar {
 namespace {
 
-constexpr int kWidth = 80;
-constexpr int kHeight = 60;
-constexpr int kSize = 10;  // Of a superpixel.
-constexpr int kNumColumns = kWidth / kSize;
-constexpr int kNumRows = kHeight / kSize;
-constexpr int kNumSuperpixels = kNumColumns * kNumRows;
-constexpr float kStrongEdge = 100.f;
-
-Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
-
-// Square superpixels, numbered row by row, in an image without edges, of which
-// each test says what was measured.
-class LabelViewTest : public testing::Test {
- protected:
-  LabelViewTest() : camera_(DrawnCamera(kWidth, kHeight, 80.0)) {
-    inputs_.superpixels = Image<int>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        inputs_.superpixels(x, y) = y / kSize * kNumColumns + x / kSize;
-      }
-    }
-    inputs_.num_superpixels = kNumSuperpixels;
-    inputs_.superpixel_planes.resize(kNumSuperpixels);
-    inputs_.samples = Image<RayDepth>(kWidth, kHeight);
-    inputs_.texture = Image<float>(kWidth, kHeight, 5.f);
-    inputs_.contrast = Image<float>(kWidth, kHeight, 0.f);
-    inputs_.intrinsics = camera_.GetIntrinsics();
-    inputs_.resolution.error_per_depth = 0.001f;
-  }
-
-  // The plane is measured in these columns of superpixels, both inclusive.
-  void Measure(const Plane& plane, int first_column, int last_column) {
-    const Image<RayDepth> samples =
-        ToSamples(DrawDepth(plane, camera_), camera_);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = first_column * kSize; x < (last_column + 1) * kSize; ++x) {
-        inputs_.samples(x, y) = samples(x, y);
-      }
-    }
-  }
-
-  void DrawEdgeLeftOf(int column) {
-    for (int y = 0; y < kHeight; ++y) {
-      inputs_.contrast(column * kSize - 1, y) = kStrongEdge;
-      inputs_.contrast(column * kSize, y) = kStrongEdge;
-    }
-  }
-
-  void DrawEdgesEverywhere() {
-    inputs_.contrast = Image<float>(kWidth, kHeight, kStrongEdge);
-  }
-
-  // A second view, 1 to the right, of which this is known for certain. A point
-  // at depth 3 lies 80 / 3 pixels further left in it.
-  void AddWitness(const std::function<float(int x, int y)>& strong_depth) {
-    witness_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
-    witness_.width = kWidth;
-    witness_.height = kHeight;
-    witness_.first_observation = {0};
-    witness_.strong_depth = Image<float>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        witness_.strong_depth(x, y) = strong_depth(x, y);
-      }
-    }
-    num_witnesses_ = 1;
-  }
-
-  // Each superpixel is served by the first plane that explains its first
-  // observation.
-  LabeledView Label(const std::vector<Plane>& planes) const {
-    const ViewEvidence evidence = GatherEvidence(inputs_, {});
-    DiscoveredPlanes discovered;
-    for (const Plane& plane : planes) {
-      discovered.planes.push_back({ToWorldPlane(plane, camera_), 1.0});
-    }
-    std::vector<ObservedView> views = {{&evidence, camera_}};
-    discovered.serving.emplace_back();
-    for (int s = 0; s < evidence.NumSuperpixels(); ++s) {
-      int serving = -1;
-      if (evidence.first_observation[s] < evidence.first_observation[s + 1]) {
-        const RayDepth& sample =
-            evidence.observations[evidence.first_observation[s]].sample;
-        for (size_t k = planes.size(); k-- > 0;) {
-          if (RelativeDistance(planes[k], sample) < 1e-3f) {
-            serving = static_cast<int>(k);
-          }
-        }
-      }
-      discovered.serving[0].push_back(serving);
-    }
-    for (int i = 0; i < num_witnesses_; ++i) {
-      Camera camera = camera_;
-      camera.translation.x() -= 1.0;
-      camera.rotation = witness_turn_ * camera.rotation;
-      camera.translation = witness_turn_ * camera.translation;
-      views.push_back({&witness_, camera});
-      discovered.serving.emplace_back();
-    }
-    // Several observations to each cell, as in rasters of usual size.
-    PlaneSupportOptions support_options;
-    support_options.num_cells = 16;
-    return LabelView(views,
-                     discovered,
-                     FindPlaneSupport(views, discovered, support_options),
-                     options_,
-                     *device_);
-  }
-
-  // Columns have these labels from top to bottom.
-  static void ExpectColumns(const LabeledView& view,
-                            const std::vector<int>& expected) {
-    ASSERT_EQ(view.labels.size(), static_cast<size_t>(kNumSuperpixels));
-    for (int s = 0; s < kNumSuperpixels; ++s) {
-      EXPECT_EQ(view.labels[s], expected[s % kNumColumns])
-          << "column " << s % kNumColumns << ", row " << s / kNumColumns;
-    }
-  }
-
-  static void ExpectEvidence(const LabeledView& view,
-                             const std::vector<LabelEvidence>& expected) {
-    for (int s = 0; s < kNumSuperpixels; ++s) {
-      EXPECT_EQ(view.evidence[s], expected[s % kNumColumns])
-          << "column " << s % kNumColumns << ", row " << s / kNumColumns;
-    }
-  }
-
-  std::unique_ptr<Device> device_ = Device::CreateCpu(1);
-  Camera camera_;
-  EvidenceInputs inputs_;
-  ViewEvidence witness_;
-  int num_witnesses_ = 0;  // All see the same.
-  Eigen::Matrix3d witness_turn_ = Eigen::Matrix3d::Identity();
-  LabelOptions options_;
-};
-
 TEST_F(LabelViewTest, SpreadsLabelsUpToAnEdgeOfTheImage) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   Measure(WallAt(5.f), 2, 4);
   const LabeledView all = Label({WallAt(5.f)});
   ExpectColumns(all, {0, 0, 0, 0, 0, 0, 0, 0});
@@ -191,97 +54,8 @@ TEST_F(LabelViewTest, ChangesAtAnEdgeWherePlanesAreApart) {
   }
 }
 
-TEST_F(LabelViewTest, PlanesDoNotHideWhatOtherViewsSawThroughThem) {
-  Measure(WallAt(3.f), 0, 2);
-  AddWitness([](int, int) { return 6.f; });
-  // The measured ones are contradicted too, but only by one view.
-  const LabeledView view = Label({WallAt(3.f)});
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    if (s % kNumColumns >= 3) {
-      EXPECT_EQ(view.labels[s], -1);
-      EXPECT_EQ(view.evidence[s], LabelEvidence::kNone);
-    }
-  }
-  options_.cost_of_contradiction = 0.f;
-  ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
-}
-
-TEST_F(LabelViewTest, OnlyWhatLiesWellInFrontContradicts) {
-  Measure(WallAt(3.f), 0, 2);
-  // One pixel of disparity is 0.009 there.
-  for (const float depth : {3.f + 1.3f * 0.009f, 2.5f, 0.f}) {
-    AddWitness([&](int, int) { return depth; });
-    ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
-  }
-  AddWitness([](int, int) { return 3.f + 2.f * 0.009f; });
-  EXPECT_EQ(Label({WallAt(3.f)}).labels[5], -1);
-}
-
-TEST_F(LabelViewTest, ViewsThatLookAwaySayNothing) {
-  Measure(WallAt(3.f), 0, 2);
-  AddWitness([](int, int) { return 6.f; });
-  witness_turn_.diagonal() << -1.0, 1.0, -1.0;
-  ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
-}
-
-TEST_F(LabelViewTest, OtherViewsConfirmPlanes) {
-  options_.cost_of_none = 0.f;
-  DrawEdgesEverywhere();
-  Measure(WallAt(3.f), 0, 2);
-  ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, -1, -1, -1, -1, -1});
-  // Columns 5 and 6 of the reference.
-  AddWitness([](int x, int) { return x >= 24 && x < 43 ? 3.001f : 0.f; });
-  const LabeledView view = Label({WallAt(3.f)});
-  ExpectColumns(view, {0, 0, 0, -1, -1, 0, 0, -1});
-  EXPECT_EQ(view.evidence[5], LabelEvidence::kCarried);
-  options_.gain_of_confirmation = 0.f;
-  ExpectColumns(Label({WallAt(3.f)}), {0, 0, 0, -1, -1, -1, -1, -1});
-}
-
-TEST_F(LabelViewTest, TwoViewsSayMoreThanOneButThreeDoNot) {
-  DrawEdgesEverywhere();
-  Measure(WallAt(5.f), 0, 7);
-  const auto label = [&](float depth, int num_witnesses) {
-    AddWitness([&](int x, int) { return x < 60 ? depth : 0.f; });
-    num_witnesses_ = num_witnesses;
-    return Label({WallAt(5.f), WallAt(4.9f)}).labels[2 * kNumColumns + 3];
-  };
-  // Having no plane costs 0.6 here.
-  options_.cost_of_contradiction = 0.7f;
-  EXPECT_EQ(label(8.f, 1), 0);
-  EXPECT_EQ(label(8.f, 2), -1);
-  options_.cost_of_contradiction = 0.5f;
-  EXPECT_EQ(label(8.f, 3), 0);
-  // The nearer plane costs 1.
-  options_.gain_of_confirmation = 1.2f;
-  EXPECT_EQ(label(4.9f, 1), 0);
-  EXPECT_EQ(label(4.9f, 2), 1);
-  options_.gain_of_confirmation = 0.8f;
-  EXPECT_EQ(label(4.9f, 3), 0);
-}
-
-TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
-  Measure(WallAt(3.f), 0, 2);
-  DrawEdgeLeftOf(6);
-  // Column 3 of the reference; 6 and 7 are seen through.
-  AddWitness([](int x, int) {
-    return x >= 4 && x < 13 ? 3.f : x >= 34 ? 6.f : 0.f;
-  });
-  const LabeledView view = Label({WallAt(3.f)});
-  ExpectColumns(view, {0, 0, 0, 0, 0, 0, -1, -1});
-  ExpectEvidence(view,
-                 {LabelEvidence::kMeasured,
-                  LabelEvidence::kMeasured,
-                  LabelEvidence::kMeasured,
-                  LabelEvidence::kCarried,
-                  LabelEvidence::kGuessed,
-                  LabelEvidence::kGuessed,
-                  LabelEvidence::kNone,
-                  LabelEvidence::kNone});
-}
-
 TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 2);
   const LabeledView near = Label({WallAt(5.f)});
@@ -291,12 +65,12 @@ TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
   }
   // Next to where it was observed it is known.
   EXPECT_EQ(near.labels[2 * kNumColumns + 3], 0);
-  options_.doubt_of_extrapolation = 0.f;
+  options_.extrapolation_uncertainty = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
   for (int y = 2 * kSize; y < 4 * kSize; ++y) {
@@ -308,8 +82,8 @@ TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
-TEST_F(LabelViewTest, APlaneIsDoubtedWhereItsDepthIsUnknown) {
-  options_.doubt_of_extrapolation = 0.f;
+TEST_F(LabelViewTest, APlaneIsUncertainWhereItsDepthIsUnknown) {
+  options_.extrapolation_uncertainty = 0.f;
   DrawEdgesEverywhere();
   // Along one row alone, about which the plane could turn.
   Measure(WallAt(5.f), 0, 7);
@@ -323,7 +97,7 @@ TEST_F(LabelViewTest, APlaneIsDoubtedWhereItsDepthIsUnknown) {
   const LabeledView view = Label({WallAt(5.f)});
   EXPECT_EQ(view.labels[3], -1);
   EXPECT_EQ(view.labels[kNumColumns * (kNumRows - 1) + 3], -1);
-  options_.cost_of_doubt = 0.f;
+  options_.uncertainty_cost = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
@@ -370,20 +144,9 @@ TEST_F(LabelViewTest, TakesThePlaneThatFitsBest) {
                 {1, 1, 1, 1, 1, 1, 1, 1});
 }
 
-TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
-  DrawEdgesEverywhere();
-  options_.cost_of_doubt = 0.f;
-  Measure(WallAt(5.f), 0, 2);
-  // From half the nearest depth to twice the farthest.
-  ExpectColumns(Label({WallAt(9.9f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
-  ExpectColumns(Label({WallAt(2.6f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
-  ExpectColumns(Label({WallAt(10.1f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
-  ExpectColumns(Label({WallAt(2.4f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
-}
-
 TEST_F(LabelViewTest, APlaneBehindTheCameraIsNoLabel) {
   const Plane behind{{0.f, 0.f, 1.f}, 5.f};
-  options_.cost_of_doubt = 0.f;
+  options_.uncertainty_cost = 0.f;
   Measure(WallAt(5.f), 0, 2);
   ExpectColumns(Label({behind, WallAt(5.f)}), {1, 1, 1, 1, 1, 1, 1, 1});
   ExpectColumns(Label({behind}), {-1, -1, -1, -1, -1, -1, -1, -1});
@@ -426,7 +189,7 @@ TEST_F(LabelViewTest, APlaneObservedAtOnePointStaysThere) {
 }
 
 TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
   for (int y = 0; y < kHeight; ++y) {
@@ -437,15 +200,15 @@ TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
     }
   }
   ExpectColumns(Label({WallAt(5.f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
-  options_.doubt_of_extrapolation = 0.f;
+  options_.extrapolation_uncertainty = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   Measure(WallAt(3.f), 0, 2);
   DrawEdgeLeftOf(6);
-  AddWitness([](int x, int) {
+  AddSource([](int x, int) {
     return x >= 4 && x < 13 ? 3.f : x >= 34 ? 6.f : 0.f;
   });
   const LabeledView expected = Label({WallAt(3.f)});
@@ -460,14 +223,14 @@ TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnTheThreads) {
-  options_.cost_of_none = 0.01f;
+  options_.unlabelled_cost = 0.01f;
   Philox random(3, 0, 0);
   for (float& contrast : inputs_.contrast) {
     contrast = 20.f * random.NextFloat();
   }
   Measure(WallAt(3.f), 0, 1);
   Measure(WallAt(5.f), 5, 6);
-  AddWitness([](int x, int y) { return x + y < 50 ? 3.f : 5.f; });
+  AddSource([](int x, int y) { return x + y < 50 ? 3.f : 5.f; });
   const std::vector<Plane> planes = {
       WallAt(3.f), WallAt(5.f), WallAt(4.f), WallAt(5.01f)};
   const LabeledView expected = Label(planes);

@@ -28,7 +28,7 @@ class PlaneSupportTest : public testing::Test {
     evidence_.resolution.error_per_depth = kErrorPerDepth;
     evidence_.first_observation.push_back(0);
     LookFrom(Camera());
-    discovered_.serving.resize(1);
+    discovered_.assignment.resize(1);
   }
 
   void LookFrom(const Camera& camera) {
@@ -39,24 +39,24 @@ class PlaneSupportTest : public testing::Test {
 
   // Observations at positions on the wall.
   void AddSuperpixel(const std::vector<PlanePoint>& points,
-                     float mass = 40.f,
-                     float quality = 1.f,
+                     float weight = 40.f,
+                     float confidence = 1.f,
                      float depth = kDepth) {
     for (const PlanePoint& point : points) {
       evidence_.observations.push_back(
-          {{point.s / kDepth, point.t / kDepth, depth}, quality});
+          {{point.s / kDepth, point.t / kDepth, depth}, confidence});
     }
     evidence_.first_observation.push_back(
         static_cast<int>(evidence_.observations.size()));
-    evidence_.mass.push_back(mass);
-    discovered_.serving[0].push_back(0);
+    evidence_.weights.push_back(weight);
+    discovered_.assignment[0].push_back(0);
   }
 
   // Four superpixels of one observation around the optical axis.
-  void AddCorners(float s, float t, float mass = 40.f) {
+  void AddCorners(float s, float t, float weight = 40.f) {
     for (const float sign_s : {-1.f, 1.f}) {
       for (const float sign_t : {-1.f, 1.f}) {
-        AddSuperpixel({{sign_s * s, sign_t * t}}, mass);
+        AddSuperpixel({{sign_s * s, sign_t * t}}, weight);
       }
     }
   }
@@ -124,10 +124,10 @@ TEST_F(PlaneSupportTest, ErrorGrowsWithTheTolerance) {
   EXPECT_NEAR(Find().frames[0].Sigma({0.f, 0.f}), 4.f * sigma, 1e-6f);
 }
 
-TEST_F(PlaneSupportTest, SuperpixelsCountByTheirMassUpToOne) {
+TEST_F(PlaneSupportTest, SuperpixelsCountByTheirWeightUpToOne) {
   AddCorners(2.f, 1.f, 10.f);
   EXPECT_NEAR(Find().frames[0].height_variance / (kSigma * kSigma), 1.f, 1e-4f);
-  std::fill(evidence_.mass.begin(), evidence_.mass.end(), 1000.f);
+  std::fill(evidence_.weights.begin(), evidence_.weights.end(), 1000.f);
   EXPECT_NEAR(
       Find().frames[0].height_variance / (kSigma * kSigma), 0.25f, 1e-4f);
 }
@@ -135,9 +135,9 @@ TEST_F(PlaneSupportTest, SuperpixelsCountByTheirMassUpToOne) {
 TEST_F(PlaneSupportTest, WeakObservationsAndThoseOffThePlaneMeasureNothing) {
   const std::vector<PlanePoint> points(4, {0.f, 0.f});
   AddSuperpixel(points);
-  // Of the qualities 2 of 2.5 speak, and then, beside one off the plane, 1.
-  evidence_.observations[2].quality = 0.25f;
-  evidence_.observations[3].quality = 0.25f;
+  // Of the confidences 2 of 2.5 speak, and then, beside one off the plane, 1.
+  evidence_.observations[2].confidence = 0.25f;
+  evidence_.observations[3].confidence = 0.25f;
   EXPECT_NEAR(
       Find().frames[0].height_variance / (kSigma * kSigma), 1.25f, 1e-4f);
   evidence_.observations[1].sample.z = 1.02f * kDepth;
@@ -234,7 +234,7 @@ TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
   for (const DrawnSurface& surface : room.surfaces) {
     discovered.planes.push_back({surface.plane, 1.0});
   }
-  discovered.serving = room.seen;
+  discovered.assignment = room.seen;
   const PlaneSupport support =
       FindPlaneSupport(room.Views(), discovered, options_);
   ASSERT_EQ(support.frames.size(), 3u);
@@ -259,7 +259,7 @@ TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
     EXPECT_GT(support.first_cell[k + 1], support.first_cell[k] + 50);
   }
   // More views know the planes better.
-  discovered.serving.resize(1);
+  discovered.assignment.resize(1);
   const PlaneSupport of_one =
       FindPlaneSupport({room.Views()[0]}, discovered, options_);
   for (size_t k = 0; k < 3; ++k) {
@@ -268,10 +268,10 @@ TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
   }
 }
 
-TEST_F(PlaneSupportTest, LeavesOutWhatIsServedByNoPlane) {
+TEST_F(PlaneSupportTest, LeavesOutWhatIsAssignedToNoPlane) {
   AddCorners(2.f, 1.f);
   AddSuperpixel({{5.f, 5.f}, {5.f, 5.f}});
-  discovered_.serving[0].back() = -1;
+  discovered_.assignment[0].back() = -1;
   const PlaneSupport support = Find();
   EXPECT_LT(Norm(support.frames[0].center - Vec3f{0.f, 0.f, kDepth}), 1e-5f);
   EXPECT_NEAR(support.cell_sizes[0], 4.f / 64.f, 1e-4f);
@@ -299,7 +299,7 @@ TEST_F(PlaneSupportTest, KnowsNothingBesideALineOrAPoint) {
 TEST_F(PlaneSupportTest, WithoutMeasurementsKnowsJustWhereAPlaneIs) {
   AddGrid(-1.f, -1.f, 5, 0.5f, 3);
   for (Observation& observation : evidence_.observations) {
-    observation.quality = 0.3f;
+    observation.confidence = 0.3f;
   }
   const PlaneSupport support = Find();
   const PlaneFrame& frame = support.frames[0];

@@ -76,7 +76,7 @@ class RefineBordersTest : public testing::Test {
 
   struct Refined {
     Image<uint16_t> superpixels;
-    Image<uint8_t> spilled;
+    Image<uint8_t> fattened;
   };
 
   Refined Refine() const {
@@ -94,7 +94,7 @@ class RefineBordersTest : public testing::Test {
                                                  planes_,
                                                  options_,
                                                  *device_);
-    return {refined.superpixels.ToHost(), refined.spilled.ToHost()};
+    return {refined.superpixels.ToHost(), refined.fattened.ToHost()};
   }
 
   // Of a pixel after refinement.
@@ -213,7 +213,7 @@ TEST_F(RefineBordersTest, TexturedMeasurementsMoveTheBorder) {
   }
 }
 
-TEST_F(RefineBordersTest, DepthsThatSpillOverAnEdgeAreFound) {
+TEST_F(RefineBordersTest, DepthsFattenedOverAnEdgeAreFound) {
   const auto is_box = [](int x, int) { return x < 40; };
   Paint(is_box);
   Roughen(is_box);
@@ -222,12 +222,12 @@ TEST_F(RefineBordersTest, DepthsThatSpillOverAnEdgeAreFound) {
   const Refined refined = Refine();
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      EXPECT_EQ(refined.spilled(x, y), x >= 40 && x < 46) << x << ", " << y;
+      EXPECT_EQ(refined.fattened(x, y), x >= 40 && x < 46) << x << ", " << y;
     }
   }
 }
 
-TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesDoNotSpill) {
+TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesAreNotFattened) {
   const auto is_object = [](int x, int y) {
     return x >= 60 && x < 70 && y >= 20 && y < 40;
   };
@@ -235,15 +235,15 @@ TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesDoNotSpill) {
   Roughen(is_object);
   Measure(3.5f, is_object);
   const Refined refined = Refine();
-  EXPECT_EQ(std::count(refined.spilled.begin(), refined.spilled.end(), 1), 0);
+  EXPECT_EQ(std::count(refined.fattened.begin(), refined.fattened.end(), 1), 0);
 }
 
-TEST_F(RefineBordersTest, DistrustSpilledCoversTheMap) {
-  Image<uint8_t> spilled(4, 3);
-  spilled(1, 2) = 1;
+TEST_F(RefineBordersTest, DistrustFattenedCoversTheMap) {
+  Image<uint8_t> fattened(4, 3);
+  fattened(1, 2) = 1;
   DeviceImage<uint8_t> trust(*device_, Image<uint8_t>(8, 6, 200));
-  DistrustSpilled(
-      DeviceImage<uint8_t>(*device_, spilled).View(), trust.View(), *device_);
+  DistrustFattened(
+      DeviceImage<uint8_t>(*device_, fattened).View(), trust.View(), *device_);
   const Image<uint8_t> after = trust.ToHost();
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 8; ++x) {
@@ -268,7 +268,7 @@ TEST_F(RefineBordersTest, DoesNotDependOnTheThreads) {
                            first.superpixels.end(),
                            again.superpixels.begin()));
     EXPECT_TRUE(std::equal(
-        first.spilled.begin(), first.spilled.end(), again.spilled.begin()));
+        first.fattened.begin(), first.fattened.end(), again.fattened.begin()));
   }
 }
 

@@ -31,12 +31,12 @@ ViewEvidence DrawEvidence() {
   evidence.resolution.error_per_depth = draw();
   evidence.noise = draw();
   evidence.superpixels = Image<uint16_t>(9, 7);
-  evidence.strong_depth = Image<float>(9, 7);
+  evidence.confident_depth = Image<float>(9, 7);
   evidence.region_planes = Image<uint16_t>(9, 7);
   for (int y = 0; y < 7; ++y) {
     for (int x = 0; x < 9; ++x) {
       evidence.superpixels(x, y) = static_cast<uint16_t>(x / 2);
-      evidence.strong_depth(x, y) = y % 2 == 0 ? 10.f * draw() : 0.f;
+      evidence.confident_depth(x, y) = y % 2 == 0 ? 10.f * draw() : 0.f;
       evidence.region_planes(x, y) = static_cast<uint16_t>((x + y) % 4);
     }
   }
@@ -47,7 +47,7 @@ ViewEvidence DrawEvidence() {
         {{draw() - 0.5f, draw() - 0.5f, 10.f * draw()}, draw()});
   }
   for (int k = 0; k < kNumSuperpixels; ++k) {
-    evidence.mass.push_back(20.f * draw());
+    evidence.weights.push_back(20.f * draw());
   }
   for (int k = 0; k + 1 < kNumSuperpixels; ++k) {
     const int x = 2 * k + 1;
@@ -74,14 +74,14 @@ void AppendAll(const T& values, std::string* bytes) {
 std::string NeighbourBytes(const ViewEvidence& evidence) {
   std::string bytes;
   AppendAll(evidence.superpixels, &bytes);
-  AppendAll(evidence.strong_depth, &bytes);
-  AppendAll(evidence.mass, &bytes);
+  AppendAll(evidence.confident_depth, &bytes);
+  AppendAll(evidence.weights, &bytes);
   AppendAll(evidence.first_observation, &bytes);
   for (const Observation& observation : evidence.observations) {
     Append(observation.sample.x, &bytes);
     Append(observation.sample.y, &bytes);
     Append(observation.sample.z, &bytes);
-    Append(observation.quality, &bytes);
+    Append(observation.confidence, &bytes);
   }
   for (const Plane& plane : evidence.candidates) {
     Append(plane.normal.x, &bytes);
@@ -118,7 +118,7 @@ struct HeaderFields {
         height(evidence.height),
         trust_width(evidence.trust.Width()),
         trust_height(evidence.trust.Height()),
-        num_superpixels(evidence.mass.size()),
+        num_superpixels(evidence.weights.size()),
         num_observations(evidence.observations.size()),
         num_candidates(evidence.candidates.size()),
         num_borders(evidence.borders.size()) {}
@@ -166,7 +166,7 @@ void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_EQ(a.resolution.error_per_depth, b.resolution.error_per_depth);
   EXPECT_EQ(a.noise, b.noise);
   EXPECT_TRUE(a.superpixels.HasSizeOf(b.superpixels));
-  EXPECT_TRUE(a.strong_depth.HasSizeOf(b.strong_depth));
+  EXPECT_TRUE(a.confident_depth.HasSizeOf(b.confident_depth));
   EXPECT_EQ(a.observations.size(), b.observations.size());
   EXPECT_EQ(NeighbourBytes(a), NeighbourBytes(b));
 }
@@ -227,10 +227,10 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.width = 1;
   nothing.height = 2;
   nothing.superpixels = Image<uint16_t>(1, 2);
-  nothing.mass = {0.f};
+  nothing.weights = {0.f};
   nothing.first_observation = {0, 0};
   nothing.region_planes = Image<uint16_t>(1, 2);
-  nothing.strong_depth = Image<float>(1, 2);
+  nothing.confident_depth = Image<float>(1, 2);
   nothing.trust = Image<uint8_t>(1, 2);
   WriteEvidence(UserPath(path_), "", nothing);
   ExpectSame(ReadEvidence(path_), nothing);
@@ -239,8 +239,9 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
 
 TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   ViewEvidence evidence = evidence_;
-  evidence.observations[0].quality = 1.f;
-  evidence.observations[1].quality = std::numeric_limits<float>::denorm_min();
+  evidence.observations[0].confidence = 1.f;
+  evidence.observations[1].confidence =
+      std::numeric_limits<float>::denorm_min();
   evidence.observations[2].sample.z = std::numeric_limits<float>::max();
   evidence.borders.back().second = 4;
   evidence.borders.back().pixels[3] = 9 * 7 - 1;
@@ -413,9 +414,9 @@ std::vector<Fault> NeighbourFaults() {
   const std::string noise = "a noise that is no number";
   const std::string mass = "a superpixel's mass";
   const std::string owners = "observations that are not those of";
-  const std::string observation = "an observation that is none";
-  const std::string plane = "a plane that is none";
-  const std::string depth = "a depth that is none";
+  const std::string observation = "an invalid observation";
+  const std::string plane = "an invalid plane";
+  const std::string depth = "an invalid depth";
   return {
       {label, [](auto* e) { e->superpixels(8, 6) = 5; }},
       {label, [](auto* e) { e->superpixels(0, 0) = 65535; }},
@@ -423,9 +424,9 @@ std::vector<Fault> NeighbourFaults() {
       {noise, [](auto* e) { e->resolution.error_per_depth = -1.f; }},
       {noise, [](auto* e) { e->noise = kInf; }},
       {noise, [](auto* e) { e->noise = -kInf; }},
-      {mass, [](auto* e) { e->mass[4] = kNan; }},
-      {mass, [](auto* e) { e->mass[0] = -1.f; }},
-      {mass, [](auto* e) { e->mass[0] = kInf; }},
+      {mass, [](auto* e) { e->weights[4] = kNan; }},
+      {mass, [](auto* e) { e->weights[0] = -1.f; }},
+      {mass, [](auto* e) { e->weights[0] = kInf; }},
       {owners, [](auto* e) { e->first_observation[0] = 1; }},
       {owners, [](auto* e) { e->first_observation[0] = -1; }},
       {owners, [](auto* e) { e->first_observation[2] = 5; }},
@@ -440,18 +441,18 @@ std::vector<Fault> NeighbourFaults() {
       {observation, [](auto* e) { e->observations[3].sample.z = -1.f; }},
       {observation, [](auto* e) { e->observations[3].sample.z = kInf; }},
       {observation, [](auto* e) { e->observations[3].sample.z = kNan; }},
-      {observation, [](auto* e) { e->observations[3].quality = 0.f; }},
-      {observation, [](auto* e) { e->observations[3].quality = -0.5f; }},
-      {observation, [](auto* e) { e->observations[3].quality = 1.001f; }},
-      {observation, [](auto* e) { e->observations[3].quality = kNan; }},
+      {observation, [](auto* e) { e->observations[3].confidence = 0.f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = -0.5f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = 1.001f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = kNan; }},
       {plane, [](auto* e) { e->candidates[2].normal.x = kNan; }},
       {plane, [](auto* e) { e->candidates[0].normal.y = kInf; }},
       {plane, [](auto* e) { e->candidates[0].normal.z = -kInf; }},
       {plane, [](auto* e) { e->candidates[1].offset = kNan; }},
       {plane, [](auto* e) { e->candidates[1] = Plane(); }},
-      {depth, [](auto* e) { e->strong_depth(8, 6) = kNan; }},
-      {depth, [](auto* e) { e->strong_depth(0, 0) = kInf; }},
-      {depth, [](auto* e) { e->strong_depth(0, 0) = -1.f; }},
+      {depth, [](auto* e) { e->confident_depth(8, 6) = kNan; }},
+      {depth, [](auto* e) { e->confident_depth(0, 0) = kInf; }},
+      {depth, [](auto* e) { e->confident_depth(0, 0) = -1.f; }},
   };
 }
 
@@ -503,11 +504,11 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   }
   const std::string sizes = "sizes that do not fit each other";
   faults.push_back({sizes, [](auto* e) { e->width = 0; }});
-  faults.push_back({sizes, [](auto* e) { e->mass.pop_back(); }});
+  faults.push_back({sizes, [](auto* e) { e->weights.pop_back(); }});
   faults.push_back({sizes, [](auto* e) { e->first_observation.clear(); }});
   faults.push_back({sizes, [](auto* e) { std::swap(e->width, e->height); }});
   faults.push_back({sizes, [](auto* e) { e->superpixels = {}; }});
-  faults.push_back({sizes, [](auto* e) { e->strong_depth = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});
   faults.push_back({sizes, [](auto* e) { e->region_planes = {}; }});
   faults.push_back({sizes, [](auto* e) { e->trust = {}; }});
   for (const Fault& fault : faults) {

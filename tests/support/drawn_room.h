@@ -147,7 +147,7 @@ class DrawnRoom {
     std::vector<int> surface_of;
     const int num_columns = kWidth / kSuperpixelSize;
     for (int k = 0; k < kNumSuperpixels; ++k) {
-      view.mass.push_back(kPixelsOfSuperpixel);
+      view.weights.push_back(kPixelsOfSuperpixel);
       view.first_observation.push_back(
           static_cast<int>(view.observations.size()));
       for (int i = 0; i < kObservationsOfSuperpixel; ++i) {
@@ -167,7 +167,7 @@ class DrawnRoom {
             static_cast<float>(ray.y()),
             static_cast<float>(depth *
                                (1.0 + kNoise * error * NextNormal(random)))};
-        observation.quality = 0.5f + 0.5f * random->NextFloat();
+        observation.confidence = 0.5f + 0.5f * random->NextFloat();
         view.observations.push_back(observation);
         if (i == 0) {
           surface_of.push_back(surface);

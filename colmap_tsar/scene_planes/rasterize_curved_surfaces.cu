@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/put_curved_surfaces.h"
+#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 
 #include "colmap_tsar/device/parallel_for.h"
 
 namespace tsar {
 namespace {
 
-struct PutKernel {
+struct RasterizeKernel {
   const CurvedSurface* surfaces;
   const int* surface_of;  // Of each superpixel.
   ImageView<const uint16_t> superpixels;
@@ -25,11 +25,11 @@ struct PutKernel {
 
 }  // namespace
 
-void PutCurvedSurfaces(const CurvedView& curved,
-                       const Image<uint16_t>& superpixels,
-                       const Intrinsics& intrinsics,
-                       Device& device,
-                       DeviceImage<Plane>* planes) {
+void RasterizeCurvedSurfaces(const CurvedView& curved,
+                             const Image<uint16_t>& superpixels,
+                             const Intrinsics& intrinsics,
+                             Device& device,
+                             DeviceImage<Plane>* planes) {
   if (curved.surfaces.empty()) {
     return;
   }
@@ -39,11 +39,11 @@ void PutCurvedSurfaces(const CurvedView& curved,
   ParallelFor(device,
               planes->Width(),
               planes->Height(),
-              PutKernel{surfaces.Data(),
-                        surface_of.Data(),
-                        labels.View(),
-                        intrinsics,
-                        planes->View()});
+              RasterizeKernel{surfaces.Data(),
+                              surface_of.Data(),
+                              labels.View(),
+                              intrinsics,
+                              planes->View()});
 }
 
 }  // namespace tsar

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/own_texture.h"
+#include "colmap_tsar/scene_planes/foreground_fattening.h"
 
 #include "colmap_tsar/device/working_bytes.h"
 
@@ -96,11 +96,11 @@ Image<float> TextureOfSuperpixels(const Image<float>& contrast,
 
 }  // namespace
 
-Image<float> ComputeOwnTexture(const Image<float>& gray,
-                               const Image<float>& contrast,
-                               const Image<int>& superpixels,
-                               int num_superpixels,
-                               int patch_radius) {
+Image<float> ComputeFatteningWeight(const Image<float>& gray,
+                                    const Image<float>& contrast,
+                                    const Image<int>& superpixels,
+                                    int num_superpixels,
+                                    int patch_radius) {
   if (gray.Empty()) {
     return {};
   }

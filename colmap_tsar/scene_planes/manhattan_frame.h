@@ -35,7 +35,7 @@ struct MeasuredPlane {
 // point that is nearest to the origin. Returns a plane for each of `planes`, in
 // their order; they are all unchanged where no two with a support are
 // orthogonal to within 10 degrees.
-std::vector<WorldPlane> MakeRegular(
+std::vector<WorldPlane> AlignToManhattanFrame(
     const std::vector<MeasuredPlane>& planes,
     double loss_scale,
     const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable);

@@ -24,7 +24,7 @@ constexpr int kNumTaps = kTapSide * kTapSide;
 constexpr float kMinTapWeight = 1e-3f;
 
 // 11 x 11 taps, `stride` pixels apart, as a kernel sees them.
-struct WindowTaps {
+struct BilateralKernel {
   int stride = 1;
   // exp(-distance / alpha^2) by the distance in columns and rows.
   float spatial[kTapRadius + 1][kTapRadius + 1];
@@ -51,9 +51,9 @@ struct WindowTaps {
 };
 
 // Holds the table of colours that the taps refer to.
-class WindowTapTable {
+class BilateralKernelTable {
  public:
-  WindowTapTable(const WeightedMedianOptions& options, Device& device)
+  BilateralKernelTable(const WeightedMedianOptions& options, Device& device)
       : color_(device, MakeColorTable(options.color_sigma)) {
     taps_.stride =
         std::max(1, static_cast<int>(std::lround(options.radius / kTapRadius)));
@@ -69,7 +69,7 @@ class WindowTapTable {
     taps_.num_colors = static_cast<int>(color_.Size());
   }
 
-  const WindowTaps& Taps() const { return taps_; }
+  const BilateralKernel& Taps() const { return taps_; }
 
   static int64_t WorkingBytes(const WeightedMedianOptions& options) {
     return BytesOf<float>(NumColors(options.color_sigma));
@@ -90,7 +90,7 @@ class WindowTapTable {
   }
 
   Buffer<float> color_;
-  WindowTaps taps_;
+  BilateralKernel taps_;
 };
 
 }  // namespace tsar

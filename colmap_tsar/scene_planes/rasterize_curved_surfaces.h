@@ -17,10 +17,10 @@ namespace tsar {
 // Replaces each pixel's plane by that which touches its surface, where its
 // superpixel has one.
 // superpixels: of `planes`' size; intrinsics: of this raster.
-void PutCurvedSurfaces(const CurvedView& curved,
-                       const Image<uint16_t>& superpixels,
-                       const Intrinsics& intrinsics,
-                       Device& device,
-                       DeviceImage<Plane>* planes);
+void RasterizeCurvedSurfaces(const CurvedView& curved,
+                             const Image<uint16_t>& superpixels,
+                             const Intrinsics& intrinsics,
+                             Device& device,
+                             DeviceImage<Plane>* planes);
 
 }  // namespace tsar

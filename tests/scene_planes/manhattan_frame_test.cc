@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/regular_directions.h"
+#include "colmap_tsar/scene_planes/manhattan_frame.h"
 
 #include <cmath>
 
@@ -36,7 +36,7 @@ struct Rectangle {
 };
 
 // A room that stands askew in the world.
-class RegularDirectionsTest : public testing::Test {
+class ManhattanFrameTest : public testing::Test {
  protected:
   // Measures a surface whose plane was found turned about the line through the
   // rectangle's middle along its length, and about its normal's cross product
@@ -97,9 +97,9 @@ class RegularDirectionsTest : public testing::Test {
                                               Measure(left_, 0.8, -0.1)};
 };
 
-TEST_F(RegularDirectionsTest, ALeaningWallBecomesOrthogonalToTheFloor) {
+TEST_F(ManhattanFrameTest, ALeaningWallBecomesOrthogonalToTheFloor) {
   const std::vector<WorldPlane> planes =
-      MakeRegular({planes_[0], planes_[1]}, kLossScale, AcceptAll);
+      AlignToManhattanFrame({planes_[0], planes_[1]}, kLossScale, AcceptAll);
   ASSERT_EQ(planes.size(), 2u);
   EXPECT_LT(std::abs(planes[0].normal.dot(planes[1].normal)), 1e-9);
   // 400 samples each, over 4 by 4 and over 4 by 0.2.
@@ -109,9 +109,9 @@ TEST_F(RegularDirectionsTest, ALeaningWallBecomesOrthogonalToTheFloor) {
   EXPECT_NEAR(planes[1].Height(floor_.middle), 0.0, 0.003);
 }
 
-TEST_F(RegularDirectionsTest, WallsBecomeParallelInTheirOrder) {
+TEST_F(ManhattanFrameTest, WallsBecomeParallelInTheirOrder) {
   const std::vector<WorldPlane> planes =
-      MakeRegular(planes_, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
   ASSERT_EQ(planes.size(), 4u);
   EXPECT_LT(planes[0].normal.cross(planes[2].normal).norm(), 1e-9);
   EXPECT_LT(std::abs(planes[0].normal.dot(planes[1].normal)), 1e-9);
@@ -124,7 +124,7 @@ TEST_F(RegularDirectionsTest, WallsBecomeParallelInTheirOrder) {
   }
 }
 
-TEST_F(RegularDirectionsTest, ObliquePlanesStayAsTheyAre) {
+TEST_F(ManhattanFrameTest, ObliquePlanesStayAsTheyAre) {
   // At 20 degrees to the floor, and far from orthogonal to any direction.
   const Eigen::Vector3d up_the_roof = At(0.6, -0.25, 0.8);
   const MeasuredPlane roof = Measure(
@@ -135,16 +135,16 @@ TEST_F(RegularDirectionsTest, ObliquePlanesStayAsTheyAre) {
   std::vector<MeasuredPlane> planes = planes_;
   planes.insert(planes.begin() + 1, roof);
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
   const std::vector<WorldPlane> without =
-      MakeRegular(planes_, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
   ASSERT_EQ(regular.size(), 5u);
   ExpectSame(regular[1], roof.plane);
   ExpectSame(regular[0], without[0]);
   ExpectSame(regular[4], without[3]);
 }
 
-TEST_F(RegularDirectionsTest, APillarsFaceBecomesVertical) {
+TEST_F(ManhattanFrameTest, APillarsFaceBecomesVertical) {
   const Rectangle face = {At(0.5, 0.0, 3.0),
                           At(0.0, 0.8, 0.0),
                           At(std::sqrt(0.5), 0.0, std::sqrt(0.5)) * 0.6};
@@ -153,18 +153,18 @@ TEST_F(RegularDirectionsTest, APillarsFaceBecomesVertical) {
   planes.push_back(Measure(face, 1.0, 1.0));
   ASSERT_NEAR(AngleBetween(planes[4].plane, face.Plane()), 1.41, 0.01);
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
   EXPECT_LT(std::abs(regular[4].normal.dot(regular[1].normal)), 1e-9);
   EXPECT_LT(AngleBetween(regular[4], face.Plane()), 0.3);
   EXPECT_NEAR(regular[4].Height(face.middle), 0.0, 0.003);
   // It is made so only where it may.
-  const std::vector<WorldPlane> refused = MakeRegular(
+  const std::vector<WorldPlane> refused = AlignToManhattanFrame(
       planes, kLossScale, [](int p, const WorldPlane&) { return p != 4; });
   ExpectSame(refused[4], planes[4].plane);
 }
 
 // A wall that does stand askew.
-class AskewWallTest : public RegularDirectionsTest {
+class AskewWallTest : public ManhattanFrameTest {
  protected:
   std::vector<MeasuredPlane> WithAskewWalls(int count) {
     std::vector<MeasuredPlane> planes = planes_;
@@ -180,7 +180,7 @@ class AskewWallTest : public RegularDirectionsTest {
 
   void ExpectPullNothing(const std::vector<WorldPlane>& regular) const {
     const std::vector<WorldPlane> without =
-        MakeRegular(planes_, kLossScale, AcceptAll);
+        AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
     for (size_t i = 0; i < planes_.size(); ++i) {
       ExpectSame(regular[i], without[i]);
     }
@@ -189,13 +189,13 @@ class AskewWallTest : public RegularDirectionsTest {
 
 TEST_F(AskewWallTest, PullsNothingWhereItIsRefused) {
   const std::vector<MeasuredPlane> planes = WithAskewWalls(1);
-  const std::vector<WorldPlane> regular = MakeRegular(
+  const std::vector<WorldPlane> regular = AlignToManhattanFrame(
       planes, kLossScale, [](int p, const WorldPlane&) { return p != 4; });
   ExpectSame(regular[4], planes[4].plane);
   ExpectPullNothing(regular);
   // Where it may, it does.
   const std::vector<WorldPlane> pulled =
-      MakeRegular(planes, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
   EXPECT_LT(pulled[4].normal.cross(pulled[0].normal).norm(), 1e-9);
   EXPECT_GT(AngleBetween(pulled[1], regular[1]), 0.1);
 }
@@ -206,7 +206,7 @@ TEST_F(AskewWallTest, PullsNothingWhereEachIsRefusedAfterAnother) {
   // As if each became too bad once the one before it does not count anymore.
   std::vector<int> num_asked(planes.size(), 0);
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes, kLossScale, [&](int p, const WorldPlane&) {
+      AlignToManhattanFrame(planes, kLossScale, [&](int p, const WorldPlane&) {
         return p < 4 || ++num_asked[p] <= p - 4;
       });
   for (int p = 4; p < 4 + kCount; ++p) {
@@ -215,19 +215,19 @@ TEST_F(AskewWallTest, PullsNothingWhereEachIsRefusedAfterAnother) {
   ExpectPullNothing(regular);
 }
 
-TEST_F(RegularDirectionsTest, WhatMayNotChangeStays) {
+TEST_F(ManhattanFrameTest, WhatMayNotChangeStays) {
   std::vector<MeasuredPlane> planes = planes_;
-  const std::vector<WorldPlane> regular = MakeRegular(
+  const std::vector<WorldPlane> regular = AlignToManhattanFrame(
       planes, kLossScale, [](int, const WorldPlane&) { return false; });
   for (size_t i = 0; i < planes.size(); ++i) {
     ExpectSame(regular[i], planes[i].plane);
   }
 }
 
-TEST_F(RegularDirectionsTest, AsksAboutWhatItReturns) {
+TEST_F(ManhattanFrameTest, AsksAboutWhatItReturns) {
   std::vector<WorldPlane> last(planes_.size());
-  const std::vector<WorldPlane> regular =
-      MakeRegular(planes_, kLossScale, [&](int p, const WorldPlane& plane) {
+  const std::vector<WorldPlane> regular = AlignToManhattanFrame(
+      planes_, kLossScale, [&](int p, const WorldPlane& plane) {
         last[p] = plane;
         return true;
       });
@@ -236,30 +236,30 @@ TEST_F(RegularDirectionsTest, AsksAboutWhatItReturns) {
   }
 }
 
-TEST_F(RegularDirectionsTest, NothingChangesWithoutAnOrthogonalPair) {
+TEST_F(ManhattanFrameTest, NothingChangesWithoutAnOrthogonalPair) {
   const Rectangle at_60 = {
       At(0.0, 0.0, 4.0), At(1.0, 0.0, 0.0), At(0.0, 0.5, std::sqrt(0.75))};
   const std::vector<MeasuredPlane> planes = {
       planes_[0], Measure(at_60, 0.0), planes_[2]};
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
   ASSERT_EQ(regular.size(), 3u);
   for (size_t i = 0; i < planes.size(); ++i) {
     ExpectSame(regular[i], planes[i].plane);
   }
 }
 
-TEST_F(RegularDirectionsTest, NothingComesOfNothing) {
-  EXPECT_TRUE(MakeRegular({}, kLossScale, AcceptAll).empty());
+TEST_F(ManhattanFrameTest, NothingComesOfNothing) {
+  EXPECT_TRUE(AlignToManhattanFrame({}, kLossScale, AcceptAll).empty());
   const std::vector<WorldPlane> one =
-      MakeRegular({planes_[0]}, kLossScale, AcceptAll);
+      AlignToManhattanFrame({planes_[0]}, kLossScale, AcceptAll);
   ASSERT_EQ(one.size(), 1u);
   ExpectSame(one[0], planes_[0].plane);
 }
 
-TEST_F(RegularDirectionsTest, TakesNormalsOfEitherDirection) {
+TEST_F(ManhattanFrameTest, TakesNormalsOfEitherDirection) {
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes_, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
   for (int signs = 1; signs < 16; ++signs) {
     std::vector<MeasuredPlane> planes = planes_;
     for (int i = 0; i < 4; ++i) {
@@ -268,7 +268,7 @@ TEST_F(RegularDirectionsTest, TakesNormalsOfEitherDirection) {
       }
     }
     const std::vector<WorldPlane> result =
-        MakeRegular(planes, kLossScale, AcceptAll);
+        AlignToManhattanFrame(planes, kLossScale, AcceptAll);
     for (int i = 0; i < 4; ++i) {
       const double sign = signs >> i & 1 ? -1.0 : 1.0;
       EXPECT_LT((result[i].normal - sign * regular[i].normal).norm(), 1e-6);
@@ -277,7 +277,7 @@ TEST_F(RegularDirectionsTest, TakesNormalsOfEitherDirection) {
   }
 }
 
-TEST_F(RegularDirectionsTest, TheDirectionsOfMostSupportWin) {
+TEST_F(ManhattanFrameTest, TheDirectionsOfMostSupportWin) {
   // Another room, turned by 30 degrees about an oblique axis.
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(Radians(30.0), At(1.0, 1.0, 1.0).normalized())
@@ -292,7 +292,7 @@ TEST_F(RegularDirectionsTest, TheDirectionsOfMostSupportWin) {
   for (const bool other_room : {false, true}) {
     planes[4].support = planes[5].support = other_room ? 201.0 : 199.0;
     const std::vector<WorldPlane> regular =
-        MakeRegular(planes, kLossScale, AcceptAll);
+        AlignToManhattanFrame(planes, kLossScale, AcceptAll);
     for (int i = 0; i < 6; ++i) {
       if ((i >= 4) != other_room) {
         ExpectSame(regular[i], planes[i].plane);
@@ -304,7 +304,7 @@ TEST_F(RegularDirectionsTest, TheDirectionsOfMostSupportWin) {
   }
 }
 
-TEST_F(RegularDirectionsTest, IsNotDrawnByOutliers) {
+TEST_F(ManhattanFrameTest, IsNotDrawnByOutliers) {
   std::vector<MeasuredPlane> planes = planes_;
   for (MeasuredPlane& plane : planes) {
     for (int i = 0; i < 40; ++i) {
@@ -317,29 +317,29 @@ TEST_F(RegularDirectionsTest, IsNotDrawnByOutliers) {
     }
   }
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
   for (size_t i = 0; i < planes.size(); ++i) {
     EXPECT_LT(AngleBetween(regular[i], surfaces_[i].Plane()), 0.1) << i;
     EXPECT_NEAR(regular[i].Height(surfaces_[i].middle), 0.0, 0.003) << i;
   }
 }
 
-TEST_F(RegularDirectionsTest, PlanesWithoutSamplesStayInTheirPlace) {
+TEST_F(ManhattanFrameTest, PlanesWithoutSamplesStayInTheirPlace) {
   std::vector<MeasuredPlane> planes = planes_;
   planes[3].samples = {};
   const std::vector<WorldPlane> regular =
-      MakeRegular(planes, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
   EXPECT_LT(std::abs(regular[3].normal.dot(regular[0].normal)), 1e-9);
   EXPECT_LT(std::abs(regular[3].normal.dot(regular[1].normal)), 1e-9);
   const Eigen::Vector3d foot = -planes[3].plane.offset * planes[3].plane.normal;
   EXPECT_NEAR(regular[3].Height(foot), 0.0, 1e-3);
 }
 
-TEST_F(RegularDirectionsTest, GivesTheSameBitsEachTime) {
+TEST_F(ManhattanFrameTest, GivesTheSameBitsEachTime) {
   const std::vector<WorldPlane> first =
-      MakeRegular(planes_, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
   const std::vector<WorldPlane> second =
-      MakeRegular(planes_, kLossScale, AcceptAll);
+      AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
   for (size_t i = 0; i < planes_.size(); ++i) {
     ExpectSame(first[i], second[i]);
   }

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/rate_trust.h"
+#include "colmap_tsar/pipeline/quantize_trust.h"
 
 #include "colmap_tsar/device/parallel_for.h"
 
@@ -10,7 +10,7 @@
 namespace tsar {
 namespace {
 
-struct RateTrustKernel {
+struct QuantizeTrustKernel {
   ImageView<const uint8_t> trusted;
   ImageView<const float> score;
   ImageView<uint8_t> trust;
@@ -24,14 +24,14 @@ struct RateTrustKernel {
 
 }  // namespace
 
-DeviceImage<uint8_t> RateTrust(ImageView<const uint8_t> trusted,
-                               ImageView<const float> score,
-                               Device& device) {
+DeviceImage<uint8_t> QuantizeTrust(ImageView<const uint8_t> trusted,
+                                   ImageView<const float> score,
+                                   Device& device) {
   DeviceImage<uint8_t> trust(device, trusted.width, trusted.height);
   ParallelFor(device,
               trusted.width,
               trusted.height,
-              RateTrustKernel{trusted, score, trust.View()});
+              QuantizeTrustKernel{trusted, score, trust.View()});
   return trust;
 }
 

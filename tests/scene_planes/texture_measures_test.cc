@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/raster_texture.h"
+#include "colmap_tsar/scene_planes/texture_measures.h"
 
 #include "colmap_tsar/base/random.h"
 
@@ -31,7 +31,7 @@ Image<float> Draw(const std::function<float(int x, int y)>& level,
   return gray;
 }
 
-class RasterTextureTest : public testing::Test {
+class TextureMeasuresTest : public testing::Test {
  protected:
   Image<float> Texture(const Image<float>& gray) const {
     return ComputeTexture(DeviceImage<float>(*device_, gray).View(), *device_)
@@ -46,7 +46,7 @@ class RasterTextureTest : public testing::Test {
   std::unique_ptr<Device> device_ = Device::CreateCpu(2);
 };
 
-TEST_F(RasterTextureTest, IsZeroWhereNothingVaries) {
+TEST_F(TextureMeasuresTest, IsZeroWhereNothingVaries) {
   const Image<float> gray(kWidth, kHeight, 171.3f);
   for (const Image<float>& result : {Texture(gray), Contrast(gray)}) {
     EXPECT_EQ(result.Width(), kWidth);
@@ -55,7 +55,7 @@ TEST_F(RasterTextureTest, IsZeroWhereNothingVaries) {
   }
 }
 
-TEST_F(RasterTextureTest, OfACheckerboardIsHalfItsStep) {
+TEST_F(TextureMeasuresTest, OfACheckerboardIsHalfItsStep) {
   const Image<float> gray =
       Draw([](int x, int y) { return (x + y) % 2 == 0 ? 50.f : 150.f; });
   const Image<float> texture = Texture(gray);
@@ -67,7 +67,7 @@ TEST_F(RasterTextureTest, OfACheckerboardIsHalfItsStep) {
   }
 }
 
-TEST_F(RasterTextureTest, SpansSevenPixelsOrThoseInTheImage) {
+TEST_F(TextureMeasuresTest, SpansSevenPixelsOrThoseInTheImage) {
   const Image<float> texture =
       Texture(Draw([](int x, int) { return static_cast<float>(x); }));
   EXPECT_NEAR(texture(10, 7), 2.f, 1e-4f);
@@ -81,13 +81,13 @@ TEST_F(RasterTextureTest, SpansSevenPixelsOrThoseInTheImage) {
   EXPECT_NEAR(downwards(10, kHeight - 1), std::sqrt(1.25f), 1e-4f);
 }
 
-TEST_F(RasterTextureTest, SeesFaintTextureOnBrightGround) {
+TEST_F(TextureMeasuresTest, SeesFaintTextureOnBrightGround) {
   const Image<float> texture = Texture(
       Draw([](int x, int y) { return (x + y) % 2 == 0 ? 250.f : 250.01f; }));
   EXPECT_NEAR(texture(10, 7), 0.005f, 2e-4f);
 }
 
-TEST_F(RasterTextureTest, ContrastIsTheStepNextToIt) {
+TEST_F(TextureMeasuresTest, ContrastIsTheStepNextToIt) {
   const Image<float> contrast =
       Contrast(Draw([](int x, int) { return x < 5 ? 10.f : 40.f; }));
   for (int y = 0; y < kHeight; ++y) {
@@ -97,7 +97,7 @@ TEST_F(RasterTextureTest, ContrastIsTheStepNextToIt) {
   }
 }
 
-TEST_F(RasterTextureTest, ContrastReachesOnePixelInAllDirections) {
+TEST_F(TextureMeasuresTest, ContrastReachesOnePixelInAllDirections) {
   for (const float level : {20.f, 90.f}) {
     const Image<float> contrast = Contrast(
         Draw([&](int x, int y) { return x == 8 && y == 0 ? level : 50.f; }));
@@ -111,7 +111,7 @@ TEST_F(RasterTextureTest, ContrastReachesOnePixelInAllDirections) {
   }
 }
 
-TEST_F(RasterTextureTest, TakesTinyImages) {
+TEST_F(TextureMeasuresTest, TakesTinyImages) {
   const Image<float> one(1, 1, 77.f);
   EXPECT_EQ(Texture(one)(0, 0), 0.f);
   EXPECT_EQ(Contrast(one)(0, 0), 0.f);
@@ -123,7 +123,7 @@ TEST_F(RasterTextureTest, TakesTinyImages) {
   EXPECT_TRUE(Contrast({}).Empty());
 }
 
-TEST_F(RasterTextureTest, DoesNotDependOnTheThreads) {
+TEST_F(TextureMeasuresTest, DoesNotDependOnTheThreads) {
   Philox random(1, 0, 0);
   const Image<float> gray =
       Draw([&](int, int) { return 255.f * random.NextFloat(); });

@@ -11,8 +11,8 @@ namespace tsar {
 
 // ViewEvidence::trust: the score of trusted pixels, at most 1, in 255ths and
 // rounded up; 0 elsewhere.
-DeviceImage<uint8_t> RateTrust(ImageView<const uint8_t> trusted,
-                               ImageView<const float> score,
-                               Device& device);
+DeviceImage<uint8_t> QuantizeTrust(ImageView<const uint8_t> trusted,
+                                   ImageView<const float> score,
+                                   Device& device);
 
 }  // namespace tsar

@@ -23,11 +23,11 @@ namespace tsar {
 // gray: grey levels (0-255); contrast: ComputeContrast() of them; superpixels:
 // labels in [0, num_superpixels); patch_radius: of the matching patches, in
 // pixels of these images; one below 2 counts as 2.
-Image<float> ComputeOwnTexture(const Image<float>& gray,
-                               const Image<float>& contrast,
-                               const Image<int>& superpixels,
-                               int num_superpixels,
-                               int patch_radius);
+Image<float> ComputeFatteningWeight(const Image<float>& gray,
+                                    const Image<float>& contrast,
+                                    const Image<int>& superpixels,
+                                    int num_superpixels,
+                                    int patch_radius);
 
 // Main memory that it takes at a time at most, with the result.
 int64_t OwnTextureMainBytes(int64_t num_pixels);

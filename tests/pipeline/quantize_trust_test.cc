@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/rate_trust.h"
+#include "colmap_tsar/pipeline/quantize_trust.h"
 
 #include <utility>
 #include <vector>
@@ -11,7 +11,7 @@
 namespace tsar {
 namespace {
 
-TEST(RateTrust, IsTheScoreRoundedUpWhereADepthIsTrusted) {
+TEST(QuantizeTrust, IsTheScoreRoundedUpWhereADepthIsTrusted) {
   const std::vector<std::pair<float, int>> levels = {{-1.f, 1},
                                                      {0.f, 1},
                                                      {1e-6f, 1},
@@ -30,7 +30,7 @@ TEST(RateTrust, IsTheScoreRoundedUpWhereADepthIsTrusted) {
   }
   const std::unique_ptr<Device> device = Device::CreateCpu(1);
   const Image<uint8_t> trust =
-      RateTrust(
+      QuantizeTrust(
           std::as_const(trusted).View(), std::as_const(score).View(), *device)
           .ToHost();
   for (int x = 0; x < count; ++x) {

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/own_texture.h"
+#include "colmap_tsar/scene_planes/foreground_fattening.h"
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/raster_texture.h"
+#include "colmap_tsar/scene_planes/texture_measures.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -43,8 +43,8 @@ Image<float> Contrast(const Image<float>& gray) {
 }
 
 // With a superpixel on the left and one on the right.
-Image<float> OwnTexture(const Image<float>& gray, int radius = kRadius) {
-  return ComputeOwnTexture(
+Image<float> FatteningWeight(const Image<float>& gray, int radius = kRadius) {
+  return ComputeFatteningWeight(
       gray,
       Contrast(gray),
       Draw<int>(
@@ -66,19 +66,20 @@ void ExpectOnes(const Image<float>& own) {
             static_cast<int>(own.NumPixels()));
 }
 
-TEST(OwnTextureTest, IsOneWhereNothingVaries) {
-  const Image<float> own = OwnTexture(Image<float>(kWidth, kHeight, 77.7f));
+TEST(ForegroundFatteningTest, IsOneWhereNothingVaries) {
+  const Image<float> own =
+      FatteningWeight(Image<float>(kWidth, kHeight, 77.7f));
   EXPECT_EQ(own.Width(), kWidth);
   EXPECT_EQ(own.Height(), kHeight);
   ExpectOnes(own);
 }
 
-TEST(OwnTextureTest, IsOneWhereAllIsTextured) {
-  ExpectOnes(OwnTexture(Draw<float>(Checkerboard)));
+TEST(ForegroundFatteningTest, IsOneWhereAllIsTextured) {
+  ExpectOnes(FatteningWeight(Draw<float>(Checkerboard)));
 }
 
-TEST(OwnTextureTest, IsLowOnAWallBesideAPicture) {
-  const Image<float> own = OwnTexture(PictureOnAWall());
+TEST(ForegroundFatteningTest, IsLowOnAWallBesideAPicture) {
+  const Image<float> own = FatteningWeight(PictureOnAWall());
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       if (x >= kBorder || x < kBorder - kRadius) {
@@ -95,13 +96,13 @@ TEST(OwnTextureTest, IsLowOnAWallBesideAPicture) {
   }
 }
 
-TEST(OwnTextureTest, NoiseOfAWallIsItsOwnFurtherFromAPicture) {
+TEST(ForegroundFatteningTest, NoiseOfAWallIsItsOwnFurtherFromAPicture) {
   Image<float> gray = PictureOnAWall();
   Philox random(4, 0, 0);
   for (float& level : gray) {
     level += 2.f * random.NextFloat();
   }
-  const Image<float> own = OwnTexture(gray);
+  const Image<float> own = FatteningWeight(gray);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       if (x >= kBorder || x < kBorder - kRadius) {
@@ -114,12 +115,12 @@ TEST(OwnTextureTest, NoiseOfAWallIsItsOwnFurtherFromAPicture) {
   }
 }
 
-TEST(OwnTextureTest, SuperpixelsOfLikeTextureShareAnEdge) {
+TEST(ForegroundFatteningTest, SuperpixelsOfLikeTextureShareAnEdge) {
   // Both sides are flat, so that the edge may be of either.
-  const Image<float> step = OwnTexture(
+  const Image<float> step = FatteningWeight(
       Draw<float>([](int x, int) { return x >= kBorder ? 50.f : 150.f; }));
   // The right side has less than twice the texture of the left one.
-  const Image<float> textured = OwnTexture(Draw<float>([](int x, int y) {
+  const Image<float> textured = FatteningWeight(Draw<float>([](int x, int y) {
     return (x >= kBorder ? 0.9f : 0.5f) * Checkerboard(x, y);
   }));
   for (int y = 0; y < kHeight; ++y) {
@@ -132,30 +133,30 @@ TEST(OwnTextureTest, SuperpixelsOfLikeTextureShareAnEdge) {
   }
 }
 
-TEST(OwnTextureTest, GrowsWithTheShareOfTheContrast) {
+TEST(ForegroundFatteningTest, GrowsWithTheShareOfTheContrast) {
   // The edge is two fifths as strong near the pixel as at the patch's rim.
   const int middle = 10;
   const Image<float> gray = Draw<float>([](int x, int) {
     return x == middle + kNear ? 40.f : x == middle + kRadius ? 100.f : 0.f;
   });
-  EXPECT_NEAR(OwnTexture(gray)(middle, 12), 0.8f, 1e-6f);
+  EXPECT_NEAR(FatteningWeight(gray)(middle, 12), 0.8f, 1e-6f);
 }
 
-TEST(OwnTextureTest, GrowsWithTheTextureOfTheSuperpixel) {
+TEST(ForegroundFatteningTest, GrowsWithTheTextureOfTheSuperpixel) {
   // Contrasts of 10 and 100 grey levels, each with one added for noise; all of
   // the patch's contrast is close to the border.
   const Image<float> gray = Draw<float>([](int x, int y) {
     return (x >= kBorder ? 1.f : 0.1f) * Checkerboard(x, y);
   });
-  const Image<float> own = OwnTexture(gray);
+  const Image<float> own = FatteningWeight(gray);
   EXPECT_NEAR(own(kBorder - 1, 12), 2.f * 2.f * 11.f / 101.f, 1e-5f);
   EXPECT_EQ(own(kBorder, 12), 1.f);
 }
 
-TEST(OwnTextureTest, AThinLineBelongsToItsPixels) {
+TEST(ForegroundFatteningTest, AThinLineBelongsToItsPixels) {
   // A line across either superpixel, and one along their border.
   for (const int column : {15, kBorder - 1, kBorder, 45}) {
-    const Image<float> own = OwnTexture(
+    const Image<float> own = FatteningWeight(
         Draw<float>([&](int x, int) { return x == column ? 30.f : 180.f; }));
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
@@ -167,12 +168,12 @@ TEST(OwnTextureTest, AThinLineBelongsToItsPixels) {
   }
 }
 
-TEST(OwnTextureTest, LeavesOutSuperpixelsWithoutPixels) {
+TEST(ForegroundFatteningTest, LeavesOutSuperpixelsWithoutPixels) {
   const Image<float> gray = PictureOnAWall();
   const Image<float> contrast = Contrast(gray);
-  const Image<float> own = OwnTexture(gray);
+  const Image<float> own = FatteningWeight(gray);
   // The right one has number 3 of 5.
-  const Image<float> other = ComputeOwnTexture(
+  const Image<float> other = ComputeFatteningWeight(
       gray,
       contrast,
       Draw<int>([](int x, int) { return x >= kBorder ? 3 : 0; }),
@@ -181,9 +182,9 @@ TEST(OwnTextureTest, LeavesOutSuperpixelsWithoutPixels) {
   EXPECT_TRUE(std::equal(own.begin(), own.end(), other.begin()));
 }
 
-TEST(OwnTextureTest, SmallPatchesHaveARimAroundThePixelsNeighbours) {
+TEST(ForegroundFatteningTest, SmallPatchesHaveARimAroundThePixelsNeighbours) {
   for (const int radius : {0, 1, 2}) {
-    const Image<float> own = OwnTexture(PictureOnAWall(), radius);
+    const Image<float> own = FatteningWeight(PictureOnAWall(), radius);
     for (int y = 0; y < kHeight; ++y) {
       EXPECT_EQ(own(kBorder, y), 1.f);
       EXPECT_GT(own(kBorder - 1, y), 0.f);
@@ -194,17 +195,17 @@ TEST(OwnTextureTest, SmallPatchesHaveARimAroundThePixelsNeighbours) {
   }
 }
 
-TEST(OwnTextureTest, TakesImagesSmallerThanThePatch) {
+TEST(ForegroundFatteningTest, TakesImagesSmallerThanThePatch) {
   for (const int width : {1, 2, 7}) {
-    ExpectOnes(OwnTexture(Draw<float>(Checkerboard, width, 3)));
+    ExpectOnes(FatteningWeight(Draw<float>(Checkerboard, width, 3)));
   }
   // An edge in one corner.
-  const Image<float> own = OwnTexture(Draw<float>(
+  const Image<float> own = FatteningWeight(Draw<float>(
       [](int x, int y) { return x == 3 && y == 0 ? 90.f : 20.f; }, 4, 3));
   EXPECT_EQ(own(3, 0), 1.f);
   EXPECT_EQ(own(1, 2), 1.f);
   EXPECT_EQ(own(0, 0), 0.f);
-  EXPECT_TRUE(OwnTexture(Image<float>()).Empty());
+  EXPECT_TRUE(FatteningWeight(Image<float>()).Empty());
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/regular_directions.h"
+#include "colmap_tsar/scene_planes/manhattan_frame.h"
 
 #include <algorithm>
 #include <cmath>
@@ -94,7 +94,7 @@ JointPlane Turned(const MeasuredPlane& measured,
 
 }  // namespace
 
-std::vector<WorldPlane> MakeRegular(
+std::vector<WorldPlane> AlignToManhattanFrame(
     const std::vector<MeasuredPlane>& planes,
     double loss_scale,
     const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable) {

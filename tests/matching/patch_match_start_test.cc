@@ -1,0 +1,162 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/plane_maps.h"
+
+#include "tests/matching/patch_match_fixture.h"
+#include "tests/matching/textured_plane.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+TEST_F(PatchMatchTest, DrawsPlanesBetweenTheBounds) {
+  const Image<Plane> planes = Draw().ToHost();
+  int num_in_nearer_half = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Vec3f ray = intrinsics_.Ray(x, y);
+      const Plane& plane = planes(x, y);
+      ASSERT_NEAR(Norm(plane.normal), 1.f, 1e-5f);
+      ASSERT_LE(Dot(plane.normal, ray), 0.f);
+      // A plane may be seen too nearly from the side to have a depth.
+      const float slope = -Dot(plane.normal, ray);
+      if (slope > 1e-2f) {
+        const float depth = plane.Depth(ray);
+        ASSERT_GE(depth, 1.5f * (1.f - 1e-4f));
+        ASSERT_LE(depth, 6.f * (1.f + 1e-4f));
+        // 1 / 2.4 is the middle of 1 / 1.5 and 1 / 6.
+        num_in_nearer_half += depth < 2.4f ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_NEAR(num_in_nearer_half, kWidth * kHeight / 2, kWidth * kHeight / 20);
+  EXPECT_TRUE(SameBytes(planes, Draw().ToHost()));
+  EXPECT_FALSE(SameBytes(planes, Draw(2).ToHost()));
+}
+
+// Sums over these numbers of sources round one way or the other; planes that
+// cost the same must not win by that.
+class UntexturedTest : public PatchMatchTest,
+                       public testing::WithParamInterface<int> {
+ protected:
+  TexturedPlane UntexturedScene() {
+    TexturedPlane scene = BareScene(kTilt);
+    for (int i = 0; i < GetParam(); ++i) {
+      scene.AddSource(SourceCamera(camera_, {0.05 * i, 0.1, 0.0}, -0.015 * i));
+    }
+    scene.Gray() = Image<float>(kWidth, kHeight, 128.f);
+    return scene;
+  }
+};
+
+TEST_P(UntexturedTest, KeepsThePlanesWithoutTexture) {
+  TexturedPlane scene = UntexturedScene();
+  const HostHypotheses kept = Run(scene, Images(scene), Draw());
+  EXPECT_TRUE(SameBytes(kept.planes, Draw().ToHost()));
+  for (const float cost : kept.costs) {
+    ASSERT_NEAR(cost, kMaxCost, 1e-5f);
+  }
+}
+
+TEST_P(UntexturedTest, KeepsThePlanesWithoutTextureAndDepths) {
+  TexturedPlane scene = UntexturedScene();
+  for (int i = 0; i < GetParam(); ++i) {
+    scene.SourceDepth(i) = Image<float>(kWidth, kHeight, 0.f);
+  }
+  const HostHypotheses kept = Run(scene, scene.Sources(), Draw());
+  EXPECT_TRUE(SameBytes(kept.planes, Draw().ToHost()));
+  for (const float cost : kept.costs) {
+    ASSERT_NEAR(cost, kMaxCost + 0.6f, 1e-5f);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sources,
+                         UntexturedTest,
+                         testing::Values(1, 2, 3, 5, 7, 10, 12, 19));
+
+TEST_F(PatchMatchTest, KeepsThePlanesWithoutSources) {
+  TexturedPlane scene = BareScene(kTilt);
+  const Image<Plane> drawn = Draw().ToHost();
+  const HostHypotheses kept = Run(scene, Images(scene), Draw());
+  EXPECT_TRUE(SameBytes(kept.planes, drawn));
+  for (const float cost : kept.costs) {
+    ASSERT_GE(cost, kMaxCost);
+    ASSERT_LE(
+        cost,
+        kMaxCost + options_.geometric_weight * options_.max_geometric_error);
+  }
+}
+
+TEST_F(PatchMatchTest, CostsKeepWithinTheirBounds) {
+  TexturedPlane scene = Scene(kTilt);
+  options_.num_iterations = 1;
+  const float max =
+      kMaxCost + options_.geometric_weight * options_.max_geometric_error;
+  for (const float cost : Run(scene, scene.Sources(), Draw()).costs) {
+    ASSERT_GE(cost, 0.f);
+    ASSERT_LE(cost, max + 1e-5f);
+  }
+  options_.num_iterations = 0;
+  const HostHypotheses first = Run(scene, scene.Sources(), Draw());
+  EXPECT_TRUE(SameBytes(first.planes, Draw().ToHost()));
+  for (const float cost : first.costs) {
+    ASSERT_GE(cost, 0.f);
+    ASSERT_LE(cost, max + 1e-5f);
+  }
+}
+
+TEST_F(PatchMatchTest, FillsPixelsWithoutAPlane) {
+  TexturedPlane scene = Scene(kTilt);
+  Image<float> depth = scene.Depth();
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if ((x / 4 + y / 4) % 2 == 0) {
+        depth(x, y) = 0.f;
+      }
+    }
+  }
+  const HostHypotheses filled = Run(scene,
+                                    Images(scene),
+                                    PlanesFromMaps(intrinsics_,
+                                                   std::as_const(depth).View(),
+                                                   scene.Reference().normal,
+                                                   *device_));
+  EXPECT_EQ(Compare(scene, filled.planes).share, 1.f);
+}
+
+TEST_F(PatchMatchTest, DrawsPlanesWhereThereAreNone) {
+  TexturedPlane scene = Scene(kTilt);
+  const HostHypotheses found =
+      Run(scene,
+          Images(scene),
+          DeviceImage<Plane>(*device_, Image<Plane>(kWidth, kHeight)));
+  EXPECT_GT(Compare(scene, found.planes).share, 0.9f);
+}
+
+TEST_F(PatchMatchTest, TakesOnePixel) {
+  TexturedPlane scene(DrawnPlane(kTilt, 3.f), DrawnCamera(1, 1, 5), *device_);
+  scene.AddSource(SourceCamera(DrawnCamera(1, 1, 5), {0.1, 0.0, 0.0}, 0.0));
+  const HostHypotheses found = Run(scene, Images(scene), TruePlanes(scene));
+  ASSERT_EQ(found.planes.NumPixels(), 1u);
+  EXPECT_TRUE(found.planes(0, 0).Valid());
+}
+
+TEST_F(PatchMatchTest, KeepsPlanesBetweenTheBounds) {
+  TexturedPlane scene = Scene(kSlant);
+  // Of the plane only a strip lies between them.
+  options_.depth_min = 2.9f;
+  options_.depth_max = 3.1f;
+  const HostHypotheses found = Run(scene, Images(scene), Draw());
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const float depth = found.planes(x, y).Depth(intrinsics_.Ray(x, y));
+      ASSERT_GT(depth, 2.9f * (1.f - 1e-4f)) << x << ", " << y;
+      ASSERT_LT(depth, 3.1f * (1.f + 1e-4f)) << x << ", " << y;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar

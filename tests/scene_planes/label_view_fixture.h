@@ -1,0 +1,158 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+// A reference and other views of drawn planes, to be labelled.
+
+#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "tests/support/drawn_scene.h"
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+namespace tsar {
+
+constexpr int kWidth = 80;
+constexpr int kHeight = 60;
+constexpr int kSize = 10;  // Of a superpixel.
+constexpr int kNumColumns = kWidth / kSize;
+constexpr int kNumRows = kHeight / kSize;
+constexpr int kNumSuperpixels = kNumColumns * kNumRows;
+constexpr float kStrongEdge = 100.f;
+
+inline Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
+
+// Square superpixels, numbered row by row, in an image without edges, of which
+// each test says what was measured.
+class LabelViewTest : public testing::Test {
+ protected:
+  LabelViewTest() : camera_(DrawnCamera(kWidth, kHeight, 80.0)) {
+    inputs_.superpixels = Image<int>(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        inputs_.superpixels(x, y) = y / kSize * kNumColumns + x / kSize;
+      }
+    }
+    inputs_.num_superpixels = kNumSuperpixels;
+    inputs_.superpixel_planes.resize(kNumSuperpixels);
+    inputs_.samples = Image<RayDepth>(kWidth, kHeight);
+    inputs_.texture = Image<float>(kWidth, kHeight, 5.f);
+    inputs_.contrast = Image<float>(kWidth, kHeight, 0.f);
+    inputs_.intrinsics = camera_.GetIntrinsics();
+    inputs_.resolution.error_per_depth = 0.001f;
+  }
+
+  // The plane is measured in these columns of superpixels, both inclusive.
+  void Measure(const Plane& plane, int first_column, int last_column) {
+    const Image<RayDepth> samples =
+        ToSamples(DrawDepth(plane, camera_), camera_);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = first_column * kSize; x < (last_column + 1) * kSize; ++x) {
+        inputs_.samples(x, y) = samples(x, y);
+      }
+    }
+  }
+
+  void DrawEdgeLeftOf(int column) {
+    for (int y = 0; y < kHeight; ++y) {
+      inputs_.contrast(column * kSize - 1, y) = kStrongEdge;
+      inputs_.contrast(column * kSize, y) = kStrongEdge;
+    }
+  }
+
+  void DrawEdgesEverywhere() {
+    inputs_.contrast = Image<float>(kWidth, kHeight, kStrongEdge);
+  }
+
+  // A second view, 1 to the right, of which this is known for certain. A point
+  // at depth 3 lies 80 / 3 pixels further left in it.
+  void AddSource(const std::function<float(int x, int y)>& confident_depth) {
+    source_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
+    source_.width = kWidth;
+    source_.height = kHeight;
+    source_.first_observation = {0};
+    source_.confident_depth = Image<float>(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        source_.confident_depth(x, y) = confident_depth(x, y);
+      }
+    }
+    num_sources_ = 1;
+  }
+
+  // Each superpixel is assigned to the first plane that explains its first
+  // observation.
+  LabeledView Label(const std::vector<Plane>& planes) const {
+    const ViewEvidence evidence = GatherEvidence(inputs_, {});
+    DiscoveredPlanes discovered;
+    for (const Plane& plane : planes) {
+      discovered.planes.push_back({ToWorldPlane(plane, camera_), 1.0});
+    }
+    std::vector<ObservedView> views = {{&evidence, camera_}};
+    discovered.assignment.emplace_back();
+    for (int s = 0; s < evidence.NumSuperpixels(); ++s) {
+      int assignment = -1;
+      if (evidence.first_observation[s] < evidence.first_observation[s + 1]) {
+        const RayDepth& sample =
+            evidence.observations[evidence.first_observation[s]].sample;
+        for (size_t k = planes.size(); k-- > 0;) {
+          if (RelativeDistance(planes[k], sample) < 1e-3f) {
+            assignment = static_cast<int>(k);
+          }
+        }
+      }
+      discovered.assignment[0].push_back(assignment);
+    }
+    for (int i = 0; i < num_sources_; ++i) {
+      Camera camera = camera_;
+      camera.translation.x() -= 1.0;
+      camera.rotation = source_turn_ * camera.rotation;
+      camera.translation = source_turn_ * camera.translation;
+      views.push_back({&source_, camera});
+      discovered.assignment.emplace_back();
+    }
+    // Several observations to each cell, as in rasters of usual size.
+    PlaneSupportOptions support_options;
+    support_options.num_cells = 16;
+    return LabelView(views,
+                     discovered,
+                     FindPlaneSupport(views, discovered, support_options),
+                     options_,
+                     *device_);
+  }
+
+  // Columns have these labels from top to bottom.
+  static void ExpectColumns(const LabeledView& view,
+                            const std::vector<int>& expected) {
+    ASSERT_EQ(view.labels.size(), static_cast<size_t>(kNumSuperpixels));
+    for (int s = 0; s < kNumSuperpixels; ++s) {
+      EXPECT_EQ(view.labels[s], expected[s % kNumColumns])
+          << "column " << s % kNumColumns << ", row " << s / kNumColumns;
+    }
+  }
+
+  static void ExpectEvidence(const LabeledView& view,
+                             const std::vector<LabelEvidence>& expected) {
+    for (int s = 0; s < kNumSuperpixels; ++s) {
+      EXPECT_EQ(view.evidence[s], expected[s % kNumColumns])
+          << "column " << s % kNumColumns << ", row " << s / kNumColumns;
+    }
+  }
+
+  std::unique_ptr<Device> device_ = Device::CreateCpu(1);
+  Camera camera_;
+  EvidenceInputs inputs_;
+  ViewEvidence source_;
+  int num_sources_ = 0;  // All see the same.
+  Eigen::Matrix3d source_turn_ = Eigen::Matrix3d::Identity();
+  LabelOptions options_;
+};
+
+}  // namespace tsar
