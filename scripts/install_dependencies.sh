@@ -47,6 +47,7 @@ packages=(
   liblz4-dev
   libopencv-dev
   libtiff-dev
+  libxxhash-dev
   nlohmann-json3-dev
   zlib1g-dev
   # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.

@@ -4,7 +4,6 @@
 #include "colmap_tsar/import/import_store.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
@@ -127,16 +126,10 @@ void WriteImportRecord(const ContainedPath& path, const Record& record) {
   file.Commit();
 }
 
-bool Contains(const std::vector<WrittenMap>& maps, uint64_t hash) {
-  return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
-    return map.hash == hash;
-  });
-}
-
 // Whether a file is there that no import has written.
 bool IsForeign(const std::filesystem::path& path,
                const std::vector<WrittenMap>& ours) {
-  return Exists(path) && (ours.empty() || !Contains(ours, HashFile(path)));
+  return Exists(path) && !IsAnyOf(path, ours);
 }
 
 // Removes folders that hold nothing, from `folder` up to below `top`.
@@ -277,7 +270,7 @@ class ImageUndoer {
     if (!has_former) {
       return;
     }
-    if (Contains(record_.written[kind], HashFile(former))) {
+    if (IsAnyOf(former, record_.written[kind])) {
       // An import wrote the same bytes. Were the next step the last one, the
       // map would then be taken for an imported one.
       record_.written[kind].clear();
@@ -373,8 +366,10 @@ void WriteImported(const std::filesystem::path& root,
                                            : PutPlanarMap(maps.cost, &file);
     file.Prepare();
     written.time = file.Time();
-    if (!Contains(record.written[kind], written.hash)) {
-      record.written[kind].push_back(std::move(written));
+    std::vector<WrittenMap>& known = record.written[kind];
+    if (std::ranges::find(known, written.hash, &WrittenMap::hash) ==
+        known.end()) {
+      known.push_back(std::move(written));
     }
   }
   KeepFormer(root, key, earlier);

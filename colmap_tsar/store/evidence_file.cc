@@ -31,8 +31,8 @@ static_assert(sizeof(SuperpixelBorder) == 28 &&
 static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
 
 constexpr std::array<char, 8> kMagic = {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'};
-// To be raised with every change of what the bytes mean.
-constexpr uint32_t kFormatVersion = 1;
+// To be raised with every change of what the bytes mean, fingerprints included.
+constexpr uint32_t kFormatVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

@@ -114,14 +114,11 @@ MapState InspectMap(const fs::path& current,
   if (!fs::is_regular_file(current, error)) {
     return MapState::kDamaged;
   }
-  const uint64_t hash = HashFile(current);
-  if (written != nullptr &&
-      std::any_of(written->begin(), written->end(), [&](const WrittenMap& map) {
-        return map.hash == hash;
-      })) {
+  if (written != nullptr && IsAnyOf(current, *written)) {
     return MapState::kWritten;
   }
-  if (HaveSameLength(current, original) && HashFile(original) == hash) {
+  if (HaveSameLength(current, original) &&
+      HashFile(original) == HashFile(current)) {
     return MapState::kOriginal;
   }
   const std::optional<MapSize> size = SizeIfComplete(current);

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/store/originals.h"
 
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/store/map_state.h"
@@ -33,18 +32,12 @@ OriginalState FindInPlace(const Map& map) {
   if (!Exists(map.current)) {
     return OriginalState::kMissing;
   }
-  // Hashing reads the whole map; in the first run there is nothing to compare.
-  if (map.written != nullptr && !map.written->empty()) {
-    const uint64_t hash = HashFile(map.current);
-    if (std::any_of(map.written->begin(),
-                    map.written->end(),
-                    [&](const WrittenMap& w) { return w.hash == hash; })) {
-      throw Error::File(ErrorCode::kMismatch,
-                        map.current.string(),
-                        "this map has been refined and its original, " +
-                            map.stored.string() + ", is gone",
-                        "run patch_match_stereo again for this image");
-    }
+  if (map.written != nullptr && IsAnyOf(map.current, *map.written)) {
+    throw Error::File(ErrorCode::kMismatch,
+                      map.current.string(),
+                      "this map has been refined and its original, " +
+                          map.stored.string() + ", is gone",
+                      "run patch_match_stereo again for this image");
   }
   return OriginalState::kInPlace;
 }

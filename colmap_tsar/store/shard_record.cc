@@ -50,7 +50,8 @@ std::string DifferenceOf(const std::map<std::string, std::string>& own,
              ", this one " + "with " + value;
     }
   }
-  return "with other options";
+  return own == other ? "by another build of this version"
+                      : "with other options";
 }
 
 }  // namespace

@@ -237,14 +237,13 @@ bool IsDone(const Workspace& workspace,
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
   if (!record || record->status != ImageStatus::kDone ||
       record->options_hash != options_hash || record->version != TSAR_VERSION ||
-      record->inputs != inputs || record->written_depth.empty() ||
-      record->written_normal.empty()) {
+      record->inputs != inputs) {
     return false;
   }
   if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
       !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
-      HashFile(paths.depth) != record->written_depth[0].hash ||
-      HashFile(paths.normal) != record->written_normal[0].hash) {
+      !IsAnyOf(paths.depth, record->written_depth) ||
+      !IsAnyOf(paths.normal, record->written_normal)) {
     return false;
   }
   if (!workspace.IsOutput()) {
