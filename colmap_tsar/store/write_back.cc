@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/originals.h"
@@ -12,7 +13,6 @@
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -20,11 +20,6 @@
 
 namespace tsar {
 namespace {
-
-bool IsFile(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
 
 void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
   if (!maps.normal.HasSizeOf(maps.depth) ||
@@ -185,15 +180,6 @@ void WriteBack::RecordDone() {
   record_.written_depth.resize(1);
   record_.written_normal.resize(1);
   WriteRecord(paths_.record, record_);
-}
-
-void WriteRefined(const Workspace& workspace,
-                  int image,
-                  const RefinedMaps& maps,
-                  ImageRecord record) {
-  WriteBack write_back(workspace, image, std::move(record));
-  write_back.PrepareFiles(maps);
-  write_back.Commit();
 }
 
 void KeepImage(const Workspace& workspace, int image, ImageRecord record) {

@@ -17,6 +17,7 @@
 
 #include "tests/controllers/counting_device.h"
 #include "tests/support/drawn_views.h"
+#include "tests/support/observe_image.h"
 #include "tests/support/test_workspace.h"
 #include <gmock/gmock.h>
 

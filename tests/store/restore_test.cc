@@ -15,6 +15,7 @@
 #include <regex>
 
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {
