@@ -49,7 +49,6 @@ std::vector<std::filesystem::path> ListEntries(
     const std::filesystem::path& folder);
 
 bool IsFolder(const std::filesystem::path& path);
-bool IsFile(const std::filesystem::path& path);
 
 // Error kNotFound that names the option where it is no folder.
 void RequireFolder(const std::filesystem::path& folder,

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/file_time.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <algorithm>
@@ -104,14 +105,14 @@ MapState CompareValues(const fs::path& current,
 MapState InspectMap(const fs::path& current,
                     const fs::path& original,
                     const std::vector<WrittenMap>* written) {
-  std::error_code error;
-  if (!fs::exists(current, error)) {
+  if (!Exists(current)) {
     return MapState::kMissing;
   }
+  std::error_code error;
   if (fs::equivalent(current, original, error)) {
     return MapState::kOriginal;
   }
-  if (!fs::is_regular_file(current, error)) {
+  if (!IsFile(current)) {
     return MapState::kDamaged;
   }
   if (written != nullptr && IsAnyOf(current, *written)) {

@@ -5,20 +5,14 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/map_state.h"
 
-#include <algorithm>
 #include <optional>
-#include <system_error>
 #include <vector>
 
 namespace tsar {
 namespace {
-
-bool Exists(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::exists(path, error);
-}
 
 // One of the two maps of an image.
 struct Map {
@@ -123,10 +117,8 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
 void RequireNoStrayResults(const MapPaths& paths) {
   for (const std::filesystem::path& result :
        {paths.provenance.Path(), paths.confidence.Path()}) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(result, error) &&
-        !Exists(paths.record) && !Exists(paths.original_depth) &&
-        !Exists(paths.original_normal)) {
+    if (IsFile(result) && !Exists(paths.record) &&
+        !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
       throw Error::File(
           ErrorCode::kMismatch,
           paths.depth.string(),
