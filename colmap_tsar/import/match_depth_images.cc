@@ -121,7 +121,7 @@ int MatchDepthImages(const MatchOptions& options,
     normals = named.Find(options.normal_path);
   }
   for (const auto& [image, path] : named.Find(options.input_path)) {
-    PriorFiles files;
+    ExternalFiles files;
     files.depth = path;
     const auto normal = normals.find(image);
     if (normal != normals.end()) {

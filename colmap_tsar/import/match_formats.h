@@ -21,14 +21,14 @@ class MapCollector {
   explicit MapCollector(const SparseModel& model) : model_(model) {}
 
   // Throws Error kMismatch for a second map of an image.
-  void Add(int image, PriorFiles files);
+  void Add(int image, ExternalFiles files);
 
   // By ascending image.
-  const std::map<int, PriorFiles>& Files() const { return files_; }
+  const std::map<int, ExternalFiles>& Files() const { return files_; }
 
  private:
   const SparseModel& model_;
-  std::map<int, PriorFiles> files_;
+  std::map<int, ExternalFiles> files_;
 };
 
 // For kAcm and kApd.

@@ -53,7 +53,7 @@ void RequireFolder(const std::filesystem::path& folder,
   }
 }
 
-void MapCollector::Add(int image, PriorFiles files) {
+void MapCollector::Add(int image, ExternalFiles files) {
   files.image = image;
   const auto [entry, is_new] = files_.emplace(image, files);
   if (!is_new) {
@@ -73,9 +73,9 @@ MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model) {
   RequireFolder(normal.input_path, OptionName("input_path"));
   MapCollector collector(model);
   MatchedMaps matched;
-  if (options.format == PriorFormat::kOpenMvs) {
+  if (options.format == ExternalFormat::kOpenMvs) {
     matched.num_without_image = MatchDmaps(normal, model, &collector);
-  } else if (options.format == PriorFormat::kDepth) {
+  } else if (options.format == ExternalFormat::kDepth) {
     matched.num_without_image = MatchDepthImages(normal, model, &collector);
   } else {
     MatchNumberedFolders(normal, model, &collector);

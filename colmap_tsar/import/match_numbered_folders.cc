@@ -89,9 +89,9 @@ std::vector<NumberedFolder> FindProgramFolder(const Path& input) {
   return found;
 }
 
-PriorFiles FindFilesOf(const NumberedFolder& folder,
-                       const MatchOptions& options) {
-  PriorFiles files;
+ExternalFiles FindFilesOf(const NumberedFolder& folder,
+                          const MatchOptions& options) {
+  ExternalFiles files;
   const Path geometric = FindGeometricDepth(folder.path);
   const Path plain = FindPlainDepth(folder.path);
   const bool take_geometric =

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/import/import_store.h"
 
+#include "colmap_tsar/import/import_record.h"
+#include "colmap_tsar/import/undo_import.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <regex>
