@@ -12,12 +12,13 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
 # From here on all is for development.
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
-# For C++ sources: without the headers that need OpenCV or, where nvcc reads
-# them, this project's CUDA part. Only its own sources include those.
+# For C++ sources: without the headers that need OpenCV, nlohmann-json or, where
+# nvcc reads them, this project's CUDA part. Only its own sources include those.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
   PATTERN "report/canvas.h" EXCLUDE
+  PATTERN "store/json_file.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/copy.h" EXCLUDE
   PATTERN "device/cuda_*.h" EXCLUDE

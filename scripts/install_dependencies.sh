@@ -34,6 +34,8 @@ packages=(
   cmake
   ninja-build
   pkg-config
+  # Manual pages and shell completions, which the build makes.
+  python3
   # Libraries. OpenCV's CMake package lies in libopencv-dev and names all of
   # OpenCV's libraries, so that the three that are used do not suffice.
   libboost-program-options-dev
@@ -45,6 +47,7 @@ packages=(
   liblz4-dev
   libopencv-dev
   libtiff-dev
+  libxxhash-dev
   nlohmann-json3-dev
   zlib1g-dev
   # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.
@@ -60,7 +63,6 @@ packages=(
   groff-base
   # The sample scene and the comparison with COLMAP's own fusion.
   colmap
-  python3
   python3-numpy
 )
 

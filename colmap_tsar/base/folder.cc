@@ -290,6 +290,19 @@ std::vector<TreeEntry> ListTree(const ContainedPath& folder) {
   return tree;
 }
 
+std::set<std::string> ListFileNames(const ContainedPath& folder,
+                                    const std::string& suffix) {
+  std::set<std::string> names;
+  for (const TreeEntry& entry : ListTree(folder)) {
+    const std::string name =
+        entry.path.Path().lexically_relative(folder.Path()).string();
+    if (!entry.is_folder && name.ends_with(suffix)) {
+      names.insert(name.substr(0, name.size() - suffix.size()));
+    }
+  }
+  return names;
+}
+
 void ThrowSystemError(const std::filesystem::path& path,
                       const std::string& what,
                       int error) {

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,11 @@ struct TreeEntry {
   bool is_link = false;
 };
 std::vector<TreeEntry> ListTree(const ContainedPath& folder);
+
+// The paths of the files below a folder, relative to it, whose names end in
+// this suffix, without the suffix.
+std::set<std::string> ListFileNames(const ContainedPath& folder,
+                                    const std::string& suffix);
 
 // Error kIo that names the path and the system's reason.
 [[noreturn]] void ThrowSystemError(const std::filesystem::path& path,

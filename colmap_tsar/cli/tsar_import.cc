@@ -6,8 +6,8 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/restore_options.h"
-#include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/import_workspace.h"
+#include "colmap_tsar/import/undo_import.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
 #include <iostream>
@@ -128,11 +128,11 @@ int UndoImports(const ImportCommand& command) {
   return 0;
 }
 
-PriorFormat ToFormat(const std::string& text) {
-  return text == "acm"       ? PriorFormat::kAcm
-         : text == "apd"     ? PriorFormat::kApd
-         : text == "openmvs" ? PriorFormat::kOpenMvs
-                             : PriorFormat::kDepth;
+ExternalFormat ToFormat(const std::string& text) {
+  return text == "acm"       ? ExternalFormat::kAcm
+         : text == "apd"     ? ExternalFormat::kApd
+         : text == "openmvs" ? ExternalFormat::kOpenMvs
+                             : ExternalFormat::kDepth;
 }
 
 void RequireGiven(const std::string& name, const std::string& value) {

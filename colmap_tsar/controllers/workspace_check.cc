@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -27,11 +28,6 @@ namespace tsar {
 namespace {
 
 constexpr const char* kAgain = "run patch_match_stereo again for this image";
-
-bool Exists(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::exists(path, error);
-}
 
 std::string SizeText(const MapSize& size) {
   return ToString(RasterSize{size.width, size.height});

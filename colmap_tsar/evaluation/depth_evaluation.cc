@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
@@ -133,7 +134,7 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
         options.find_map
             ? options.find_map(name)
             : map_folder / (name + "." + options.input_type + ".bin");
-    if (!fs::exists(map_path)) {
+    if (!Exists(map_path)) {
       ++evaluation.num_images_without_map;
       continue;
     }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/check_cameras.h"
 #include "colmap_tsar/import/import_store.h"
 #include "colmap_tsar/import/target_workspace.h"
@@ -16,7 +17,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 namespace tsar {
@@ -57,7 +57,7 @@ class Importer {
     const StereoFolder stereo(root_);
     const WorkspaceLock lock(root_);
     RequireUnrefined(root_);
-    for (const PriorFiles& files : matched_.files) {
+    for (const ExternalFiles& files : matched_.files) {
       RequireNoStrayResults(
           GetMapPaths(root_, NameOf(files), options_.match.type));
       if (!options_.overwrite) {
@@ -77,11 +77,11 @@ class Importer {
   }
 
  private:
-  const std::string& NameOf(const PriorFiles& files) const {
+  const std::string& NameOf(const ExternalFiles& files) const {
     return model_.images[static_cast<size_t>(files.image)].name;
   }
 
-  const Camera& CameraOf(const PriorFiles& files) const {
+  const Camera& CameraOf(const ExternalFiles& files) const {
     return model_.images[static_cast<size_t>(files.image)].camera;
   }
 
@@ -95,45 +95,45 @@ class Importer {
   bool AreNormalsInWorld() const {
     return options_.normal_frame == NormalFrame::kWorld ||
            (options_.normal_frame == NormalFrame::kAuto &&
-            (options_.match.format == PriorFormat::kAcm ||
-             options_.match.format == PriorFormat::kApd));
+            (options_.match.format == ExternalFormat::kAcm ||
+             options_.match.format == ExternalFormat::kApd));
   }
 
   // Reads all files once and keeps what the decisions need.
   void CheckFiles() {
     progress_.Start(static_cast<int>(matched_.files.size()), "Checking:");
-    for (const PriorFiles& files : matched_.files) {
-      const PriorMaps prior = ReadPriorMaps(files, options_.match.format);
+    for (const ExternalFiles& files : matched_.files) {
+      const ExternalMaps external =
+          ReadExternalMaps(files, options_.match.format);
       RequireShape(files.depth,
-                   {prior.depth.Width(), prior.depth.Height()},
+                   {external.depth.Width(), external.depth.Height()},
                    {CameraOf(files).width, CameraOf(files).height},
                    "the image " + NameOf(files),
                    "use maps of the undistorted images of this workspace");
-      NoteOtherType(files, prior.depth);
-      if (prior.camera) {
-        cameras_.push_back({files.image, *prior.camera});
+      NoteOtherType(files, external.depth);
+      if (external.camera) {
+        cameras_.push_back({files.image, *external.camera});
       }
-      const NormalFacing facing = CountFacing(prior, CameraOf(files));
+      const NormalFacing facing = CountFacing(external, CameraOf(files));
       facing_.num_normals += facing.num_normals;
       facing_.num_facing_in_camera += facing.num_facing_in_camera;
       facing_.num_facing_in_world += facing.num_facing_in_world;
-      summary_.num_with_normals += prior.normal.Empty() ? 0 : 1;
-      scales_.push_back(BaseScale(prior.is_integer));
+      summary_.num_with_normals += external.normal.Empty() ? 0 : 1;
+      scales_.push_back(BaseScale(external.is_integer));
       comparisons_.push_back(CompareWithSparse(
-          model_, files.image, ScaledDepth(prior.depth, scales_.back())));
+          model_, files.image, ScaledDepth(external.depth, scales_.back())));
       progress_.Advance(true);
     }
     progress_.Finish();
   }
 
   // tsar_refine takes the maps of both types together.
-  void NoteOtherType(const PriorFiles& files, const Image<float>& depth) {
+  void NoteOtherType(const ExternalFiles& files, const Image<float>& depth) {
     const MapType other = options_.match.type == MapType::kGeometric
                               ? MapType::kPhotometric
                               : MapType::kGeometric;
     const Path path = GetMapPaths(root_, NameOf(files), other).depth;
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) {
+    if (!Exists(path)) {
       return;
     }
     const MapSize size = ReadMapSize(path);
@@ -267,10 +267,10 @@ class Importer {
     convert.use_costs = options_.import_costs;
     progress_.Start(static_cast<int>(matched_.files.size()), "Importing:");
     for (size_t i = 0; i < matched_.files.size(); ++i) {
-      const PriorFiles& files = matched_.files[i];
+      const ExternalFiles& files = matched_.files[i];
       convert.scale = scales_[i];
       const ImportedMaps maps =
-          ConvertMaps(ReadPriorMaps(files, options_.match.format),
+          ConvertMaps(ReadExternalMaps(files, options_.match.format),
                       CameraOf(files),
                       convert);
       WriteImported(root_, NameOf(files), options_.match.type, maps);

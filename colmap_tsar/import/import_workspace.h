@@ -43,7 +43,7 @@ struct ImportOptions {
 // before the first file is written. The maps have their own size, which may
 // differ from the image's, as COLMAP's may.
 //
-// Throws Error, with nothing written: what MatchImages, ReadPriorMaps,
+// Throws Error, with nothing written: what MatchImages, ReadExternalMaps,
 // CheckCameras, RequireUnrefined, RequireNoForeignMaps, ReadSparseModel and
 // WorkspaceLock throw, and kMismatch where a map's shape is not that of its
 // image, where depths are in other units than the sparse points or normals in

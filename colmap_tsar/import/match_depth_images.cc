@@ -4,6 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/depth_image.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
@@ -120,7 +121,7 @@ int MatchDepthImages(const MatchOptions& options,
     normals = named.Find(options.normal_path);
   }
   for (const auto& [image, path] : named.Find(options.input_path)) {
-    PriorFiles files;
+    ExternalFiles files;
     files.depth = path;
     const auto normal = normals.find(image);
     if (normal != normals.end()) {

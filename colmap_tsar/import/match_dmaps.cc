@@ -68,7 +68,7 @@ int MatchDmaps(const MatchOptions& options,
     if (path.extension() != ".dmap" || !number || !stem.starts_with("depth")) {
       continue;
     }
-    PriorFiles files;
+    ExternalFiles files;
     files.depth = path;
     if (by_number) {
       collector->Add(ImageOfNumber(order, *number, path), std::move(files));

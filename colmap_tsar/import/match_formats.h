@@ -21,14 +21,14 @@ class MapCollector {
   explicit MapCollector(const SparseModel& model) : model_(model) {}
 
   // Throws Error kMismatch for a second map of an image.
-  void Add(int image, PriorFiles files);
+  void Add(int image, ExternalFiles files);
 
   // By ascending image.
-  const std::map<int, PriorFiles>& Files() const { return files_; }
+  const std::map<int, ExternalFiles>& Files() const { return files_; }
 
  private:
   const SparseModel& model_;
-  std::map<int, PriorFiles> files_;
+  std::map<int, ExternalFiles> files_;
 };
 
 // For kAcm and kApd.
@@ -49,7 +49,6 @@ std::vector<std::filesystem::path> ListEntries(
     const std::filesystem::path& folder);
 
 bool IsFolder(const std::filesystem::path& path);
-bool IsFile(const std::filesystem::path& path);
 
 // Error kNotFound that names the option where it is no folder.
 void RequireFolder(const std::filesystem::path& folder,

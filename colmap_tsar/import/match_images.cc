@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/match_formats.h"
 
 #include <algorithm>
@@ -42,11 +43,6 @@ bool IsFolder(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path, error);
 }
 
-bool IsFile(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
-
 void RequireFolder(const std::filesystem::path& folder,
                    const std::string& option) {
   if (!IsFolder(folder)) {
@@ -57,7 +53,7 @@ void RequireFolder(const std::filesystem::path& folder,
   }
 }
 
-void MapCollector::Add(int image, PriorFiles files) {
+void MapCollector::Add(int image, ExternalFiles files) {
   files.image = image;
   const auto [entry, is_new] = files_.emplace(image, files);
   if (!is_new) {
@@ -77,9 +73,9 @@ MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model) {
   RequireFolder(normal.input_path, OptionName("input_path"));
   MapCollector collector(model);
   MatchedMaps matched;
-  if (options.format == PriorFormat::kOpenMvs) {
+  if (options.format == ExternalFormat::kOpenMvs) {
     matched.num_without_image = MatchDmaps(normal, model, &collector);
-  } else if (options.format == PriorFormat::kDepth) {
+  } else if (options.format == ExternalFormat::kDepth) {
     matched.num_without_image = MatchDepthImages(normal, model, &collector);
   } else {
     MatchNumberedFolders(normal, model, &collector);

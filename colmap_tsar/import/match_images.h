@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/import/prior_maps.h"
+#include "colmap_tsar/import/external_maps.h"
 #include "colmap_tsar/workspace/map_paths.h"
 #include "colmap_tsar/workspace/sparse_model.h"
 
@@ -19,7 +19,7 @@ enum class IndexOrder {
 };
 
 struct MatchOptions {
-  PriorFormat format = PriorFormat::kAcm;
+  ExternalFormat format = ExternalFormat::kAcm;
   // The folder to look in: that with the maps, or, for kAcm and kApd, the one
   // above, which holds cams/ and the program's folder.
   std::filesystem::path input_path;
@@ -34,7 +34,7 @@ struct MatchOptions {
 };
 
 struct MatchedMaps {
-  std::vector<PriorFiles>
+  std::vector<ExternalFiles>
       files;                  // By ascending image; each image at most once.
   int num_without_image = 0;  // Maps of images that are not in the model.
 };

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
 
@@ -88,9 +89,9 @@ std::vector<NumberedFolder> FindProgramFolder(const Path& input) {
   return found;
 }
 
-PriorFiles FindFilesOf(const NumberedFolder& folder,
-                       const MatchOptions& options) {
-  PriorFiles files;
+ExternalFiles FindFilesOf(const NumberedFolder& folder,
+                          const MatchOptions& options) {
+  ExternalFiles files;
   const Path geometric = FindGeometricDepth(folder.path);
   const Path plain = FindPlainDepth(folder.path);
   const bool take_geometric =

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 
 #include <algorithm>
 #include <string>
@@ -58,8 +59,7 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
 
 StereoFolder::StereoFolder(const std::filesystem::path& root)
     : path_(root, "stereo") {
-  std::error_code error;
-  is_new_ = !std::filesystem::exists(path_.Path(), error);
+  is_new_ = !Exists(path_);
   CreateFolders(path_);
 }
 
@@ -81,12 +81,11 @@ void WriteMissingConfigs(const std::filesystem::path& root,
     patch_match += image.name + "\n__auto__, 20\n";
     fusion += image.name + "\n";
   }
-  std::error_code error;
   const ContainedPath stereo(root, "stereo");
-  if (!std::filesystem::exists((stereo / "patch-match.cfg").Path(), error)) {
+  if (!Exists(stereo / "patch-match.cfg")) {
     WriteTextFile(stereo / "patch-match.cfg", patch_match);
   }
-  if (!std::filesystem::exists((stereo / "fusion.cfg").Path(), error)) {
+  if (!Exists(stereo / "fusion.cfg")) {
     WriteTextFile(stereo / "fusion.cfg", fusion);
   }
 }

@@ -285,18 +285,6 @@ void MakeEvidence(const RefineOptions& options,
   timer.Finish("scene planes");
 }
 
-RefineResult ObserveImage(
-    const ViewData& reference,
-    std::vector<std::shared_ptr<const UploadedView>> sources,
-    uint32_t image_id,
-    const RefineOptions& options,
-    Device& device) {
-  RefineResult result =
-      MeasureImage(reference, std::move(sources), image_id, options, device);
-  MakeEvidence(options, device, &result);
-  return result;
-}
-
 FoundScene FindScene(const std::vector<ObservedView>& views,
                      const RefineOptions& options,
                      Device& device) {

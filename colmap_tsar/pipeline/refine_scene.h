@@ -26,18 +26,11 @@ namespace tsar {
 // first takes it through the stages of a single view and keeps what these
 // found; the second needs that of the image and of its sources.
 
-// Arguments as RefineImage. The result holds the evidence and no maps.
-RefineResult ObserveImage(
-    const ViewData& reference,
-    std::vector<std::shared_ptr<const UploadedView>> sources,
-    uint32_t image_id,
-    const RefineOptions& options,
-    Device& device);
-
-// The two parts of this: the stages, for which the result holds what they
-// measured, and what makes evidence of that. The second one has little to do
-// for a GPU: where many images are observed, it goes on a CPU while the GPU
-// measures the next one.
+// The first step in two parts: the stages, for which the result holds what they
+// measured, and what makes evidence of that; the result then holds the evidence
+// and no maps. Arguments as RefineImage. The second part has little to do for a
+// GPU: where many images are observed, it goes on a CPU while the GPU measures
+// the next one.
 RefineResult MeasureImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,

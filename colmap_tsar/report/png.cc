@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/byte_reader.h"
 #include "colmap_tsar/import/formats/picture_header.h"
 
@@ -34,7 +35,7 @@ void WritePng(const ContainedPath& path, const Image<Rgb>& image) {
 }
 
 Image<uint8_t> ReadGrayPng(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) {
+  if (!Exists(path)) {
     throw Error::File(ErrorCode::kNotFound,
                       path.string(),
                       "there is no such file",

@@ -4,6 +4,7 @@
 #include "colmap_tsar/report/workspace_comparison.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/report/png.h"
 #include "colmap_tsar/workspace/map_io.h"
 
@@ -35,7 +36,7 @@ std::vector<int> FindRefinedImages(const Workspace& workspace) {
   const int num_images = static_cast<int>(workspace.Model().images.size());
   for (int image = 0; image < num_images; ++image) {
     if (workspace.HasMaps(image, type) &&
-        std::filesystem::exists(workspace.ProvenancePath(image, type))) {
+        Exists(workspace.ProvenancePath(image, type))) {
       refined.push_back(image);
     }
   }

@@ -273,21 +273,6 @@ class ExpansionMoves {
 
 }  // namespace
 
-double Energy(const LabelGraph& graph, const std::vector<int>& labels) {
-  CheckGraph(graph);
-  CheckLabels(graph, labels);
-  double energy = 0.0;
-  for (int node = 0; node < graph.num_nodes; ++node) {
-    energy += UnaryOf(graph, node)[labels[node]];
-  }
-  for (size_t edge = 0; edge < graph.edges.size(); ++edge) {
-    const auto [first, second] = graph.edges[edge];
-    energy +=
-        graph.pairwise(static_cast<int>(edge), labels[first], labels[second]);
-  }
-  return energy;
-}
-
 std::vector<int> MinimizeByExpansion(const LabelGraph& graph,
                                      const ExpansionOptions& options,
                                      std::vector<int> initial) {

@@ -31,21 +31,18 @@ struct ExpansionOptions {
   int max_sweeps = 4;
 };
 
-// The cost of the labels, one per node. Throws Error(kMismatch) where the
-// graph's parts or the labels do not fit each other.
-double Energy(const LabelGraph& graph, const std::vector<int>& labels);
-
-// Labels of low energy, one per node, by alpha expansion (Boykov, Veksler and
-// Zabih, "Fast Approximate Energy Minimization via Graph Cuts", PAMI 2001):
-// label after label is offered to all nodes, and those take it that lower the
-// energy most by doing so together. Where the costs of an edge are a metric, no
-// single such move can improve the result of enough sweeps. With two labels it
-// is the best of all, provided that equal labels at both ends of an edge cost
-// no more, the two cases added up, than different ones. Other costs are
-// allowed: a move may then not be the best one, but none raises the energy.
-// initial: the labels to start from; empty for the cheapest of each node.
-// Throws Error(kMismatch) where the graph's parts or the initial labels do not
-// fit each other, Error(kUnsupported) where costs are not finite.
+// Labels of low energy (the sum of their costs), one per node, by alpha
+// expansion (Boykov, Veksler and Zabih, "Fast Approximate Energy Minimization
+// via Graph Cuts", PAMI 2001): label after label is offered to all nodes, and
+// those take it that lower the energy most by doing so together. Where the
+// costs of an edge are a metric, no single such move can improve the result of
+// enough sweeps. With two labels it is the best of all, provided that equal
+// labels at both ends of an edge cost no more, the two cases added up, than
+// different ones. Other costs are allowed: a move may then not be the best one,
+// but none raises the energy. initial: the labels to start from; empty for the
+// cheapest of each node. Throws Error(kMismatch) where the graph's parts or the
+// initial labels do not fit each other, Error(kUnsupported) where costs are not
+// finite.
 std::vector<int> MinimizeByExpansion(const LabelGraph& graph,
                                      const ExpansionOptions& options,
                                      std::vector<int> initial = {});

@@ -4,6 +4,7 @@
 #include "colmap_tsar/stereo/stereo_inputs.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
@@ -30,6 +31,8 @@ const std::array<Part, 4> kParts = {
     Part{"depths", {"the range of its sparse points", false}}};
 // The value of a part that does not matter.
 constexpr const char* kNone = "-";
+// The first line of a file.
+const std::string kHead = std::string("fingerprints ") + kContentHashName;
 
 std::string FingerprintOfSources(const Workspace& workspace,
                                  const std::vector<int>& sources) {
@@ -118,11 +121,12 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
 std::optional<StereoInputs> ReadStereoInputs(
     const std::filesystem::path& path) {
   InputFile file(path);
-  if (!file) {
+  std::string line;
+  if (!std::getline(file, line) || line != kHead) {
     return std::nullopt;
   }
   StereoInputs inputs;
-  for (std::string line; std::getline(file, line);) {
+  while (std::getline(file, line)) {
     InputState state;
     size_t begin = 0;
     for (const Part& part : kParts) {
@@ -140,6 +144,7 @@ std::optional<StereoInputs> ReadStereoInputs(
 
 void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   AtomicFile file(path);
+  file.Stream() << kHead << "\n";
   for (const auto& [name, state] : inputs) {
     for (const Part& part : kParts) {
       file.Stream() << state.at(part.key) << " ";

@@ -40,7 +40,8 @@ using StereoInputs = std::map<std::string, InputState>;
 StereoInputs FindStereoInputs(const Workspace& workspace,
                               const StereoOptions& options);
 
-// As a file of text. Nothing where there is no such file or it is not whole.
+// As a file of text. Nothing where there is no such file, it is not whole, or
+// its fingerprints are not comparable with those of this version.
 std::optional<StereoInputs> ReadStereoInputs(const std::filesystem::path& path);
 void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs);
 

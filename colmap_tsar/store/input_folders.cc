@@ -4,6 +4,7 @@
 #include "colmap_tsar/store/input_folders.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/output_workspace.h"
 
 #include <algorithm>
@@ -14,11 +15,6 @@ namespace tsar {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool Contains(const fs::path& folder, const fs::path& path) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end())
-             .first == folder.end();
-}
 
 // Of a path that need not exist. One that cannot be looked up is none that can
 // be written to, and whoever tries says so.
@@ -39,7 +35,7 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
   const fs::path target = Canonical(path);
   for (const char* name : {"images", "sparse", "stereo"}) {
     const fs::path folder = Canonical(root / name);
-    if (Contains(folder, place) || Contains(folder, target)) {
+    if (IsWithin(place, folder) || IsWithin(target, folder)) {
       return name;
     }
   }

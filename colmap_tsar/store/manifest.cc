@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/store/manifest.h"
 
-#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/store/json_file.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <algorithm>
@@ -75,13 +75,7 @@ void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
                                {"counts", manifest.counts},
                                {"seconds", manifest.seconds},
                                {"images", images}};
-  const ContainedPath folder = GetTsarFolder(workspace.Root());
-  CreateFolders(folder);
-  AtomicFile file(folder / "manifest.json");
-  file.Stream() << json.dump(
-                       2, ' ', false, nlohmann::json::error_handler_t::replace)
-                << "\n";
-  file.Commit();
+  WriteJson(GetTsarFolder(workspace.Root()) / "manifest.json", json);
 }
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/file_time.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <algorithm>
@@ -104,24 +105,21 @@ MapState CompareValues(const fs::path& current,
 MapState InspectMap(const fs::path& current,
                     const fs::path& original,
                     const std::vector<WrittenMap>* written) {
-  std::error_code error;
-  if (!fs::exists(current, error)) {
+  if (!Exists(current)) {
     return MapState::kMissing;
   }
+  std::error_code error;
   if (fs::equivalent(current, original, error)) {
     return MapState::kOriginal;
   }
-  if (!fs::is_regular_file(current, error)) {
+  if (!IsFile(current)) {
     return MapState::kDamaged;
   }
-  const uint64_t hash = HashFile(current);
-  if (written != nullptr &&
-      std::any_of(written->begin(), written->end(), [&](const WrittenMap& map) {
-        return map.hash == hash;
-      })) {
+  if (written != nullptr && IsAnyOf(current, *written)) {
     return MapState::kWritten;
   }
-  if (HaveSameLength(current, original) && HashFile(original) == hash) {
+  if (HaveSameLength(current, original) &&
+      HashFile(original) == HashFile(current)) {
     return MapState::kOriginal;
   }
   const std::optional<MapSize> size = SizeIfComplete(current);

@@ -3,23 +3,16 @@
 
 #include "colmap_tsar/store/originals.h"
 
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/map_state.h"
 
-#include <algorithm>
 #include <optional>
-#include <system_error>
 #include <vector>
 
 namespace tsar {
 namespace {
-
-bool Exists(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::exists(path, error);
-}
 
 // One of the two maps of an image.
 struct Map {
@@ -33,18 +26,12 @@ OriginalState FindInPlace(const Map& map) {
   if (!Exists(map.current)) {
     return OriginalState::kMissing;
   }
-  // Hashing reads the whole map; in the first run there is nothing to compare.
-  if (map.written != nullptr && !map.written->empty()) {
-    const uint64_t hash = HashFile(map.current);
-    if (std::any_of(map.written->begin(),
-                    map.written->end(),
-                    [&](const WrittenMap& w) { return w.hash == hash; })) {
-      throw Error::File(ErrorCode::kMismatch,
-                        map.current.string(),
-                        "this map has been refined and its original, " +
-                            map.stored.string() + ", is gone",
-                        "run patch_match_stereo again for this image");
-    }
+  if (map.written != nullptr && IsAnyOf(map.current, *map.written)) {
+    throw Error::File(ErrorCode::kMismatch,
+                      map.current.string(),
+                      "this map has been refined and its original, " +
+                          map.stored.string() + ", is gone",
+                      "run patch_match_stereo again for this image");
   }
   return OriginalState::kInPlace;
 }
@@ -130,10 +117,8 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
 void RequireNoStrayResults(const MapPaths& paths) {
   for (const std::filesystem::path& result :
        {paths.provenance.Path(), paths.confidence.Path()}) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(result, error) &&
-        !Exists(paths.record) && !Exists(paths.original_depth) &&
-        !Exists(paths.original_normal)) {
+    if (IsFile(result) && !Exists(paths.record) &&
+        !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
       throw Error::File(
           ErrorCode::kMismatch,
           paths.depth.string(),

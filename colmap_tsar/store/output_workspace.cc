@@ -9,8 +9,10 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/store/json_file.h"
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/workspace_lock.h"
@@ -34,12 +36,6 @@ Error Refused(const std::filesystem::path& output, const std::string& what) {
                      "choose another " + OptionName("output_path"));
 }
 
-bool Contains(const std::filesystem::path& folder,
-              const std::filesystem::path& path) {
-  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end())
-             .first == folder.end();
-}
-
 // `input` is canonical.
 void RequireOutside(const std::filesystem::path& input,
                     const std::filesystem::path& output) {
@@ -56,7 +52,7 @@ void RequireOutside(const std::filesystem::path& input,
   if (!folder.empty()) {
     throw Refused(output, "the output is in the input's folder " + folder);
   }
-  if (Contains(canonical, input)) {
+  if (IsWithin(input, canonical)) {
     throw Refused(output, "the output is a folder around the input");
   }
 }
@@ -69,13 +65,13 @@ bool IsEmptyOrBegun(const std::filesystem::path& output) {
       (std::string(kMarkerName) + AtomicFile::kTemporarySuffix);
   const std::vector<TreeEntry> tree = ListTree({output, {}});
   return std::all_of(tree.begin(), tree.end(), [&](const TreeEntry& entry) {
-    return Contains(entry.path.Path(), marker.Path());
+    return IsWithin(marker.Path(), entry.path.Path());
   });
 }
 
 void RequireEmptyOrOutputOf(const std::filesystem::path& input,
                             const std::filesystem::path& output) {
-  if (!std::filesystem::exists(output)) {
+  if (!Exists(output)) {
     return;
   }
   if (!std::filesystem::is_directory(output)) {
@@ -89,15 +85,6 @@ void RequireEmptyOrOutputOf(const std::filesystem::path& input,
     throw Refused(output,
                   "the folder is not empty and not an output workspace");
   }
-}
-
-void WriteJson(const ContainedPath& path, const nlohmann::json& json) {
-  CreateFolders(path.Parent());
-  AtomicFile file(path);
-  file.Stream() << json.dump(
-                       2, ' ', false, nlohmann::json::error_handler_t::replace)
-                << "\n";
-  file.Commit();
 }
 
 void WriteMarker(const std::filesystem::path& input,
@@ -155,7 +142,7 @@ bool RelinkOutput(const std::filesystem::path& input,
       const std::filesystem::path name =
           entry.path.Path().lexically_relative(folder.Path());
       const std::filesystem::path original = input / "stereo" / kind / name;
-      if (Contains(stored, target) &&
+      if (IsWithin(target, stored) &&
           std::filesystem::exists(original, error)) {
         ReplaceByLink(original, entry.path);
         has_changed = true;
@@ -221,7 +208,7 @@ Workspace CreateOutputWorkspace(const Workspace& input,
     }
   }
   for (const char* name : {"patch-match.cfg", "fusion.cfg"}) {
-    if (std::filesystem::exists(source / "stereo" / name)) {
+    if (Exists(source / "stereo" / name)) {
       CopyFile(source / "stereo" / name, stereo / name);
     }
   }

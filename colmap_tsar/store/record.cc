@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/store/record.h"
 
-#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/store/json_file.h"
 
 #include <array>
 #include <cinttypes>
@@ -130,13 +130,7 @@ void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
       {"seconds", record.seconds},
       {"note", record.note},
   };
-  CreateFolders(path.Parent());
-  AtomicFile file(path);
-  // Names need not be UTF-8; the replacement character stands for the rest.
-  file.Stream() << json.dump(
-                       2, ' ', false, nlohmann::json::error_handler_t::replace)
-                << "\n";
-  file.Commit();
+  WriteJson(path, json);
 }
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/store/map_state.h"
 #include "colmap_tsar/store/output_workspace.h"
@@ -18,7 +19,6 @@
 #include <algorithm>
 #include <optional>
 #include <set>
-#include <system_error>
 
 namespace tsar {
 namespace {
@@ -26,19 +26,6 @@ namespace {
 // In stereo/tsar, what outlives a restoration where something is left in it.
 constexpr const char* kOriginals = "original";
 constexpr const char* kRecords = "records";
-
-// Adds the keys (see GetMapPaths) of the files below a folder.
-void AddKeys(const ContainedPath& folder,
-             const std::string& suffix,
-             std::set<std::string>* keys) {
-  for (const TreeEntry& entry : ListTree(folder)) {
-    const std::string name =
-        entry.path.Path().lexically_relative(folder.Path()).string();
-    if (!entry.is_folder && name.ends_with(suffix)) {
-      keys->insert(name.substr(0, name.size() - suffix.size()));
-    }
-  }
-}
 
 // Without a record, or with a broken one, the stored originals count.
 std::optional<ImageRecord> ReadRecordIfValid(
@@ -52,13 +39,6 @@ std::optional<ImageRecord> ReadRecordIfValid(
     Warn(error.what());
     return std::nullopt;
   }
-}
-
-bool Exists(const std::filesystem::path& path) {
-  // What cannot be looked at may be there.
-  std::error_code error;
-  return std::filesystem::symlink_status(path, error).type() !=
-         std::filesystem::file_type::not_found;
 }
 
 // The restoration of one image's maps of one type.
@@ -118,8 +98,7 @@ class ImageRestorer {
       const ContainedPath& current,
       const ContainedPath& stored,
       const std::vector<WrittenMap>* written) {
-    std::error_code error;
-    const auto status = std::filesystem::symlink_status(stored.Path(), error);
+    const std::filesystem::file_status status = SymlinkStatus(stored.Path());
     if (std::filesystem::exists(status) &&
         !std::filesystem::is_regular_file(status) &&
         !std::filesystem::is_symlink(status)) {
@@ -267,10 +246,11 @@ RestoreResult Restore(const std::filesystem::path& root,
                       "there is nothing to restore",
                       "check " + OptionName("workspace_path"));
   }
+  // See GetMapPaths.
   std::set<std::string> keys;
-  AddKeys(tsar / kRecords, ".json", &keys);
-  AddKeys(tsar / kOriginals / "depth_maps", ".bin", &keys);
-  AddKeys(tsar / kOriginals / "normal_maps", ".bin", &keys);
+  keys.merge(ListFileNames(tsar / kRecords, ".json"));
+  keys.merge(ListFileNames(tsar / kOriginals / "depth_maps", ".bin"));
+  keys.merge(ListFileNames(tsar / kOriginals / "normal_maps", ".bin"));
   RestoreResult result;
   // All is looked at before the first file is changed.
   std::vector<ImageRestorer> images;

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/store/json_file.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <array>
@@ -50,7 +51,8 @@ std::string DifferenceOf(const std::map<std::string, std::string>& own,
              ", this one " + "with " + value;
     }
   }
-  return "with other options";
+  return own == other ? "by another build of this version"
+                      : "with other options";
 }
 
 }  // namespace
@@ -140,12 +142,7 @@ void WriteShardRecord(const std::filesystem::path& root,
                                {"is_complete", record.is_complete},
                                {"runtime", record.runtime},
                                {"images", images}};
-  CreateFolders(GetShardFolder(root));
-  AtomicFile file(GetShardPath(root, record.pass, record.index, record.count));
-  file.Stream() << json.dump(
-                       2, ' ', false, nlohmann::json::error_handler_t::replace)
-                << "\n";
-  file.Commit();
+  WriteJson(GetShardPath(root, record.pass, record.index, record.count), json);
 }
 
 std::map<std::filesystem::path, ShardRecord> ListShardRecords(

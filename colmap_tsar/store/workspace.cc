@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -46,22 +47,17 @@ void RequireSafeName(const std::filesystem::path& root,
   }
 }
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 // Reads what is stored or, where nothing is, the current map. An image that
 // turns out to keep its maps gets what is stored back, perhaps meanwhile.
 template <typename Read>
 auto ReadStoredOrCurrent(const std::filesystem::path& stored,
                          const std::filesystem::path& current,
                          const Read& read) {
-  std::error_code error;
-  if (std::filesystem::exists(stored, error)) {
+  if (Exists(stored)) {
     try {
       return read(stored);
     } catch (const Error&) {
-      if (std::filesystem::exists(stored, error)) {
+      if (Exists(stored)) {
         throw;
       }
     }
@@ -119,10 +115,6 @@ std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
   return Paths(image, type).depth;
 }
 
-std::filesystem::path Workspace::NormalPath(int image, MapType type) const {
-  return Paths(image, type).normal;
-}
-
 std::filesystem::path Workspace::CostPath(int image, MapType type) const {
   return Paths(image, type).cost;
 }
@@ -149,12 +141,8 @@ void Workspace::TrustStoredOriginals() {
 
 bool Workspace::HasMaps(int image, MapType type) const {
   const MapPaths paths = SourcePaths(image, type);
-  const auto exists = [](const std::filesystem::path& path) {
-    std::error_code error;
-    return std::filesystem::exists(path, error);
-  };
-  return (exists(paths.depth) || exists(paths.original_depth)) &&
-         (exists(paths.normal) || exists(paths.original_normal));
+  return (Exists(paths.depth) || Exists(paths.original_depth)) &&
+         (Exists(paths.normal) || Exists(paths.original_normal));
 }
 
 Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
@@ -162,12 +150,13 @@ Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
   const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
   Image<Rgb> photo = ReadPhoto(path);
   if (photo.Width() != camera.width || photo.Height() != camera.height) {
-    throw Error::File(
-        ErrorCode::kMismatch,
-        path.string(),
-        "the image has " + SizeText(photo.Width(), photo.Height()) +
-            " pixels, its camera " + SizeText(camera.width, camera.height),
-        "make the workspace again with image_undistorter");
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the image has " +
+                          ToString(RasterSize{photo.Width(), photo.Height()}) +
+                          " pixels, its camera " +
+                          ToString(RasterSize{camera.width, camera.height}),
+                      "make the workspace again with image_undistorter");
   }
   if (photo.Width() == width && photo.Height() == height) {
     return photo;
@@ -223,13 +212,14 @@ DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
   }
   maps.num_not_finite = num_bad_depths + num_bad_normals;
   if (!maps.depth.HasSizeOf(maps.normal)) {
-    throw Error::File(ErrorCode::kMismatch,
-                      paths.normal.string(),
-                      "the normal map has " +
-                          SizeText(maps.normal.Width(), maps.normal.Height()) +
-                          " pixels, the depth map " +
-                          SizeText(maps.depth.Width(), maps.depth.Height()),
-                      "run patch_match_stereo again for this image");
+    throw Error::File(
+        ErrorCode::kMismatch,
+        paths.normal.string(),
+        "the normal map has " +
+            ToString(RasterSize{maps.normal.Width(), maps.normal.Height()}) +
+            " pixels, the depth map " +
+            ToString(RasterSize{maps.depth.Width(), maps.depth.Height()}),
+        "run patch_match_stereo again for this image");
   }
   return maps;
 }

@@ -48,7 +48,6 @@ class Workspace {
   MapPaths Paths(int image, MapType type) const;
   MapPaths SourcePaths(int image, MapType type) const;
   std::filesystem::path DepthPath(int image, MapType type) const;
-  std::filesystem::path NormalPath(int image, MapType type) const;
   std::filesystem::path CostPath(int image, MapType type) const;
   std::filesystem::path ConfidencePath(int image, MapType type) const;
   std::filesystem::path ProvenancePath(int image, MapType type) const;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/originals.h"
@@ -12,7 +13,6 @@
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include <opencv2/core.hpp>
@@ -20,11 +20,6 @@
 
 namespace tsar {
 namespace {
-
-bool IsFile(const std::filesystem::path& path) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(path, error);
-}
 
 void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
   if (!maps.normal.HasSizeOf(maps.depth) ||
@@ -187,15 +182,6 @@ void WriteBack::RecordDone() {
   WriteRecord(paths_.record, record_);
 }
 
-void WriteRefined(const Workspace& workspace,
-                  int image,
-                  const RefinedMaps& maps,
-                  ImageRecord record) {
-  WriteBack write_back(workspace, image, std::move(record));
-  write_back.PrepareFiles(maps);
-  write_back.Commit();
-}
-
 void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const OriginalMaps originals =
@@ -237,14 +223,13 @@ bool IsDone(const Workspace& workspace,
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
   if (!record || record->status != ImageStatus::kDone ||
       record->options_hash != options_hash || record->version != TSAR_VERSION ||
-      record->inputs != inputs || record->written_depth.empty() ||
-      record->written_normal.empty()) {
+      record->inputs != inputs) {
     return false;
   }
   if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
       !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
-      HashFile(paths.depth) != record->written_depth[0].hash ||
-      HashFile(paths.normal) != record->written_normal[0].hash) {
+      !IsAnyOf(paths.depth, record->written_depth) ||
+      !IsAnyOf(paths.normal, record->written_normal)) {
     return false;
   }
   if (!workspace.IsOutput()) {

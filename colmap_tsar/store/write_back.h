@@ -15,17 +15,6 @@
 
 namespace tsar {
 
-// Puts the refined maps of workspace.Type() in the place of the originals. At
-// every instant each map file is the complete original or the complete refined
-// one, and the original is kept in stereo/tsar/original (in an output workspace
-// it stays where it is, in the input). Safe for different images at once.
-// Throws Error: kMismatch (sizes, or values that are not finite), kNotFound
-// (the image has no maps), kIo.
-void WriteRefined(const Workspace& workspace,
-                  int image,
-                  const RefinedMaps& maps,
-                  ImageRecord record);
-
 // Notes that the image keeps its original maps, and why (record.note). Where
 // they had been refined by an earlier run, the originals are put back.
 void KeepImage(const Workspace& workspace, int image, ImageRecord record);
@@ -43,9 +32,12 @@ bool IsDone(const Workspace& workspace,
             const std::string& options_hash,
             const std::map<std::string, std::string>& inputs);
 
-// WriteRefined in steps, to be called in this order. An interruption between
-// any two leaves a workspace in which the originals are found and every map is
-// complete.
+// Puts the refined maps of workspace.Type() in the place of the originals, in
+// steps to be called in this order. At every instant each map file is the
+// complete original or the complete refined one, and the original is kept in
+// stereo/tsar/original (in an output workspace it stays where it is, in the
+// input). Safe for different images at once. Throws Error: kMismatch (sizes, or
+// values that are not finite), kNotFound (the image has no maps), kIo.
 class WriteBack {
  public:
   WriteBack(const Workspace& workspace, int image, ImageRecord record);

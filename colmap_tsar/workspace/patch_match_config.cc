@@ -182,12 +182,4 @@ std::vector<StereoProblem> ReadPatchMatchConfig(
   return ConfigParser(path, model, min_triangulation_angle_degrees).Parse();
 }
 
-std::vector<std::string> ReadFusionConfig(const std::filesystem::path& path) {
-  std::vector<std::string> names;
-  for (ConfigLine& line : ReadConfigLines(path)) {
-    names.push_back(std::move(line.text));
-  }
-  return names;
-}
-
 }  // namespace tsar

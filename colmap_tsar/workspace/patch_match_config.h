@@ -31,7 +31,4 @@ std::vector<StereoProblem> ReadPatchMatchConfig(
     const SparseModel& model,
     double min_triangulation_angle_degrees = 1.0);
 
-// Reads stereo/fusion.cfg: one image name per line.
-std::vector<std::string> ReadFusionConfig(const std::filesystem::path& path);
-
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/workspace/sparse_model.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
@@ -31,10 +32,8 @@ bool FindFiles(const std::filesystem::path& folder, SparseModelFiles* files) {
     files->cameras_path = folder / (std::string("cameras") + extension);
     files->images_path = folder / (std::string("images") + extension);
     files->points_path = folder / (std::string("points3D") + extension);
-    std::error_code error;
-    if (std::filesystem::exists(files->cameras_path, error) &&
-        std::filesystem::exists(files->images_path, error) &&
-        std::filesystem::exists(files->points_path, error)) {
+    if (Exists(files->cameras_path) && Exists(files->images_path) &&
+        Exists(files->points_path)) {
       return binary;
     }
   }

@@ -3,10 +3,13 @@
 
 #include "colmap_tsar/workspace/written_map.h"
 
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/workspace/map_io.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cinttypes>
 #include <cstdio>
@@ -17,6 +20,9 @@ namespace tsar {
 namespace {
 
 constexpr size_t kDigits = 8;  // Of a sample.
+
+// Before a fingerprint; the first records held others, without it.
+const std::string kHashPrefix = std::string(kContentHashName) + "-";
 
 template <typename T>
 T FromDigits(const std::string& text, int base) {
@@ -29,13 +35,34 @@ T FromDigits(const std::string& text, int base) {
   return value;
 }
 
+// Of a map without a fingerprint. Only together do both tell: an edit changes
+// the time, and may leave all samples as they are.
+bool HasTimeAndSamples(const std::filesystem::path& path,
+                       const WrittenMap& map) {
+  if (map.time == 0 || map.samples.empty() || TimeOf(path) != map.time) {
+    return false;
+  }
+  try {
+    return ReadSamples(path) == map.samples;
+  } catch (const Error& error) {
+    if (error.Code() == ErrorCode::kCorrupt) {
+      return false;
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 std::string ToText(const WrittenMap& map) {
+  std::string all;
   char text[64];
-  std::snprintf(
-      text, sizeof(text), "%016" PRIx64 "@%" PRId64 ":", map.hash, map.time);
-  std::string all = text;
+  if (map.hash) {
+    std::snprintf(text, sizeof(text), "%016" PRIx64, *map.hash);
+    all = kHashPrefix + text;
+  }
+  std::snprintf(text, sizeof(text), "@%" PRId64 ":", map.time);
+  all += text;
   for (const uint32_t sample : map.samples) {
     std::snprintf(text, sizeof(text), "%08" PRIx32, sample);
     all += text;
@@ -50,7 +77,12 @@ WrittenMap WrittenMapFromText(const std::string& text) {
     throw std::invalid_argument(text);
   }
   WrittenMap map;
-  map.hash = FromDigits<uint64_t>(text.substr(0, at), 16);
+  if (text.starts_with(kHashPrefix)) {
+    map.hash = FromDigits<uint64_t>(
+        text.substr(kHashPrefix.size(), at - kHashPrefix.size()), 16);
+  } else if (at > 0) {
+    FromDigits<uint64_t>(text.substr(0, at), 16);
+  }
   map.time = FromDigits<int64_t>(text.substr(at + 1, colon - at - 1), 10);
   for (size_t i = colon + 1; i < text.size(); i += kDigits) {
     map.samples.push_back(FromDigits<uint32_t>(text.substr(i, kDigits), 16));
@@ -78,6 +110,21 @@ std::vector<uint32_t> ReadSamples(const std::filesystem::path& path) {
                       "check the disk and the file's permissions");
   }
   return samples;
+}
+
+bool IsAnyOf(const std::filesystem::path& path,
+             const std::vector<WrittenMap>& maps) {
+  // Hashing reads the whole file.
+  std::optional<uint64_t> hash;
+  return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
+    if (!map.hash) {
+      return HasTimeAndSamples(path, map);
+    }
+    if (!hash) {
+      hash = HashFile(path);
+    }
+    return hash == map.hash;
+  });
 }
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,11 @@ namespace tsar {
 // What is remembered of a map that this program wrote, so that it is known
 // again: as it is, and where somebody edited it.
 struct WrittenMap {
-  uint64_t hash = 0;  // See content_hash.h.
-  int64_t time =
-      0;  // Of the file's last change, see file_time.h; 0: not known.
+  // See content_hash.h; nothing where a version of this program wrote the map
+  // that computed its fingerprints otherwise.
+  std::optional<uint64_t> hash;
+  // Of the file's last change, see file_time.h; 0: not known.
+  int64_t time = 0;
   // The bits of some values, see SamplePosition(). A mask or a threshold that
   // is laid over a map leaves most of those as they were, and no other program
   // comes to the same ones.
@@ -37,5 +40,11 @@ constexpr size_t SamplePosition(size_t i, size_t num_values) {
 
 // The samples of a map in a file; throws what ReadMapSize() throws.
 std::vector<uint32_t> ReadSamples(const std::filesystem::path& path);
+
+// Whether a file is one of these maps as it was written: by its fingerprint, or
+// by its time and samples where the map has none. Throws what HashFile()
+// throws; a file that is no map is none of them.
+bool IsAnyOf(const std::filesystem::path& path,
+             const std::vector<WrittenMap>& maps);
 
 }  // namespace tsar

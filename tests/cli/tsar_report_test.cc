@@ -10,6 +10,7 @@
 #include "tests/cli/captured_run.h"
 #include "tests/support/drawn_workspace.h"
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

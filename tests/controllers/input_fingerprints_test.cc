@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

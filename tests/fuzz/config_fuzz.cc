@@ -32,7 +32,6 @@ void ReadConfigs(std::span<const uint8_t> input) {
   static const SparseModel model = MakeModel();
   const std::filesystem::path path = PutFile("some.cfg", input);
   Accepts([&] { ReadPatchMatchConfig(path, model); });
-  Accepts([&] { ReadFusionConfig(path); });
 }
 
 std::vector<std::string> MakeConfigSeeds() {

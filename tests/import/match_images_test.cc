@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/import/match_images.h"
 
-#include "tests/import/prior_writers.h"
+#include "tests/import/external_writers.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
@@ -36,7 +36,7 @@ class MatchImagesTest : public testing::Test {
   // "IMAGE: DEPTH NORMAL COST CAMERA" with the files' last two names.
   std::vector<std::string> Match() const {
     std::vector<std::string> lines;
-    for (const PriorFiles& files : MatchImages(options_, model_).files) {
+    for (const ExternalFiles& files : MatchImages(options_, model_).files) {
       std::string line =
           model_.images[static_cast<size_t>(files.image)].name + ":";
       for (const auto* path :
@@ -110,7 +110,7 @@ TEST_F(MatchImagesTest, RefusesNumberedFoldersThatAreUnclear) {
 }
 
 TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
-  options_.format = PriorFormat::kOpenMvs;
+  options_.format = ExternalFormat::kOpenMvs;
   WriteDmap("depth0005.dmap", "C:\\work\\images\\sub\\c.jpg");
   WriteDmap("depth0006.dmap", "undistorted/b.png");
   WriteDmap("depth0007.dmap", "images/other.jpg");
@@ -127,7 +127,7 @@ TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
 }
 
 TEST_F(MatchImagesTest, TellsOpenMvsNamesThatFitNoneOrSeveral) {
-  options_.format = PriorFormat::kOpenMvs;
+  options_.format = ExternalFormat::kOpenMvs;
   WriteDmap("depth0001.dmap", "images/00001.jpg");
   ExpectError(ErrorCode::kNotFound, {"images/00001.jpg", "image_list"}, [&] {
     Match();
@@ -145,7 +145,7 @@ TEST_F(MatchImagesTest, TellsOpenMvsNamesThatFitNoneOrSeveral) {
 }
 
 TEST_F(MatchImagesTest, FindsDepthImagesByName) {
-  options_.format = PriorFormat::kDepth;
+  options_.format = ExternalFormat::kDepth;
   options_.normal_path = folder_.Path() / "normals";
   Write("a.png");
   Write("sub/c.jpg.npy");
@@ -162,7 +162,7 @@ TEST_F(MatchImagesTest, FindsDepthImagesByName) {
 }
 
 TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
-  options_.format = PriorFormat::kDepth;
+  options_.format = ExternalFormat::kDepth;
   Write("frame_00.tif");
   Write("frame_01.tif");
   ExpectError(
@@ -178,7 +178,7 @@ TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
 }
 
 TEST_F(MatchImagesTest, RefusesStemsOfTwoImages) {
-  options_.format = PriorFormat::kDepth;
+  options_.format = ExternalFormat::kDepth;
   SparseModel::ModelImage twin;
   twin.name = "a.png";
   model_.images.push_back(twin);

@@ -13,8 +13,8 @@
 #include <sstream>
 
 #include "tests/cli/captured_run.h"
+#include "tests/import/external_writers.h"
 #include "tests/import/import_scene.h"
-#include "tests/import/prior_writers.h"
 #include "tests/support/drawn_workspace.h"
 #include "tests/support/test_workspace.h"
 

@@ -131,7 +131,8 @@ def test_debian_packages():
     for needed in ("libc6 (>=", "libstdc++6", "libopencv-core", "libgoogle-glog",
                    "libboost-program-options"):
         check(any(d.startswith(needed) for d in depends), f"it depends on {needed}")
-    check("libopencv-dev" in library["Depends"], "the library depends on its headers' packages")
+    for needed in ("libopencv-dev", "libxxhash-dev"):
+        check(needed in library["Depends"], f"the library depends on {needed}")
     check((program["Section"], library["Section"]) == ("science", "libdevel"), "sections")
     check(
         program["Description"] != library["Description"]

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tests/support/drawn_views_test.h"
+#include "tests/support/observe_image.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {

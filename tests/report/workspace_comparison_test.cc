@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string>
 
+#include "tests/support/write_refined.h"
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -97,7 +98,7 @@ TEST_F(WorkspaceComparisonTest, ReadsBeforeAndAfter) {
 TEST_F(WorkspaceComparisonTest, RefusesMapsOfAnotherSizeThanBefore) {
   const Workspace workspace(root_, MapType::kGeometric);
   Refine(workspace, 1);
-  const fs::path path = workspace.NormalPath(1, MapType::kGeometric);
+  const fs::path path = workspace.Paths(1, MapType::kGeometric).normal;
   WriteNormalMap(UserPath(path), Image<Vec3f>(kWidth / 2, kHeight / 2));
   try {
     ReadComparisonRow(workspace, 1);

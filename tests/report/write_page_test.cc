@@ -14,6 +14,7 @@
 
 #include "tests/support/drawn_workspace.h"
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 

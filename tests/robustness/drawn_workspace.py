@@ -116,7 +116,7 @@ def draw(root, num_images, with_maps=True):
                   map_file([nothing, nothing, facing]))
 
 
-def draw_prior(folder, num_images, scale=1.0):
+def draw_external_maps(folder, num_images, scale=1.0):
     """Depth as another program would give it: arrays of NumPy, by image name."""
     for view, name in enumerate(NAMES[:num_images]):
         header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({HEIGHT}, {WIDTH}), }}"

@@ -27,7 +27,7 @@ work = os.path.join(folder.name, "work")
 start = StartWorkspaces(folder.name)
 start.make(program)
 # Values that are not those of the maps which they replace.
-start.write_prior(1.003)
+start.write_external_maps(1.003)
 copy(start.mapped, start.imported)
 program.run("tsar_import", start.imported, *start.import_options)
 untouched = read_tree(start.mapped)

@@ -26,7 +26,7 @@ OBEYED = {"Cc", "Cf", "Zl", "Zp", "Cs"}
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, prior = (os.path.join(folder.name, name) for name in ("work", "arrays"))
+work, external = (os.path.join(folder.name, name) for name in ("work", "arrays"))
 start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
@@ -246,20 +246,20 @@ for field in ("version", "type", "runtime", "options", "images", "pass", "images
 # Files to import.
 for name in (EVERYTHING.replace(b"/", b""), CSI):
     fresh(start.mapped)
-    shutil.rmtree(prior, ignore_errors=True)
-    copy(start.prior, prior)
-    write(os.fsencode(prior) + b"/" + name + b".npy", b"broken")
-    write(os.fsencode(prior) + b"/" + name + b".png", b"broken")
-    import_it = ["tsar_import", work, "--input_path", prior, "--overwrite", 1, "--format"]
+    shutil.rmtree(external, ignore_errors=True)
+    copy(start.external, external)
+    write(os.fsencode(external) + b"/" + name + b".npy", b"broken")
+    write(os.fsencode(external) + b"/" + name + b".png", b"broken")
+    import_it = ["tsar_import", work, "--input_path", external, "--overwrite", 1, "--format"]
     for form in ("depth", "acm", "apd", "openmvs"):
         printed(f"importing {form} files", [*import_it, form])
     write(os.path.join(folder.name, "list"), name + b"\n" + name + b"\n")
     printed("a list", [*import_it, "depth", "--image_list", os.path.join(folder.name, "list")])
-    write(os.path.join(prior, "v0.npy"),
+    write(os.path.join(external, "v0.npy"),
           b"\x93NUMPY\x01\x00" + struct.pack("<H", len(name)) + name + b"xxxx")
     printed("an array", [*import_it, "depth"])
-    os.remove(os.path.join(prior, "v0.npy"))
-    write(os.path.join(prior, "v0.pfm"), b"Pf\n" + name + b"\n-1\n")
+    os.remove(os.path.join(external, "v0.npy"))
+    write(os.path.join(external, "v0.pfm"), b"Pf\n" + name + b"\n-1\n")
     printed("a PFM", [*import_it, "depth"])
 
 
@@ -300,8 +300,8 @@ for command, source, path in (
     code, text = printed(f"a profile in {path}", command)
     check(code == 0, text)
 fresh(start.mapped)
-shutil.rmtree(prior)
-write(os.path.join(prior, "v0.png"), with_profile(depth_png()))
+shutil.rmtree(external)
+write(os.path.join(external, "v0.png"), with_profile(depth_png()))
 code, text = printed("a profile in depth", [*import_it, "depth"])
 check(code == 0 and "1 imported" in text, text)
 fresh(start.mapped)

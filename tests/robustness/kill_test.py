@@ -21,13 +21,13 @@ STEPS = {"stereo": 4}
 args = parse_arguments("shim", "command")
 program = Program(args.program, args.shim)
 folder = make_folder(args.folder)
-before, work, spare, prior = (os.path.join(folder.name, name)
-                              for name in ("before", "work", "spare", "prior"))
+before, work, spare, external = (os.path.join(folder.name, name)
+                              for name in ("before", "work", "spare", "external"))
 # The folder in which a command keeps the maps that it replaces.
 KEPT = {"refine": "stereo/tsar/original/", "restore": "stereo/tsar/original/",
         "compose": "stereo/tsar/original/",
         "import": "stereo/tsar_import/former/", "undo": "stereo/tsar_import/former/"}
-IMPORT = import_options(prior)
+IMPORT = import_options(external)
 SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 COMMANDS = {
     "refine": ["tsar_refine", work],
@@ -44,7 +44,7 @@ UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"],
 def prepare():
     """Makes `before`; returns its files, and those of the untouched workspace."""
     drawn_workspace.draw(work, NUM_IMAGES)
-    drawn_workspace.draw_prior(prior, NUM_IMAGES)
+    drawn_workspace.draw_external_maps(external, NUM_IMAGES)
     # One that an import takes away.
     cost = os.path.join(work, "stereo", "cost_maps", "v0.png.geometric.bin")
     nothing = [2.0] * (drawn_workspace.WIDTH * drawn_workspace.HEIGHT)

@@ -16,7 +16,7 @@ from start_workspaces import STEREO, StartWorkspaces
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, output, prior = (os.path.join(folder.name, name) for name in ("work", "output", "arrays"))
+work, output, external = (os.path.join(folder.name, name) for name in ("work", "output", "arrays"))
 start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
@@ -124,11 +124,11 @@ for index, (file, source, commands) in enumerate(FILES):
 # Those of other programs that are imported.
 for kind in KINDS:
     copy(start.mapped, work)
-    shutil.rmtree(prior, ignore_errors=True)
-    shutil.copytree(start.prior, prior)
-    if replace(os.path.join(prior, "v0.npy"), kind):
+    shutil.rmtree(external, ignore_errors=True)
+    shutil.copytree(start.external, external)
+    if replace(os.path.join(external, "v0.npy"), kind):
         before = describe(work)
-        code, errors = program.call("tsar_import", work, "--input_path", prior, "--format", "depth",
+        code, errors = program.call("tsar_import", work, "--input_path", external, "--format", "depth",
                                     "--overwrite", 1)
         # It is no depth image; the other ones are.
         check(code in (0, 1) and "unexpected" not in errors, f"import of a {kind}: {errors}")

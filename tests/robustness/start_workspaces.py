@@ -13,28 +13,28 @@ STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sourc
           for word in ("--TsarStereo." + name, 1)]
 
 
-def import_options(prior):
-    return ["--input_path", prior, "--format", "depth", "--overwrite", 1]
+def import_options(external):
+    return ["--input_path", external, "--format", "depth", "--overwrite", 1]
 
 
 class StartWorkspaces:
     """Paths of workspaces in a folder: `bare` has no maps, `mapped` has some,
-    which are refined in `refined`; into `imported`, those of `prior` were
+    which are refined in `refined`; into `imported`, those of `external` were
     imported."""
 
     def __init__(self, folder):
-        self.bare, self.mapped, self.refined, self.imported, self.prior = (
+        self.bare, self.mapped, self.refined, self.imported, self.external = (
             os.path.join(folder, name)
-            for name in ("bare", "mapped", "refined", "imported", "prior"))
-        self.import_options = import_options(self.prior)
+            for name in ("bare", "mapped", "refined", "imported", "external"))
+        self.import_options = import_options(self.external)
 
-    def write_prior(self, scale):
-        drawn_workspace.draw_prior(self.prior, NUM_IMAGES, scale)
+    def write_external_maps(self, scale):
+        drawn_workspace.draw_external_maps(self.external, NUM_IMAGES, scale)
 
     def make(self, program):
         drawn_workspace.draw(self.bare, NUM_IMAGES, with_maps=False)
         drawn_workspace.draw(self.mapped, NUM_IMAGES)
-        self.write_prior(1.0)
+        self.write_external_maps(1.0)
         copy(self.mapped, self.refined)
         program.run("tsar_refine", self.refined)
         copy(self.mapped, self.imported)

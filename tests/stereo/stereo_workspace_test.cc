@@ -293,8 +293,10 @@ TEST_F(StereoWorkspaceTest, BeginsAnewWhereThereIsNothingToLose) {
   const auto expected = Maps();
   const std::filesystem::path inputs = root_ / "stereo/tsar_stereo/inputs.txt";
   const std::string text = ReadText(inputs);
-  for (const std::string& broken :
-       {std::string("a b c d v0.png\n"), text.substr(0, 20), std::string()}) {
+  for (const std::string& broken : {std::string("a b c d v0.png\n"),
+                                    text.substr(text.find('\n') + 1),
+                                    text.substr(0, text.find('\n') + 20),
+                                    std::string()}) {
     WriteText(inputs, broken);
     ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
     EXPECT_TRUE(Maps() == expected);

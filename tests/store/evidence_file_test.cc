@@ -124,7 +124,7 @@ struct HeaderFields {
         num_borders(evidence.borders.size()) {}
 
   std::string magic = "TSARVIEW";
-  uint32_t version = 1;
+  uint32_t version = 2;
   uint32_t options_hash_length = 16;
   int32_t width;
   int32_t height;
@@ -288,14 +288,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 2u}) {
+  for (const uint32_t version : {0u, 1u, 3u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 1");
+                             ", this program reads version 2");
     }
   }
 }

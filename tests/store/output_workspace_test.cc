@@ -10,6 +10,7 @@
 #include <map>
 
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

@@ -12,8 +12,10 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <regex>
 
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {
@@ -54,6 +56,15 @@ class RestoreTest : public testing::Test {
     return GetSupersededFolder(root_) / kind / "a.png.geometric.bin";
   }
 
+  // Makes the record one of the time before the fingerprints of today.
+  void MakeRecordOld() const {
+    const std::string text = ReadText(Paths().record);
+    const std::string old = std::regex_replace(
+        text, std::regex("xxh3-[0-9a-f]{16}@"), "0123456789abcdef@");
+    ASSERT_NE(text, old);
+    WriteText(Paths().record, old);
+  }
+
   // Another time than that of the refinement.
   static void Write(const std::filesystem::path& path,
                     const std::string& bytes) {
@@ -90,6 +101,8 @@ class RestoreTest : public testing::Test {
     Write(path, bytes);
   }
 
+  void ExpectToLoseNothing(bool has_old_record);
+
   bool HasOriginals() const {
     return ReadText(Paths().depth) == original_depth_ &&
            ReadText(Paths().normal) == original_normal_;
@@ -107,7 +120,7 @@ class RestoreTest : public testing::Test {
 
 // Whatever happened to the refined maps: no original is lost, nor what somebody
 // else wrote, and depth and normals are of one source.
-TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
+void RestoreTest::ExpectToLoseNothing(bool has_old_record) {
   const std::vector<Fate> fates = {
       Fate::kLeft, Fate::kMasked, Fate::kCut, Fate::kAnew, Fate::kDeleted};
   for (const Fate depth : fates) {
@@ -115,6 +128,9 @@ TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
       SCOPED_TRACE(testing::Message() << static_cast<int>(depth) << " and "
                                       << static_cast<int>(normal));
       Begin();
+      if (has_old_record) {
+        MakeRecordOld();
+      }
       Suffer(depth, Paths().depth);
       Suffer(normal, Paths().normal);
       const bool has_depth = depth != Fate::kDeleted;
@@ -170,6 +186,38 @@ TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
       }
     }
   }
+}
+
+TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
+  ExpectToLoseNothing(/*has_old_record=*/false);
+}
+
+TEST_F(RestoreTest, LosesNothingByARecordWithOldFingerprints) {
+  ExpectToLoseNothing(/*has_old_record=*/true);
+}
+
+TEST_F(RestoreTest, KnowsMapsOfRecordsWithOldFingerprints) {
+  MakeRecordOld();
+  EXPECT_FALSE(IsDone(Workspace(root_, kType), 0, "other options", {}));
+  EXPECT_EQ(FindOriginals(Paths()).depth_state, OriginalState::kStored);
+  EXPECT_EQ(FindOriginals(Paths()).depth, Paths().original_depth.Path());
+  Refine();
+  EXPECT_TRUE(KeepsOriginals());
+  MakeRecordOld();
+  const RestoreResult result = Restore(root_);
+  EXPECT_EQ(result.num_restored, 1);
+  EXPECT_TRUE(result.superseded.empty());
+  EXPECT_TRUE(HasOriginals());
+}
+
+// An original that is lost is not replaced by a refined map.
+TEST_F(RestoreTest, KnowsRefinedMapsOfOldRecordsWithoutTheirOriginals) {
+  MakeRecordOld();
+  std::filesystem::remove(Paths().original_depth);
+  std::filesystem::remove(Paths().original_normal);
+  ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
+    FindOriginals(Paths());
+  });
 }
 
 TEST_F(RestoreTest, ConflictsAreDecidedByTheUser) {

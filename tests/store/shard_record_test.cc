@@ -134,6 +134,8 @@ TEST(ShardRecordTest, TellsWhatDiffers) {
     other->options.erase("tau");
     other->options_hash = "4567";
   });
+  expect_difference("by another build of this version",
+                    [](ShardRecord* other) { other->options_hash = "4567"; });
   expect_difference("patch-match.cfg",
                     [](ShardRecord* other) { other->images_hash = "78"; });
 }

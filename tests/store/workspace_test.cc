@@ -41,7 +41,7 @@ TEST_F(WorkspaceTest, ReadsModelAndProblems) {
   EXPECT_EQ(workspace.ImagePath(1), root_ / "images/left/b.png");
   EXPECT_EQ(workspace.DepthPath(1, kGeometric),
             root_ / "stereo/depth_maps/left/b.png.geometric.bin");
-  EXPECT_EQ(workspace.NormalPath(0, kPhotometric),
+  EXPECT_EQ(workspace.Paths(0, kPhotometric).normal,
             root_ / "stereo/normal_maps/a.png.photometric.bin");
   EXPECT_EQ(workspace.CostPath(0, kPhotometric),
             root_ / "stereo/cost_maps/a.png.photometric.bin");
@@ -113,13 +113,13 @@ TEST_F(WorkspaceTest, CountsBadValuesOfBothMaps) {
 
 TEST_F(WorkspaceTest, NamesTheMissingMap) {
   const Workspace workspace(root_, kGeometric);
-  std::filesystem::remove(workspace.NormalPath(0, kGeometric));
+  std::filesystem::remove(workspace.Paths(0, kGeometric).normal);
   std::filesystem::remove(workspace.DepthPath(1, kGeometric));
   EXPECT_FALSE(workspace.HasMaps(0, kGeometric));
   EXPECT_TRUE(workspace.HasMaps(0, kPhotometric));
   EXPECT_FALSE(workspace.HasMaps(1, kGeometric));
   ExpectError(ErrorCode::kNotFound,
-              {workspace.NormalPath(0, kGeometric).string()},
+              {workspace.Paths(0, kGeometric).normal.string()},
               [&] { workspace.ReadOriginalMaps(0, kGeometric); });
   ExpectError(ErrorCode::kNotFound,
               {workspace.DepthPath(1, kGeometric).string()},
@@ -130,9 +130,10 @@ TEST_F(WorkspaceTest, RefusesMapsOfDifferentSizes) {
   const Workspace workspace(root_, kGeometric);
   WriteDepthMap(UserPath(workspace.DepthPath(0, kGeometric)),
                 Image<float>(8, 6, 1.f));
-  ExpectError(ErrorCode::kMismatch,
-              {workspace.NormalPath(0, kGeometric).string(), "4 x 3", "8 x 6"},
-              [&] { workspace.ReadOriginalMaps(0, kGeometric); });
+  ExpectError(
+      ErrorCode::kMismatch,
+      {workspace.Paths(0, kGeometric).normal.string(), "4 x 3", "8 x 6"},
+      [&] { workspace.ReadOriginalMaps(0, kGeometric); });
 }
 
 TEST_F(WorkspaceTest, RefusesMapsOfAnotherShapeThanTheImage) {

@@ -12,6 +12,7 @@
 #include <map>
 
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -116,7 +117,7 @@ TEST_F(WriteBackTest, KnowsWhatIsDone) {
   std::filesystem::remove(workspace().ConfidencePath(0, kGeometric));
   EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  WriteNormalMap(UserPath(workspace().NormalPath(0, kGeometric)),
+  WriteNormalMap(UserPath(workspace().Paths(0, kGeometric).normal),
                  Image<Vec3f>(4, 3, Vec3f{1, 0, 0}));
   EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
 }
@@ -287,13 +288,13 @@ TEST_F(WriteBackTest, StoringOriginalsCanBeUndoneAndNewerMapsCount) {
 }
 
 TEST_F(WriteBackTest, FindsTheOriginalsBetweenTwoRenames) {
-  const std::string normal = ReadText(workspace().NormalPath(0, kGeometric));
+  const std::string normal = ReadText(workspace().Paths(0, kGeometric).normal);
   WriteBack write_back(workspace(), 0, Record());
   write_back.PrepareFiles(MakeRefinedMaps(43.f));
   write_back.KeepOriginals();
   write_back.RecordWriting();
   write_back.RenameFiles();
-  WriteText(workspace().NormalPath(0, kGeometric), normal);
+  WriteText(workspace().Paths(0, kGeometric).normal, normal);
   EXPECT_EQ(OriginalDepth(0), 2.f);
   EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   EXPECT_EQ(Restore(root_).num_restored, 1);

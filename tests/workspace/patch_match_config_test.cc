@@ -110,13 +110,6 @@ TEST_F(PatchMatchConfigTest, NamesMissingFiles) {
   ExpectError(ErrorCode::kNotFound, {path_.string()}, [&] {
     ReadPatchMatchConfig(path_, model_);
   });
-  ExpectError(
-      ErrorCode::kNotFound, {path_.string()}, [&] { ReadFusionConfig(path_); });
-}
-
-TEST_F(PatchMatchConfigTest, ReadsFusionConfig) {
-  WriteText(path_, "# images\nv0.jpg\r\n\nsub/v 1.jpg\n");
-  EXPECT_THAT(ReadFusionConfig(path_), ElementsAre("v0.jpg", "sub/v 1.jpg"));
 }
 
 TEST(SourceSelectorTest, OrdersByTheNumberOfSharedPoints) {

@@ -54,35 +54,38 @@ constexpr std::pair<std::string_view, size_t> kExrSizes[] = {
     {"v2i", 8},      {"v2f", 8},       {"v2d", 16},
     {"v3i", 12},     {"v3f", 12},      {"v3d", 24}};
 
-// Looks into an attribute of EXR where OpenEXR takes memory for what it says,
-// or reads on behind it for what it does not say.
-void CheckExrAttribute(const std::string& type,
-                       std::span<const uint8_t> value,
-                       const std::string& name) {
-  ByteReader reader(value, name);
+// Goes through a value of EXR as OpenEXR does, which takes memory for the
+// counts in it, and reads as many bytes as the type has, whatever the header
+// says: from there on it would find other attributes than CheckExr. The rest is
+// left in the reader.
+void TakeExrValue(const std::string& type, ByteReader* reader) {
   for (const auto& [known, size] : kExrSizes) {
-    if (type == known && value.size() != size) {
-      throw reader.Corrupt("the EXR header has an attribute of another size");
+    if (type == known) {
+      reader->Take(size);
+      return;
     }
   }
   if (type == "chlist") {
     constexpr size_t kChannelSize = 16;
-    while (!ReadText(&reader).empty()) {
-      reader.Take(kChannelSize);
-    }
-    if (reader.NumLeft() > 0) {
-      throw reader.Corrupt("the EXR header has channels of another size");
+    while (!ReadText(reader).empty()) {
+      reader->Take(kChannelSize);
     }
   } else if (type == "preview") {
-    const uint64_t width = reader.Read<uint32_t>();
-    const uint64_t height = reader.Read<uint32_t>();
-    if (width * height != reader.NumLeft() / sizeof(uint32_t)) {
-      throw reader.Corrupt("the EXR header has a preview of another size");
+    const uint64_t width = reader->Read<uint32_t>();
+    const uint64_t height = reader->Read<uint32_t>();
+    constexpr uint64_t kMaxSide = 1 << 16;
+    if (width > kMaxSide || height > kMaxSide) {
+      throw reader->Corrupt("the EXR header has a preview of another size");
     }
+    reader->Take(width * height * sizeof(uint32_t));
   } else if (type == "stringvector") {
-    while (reader.NumLeft() > 0) {
-      reader.Take(reader.Read<uint32_t>());
+    while (reader->NumLeft() > 0) {
+      reader->Take(reader->Read<uint32_t>());
     }
+  } else if (type == "floatvector") {
+    reader->Take(reader->NumLeft() / sizeof(float) * sizeof(float));
+  } else {
+    reader->Take(reader->NumLeft());
   }
 }
 
@@ -215,10 +218,14 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
     at_start = false;
     const std::string type = ReadText(&reader);
     const std::span<const uint8_t> value = reader.Take(reader.Read<uint32_t>());
-    CheckExrAttribute(type, value, name);
+    ByteReader rest(value, name);
+    TakeExrValue(type, &rest);
+    if (rest.NumLeft() > 0) {
+      throw reader.Corrupt("the EXR header has an attribute of another size");
+    }
     if (attribute == "dataWindow") {
-      ByteReader box(value, name);
-      const auto corners = box.Read<std::array<int32_t, 4>>();
+      const auto corners =
+          ByteReader(value, name).Read<std::array<int32_t, 4>>();
       RequirePossibleSize(reader,
                           int64_t{corners[2]} - corners[0] + 1,
                           int64_t{corners[3]} - corners[1] + 1,

@@ -17,7 +17,7 @@
 #include <limits>
 #include <random>
 
-#include "tests/import/prior_writers.h"
+#include "tests/import/external_writers.h"
 #include "tests/support/test_workspace.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -608,6 +608,7 @@ TEST(DepthImage, RefusesExrHeadersThatNoFileCanHold) {
        {attribute("unknown", 0x646e6957),
         attribute("stringvector", 4) + "\xff\xff\xff\x7f",
         attribute("float", 3) + "abc",
+        attribute("floatvector", 5) + "abcde",
         attribute("chlist", 22) + std::string("name\0", 5) +
             std::string(16, 'a') + "b",
         attribute("preview", 8) + "\xff\xff\xff\x01\xff\xff\xff\x01"}) {

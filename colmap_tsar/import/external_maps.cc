@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/prior_maps.h"
+#include "colmap_tsar/import/external_maps.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
@@ -11,6 +11,7 @@
 #include "colmap_tsar/import/formats/dmap.h"
 #include "colmap_tsar/import/formats/dmb.h"
 #include "colmap_tsar/import/normals_from_depth.h"
+#include "colmap_tsar/workspace/map_shape.h"
 
 #include <cmath>
 #include <string>
@@ -20,13 +21,13 @@ namespace tsar {
 namespace {
 
 FloatMap ReadMap(const std::filesystem::path& path,
-                 PriorFormat format,
+                 ExternalFormat format,
                  bool* is_integer) {
   const std::vector<uint8_t> bytes = ReadFileBytes(path);
   switch (format) {
-    case PriorFormat::kAcm:
+    case ExternalFormat::kAcm:
       return ParseDmb(bytes, path.string());
-    case PriorFormat::kApd:
+    case ExternalFormat::kApd:
       return ParseApdMap(bytes, path.string());
     default: {
       DepthImage image = ParseDepthImage(bytes, path);
@@ -43,11 +44,9 @@ void RequireSize(const std::filesystem::path& path,
   if (!map.Empty() && !map.HasSizeOf(depth)) {
     throw Error::File(ErrorCode::kMismatch,
                       path.string(),
-                      "has " + std::to_string(map.Width()) + " x " +
-                          std::to_string(map.Height()) +
+                      "has " + ToString(RasterSize{map.Width(), map.Height()}) +
                           " pixels, the depth map " +
-                          std::to_string(depth.Width()) + " x " +
-                          std::to_string(depth.Height()),
+                          ToString(RasterSize{depth.Width(), depth.Height()}),
                       "use maps of one run");
   }
 }
@@ -105,9 +104,10 @@ Image<float> ToCosts(const FloatMap& map, const std::string& name) {
 
 }  // namespace
 
-PriorMaps ReadPriorMaps(const PriorFiles& files, PriorFormat format) {
-  PriorMaps maps;
-  if (format == PriorFormat::kOpenMvs) {
+ExternalMaps ReadExternalMaps(const ExternalFiles& files,
+                              ExternalFormat format) {
+  ExternalMaps maps;
+  if (format == ExternalFormat::kOpenMvs) {
     Dmap dmap = ParseDmap(ReadFileBytes(files.depth), files.depth.string());
     maps.depth = std::move(dmap.depth);
     maps.normal = std::move(dmap.normal);
@@ -143,22 +143,22 @@ Image<float> ScaledDepth(const Image<float>& depth, double scale) {
   return scaled;
 }
 
-ImportedMaps ConvertMaps(const PriorMaps& prior,
+ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
                          const ConvertOptions& options) {
   ImportedMaps maps;
-  maps.depth = ScaledDepth(prior.depth, options.scale);
+  maps.depth = ScaledDepth(external.depth, options.scale);
   const int width = maps.depth.Width();
   const int height = maps.depth.Height();
   const Intrinsics intrinsics = camera.Resized(width, height).GetIntrinsics();
   maps.normal = NormalsFromDepth(maps.depth, intrinsics);
-  if (!prior.normal.Empty()) {
+  if (!external.normal.Empty()) {
     const Eigen::Matrix3d* rotation =
         options.normals_in_world ? &camera.rotation : nullptr;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const Vec3f normal = ConvertNormal(
-            prior.normal(x, y),
+            external.normal(x, y),
             rotation,
             intrinsics.Ray(static_cast<float>(x), static_cast<float>(y)));
         if (maps.depth(x, y) > 0.f && !(normal == Vec3f{})) {
@@ -167,23 +167,24 @@ ImportedMaps ConvertMaps(const PriorMaps& prior,
       }
     }
   }
-  if (options.use_costs && !prior.cost.Empty()) {
-    maps.cost = ConvertCosts(prior.cost);
+  if (options.use_costs && !external.cost.Empty()) {
+    maps.cost = ConvertCosts(external.cost);
   }
   return maps;
 }
 
-NormalFacing CountFacing(const PriorMaps& prior, const Camera& camera) {
+NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera) {
   NormalFacing facing;
-  if (prior.normal.Empty()) {
+  if (external.normal.Empty()) {
     return facing;
   }
   const Intrinsics intrinsics =
-      camera.Resized(prior.depth.Width(), prior.depth.Height()).GetIntrinsics();
-  for (int y = 0; y < prior.depth.Height(); ++y) {
-    for (int x = 0; x < prior.depth.Width(); ++x) {
-      const Vec3f& n = prior.normal(x, y);
-      if (!(prior.depth(x, y) > 0.f) || n == Vec3f{}) {
+      camera.Resized(external.depth.Width(), external.depth.Height())
+          .GetIntrinsics();
+  for (int y = 0; y < external.depth.Height(); ++y) {
+    for (int x = 0; x < external.depth.Width(); ++x) {
+      const Vec3f& n = external.normal(x, y);
+      if (!(external.depth(x, y) > 0.f) || n == Vec3f{}) {
         continue;
       }
       const Vec3f ray =

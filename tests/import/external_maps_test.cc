@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/prior_maps.h"
+#include "colmap_tsar/import/external_maps.h"
 
 #include <cmath>
 #include <limits>
 
-#include "tests/import/prior_writers.h"
+#include "tests/import/external_writers.h"
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
@@ -34,14 +34,14 @@ TEST(ConvertMaps, TurnsWorldNormalsIntoTheCamerasFrame) {
   const Eigen::Vector3d expected = Eigen::Vector3d(0.2, 0.3, -1).normalized();
   const Eigen::Vector3f world =
       (camera.rotation.transpose() * expected).cast<float>();
-  PriorMaps prior;
-  prior.depth = Image<float>(8, 6, 2.f);
-  prior.normal = Image<Vec3f>(8, 6, Vec3f{world.x(), world.y(), world.z()});
+  ExternalMaps external;
+  external.depth = Image<float>(8, 6, 2.f);
+  external.normal = Image<Vec3f>(8, 6, Vec3f{world.x(), world.y(), world.z()});
   // Of another length, and the other way around.
-  prior.normal(1, 1) = prior.normal(1, 1) * -7.f;
+  external.normal(1, 1) = external.normal(1, 1) * -7.f;
   ConvertOptions options;
   options.normals_in_world = true;
-  const ImportedMaps maps = ConvertMaps(prior, camera, options);
+  const ImportedMaps maps = ConvertMaps(external, camera, options);
   for (const Vec3f& n : maps.normal) {
     EXPECT_NEAR(n.x, expected.x(), 1e-6);
     EXPECT_NEAR(n.y, expected.y(), 1e-6);
@@ -51,24 +51,24 @@ TEST(ConvertMaps, TurnsWorldNormalsIntoTheCamerasFrame) {
 }
 
 TEST(ConvertMaps, KeepsUnitNormalsInTheCamerasFrameBitByBit) {
-  PriorMaps prior;
-  prior.depth = Image<float>(8, 6, 2.f);
+  ExternalMaps external;
+  external.depth = Image<float>(8, 6, 2.f);
   const Vec3f normal = {0.36000001f, 0.48f, -0.8f};
-  prior.normal = Image<Vec3f>(8, 6, normal);
-  prior.normal(2, 2) = {0.f, 0.f, -3.f};
-  prior.depth(3, 3) = 0.f;
-  const ImportedMaps maps = ConvertMaps(prior, TurnedCamera(), {});
+  external.normal = Image<Vec3f>(8, 6, normal);
+  external.normal(2, 2) = {0.f, 0.f, -3.f};
+  external.depth(3, 3) = 0.f;
+  const ImportedMaps maps = ConvertMaps(external, TurnedCamera(), {});
   EXPECT_EQ(maps.normal(0, 0), normal);
   EXPECT_EQ(maps.normal(2, 2), (Vec3f{0.f, 0.f, -1.f}));
   EXPECT_EQ(maps.normal(3, 3), Vec3f());
 }
 
 TEST(ConvertMaps, ComputesNormalsWhereNoneCame) {
-  PriorMaps prior;
-  prior.depth = Image<float>(8, 6, 2.f);
-  prior.normal = Image<Vec3f>(8, 6, Vec3f{0.6f, 0.f, -0.8f});
-  prior.normal(5, 1) = {};
-  const ImportedMaps maps = ConvertMaps(prior, TurnedCamera(), {});
+  ExternalMaps external;
+  external.depth = Image<float>(8, 6, 2.f);
+  external.normal = Image<Vec3f>(8, 6, Vec3f{0.6f, 0.f, -0.8f});
+  external.normal(5, 1) = {};
+  const ImportedMaps maps = ConvertMaps(external, TurnedCamera(), {});
   EXPECT_EQ(maps.normal(5, 1), (Vec3f{0.f, 0.f, -1.f}));
   EXPECT_EQ(maps.normal(5, 2), (Vec3f{0.6f, 0.f, -0.8f}));
 }
@@ -78,29 +78,29 @@ TEST(ConvertMaps, UsesTheIntrinsicsOfTheMapsSize) {
   const Camera camera = TurnedCamera();
   const Intrinsics half = camera.Resized(4, 3).GetIntrinsics();
   const Vec3f normal = Normalized(Vec3f{0.1f, 0.05f, -1.f});
-  PriorMaps prior;
-  prior.depth = Image<float>(4, 3);
+  ExternalMaps external;
+  external.depth = Image<float>(4, 3);
   for (int y = 0; y < 3; ++y) {
     for (int x = 0; x < 4; ++x) {
-      prior.depth(x, y) =
+      external.depth(x, y) =
           -2.f /
           Dot(normal, half.Ray(static_cast<float>(x), static_cast<float>(y)));
     }
   }
-  const ImportedMaps maps = ConvertMaps(prior, camera, {});
+  const ImportedMaps maps = ConvertMaps(external, camera, {});
   EXPECT_LT(Norm(maps.normal(1, 1) - normal), 1e-5f);
 }
 
 TEST(ConvertMaps, MakesTwoChannelsOfCosts) {
-  PriorMaps prior;
-  prior.depth = Image<float>(6, 1, 1.f);
-  prior.cost = Image<float>(6, 1);
+  ExternalMaps external;
+  external.depth = Image<float>(6, 1, 1.f);
+  external.cost = Image<float>(6, 1);
   const std::vector<float> costs = {
       0.f, 1.5f, 2.f, 3.f, -0.5f, std::numeric_limits<float>::quiet_NaN()};
-  std::copy(costs.begin(), costs.end(), prior.cost.begin());
+  std::copy(costs.begin(), costs.end(), external.cost.begin());
   ConvertOptions options;
   options.use_costs = true;
-  const PlanarMap cost = ConvertMaps(prior, TurnedCamera(), options).cost;
+  const PlanarMap cost = ConvertMaps(external, TurnedCamera(), options).cost;
   EXPECT_EQ(cost.width, 6);
   EXPECT_EQ(cost.height, 1);
   EXPECT_EQ(cost.channels, 2);
@@ -121,13 +121,13 @@ TEST(ScaledDepth, DropsWhatLeavesTheRangeOfNumbers) {
 
 TEST(CountFacing, TellsTheFrames) {
   const Camera camera = TurnedCamera();
-  PriorMaps prior;
-  prior.depth = Image<float>(8, 6, 2.f);
-  prior.depth(0, 0) = 0.f;
-  EXPECT_EQ(CountFacing(prior, camera).num_normals, 0);
-  prior.normal = Image<Vec3f>(8, 6, Vec3f{0.f, 0.f, -1.f});
-  prior.normal(1, 0) = {};
-  const NormalFacing facing = CountFacing(prior, camera);
+  ExternalMaps external;
+  external.depth = Image<float>(8, 6, 2.f);
+  external.depth(0, 0) = 0.f;
+  EXPECT_EQ(CountFacing(external, camera).num_normals, 0);
+  external.normal = Image<Vec3f>(8, 6, Vec3f{0.f, 0.f, -1.f});
+  external.normal(1, 0) = {};
+  const NormalFacing facing = CountFacing(external, camera);
   EXPECT_EQ(facing.num_normals, 46);
   EXPECT_EQ(facing.num_facing_in_camera, 46);
   const Eigen::Vector3d axis = camera.rotation * Eigen::Vector3d(0, 0, -1);

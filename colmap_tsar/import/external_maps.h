@@ -15,7 +15,7 @@
 namespace tsar {
 
 // Whose maps they are.
-enum class PriorFormat {
+enum class ExternalFormat {
   kAcm,      // .dmb of Gipuma, ACMH, ACMM, ACMP, ACMMP.
   kApd,      // .dmb or .bin of APD and its successors.
   kOpenMvs,  // .dmap of OpenMVS.
@@ -24,7 +24,7 @@ enum class PriorFormat {
 
 // The files that another program wrote for one image. All paths but the first
 // may be empty.
-struct PriorFiles {
+struct ExternalFiles {
   int image = -1;  // Index into SparseModel::images.
   std::filesystem::path depth;
   std::filesystem::path normal;
@@ -33,7 +33,7 @@ struct PriorFiles {
 };
 
 // What such files hold, as they say it.
-struct PriorMaps {
+struct ExternalMaps {
   Image<float> depth;       // In the other program's units; 0 = none.
   bool is_integer = false;  // The depth is stored in integers.
   Image<Vec3f> normal;      // Empty or of the size of the depth map.
@@ -43,7 +43,8 @@ struct PriorMaps {
 
 // Reads the files. Throws what the readers of the formats throw, and Error
 // kMismatch where the maps of an image differ in size.
-PriorMaps ReadPriorMaps(const PriorFiles& files, PriorFormat format);
+ExternalMaps ReadExternalMaps(const ExternalFiles& files,
+                              ExternalFormat format);
 
 // What is written to the workspace; see map_io.h.
 struct ImportedMaps {
@@ -68,7 +69,7 @@ struct ConvertOptions {
 // smallest cost, which no other program tells.
 //
 // camera: that of the image, of any size.
-ImportedMaps ConvertMaps(const PriorMaps& prior,
+ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
                          const ConvertOptions& options);
 
@@ -83,6 +84,6 @@ struct NormalFacing {
   int64_t num_facing_in_camera = 0;
   int64_t num_facing_in_world = 0;
 };
-NormalFacing CountFacing(const PriorMaps& prior, const Camera& camera);
+NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera);
 
 }  // namespace tsar

@@ -1,0 +1,28 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/refine_scene.h"
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+
+// The evidence of an image; arguments as MeasureImage.
+inline RefineResult ObserveImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device) {
+  RefineResult result =
+      MeasureImage(reference, std::move(sources), image_id, options, device);
+  MakeEvidence(options, device, &result);
+  return result;
+}
+
+}  // namespace tsar
