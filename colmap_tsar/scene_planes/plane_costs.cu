@@ -219,7 +219,7 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
         evidence.first_observation[s + 1] - data.first_observation;
     data.first_pixel = begin[s];
     data.num_pixels = begin[s + 1] - begin[s];
-    data.weights = evidence.weights[s];
+    data.weight = evidence.weights[s];
     for (int i = 0; i < data.num_observations; ++i) {
       data.confidence +=
           evidence.observations[static_cast<size_t>(data.first_observation + i)]

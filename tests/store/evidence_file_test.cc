@@ -412,7 +412,7 @@ struct Fault {
 std::vector<Fault> NeighbourFaults() {
   const std::string label = "a label that no superpixel has";
   const std::string noise = "a noise that is no number";
-  const std::string mass = "a superpixel's mass";
+  const std::string weight = "a superpixel's invalid weight";
   const std::string owners = "observations that are not those of";
   const std::string observation = "an invalid observation";
   const std::string plane = "an invalid plane";
@@ -424,9 +424,9 @@ std::vector<Fault> NeighbourFaults() {
       {noise, [](auto* e) { e->resolution.error_per_depth = -1.f; }},
       {noise, [](auto* e) { e->noise = kInf; }},
       {noise, [](auto* e) { e->noise = -kInf; }},
-      {mass, [](auto* e) { e->weights[4] = kNan; }},
-      {mass, [](auto* e) { e->weights[0] = -1.f; }},
-      {mass, [](auto* e) { e->weights[0] = kInf; }},
+      {weight, [](auto* e) { e->weights[4] = kNan; }},
+      {weight, [](auto* e) { e->weights[0] = -1.f; }},
+      {weight, [](auto* e) { e->weights[0] = kInf; }},
       {owners, [](auto* e) { e->first_observation[0] = 1; }},
       {owners, [](auto* e) { e->first_observation[0] = -1; }},
       {owners, [](auto* e) { e->first_observation[2] = 5; }},
@@ -458,7 +458,7 @@ std::vector<Fault> NeighbourFaults() {
 
 std::vector<Fault> OwnFaults() {
   const std::string border = "borders that are not those of";
-  const std::string weight = "a border's weight";
+  const std::string weight = "a border's invalid weight";
   const std::string region = "a region's plane";
   return {
       {border, [](auto* e) { e->borders[0].first = -1; }},
