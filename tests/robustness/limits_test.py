@@ -29,7 +29,7 @@ large = os.path.join(folder.name, "large")
 start = StartWorkspaces(folder.name)
 start.make(program)
 # OpenCV divides large pictures among threads.
-drawn_workspace.enlarge(6)
+drawn_workspace.enlarge(8)
 drawn_workspace.draw(large, 2)
 program.run("tsar_refine", large)
 # The command, and from what workspace.
