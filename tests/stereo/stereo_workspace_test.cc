@@ -48,8 +48,8 @@ class StereoWorkspaceTest : public testing::Test {
     RemoveMaps(root_);
     options_.depth_min = 0.5 * kDepth;
     options_.depth_max = 2.0 * kDepth;
-    // Enough for all but the first test.
     options_.num_iterations = 2;
+    // Enough for tests of files; matching itself needs all of an image.
     options_.max_image_size = kMapWidth;
   }
 
@@ -104,7 +104,6 @@ class StereoWorkspaceTest : public testing::Test {
 };
 
 TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
-  options_.num_iterations = StereoOptions().num_iterations;
   options_.max_image_size = StereoOptions().max_image_size;
   const StereoSummary summary = Run();
   EXPECT_EQ(summary.num_images, 4);
@@ -238,6 +237,8 @@ TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
 }
 
 TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
+  // Smaller images have no superpixel that could be refined.
+  options_.max_image_size = DrawnWorkspace::kWidth / 2;
   Run();
   WorkspaceRefineOptions refine;
   refine.workspace_path = root_;
