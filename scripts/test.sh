@@ -67,9 +67,31 @@ run_tests() {  # run_tests PRESET
   fi
   # To ctest these have passed.
   left_out=$(grep -cE '^[[:space:]]+[0-9]+ - .* \(Skipped\)$' "$log" || true)
-  passed=$((passed + total - failures - left_out))
+  # Of processes that share the cases of a program, what passed in them and was
+  # skipped counts by the case; one that failed stays one failure.
+  local shards shards_failed cases cases_skipped
+  read -r shards cases cases_skipped < <(count_cases "$preset")
+  shards_failed=$(
+    grep -cE '^[[:space:]]+[0-9]+ - [^ ]*\.[0-9]+of[0-9]+ \(' "$log" || true)
+  passed=$((passed + total - failures - left_out - (shards - shards_failed) +
+            cases))
   failed=$((failed + failures))
-  skipped=$((skipped + left_out))
+  skipped=$((skipped + left_out + cases_skipped))
+}
+
+# How many processes share the cases of a program (tests/CMakeLists.txt), how
+# many cases passed in them and how many were skipped, by ctest's log.
+count_cases() {  # count_cases PRESET
+  local folder=build-$1
+  [[ $1 != release ]] || folder=build
+  awk '
+    /^[0-9]+\/[0-9]+ Testing: / {
+      shares = $3 ~ /\.[0-9]+of[0-9]+$/
+      shards += shares
+    }
+    shares && /^\[ +(PASSED|SKIPPED) +\] [0-9]+ tests?[.,]/ { cases[$2] += $4 }
+    END { print shards + 0, cases["PASSED"] + 0, cases["SKIPPED"] + 0 }
+  ' "$folder/Testing/Temporary/LastTest.log"
 }
 
 # Has the tests of preset release include those of a COLMAP with the patch.

@@ -9,8 +9,8 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
-#include "colmap_tsar/scene_planes/own_texture.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
@@ -140,11 +140,11 @@ int64_t MakeEvidenceMainBytes(const RefineOptions& options,
   // Each superpixel that has a plane is a candidate.
   DiscoverySize size = SizeOfDiscovery(options, num_pixels, 1);
   size.num_candidates = num_superpixels + kCandidatesOfRegions;
-  const int64_t own_texture =
+  const int64_t fattening_weights =
       options.own_texture ? BytesOf<float>(num_raster_pixels) : 0;
   return std::max(
-      options.own_texture ? OwnTextureMainBytes(num_raster_pixels) : 0,
-      own_texture +
+      options.own_texture ? ForegroundFatteningMainBytes(num_raster_pixels) : 0,
+      fattening_weights +
           std::max(
               GatherEvidenceMainBytes(num_raster_pixels, num_superpixels, {}),
               EvidenceBytes(num_raster_pixels, num_superpixels, {}) +

@@ -124,7 +124,7 @@ Image<float> ComputeFatteningWeight(const Image<float>& gray,
   return own;
 }
 
-int64_t OwnTextureMainBytes(int64_t num_pixels) {
+int64_t ForegroundFatteningMainBytes(int64_t num_pixels) {
   // The two ranges, the texture, the most texture around each pixel, and the
   // result; before the last two, lists of contrasts that have room to grow.
   constexpr int64_t kNumImages = 5;

@@ -30,6 +30,6 @@ Image<float> ComputeFatteningWeight(const Image<float>& gray,
                                     int patch_radius);
 
 // Main memory that it takes at a time at most, with the result.
-int64_t OwnTextureMainBytes(int64_t num_pixels);
+int64_t ForegroundFatteningMainBytes(int64_t num_pixels);
 
 }  // namespace tsar

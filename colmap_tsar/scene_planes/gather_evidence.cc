@@ -306,9 +306,9 @@ int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
                                    int64_t num_superpixels,
                                    const EvidenceOptions& options) {
   const int64_t superpixels = BytesOf<uint16_t>(num_pixels);
-  const int64_t strong_depth = BytesOf<float>(num_pixels);
-  const int64_t mass_and_first = 2 * BytesOf<float>(num_superpixels);
-  return superpixels + strong_depth + mass_and_first +
+  const int64_t confident_depth = BytesOf<float>(num_pixels);
+  const int64_t weights_and_first = 2 * BytesOf<float>(num_superpixels);
+  return superpixels + confident_depth + weights_and_first +
          BytesOf<Observation>(
              MaxObservations(num_pixels, num_superpixels, options));
 }

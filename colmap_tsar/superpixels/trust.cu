@@ -135,7 +135,7 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
 }
 
 int64_t GateByWeightedMedianWorkingBytes(const WeightedMedianOptions& options) {
-  return WindowTapTable::WorkingBytes(options);
+  return BilateralKernelTable::WorkingBytes(options);
 }
 
 }  // namespace tsar

@@ -188,7 +188,7 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
 int64_t WeightedMedianWorkingBytes(int64_t num_pixels,
                                    const WeightedMedianOptions& options) {
   return BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels) +
-         WindowTapTable::WorkingBytes(options);
+         BilateralKernelTable::WorkingBytes(options);
 }
 
 }  // namespace tsar

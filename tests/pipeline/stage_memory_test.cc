@@ -15,6 +15,7 @@
 
 #include "tests/controllers/counting_device.h"
 #include "tests/support/drawn_views.h"
+#include "tests/support/observe_image.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -190,8 +191,8 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
     const ViewEvidence& evidence = *observed.evidence;
     const size_t for_neighbours =
         evidence.superpixels.NumPixels() * sizeof(uint16_t) +
-        evidence.strong_depth.NumPixels() * sizeof(float) +
-        evidence.mass.size() * sizeof(float) +
+        evidence.confident_depth.NumPixels() * sizeof(float) +
+        evidence.weights.size() * sizeof(float) +
         evidence.first_observation.size() * sizeof(int) +
         evidence.observations.size() * sizeof(Observation);
     ExpectPlanned("neighbour",

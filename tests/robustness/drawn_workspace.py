@@ -11,8 +11,8 @@ import struct
 from drawn_photos import png
 
 NAMES = ("v0.png", "left/v1.png", "v2.png", "v3.png")
-WIDTH, HEIGHT = 56, 42
-FOCAL, DEPTH, BASELINE = 48.0, 5.0, 0.4
+WIDTH, HEIGHT = 40, 30
+FOCAL, DEPTH, BASELINE = 34.0, 5.0, 0.4
 
 
 def enlarge(factor):

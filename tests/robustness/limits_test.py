@@ -17,7 +17,7 @@ from robustness import (Program, check, check_kept, check_same, copy, make_folde
 from start_workspaces import STEREO, StartWorkspaces
 
 SEED = 20240607
-NUM_MOMENTS = 4  # Of each command at which memory runs out.
+NUM_MOMENTS = 3  # Of each command at which memory runs out.
 OUT_OF_MEMORY = "out of memory; close other programs"
 NO_THREADS = "no more threads can be started"
 
@@ -29,7 +29,7 @@ large = os.path.join(folder.name, "large")
 start = StartWorkspaces(folder.name)
 start.make(program)
 # OpenCV divides large pictures among threads.
-drawn_workspace.enlarge(6)
+drawn_workspace.enlarge(8)
 drawn_workspace.draw(large, 2)
 program.run("tsar_refine", large)
 # The command, and from what workspace.
@@ -139,7 +139,7 @@ def limit_memory():
     smallest = smallest_start(resource.RLIMIT_AS, 0, 1 << 40, 1 << 20)
     at_start = count_moments(["tsar_refine", start.bare, "--help"], start.bare, 0, 1 << 22)
     for case, (command, source) in CASES.items():
-        for size in itertools.count(smallest, 4 << 20):
+        for size in itertools.count(smallest, 8 << 20):
             if try_case(case, texts, f"{size} bytes of addresses",
                         two_threads(command), prepare=set_limit(resource.RLIMIT_AS, size)):
                 break

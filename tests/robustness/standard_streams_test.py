@@ -16,7 +16,7 @@ from robustness import (Program, check, check_same, copy, make_folder, parse_arg
 from start_workspaces import STEREO, StartWorkspaces
 
 CLOSED = ((0,), (1,), (2,), (1, 2), (0, 1, 2))
-NUM_STOPS = 5  # Of each run, spread over it.
+NUM_STOPS = 3  # Of each run, spread over it.
 
 args = parse_arguments("shim")
 program = Program(args.program, args.shim)

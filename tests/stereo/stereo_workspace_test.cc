@@ -21,6 +21,8 @@ namespace tsar {
 namespace {
 
 constexpr double kDepth = DrawnWorkspace::kDepth;
+constexpr int kMapWidth = DrawnWorkspace::kWidth / 4;
+constexpr int kMapHeight = DrawnWorkspace::kHeight / 4;
 
 TEST(SparseDepthInterval, IsThatOfThePointsInFrontWidened) {
   SparseModel model;
@@ -47,7 +49,9 @@ class StereoWorkspaceTest : public testing::Test {
     RemoveMaps(root_);
     options_.depth_min = 0.5 * kDepth;
     options_.depth_max = 2.0 * kDepth;
-    options_.num_iterations = 2;  // Enough for all but the first test.
+    options_.num_iterations = 2;
+    // Enough for tests of files; matching itself needs all of an image.
+    options_.max_image_size = kMapWidth;
   }
 
   static void RemoveMaps(const std::filesystem::path& root) {
@@ -101,7 +105,7 @@ class StereoWorkspaceTest : public testing::Test {
 };
 
 TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
-  options_.num_iterations = StereoOptions().num_iterations;
+  options_.max_image_size = StereoOptions().max_image_size;
   const StereoSummary summary = Run();
   EXPECT_EQ(summary.num_images, 4);
   EXPECT_EQ(summary.num_skipped, 0);
@@ -213,12 +217,11 @@ TEST_F(StereoWorkspaceTest, MakesPhotometricMapsAloneIfToldSo) {
 }
 
 TEST_F(StereoWorkspaceTest, MapsMayBeSmallerThanTheImages) {
-  options_.max_image_size = DrawnWorkspace::kWidth / 2;
   Run();
   const Workspace workspace(root_, MapType::kGeometric);
   const MapSize size = ReadMapSize(workspace.DepthPath(0, MapType::kGeometric));
-  EXPECT_EQ(size.width, DrawnWorkspace::kWidth / 2);
-  EXPECT_EQ(size.height, DrawnWorkspace::kHeight / 2);
+  EXPECT_EQ(size.width, kMapWidth);
+  EXPECT_EQ(size.height, kMapHeight);
 }
 
 TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
@@ -236,6 +239,8 @@ TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
 }
 
 TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
+  // Smaller images have no superpixel that could be refined.
+  options_.max_image_size = DrawnWorkspace::kWidth / 2;
   Run();
   WorkspaceRefineOptions refine;
   refine.workspace_path = root_;
@@ -339,10 +344,10 @@ TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
   const Workspace workspace(root_, MapType::kGeometric);
   const std::filesystem::path path =
       workspace.DepthPath(1, MapType::kGeometric);
-  WriteDepthMap(UserPath(path), Image<float>(72, 96, 5.f));
+  WriteDepthMap(UserPath(path), Image<float>(kMapHeight, kMapWidth, 5.f));
   ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
   EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
-  EXPECT_EQ(ReadMapSize(path).width, DrawnWorkspace::kWidth);
+  EXPECT_EQ(ReadMapSize(path).width, kMapWidth);
 }
 
 TEST(StereoOptions, RejectsDepthsThatMakeNoRange) {

@@ -101,4 +101,21 @@ RefinedMaps MakeRefinedMaps(float depth) {
           Image<uint8_t>(4, 3, 4)};
 }
 
+void ExpectError(ErrorCode code,
+                 const std::vector<std::string>& texts,
+                 const std::function<void()>& function) {
+  try {
+    function();
+  } catch (const Error& error) {
+    EXPECT_EQ(static_cast<int>(error.Code()), static_cast<int>(code))
+        << error.what();
+    for (const std::string& text : texts) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(text));
+    }
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("\n")));
+    return;
+  }
+  ADD_FAILURE() << "no error was thrown";
+}
+
 }  // namespace tsar

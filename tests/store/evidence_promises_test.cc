@@ -1,0 +1,138 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/evidence_file.h"
+
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "tests/store/evidence_testing.h"
+#include "tests/support/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+struct Fault {
+  std::string what;
+  std::function<void(ViewEvidence*)> make;
+};
+
+std::vector<Fault> NeighbourFaults() {
+  const std::string label = "a label that no superpixel has";
+  const std::string noise = "a noise that is no number";
+  const std::string weight = "a superpixel's invalid weight";
+  const std::string owners = "observations that are not those of";
+  const std::string observation = "an invalid observation";
+  const std::string plane = "an invalid plane";
+  const std::string depth = "an invalid depth";
+  return {
+      {label, [](auto* e) { e->superpixels(8, 6) = 5; }},
+      {label, [](auto* e) { e->superpixels(0, 0) = 65535; }},
+      {noise, [](auto* e) { e->resolution.error_per_depth = kNan; }},
+      {noise, [](auto* e) { e->resolution.error_per_depth = -1.f; }},
+      {noise, [](auto* e) { e->noise = kInf; }},
+      {noise, [](auto* e) { e->noise = -kInf; }},
+      {weight, [](auto* e) { e->weights[4] = kNan; }},
+      {weight, [](auto* e) { e->weights[0] = -1.f; }},
+      {weight, [](auto* e) { e->weights[0] = kInf; }},
+      {owners, [](auto* e) { e->first_observation[0] = 1; }},
+      {owners, [](auto* e) { e->first_observation[0] = -1; }},
+      {owners, [](auto* e) { e->first_observation[2] = 5; }},
+      {owners, [](auto* e) { e->first_observation[3] = -4; }},
+      {owners, [](auto* e) { e->first_observation[4] = 12; }},
+      {owners, [](auto* e) { e->first_observation[5] = 10; }},
+      {owners, [](auto* e) { e->first_observation[5] = 12; }},
+      {owners, [](auto* e) { e->first_observation[5] = -1; }},
+      {observation, [](auto* e) { e->observations[10].sample.x = kNan; }},
+      {observation, [](auto* e) { e->observations[0].sample.y = -kInf; }},
+      {observation, [](auto* e) { e->observations[3].sample.z = 0.f; }},
+      {observation, [](auto* e) { e->observations[3].sample.z = -1.f; }},
+      {observation, [](auto* e) { e->observations[3].sample.z = kInf; }},
+      {observation, [](auto* e) { e->observations[3].sample.z = kNan; }},
+      {observation, [](auto* e) { e->observations[3].confidence = 0.f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = -0.5f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = 1.001f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = kNan; }},
+      {plane, [](auto* e) { e->candidates[2].normal.x = kNan; }},
+      {plane, [](auto* e) { e->candidates[0].normal.y = kInf; }},
+      {plane, [](auto* e) { e->candidates[0].normal.z = -kInf; }},
+      {plane, [](auto* e) { e->candidates[1].offset = kNan; }},
+      {plane, [](auto* e) { e->candidates[1] = Plane(); }},
+      {depth, [](auto* e) { e->confident_depth(8, 6) = kNan; }},
+      {depth, [](auto* e) { e->confident_depth(0, 0) = kInf; }},
+      {depth, [](auto* e) { e->confident_depth(0, 0) = -1.f; }},
+  };
+}
+
+std::vector<Fault> OwnFaults() {
+  const std::string border = "borders that are not those of";
+  const std::string weight = "a border's invalid weight";
+  const std::string region = "a region's plane";
+  return {
+      {border, [](auto* e) { e->borders[0].first = -1; }},
+      {border, [](auto* e) { e->borders[3].second = 5; }},
+      {border, [](auto* e) { e->borders[1].second = 1; }},
+      {border, [](auto* e) { e->borders[3].second = 2; }},
+      {border, [](auto* e) { std::swap(e->borders[0], e->borders[1]); }},
+      {border, [](auto* e) { e->borders[2].pixels[0] = -1; }},
+      {border, [](auto* e) { e->borders[2].pixels[3] = 9 * 7; }},
+      {weight, [](auto* e) { e->borders[0].weight = kNan; }},
+      {weight, [](auto* e) { e->borders[0].weight = kInf; }},
+      {weight, [](auto* e) { e->borders[0].weight = -1.f; }},
+      {region, [](auto* e) { e->region_planes(8, 6) = 4; }},
+      {region, [](auto* e) { e->region_planes(0, 0) = 65535; }},
+  };
+}
+
+TEST_F(EvidenceFileTest, RefusesToReadWhatBreaksAPromise) {
+  for (const Fault& fault : NeighbourFaults()) {
+    SCOPED_TRACE(fault.what);
+    ViewEvidence evidence = evidence_;
+    fault.make(&evidence);
+    WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
+    ExpectCorrupt(fault.what);
+    ExpectCorrupt(fault.what, EvidenceParts::kForNeighbours);
+  }
+  for (const Fault& fault : OwnFaults()) {
+    SCOPED_TRACE(fault.what);
+    ViewEvidence evidence = evidence_;
+    fault.make(&evidence);
+    WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
+    ExpectCorrupt(fault.what);
+    ExpectSameForNeighbours(ReadEvidence(path_, EvidenceParts::kForNeighbours),
+                            evidence);
+  }
+}
+
+TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
+  WriteText(path_, "old");
+  std::vector<Fault> faults = NeighbourFaults();
+  for (const Fault& fault : OwnFaults()) {
+    faults.push_back(fault);
+  }
+  const std::string sizes = "sizes that do not fit each other";
+  faults.push_back({sizes, [](auto* e) { e->width = 0; }});
+  faults.push_back({sizes, [](auto* e) { e->weights.pop_back(); }});
+  faults.push_back({sizes, [](auto* e) { e->first_observation.clear(); }});
+  faults.push_back({sizes, [](auto* e) { std::swap(e->width, e->height); }});
+  faults.push_back({sizes, [](auto* e) { e->superpixels = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->region_planes = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->trust = {}; }});
+  for (const Fault& fault : faults) {
+    SCOPED_TRACE(fault.what);
+    ViewEvidence evidence = evidence_;
+    fault.make(&evidence);
+    ExpectError(ErrorCode::kMismatch, {path_.string(), fault.what}, [&] {
+      WriteEvidence(UserPath(path_), kOptionsHash, evidence);
+    });
+  }
+  EXPECT_EQ(ReadText(path_), "old");
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,156 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "tests/store/evidence_testing.h"
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/random.h"
+
+#include <optional>
+
+namespace tsar {
+namespace {
+
+template <typename T>
+void AppendAll(const T& values, std::string* bytes) {
+  for (const auto& value : values) {
+    Append(value, bytes);
+  }
+}
+
+uint64_t HashOf(const std::string& bytes) {
+  ContentHash hash;
+  hash.Update(bytes.data(), bytes.size());
+  return hash.Value();
+}
+
+}  // namespace
+
+ViewEvidence DrawEvidence() {
+  constexpr int kNumSuperpixels = 5;
+  Philox random(1, 2, 3);
+  const auto draw = [&random] { return 1.f - random.NextFloat(); };
+  ViewEvidence evidence;
+  evidence.width = 9;
+  evidence.height = 7;
+  evidence.resolution.error_per_depth = draw();
+  evidence.noise = draw();
+  evidence.superpixels = Image<uint16_t>(9, 7);
+  evidence.confident_depth = Image<float>(9, 7);
+  evidence.region_planes = Image<uint16_t>(9, 7);
+  for (int y = 0; y < 7; ++y) {
+    for (int x = 0; x < 9; ++x) {
+      evidence.superpixels(x, y) = static_cast<uint16_t>(x / 2);
+      evidence.confident_depth(x, y) = y % 2 == 0 ? 10.f * draw() : 0.f;
+      evidence.region_planes(x, y) = static_cast<uint16_t>((x + y) % 4);
+    }
+  }
+  // The third superpixel has no observations.
+  evidence.first_observation = {0, 3, 4, 4, 9, 11};
+  for (int i = 0; i < 11; ++i) {
+    evidence.observations.push_back(
+        {{draw() - 0.5f, draw() - 0.5f, 10.f * draw()}, draw()});
+  }
+  for (int k = 0; k < kNumSuperpixels; ++k) {
+    evidence.weights.push_back(20.f * draw());
+  }
+  for (int k = 0; k + 1 < kNumSuperpixels; ++k) {
+    const int x = 2 * k + 1;
+    evidence.borders.push_back(
+        {k, k + 1, 7.f * draw(), {x, x + 9, x + 27, x + 27}});
+  }
+  for (int i = 0; i < 3; ++i) {
+    evidence.candidates.push_back({{draw(), draw(), -draw()}, 5.f * draw()});
+  }
+  evidence.trust = Image<uint8_t>(13, 11);
+  for (uint8_t& trust : evidence.trust) {
+    trust = static_cast<uint8_t>(255.f * draw());
+  }
+  return evidence;
+}
+
+std::string NeighbourBytes(const ViewEvidence& evidence) {
+  std::string bytes;
+  AppendAll(evidence.superpixels, &bytes);
+  AppendAll(evidence.confident_depth, &bytes);
+  AppendAll(evidence.weights, &bytes);
+  AppendAll(evidence.first_observation, &bytes);
+  for (const Observation& observation : evidence.observations) {
+    Append(observation.sample.x, &bytes);
+    Append(observation.sample.y, &bytes);
+    Append(observation.sample.z, &bytes);
+    Append(observation.confidence, &bytes);
+  }
+  for (const Plane& plane : evidence.candidates) {
+    Append(plane.normal.x, &bytes);
+    Append(plane.normal.y, &bytes);
+    Append(plane.normal.z, &bytes);
+    Append(plane.offset, &bytes);
+  }
+  return bytes;
+}
+
+std::string OwnBytes(const ViewEvidence& evidence) {
+  std::string bytes;
+  for (const SuperpixelBorder& border : evidence.borders) {
+    Append(border.first, &bytes);
+    Append(border.second, &bytes);
+    Append(border.weight, &bytes);
+    AppendAll(border.pixels, &bytes);
+  }
+  AppendAll(evidence.region_planes, &bytes);
+  AppendAll(evidence.trust, &bytes);
+  return bytes;
+}
+
+std::string FileBytes(const HeaderFields& fields,
+                      const ViewEvidence& evidence) {
+  const std::string neighbour_bytes = NeighbourBytes(evidence);
+  const std::string own_bytes = OwnBytes(evidence);
+  std::string bytes = fields.magic;
+  Append(fields.version, &bytes);
+  Append(fields.options_hash_length, &bytes);
+  Append(fields.width, &bytes);
+  Append(fields.height, &bytes);
+  Append(fields.trust_width, &bytes);
+  Append(fields.trust_height, &bytes);
+  Append(evidence.resolution.error_per_depth, &bytes);
+  Append(evidence.noise, &bytes);
+  Append(fields.num_superpixels, &bytes);
+  Append(fields.num_observations, &bytes);
+  Append(fields.num_candidates, &bytes);
+  Append(fields.num_borders, &bytes);
+  Append(HashOf(neighbour_bytes), &bytes);
+  Append(HashOf(own_bytes), &bytes);
+  Append(HashOf(bytes + kOptionsHash), &bytes);
+  return bytes + kOptionsHash + neighbour_bytes + own_bytes;
+}
+
+void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.resolution.error_per_depth, b.resolution.error_per_depth);
+  EXPECT_EQ(a.noise, b.noise);
+  EXPECT_TRUE(a.superpixels.HasSizeOf(b.superpixels));
+  EXPECT_TRUE(a.confident_depth.HasSizeOf(b.confident_depth));
+  EXPECT_EQ(a.observations.size(), b.observations.size());
+  EXPECT_EQ(NeighbourBytes(a), NeighbourBytes(b));
+}
+
+void EvidenceFileTest::ExpectCorrupt(const std::string& what,
+                                     EvidenceParts parts) {
+  ExpectError(ErrorCode::kCorrupt,
+              {path_.string() + ": ",
+               what,
+               "; delete the folder " + path_.parent_path().string() +
+                   " and run again"},
+              [&] { ReadEvidence(path_, parts); });
+}
+
+void EvidenceFileTest::ExpectCorruptAndNoHash(const std::string& what) {
+  ExpectCorrupt(what);
+  ExpectCorrupt(what, EvidenceParts::kForNeighbours);
+  EXPECT_EQ(ReadEvidenceHash(path_), std::nullopt);
+}
+
+}  // namespace tsar
