@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/scene_planes/label_energy.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
