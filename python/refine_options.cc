@@ -109,6 +109,15 @@ py::list DescribeFields() {
   return all;
 }
 
+// The former names of options and their present ones.
+py::dict DescribeRenamed() {
+  py::dict names;
+  for (const RenamedOption& renamed : RenamedRefineOptions()) {
+    names[py::str(renamed.former_name)] = renamed.name;
+  }
+  return names;
+}
+
 // The value as the option's type, after its checks.
 py::object CheckField(const std::string& name, py::handle value) {
   // No value of one option alone makes the defaults contradict each other.
@@ -133,6 +142,7 @@ RefineOptions ToRefineOptions(const py::dict& values) {
 
 void BindRefineOptions(py::module_* module) {
   module->def("describe_fields", &DescribeFields);
+  module->def("describe_renamed", &DescribeRenamed);
   module->def("check_field", &CheckField);
   module->def("check_options",
               [](const py::dict& values) { ToRefineOptions(values).Check(); });

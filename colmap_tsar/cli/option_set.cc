@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/name_suggestion.h"
 
 #include <algorithm>
@@ -65,6 +66,11 @@ void OptionSet::AddChoice(const std::string& name,
                           const std::vector<std::string>& choices,
                           const std::string& description) {
   options_.push_back({name, description, value, {}, choices, false});
+}
+
+void OptionSet::AddFormerName(const std::string& former_name,
+                              const std::string& name) {
+  former_names_[former_name] = name;
 }
 
 bool OptionSet::Parse(int argc, const char* const* argv) const {
@@ -136,6 +142,16 @@ const Option* OptionSet::Find(const std::string& name) const {
   return found == options_.end() ? nullptr : &*found;
 }
 
+// Warns where an option is written by a former name.
+std::string OptionSet::PresentName(const std::string& written) const {
+  const auto found = former_names_.find(written);
+  if (found == former_names_.end()) {
+    return written;
+  }
+  Warn(written + " is called " + found->second + " now");
+  return found->second;
+}
+
 std::string OptionSet::Advice(const std::string& written) const {
   std::vector<std::string> names = {kProjectPath, "help", "help_json"};
   for (const Option& option : options_) {
@@ -153,6 +169,9 @@ std::map<std::string, std::string> OptionSet::ReadCommandLine(
   po::options_description description;
   for (const Option& option : options_) {
     description.add_options()(option.name.c_str(), po::value<std::string>());
+  }
+  for (const auto& [former_name, name] : former_names_) {
+    description.add_options()(former_name.c_str(), po::value<std::string>());
   }
   description.add_options()(kProjectPath, po::value<std::string>());
 
@@ -196,9 +215,10 @@ std::map<std::string, std::string> OptionSet::ReadCommandLine(
           ErrorCode::kBadOption,
           name + " has no value; give one, or see " + command_ + " --help");
     }
-    if (!values.emplace(option.string_key, option.value.front()).second) {
+    const std::string present = PresentName(option.string_key);
+    if (!values.emplace(present, option.value.front()).second) {
       throw Error(ErrorCode::kBadOption,
-                  name + " is given twice; give it once");
+                  "--" + present + " is given twice; give it once");
     }
   }
   return values;
@@ -241,7 +261,7 @@ std::set<std::string> OptionSet::ReadIni(
   }
   std::set<std::string> names;
   for (const po::option& entry : parsed.options) {
-    const std::string& name = entry.string_key;
+    const std::string name = PresentName(entry.string_key);
     if (const Option* option = Find(name)) {
       if (!names.insert(name).second) {
         throw Error::File(ErrorCode::kBadOption,

@@ -48,6 +48,10 @@ class OptionSet {
                  const std::vector<std::string>& choices,
                  const std::string& description);
 
+  // Lets an option be given by a name that it had before, too; a warning then
+  // says how it is called now.
+  void AddFormerName(const std::string& former_name, const std::string& name);
+
   // Reads the arguments after argv[0], the program, into the targets. Returns
   // false, without touching any target, when help was asked for and has been
   // printed. Throws kBadOption for a wrong or missing option and kNotFound,
@@ -62,6 +66,7 @@ class OptionSet {
  private:
   CommandHelp Help() const;
   const Option* Find(const std::string& name) const;
+  std::string PresentName(const std::string& written) const;
   std::string Advice(const std::string& written) const;
   std::map<std::string, std::string> ReadCommandLine(
       int argc, const char* const* argv) const;
@@ -72,6 +77,7 @@ class OptionSet {
   std::string summary_;
   std::string example_;
   std::vector<Option> options_;
+  std::map<std::string, std::string> former_names_;  // To the present ones.
 };
 
 }  // namespace tsar

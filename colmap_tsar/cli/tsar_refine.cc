@@ -136,6 +136,9 @@ void AddRefineOptions(RefineCommand* command, OptionSet* options) {
         },
         field.value);
   }
+  for (const RenamedOption& renamed : RenamedRefineOptions()) {
+    options->AddFormerName(kGroup + renamed.former_name, kGroup + renamed.name);
+  }
 }
 
 int RestoreWorkspace(const RefineCommand& command) {

@@ -20,9 +20,9 @@ namespace tsar {
 // view wait for one upload.
 //
 // Whoever gets a view must have waited for his device (Device::Synchronize)
-// before he lets go of it: its memory is freed in turn with the work of the
-// device that uploaded it, which knows nothing of the others' work. That device
-// must outlive the cache and all views.
+// before he lets go of it: its memory is freed stream-ordered on the device
+// that uploaded it, which knows nothing of the others' work. That device must
+// outlive the cache and all views.
 class DeviceViewCache {
  public:
   using View = std::shared_ptr<const UploadedView>;

@@ -59,9 +59,9 @@ class Device {
   // 0 for CPUs, where nobody counts, and for a GPU that does not answer.
   virtual size_t PeakMemory() = 0;
 
-  // Copies between memory of the host and of this device, in turn with the
-  // device's other work. Both return when the host memory may be changed or
-  // read.
+  // Stream-ordered copies between memory of the host and of this device: after
+  // the device's earlier work and before its later work. Both return when the
+  // host memory may be changed or read.
   virtual void CopyToDevice(void* target, const void* source, size_t size) = 0;
   virtual void CopyToHost(void* target, const void* source, size_t size) = 0;
 

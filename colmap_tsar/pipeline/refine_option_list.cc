@@ -12,6 +12,7 @@
 #include <iomanip>
 #include <system_error>
 #include <type_traits>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -160,17 +161,17 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Find planes in all views of a surface together and let them decide. If "
        "0, or if refine is 0, each image is refined by itself, and the "
        "switches below have no effect."},
-      {"own_texture",
-       &options->own_texture,
+      {"foreground_fattening",
+       &options->foreground_fattening,
        "Let depths count little for the planes of the scene where the pattern "
        "that was matched lies beside the pixel: they are those of the frame or "
        "poster beside a wall."},
-      {"regular_directions",
-       &options->regular_directions,
+      {"manhattan_frame",
+       &options->manhattan_frame,
        "Make planes exactly parallel and at right angles where that agrees "
        "with what was measured."},
-      {"see_through",
-       &options->see_through,
+      {"free_space",
+       &options->free_space,
        "Reject planes in front of what other views saw, and prefer those that "
        "other views confirm."},
       {"bounded_planes",
@@ -200,13 +201,23 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "images reduced to a long side of at most 777.",
        1.0,
        1e9},
-      {"cost_of_none",
-       &options->cost_of_none,
+      {"unlabelled_cost",
+       &options->unlabelled_cost,
        "What a pixel costs that is left empty, against 0.05 for one on a plane "
        "that is not known there: the higher, the fewer holes.",
        0.0,
        1.0},
   };
+}
+
+const std::vector<RenamedOption>& RenamedRefineOptions() {
+  static const std::vector<RenamedOption> renamed = {
+      {"own_texture", "foreground_fattening"},
+      {"regular_directions", "manhattan_frame"},
+      {"see_through", "free_space"},
+      {"cost_of_none", "unlabelled_cost"},
+  };
+  return renamed;
 }
 
 std::map<std::string, std::string> RefineOptionsText(
@@ -221,8 +232,14 @@ std::map<std::string, std::string> RefineOptionsText(
 }
 
 std::string HashRefineOptions(const RefineOptions& options) {
+  std::map<std::string, std::string> values = RefineOptionsText(options);
+  for (const RenamedOption& renamed : RenamedRefineOptions()) {
+    auto value = values.extract(renamed.name);
+    value.key() = renamed.former_name;
+    values.insert(std::move(value));
+  }
   std::string text = TSAR_VERSION;
-  for (const auto& [name, value] : RefineOptionsText(options)) {
+  for (const auto& [name, value] : values) {
     text += "\n" + name + "=" + value;
   }
   ContentHash hash;

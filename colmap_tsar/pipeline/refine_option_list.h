@@ -26,12 +26,23 @@ struct RefineField {
 // command line, the checks, the manifest and the options' hash are made from.
 std::vector<RefineField> ListRefineFields(RefineOptions* options);
 
+// An option that had another name before. The former name still works, and a
+// warning says how the option is called now.
+struct RenamedOption {
+  std::string former_name;
+  std::string name;
+};
+
+// The former names of members of RefineOptions.
+const std::vector<RenamedOption>& RenamedRefineOptions();
+
 // Name and value of every member, as text that keeps every bit.
 std::map<std::string, std::string> RefineOptionsText(
     const RefineOptions& options);
 
 // A fingerprint of the program's version and of all values: what a result
-// depends on beside the workspace.
+// depends on beside the workspace. It takes former names, so that a new name
+// alone does not make results outdated.
 std::string HashRefineOptions(const RefineOptions& options);
 
 }  // namespace tsar

@@ -44,16 +44,16 @@ struct RefineOptions {
 
   // Planes of the scene, views that agree.
   bool scene_planes = true;
-  bool own_texture = true;
-  bool regular_directions = true;
-  bool see_through = true;
+  bool foreground_fattening = true;
+  bool manhattan_frame = true;
+  bool free_space = true;
   bool bounded_planes = true;
   bool curved_surfaces = true;
   bool off_plane_depths = true;
   bool pixel_borders = true;
   double plane_tolerance = 7.0;
   double min_scene_plane = 100.0;
-  double cost_of_none = 0.02;
+  double unlabelled_cost = 0.02;
 
   // The method as the paper describes it, in the readings that measure best.
   static RefineOptions Paper();

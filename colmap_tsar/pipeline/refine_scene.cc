@@ -267,7 +267,7 @@ void MakeEvidence(const RefineOptions& options,
                   RefineResult* result) {
   StageTimer timer(device, &result->seconds);
   MeasuredImage& measured = *result->measured;
-  if (options.own_texture) {
+  if (options.foreground_fattening) {
     EvidenceInputs& inputs = measured.inputs;
     inputs.fattening_weight =
         ComputeFatteningWeight(measured.gray,

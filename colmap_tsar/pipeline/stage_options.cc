@@ -90,11 +90,11 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   SceneOptions scene;
   scene.discovery.tolerance = tolerance;
   scene.discovery.min_gain = options.min_scene_plane;
-  scene.discovery.manhattan_frame = options.regular_directions;
+  scene.discovery.manhattan_frame = options.manhattan_frame;
   scene.support.tolerance = tolerance;
   scene.labels.tolerance = static_cast<float>(tolerance);
-  scene.labels.unlabelled_cost = static_cast<float>(options.cost_of_none);
-  if (!options.see_through) {
+  scene.labels.unlabelled_cost = static_cast<float>(options.unlabelled_cost);
+  if (!options.free_space) {
     scene.labels.cost_of_contradiction = 0.f;
     scene.labels.gain_of_confirmation = 0.f;
   }

@@ -21,10 +21,10 @@
 namespace tsar {
 namespace {
 
-// Planes are made regular by fewer observations of each: all of them count
-// together.
+// Planes are aligned to the Manhattan frame by fewer observations of each: all
+// of them count together.
 constexpr size_t kMaxAlignedObservations = 500;
-// The share of its support that a plane may lose for being regular. Not small:
+// The share of its support that a plane may lose for being aligned. Not small:
 // what a plane misses by a little it misses in all views, by errors that they
 // have in common.
 constexpr double kMaxAlignmentLoss = 0.1;
@@ -127,7 +127,7 @@ class Discovery {
     }
   }
 
-  // Makes planes regular where that costs little of what is assigned to them.
+  // Aligns planes where that costs little of what is assigned to them.
   void AlignPlanes() {
     const std::vector<Ranking> rankings = Rank(planes_, observations_.Count());
     const std::vector<std::vector<int>> members =
@@ -152,9 +152,9 @@ class Discovery {
       return loss <= std::max(options_.min_gain,
                               kMaxAlignmentLoss * measured[p].support);
     };
-    const std::vector<WorldPlane> regular =
+    const std::vector<WorldPlane> aligned =
         AlignToManhattanFrame(measured, fitter_.LossScale(), is_acceptable);
-    planes_ = fitter_.Score(regular);
+    planes_ = fitter_.Score(aligned);
   }
 
   const SuperpixelObservations& observations_;

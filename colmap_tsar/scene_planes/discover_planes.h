@@ -63,8 +63,8 @@ struct DiscoveredPlanes {
 // rounds in which each plane is fitted to the superpixels assigned to it, in
 // all views at once, and in which planes are dropped or merged that are not
 // worth min_gain. Then leaving out any plane would cost at least min_gain. At
-// last planes are made regular (AlignToManhattanFrame) that lose little by
-// that, and each superpixel is assigned to the plane with the highest score.
+// last planes are aligned (AlignToManhattanFrame) that lose little by that,
+// and each superpixel is assigned to the plane with the highest score.
 //
 // Where candidates times superpixels are more than max_scores, the last of the
 // candidates are left out: list the likely ones first.

@@ -92,10 +92,10 @@ struct VoteSampling {
 };
 
 // Planes are compared for all superpixels at once, on the device.
-constexpr VoteSampling kPlaneSampling{9, 1};
+inline constexpr VoteSampling kPlaneSampling{9, 1};
 // A growing surface is tested on the host, again in each round: fewer pixels.
 // It bends, so that one pixel does not tell of all of a small superpixel.
-constexpr VoteSampling kCurvedSampling{64, 6};
+inline constexpr VoteSampling kCurvedSampling{64, 6};
 
 // The votes on one superpixel. No pixel counts for more than kMaxVotes of a
 // kind.

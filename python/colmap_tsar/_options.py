@@ -3,10 +3,22 @@
 """RefineOptions, made from the one list that the program's options come from."""
 import inspect
 import textwrap
+import warnings
 
 from . import _core
 
 _FIELDS = {field["name"]: field for field in _core.describe_fields()}
+_FORMER_NAMES = _core.describe_renamed()
+
+
+def _present_name(name):
+    """The option's name, also where it is given by a former one."""
+    if name in _FORMER_NAMES:
+        warnings.warn(
+            f"{name} is called {_FORMER_NAMES[name]} now", FutureWarning, stacklevel=3
+        )
+        return _FORMER_NAMES[name]
+    return name
 
 
 def _unknown(name):
@@ -67,12 +79,14 @@ class RefineOptions:
 
     def update(self, **options):
         """Sets several options, or none where one is wrong; returns this object."""
-        for name in options:
+        checked = {}
+        for written, value in options.items():
+            name = _present_name(written)
             if name not in _FIELDS:
                 raise TypeError(_unknown(name))
-        checked = {
-            name: _core.check_field(name, value) for name, value in options.items()
-        }
+            if name in checked:
+                raise TypeError(f"{name} is given twice")
+            checked[name] = _core.check_field(name, value)
         self._values.update(checked)
         return self
 
@@ -115,9 +129,12 @@ class RefineOptions:
         return sorted({*super().__dir__(), *_FIELDS})
 
     def __getattr__(self, name):
+        if name in _FORMER_NAMES:
+            return self._values[_present_name(name)]
         raise AttributeError(_unknown(name))
 
     def __setattr__(self, name, value):
+        name = _present_name(name)
         if name not in _FIELDS:
             raise AttributeError(_unknown(name))
         self._values[name] = _core.check_field(name, value)

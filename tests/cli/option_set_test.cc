@@ -29,6 +29,7 @@ class OptionSetTest : public testing::Test {
     options_.Add("TsarTest.filter", &filter_, "On or off.");
     options_.AddChoice(
         "TsarTest.device", &device_, {"auto", "cpu", "cuda"}, "Where to run.");
+    options_.AddFormerName("TsarTest.rounds", "TsarTest.iterations");
   }
 
   ~OptionSetTest() override {
@@ -121,6 +122,30 @@ TEST_F(OptionSetTest, ReadsTrueAndFalse) {
   EXPECT_FALSE(filter_);
   EXPECT_TRUE(ParseMore({"--TsarTest.filter", "true"}));
   EXPECT_TRUE(filter_);
+}
+
+TEST_F(OptionSetTest, TakesFormerNamesWithAWarning) {
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(ParseMore({"--TsarTest.rounds", "7"}));
+  EXPECT_NE(testing::internal::GetCapturedStderr().find(
+                "TsarTest.rounds is called TsarTest.iterations now"),
+            std::string::npos);
+  EXPECT_EQ(iterations_, 7);
+  EXPECT_TRUE(
+      ParseMore({"--project_path", WriteIni("[TsarTest]\nrounds = 9\n")}));
+  EXPECT_EQ(iterations_, 9);
+  EXPECT_EQ(options_.Values().count("TsarTest.rounds"), 0u);
+}
+
+TEST_F(OptionSetTest, AFormerNameAndThePresentOneAreTheSameOption) {
+  EXPECT_EQ(Failure({"--TsarTest.rounds", "7", "--TsarTest.iterations", "7"}),
+            "--TsarTest.iterations is given twice; give it once");
+  // The command line comes before the file, whatever the names.
+  EXPECT_TRUE(ParseMore({"--TsarTest.rounds",
+                         "7",
+                         "--project_path",
+                         WriteIni("[TsarTest]\niterations = 9\n")}));
+  EXPECT_EQ(iterations_, 7);
 }
 
 TEST_F(OptionSetTest, UnknownOptionNamesItAndTheNearest) {

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -64,6 +66,15 @@ TEST(RefineOptions, CheckNamesTheOption) {
     EXPECT_EQ(error.Code(), ErrorCode::kBadOption);
     EXPECT_NE(std::string(error.what()).find("min_aggregated_score"),
               std::string::npos);
+  }
+}
+
+TEST(RenamedRefineOptions, LeadFromNamesThatAreFreeToOptions) {
+  const std::map<std::string, std::string> options = RefineOptionsText({});
+  ASSERT_FALSE(RenamedRefineOptions().empty());
+  for (const RenamedOption& renamed : RenamedRefineOptions()) {
+    EXPECT_EQ(options.count(renamed.former_name), 0u) << renamed.former_name;
+    EXPECT_EQ(options.count(renamed.name), 1u) << renamed.name;
   }
 }
 

@@ -76,6 +76,18 @@ class OptionsTest(unittest.TestCase):
             del options.segment
         self.assertEqual(options, RefineOptions())
 
+    def test_former_names_set_the_same_and_warn(self):
+        with self.assertWarnsRegex(
+                FutureWarning, "own_texture is called foreground_fattening now"):
+            options = RefineOptions(own_texture=False)
+        self.assertFalse(options.foreground_fattening)
+        with self.assertWarns(FutureWarning):
+            options.own_texture = True
+        self.assertTrue(options.foreground_fattening)
+        with self.assertWarns(FutureWarning):
+            self.assertTrue(options.own_texture)
+        self.assertNotIn("own_texture", options.todict())
+
     def test_values_out_of_range_name_the_option(self):
         for name, value in (
             ("num_iterations", 0),

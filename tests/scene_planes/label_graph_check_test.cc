@@ -79,6 +79,7 @@ TEST_F(BadLabelGraphTest, LabelsDoNotFit) {
   ExpectError(ErrorCode::kMismatch, {0, 1, 2});
   ExpectError(ErrorCode::kMismatch, {0, 1, -1});
   graph_.unary.pop_back();
+  ExpectError(ErrorCode::kMismatch, {0, 1, 0});
 }
 
 TEST_F(BadLabelGraphTest, CostsAreNotFinite) {
