@@ -69,7 +69,7 @@ bool ParseOptions(const std::vector<char*>& arguments, StagesCommand* command) {
   options.Add("workspace_path",
               &command->workspace_path,
               "Measure on the first image of this dense workspace. If empty, "
-              "on a drawn room.");
+              "on a synthetic room.");
   options.AddChoice("device",
                     &command->device,
                     {"auto", "cuda", "cpu"},
@@ -94,7 +94,7 @@ bool ParseOptions(const std::vector<char*>& arguments, StagesCommand* command) {
   return options.Parse(static_cast<int>(arguments.size()), arguments.data());
 }
 
-ViewSet DrawViews(const StagesCommand& command, bool is_cuda) {
+ViewSet MakeSyntheticViews(const StagesCommand& command, bool is_cuda) {
   const TemporaryFolder folder;
   RoomWorkspaceOptions scene;
   if (command.width > 0) {
@@ -160,7 +160,7 @@ int Main(int argc, char** argv) {
               : Device::CreateCpu(command.num_threads);
   const ViewSet views =
       command.workspace_path.empty()
-          ? DrawViews(command, is_cuda)
+          ? MakeSyntheticViews(command, is_cuda)
           : LoadFirstView(command.workspace_path, command.num_sources);
   const StageInputs inputs(views, *device);
   benchmark::AddCustomContext("device", device->Name());

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/import/import_summary.h"
 
 #include <ostream>
 
@@ -12,5 +13,9 @@ namespace tsar {
 // For the user: what was done, what it brought, how long it took, and the
 // command to run next.
 void PrintSummary(const RunSummary& summary, std::ostream& out);
+
+// A few lines for the user, with the next command to give. Of many warnings,
+// the first ones.
+void PrintSummary(const ImportSummary& summary, std::ostream& out);
 
 }  // namespace tsar

@@ -5,6 +5,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/restore_options.h"
 #include "colmap_tsar/import/import_workspace.h"
 #include "colmap_tsar/import/undo_import.h"

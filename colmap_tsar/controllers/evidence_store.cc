@@ -9,7 +9,6 @@
 #include "colmap_tsar/store/evidence_file.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
-#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -61,17 +60,10 @@ ViewEvidence EvidenceStore::ReadAll(int image) const {
 }
 
 EvidenceStore::Evidence EvidenceStore::Get(int image) {
-  const auto find = [&] {
-    return std::find_if(views_.begin(), views_.end(), [&](const auto& entry) {
-      return entry.first == image;
-    });
-  };
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const auto entry = find();
-    if (entry != views_.end()) {
-      views_.splice(views_.begin(), views_, entry);
-      return entry->second;
+    if (const Evidence* evidence = views_.Use(image)) {
+      return *evidence;
     }
   }
   if (!IsCurrent(image)) {
@@ -81,10 +73,10 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
   auto evidence = std::make_shared<const ViewEvidence>(
       ReadEvidence(Path(image), EvidenceParts::kForNeighbours));
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (find() == views_.end()) {
-    views_.emplace_front(image, evidence);
-    if (views_.size() > max_num_views_) {
-      views_.pop_back();
+  if (views_.Find(image) == nullptr) {
+    views_.Add(image, evidence);
+    if (views_.Size() > max_num_views_) {
+      views_.TakeOldest([](const Evidence&) { return true; });
     }
   }
   return evidence;

@@ -4,18 +4,17 @@
 #pragma once
 
 #include "colmap_tsar/controllers/input_fingerprints.h"
+#include "colmap_tsar/controllers/lru_map.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <cstddef>
 #include <filesystem>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 
 namespace tsar {
 
@@ -69,7 +68,7 @@ class EvidenceStore {
   const size_t max_num_views_;
   std::optional<std::set<int>> expected_;
   std::mutex mutex_;
-  std::list<std::pair<int, Evidence>> views_;  // The latest used first.
+  LruMap<int, Evidence> views_;  // By image.
 };
 
 }  // namespace tsar

@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -37,9 +36,5 @@ struct ImportSummary {
   // Things to look at, one line each.
   std::vector<std::string> warnings;
 };
-
-// A few lines for the user, with the next command to give. Of many warnings,
-// the first ones.
-void PrintSummary(const ImportSummary& summary, std::ostream& out);
 
 }  // namespace tsar

@@ -141,9 +141,11 @@ int64_t MakeEvidenceMainBytes(const RefineOptions& options,
   DiscoverySize size = SizeOfDiscovery(options, num_pixels, 1);
   size.num_candidates = num_superpixels + kCandidatesOfRegions;
   const int64_t fattening_weights =
-      options.own_texture ? BytesOf<float>(num_raster_pixels) : 0;
+      options.foreground_fattening ? BytesOf<float>(num_raster_pixels) : 0;
   return std::max(
-      options.own_texture ? ForegroundFatteningMainBytes(num_raster_pixels) : 0,
+      options.foreground_fattening
+          ? ForegroundFatteningMainBytes(num_raster_pixels)
+          : 0,
       fattening_weights +
           std::max(
               GatherEvidenceMainBytes(num_raster_pixels, num_superpixels, {}),

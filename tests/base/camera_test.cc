@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/camera.h"
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ Eigen::Matrix3d Rotation(double x, double y, double z) {
 }
 
 Camera PlaceAt(const Eigen::Vector3d& center, const Eigen::Matrix3d& rotation) {
-  Camera camera = DrawnCamera(640, 480, 500.0);
+  Camera camera = SyntheticCamera(640, 480, 500.0);
   camera.rotation = rotation;
   camera.translation = -rotation * center;
   return camera;
@@ -36,7 +36,7 @@ TEST(Intrinsics, ProjectUndoesRay) {
 }
 
 TEST(Camera, ResizedScalesEveryIntrinsicByItsOwnAxis) {
-  Camera camera = DrawnCamera(640, 480, 500.0);
+  Camera camera = SyntheticCamera(640, 480, 500.0);
   camera.fy = 400.0;
   camera.rotation = Rotation(0.1, 0.2, 0.3);
   camera.translation = {1.0, 2.0, 3.0};
@@ -52,7 +52,7 @@ TEST(Camera, ResizedScalesEveryIntrinsicByItsOwnAxis) {
 }
 
 TEST(Camera, ResizedToItsOwnSizeIsTheSame) {
-  const Camera camera = DrawnCamera(641, 479, 512.3);
+  const Camera camera = SyntheticCamera(641, 479, 512.3);
   const Camera resized = camera.Resized(641, 479);
   EXPECT_EQ(resized.fx, camera.fx);
   EXPECT_EQ(resized.cx, camera.cx);

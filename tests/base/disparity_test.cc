@@ -3,14 +3,14 @@
 
 #include "colmap_tsar/base/disparity.h"
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
 namespace {
 
 Camera PlaceAt(double x) {
-  Camera camera = DrawnCamera(kPaperSize, 2000, 3000.0);
+  Camera camera = SyntheticCamera(kPaperSize, 2000, 3000.0);
   camera.translation = {-x, 0.0, 0.0};
   return camera;
 }

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/random.h"
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -14,7 +14,7 @@ namespace {
 class PlaneRegressionTest : public testing::Test {
  protected:
   PlaneRegressionTest()
-      : camera_(DrawnCamera(32, 24, 30.0)),
+      : camera_(SyntheticCamera(32, 24, 30.0)),
         plane_(DrawnPlane({0.4f, -0.3f, -1.f}, 5.f)) {}
 
   // noise: the largest relative change of inverse depth.

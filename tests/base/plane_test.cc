@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/plane.h"
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

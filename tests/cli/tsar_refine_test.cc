@@ -9,7 +9,7 @@
 #include <csignal>
 
 #include "tests/cli/captured_run.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -25,7 +25,7 @@ Outcome RunRefine(const std::vector<std::string>& arguments) {
 
 class TsarRefineTest : public testing::Test {
  protected:
-  void SetUp() override { DrawWorkspace(root_); }
+  void SetUp() override { MakeSyntheticWorkspace(root_); }
 
   Outcome Run(std::vector<std::string> arguments) const {
     for (const std::string& argument : {std::string("--workspace_path"),
@@ -119,7 +119,7 @@ TEST_F(TsarRefineTest, PicturesOfAllStagesChangeNoMap) {
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_THAT(drawn.out, testing::HasSubstr("4 images: 4 refined\n"));
   EXPECT_TRUE(ReadMaps(root_) == maps);
-  for (const std::string& image : DrawnWorkspace::Names()) {
+  for (const std::string& image : SyntheticWorkspace::Names()) {
     for (const RefineStageInfo& info : RefineStages()) {
       const auto path = DebugPicturePath(debug, image, info.stage);
       EXPECT_FALSE(cv::imread(path.string()).empty()) << path;

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "tests/cli/captured_run.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 

@@ -5,7 +5,7 @@
 #include "colmap_tsar/device/device.h"
 
 #include "tests/cli/captured_run.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <gmock/gmock.h>
 
@@ -33,7 +33,7 @@ TEST(TsarStereo, HelpTeaches) {
 TEST(TsarStereo, FailsWithOneLineAndLeavesTheWorkspaceAsItIs) {
   const TemporaryFolder folder;
   const std::filesystem::path root = folder.Path() / "dense";
-  DrawWorkspace(root);
+  MakeSyntheticWorkspace(root);
   const auto before = ReadTree(root / "stereo/depth_maps");
   const std::pair<std::vector<std::string>, const char*> cases[] = {
       {{"--TsarStereo.num_iteration", "3"}, "--TsarStereo.num_iterations"},
@@ -63,7 +63,7 @@ TEST(TsarStereo, FailsWithOneLineAndLeavesTheWorkspaceAsItIs) {
 TEST(TsarStereo, DeviceOptionsAreCalledByItsOwnNames) {
   const TemporaryFolder folder;
   const std::filesystem::path root = folder.Path() / "dense";
-  DrawWorkspace(root);
+  MakeSyntheticWorkspace(root);
   const std::pair<const char*, const char*> wrong[] = {
       {"device", "gpu"},
       {"device", "cuda"},

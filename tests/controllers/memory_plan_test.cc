@@ -11,7 +11,8 @@
 #include <vector>
 
 #include "tests/controllers/counting_device.h"
-#include "tests/support/drawn_views.h"
+#include "tests/support/observe_image.h"
+#include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -94,7 +95,7 @@ TEST(PlanRefinement, CountsMoreForSmallSuperpixels) {
 
 // Observes and composes an image, with its sources in a cache that holds as
 // much as it may.
-int64_t PeakOfRefinement(const DrawnViews& drawn,
+int64_t PeakOfRefinement(const SyntheticViews& drawn,
                          const RefineOptions& options,
                          const MemoryPlan& plan) {
   CountingDevice device("", SIZE_MAX, 2);
@@ -120,10 +121,10 @@ int64_t PeakOfRefinement(const DrawnViews& drawn,
 TEST(PlanRefinement, HoldsForAnImageAtWork) {
   for (const auto& [width, height] : {std::pair{161, 120}, {320, 240}}) {
     SCOPED_TRACE(width);
-    DrawnViewsOptions size;
+    SyntheticViewsOptions size;
     size.width = width;
     size.height = height;
-    const DrawnViews drawn = DrawViews(size);
+    const SyntheticViews drawn = MakeSyntheticViews(size);
     for (const int superpixel_size : {100, 400, 1600}) {
       SCOPED_TRACE(superpixel_size);
       RefineOptions options;

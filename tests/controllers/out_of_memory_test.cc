@@ -20,7 +20,9 @@ thread_local int num_left = -1;
 
 }  // namespace
 
-void* operator new(size_t size) {
+// Not inline: half of a pair in a function looks like a mistake to the
+// compiler.
+[[gnu::noinline]] void* operator new(size_t size) {
   if (num_left == 0) {
     throw std::bad_alloc();
   }
@@ -32,8 +34,10 @@ void* operator new(size_t size) {
   return memory;
 }
 
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t /*size*/) noexcept {
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, size_t /*size*/) noexcept {
   std::free(memory);
 }
 

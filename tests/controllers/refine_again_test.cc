@@ -68,7 +68,7 @@ TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
 
 TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
   const std::filesystem::path whole = folder_.Path() / "whole";
-  DrawWorkspace(whole);
+  MakeSyntheticWorkspace(whole);
   Refine(Options(whole));
 
   // While the third image is read, computed or about to be written; there is
@@ -233,7 +233,7 @@ TEST_F(RefineWorkspaceDeathTest, GoesOnAfterBeingKilledInEitherPass) {
   for (const std::filesystem::path& file :
        {Evidence(root_, 1), Paths(1).record.Path()}) {
     std::filesystem::remove_all(root_);
-    DrawWorkspace(root_);
+    MakeSyntheticWorkspace(root_);
     EXPECT_EXIT(Refine(Options(root_),
                        {},
                        [&] {
@@ -274,7 +274,7 @@ TEST_F(RefineWorkspaceTest, EvidenceOfMapsThatWereReplacedIsNotUsed) {
 
   // Nor of one that is no longer to be refined, nor a source.
   std::filesystem::remove_all(root_);
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   const auto leave_out = [](const std::filesystem::path& root) {
     WriteText(root / "stereo/patch-match.cfg",
               "v0.png\nv1.png, v3.png\nv1.png\nv0.png, v3.png\n");
@@ -304,7 +304,7 @@ TEST_F(RefineWorkspaceTest, NeighboursWithoutMapsOrDepthsDoNotMatter) {
 
   // Without depths, its picture still helps to judge those of the others.
   std::filesystem::remove_all(root_);
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   RemoveDepths(root_, 3);
   const RunSummary summary = Refine();
   EXPECT_EQ(summary.num_refined, 3);
@@ -316,7 +316,7 @@ TEST_F(RefineWorkspaceTest, NeighboursWithoutMapsOrDepthsDoNotMatter) {
     const Image<float> depth = ReadDepthMap(Paths(view).depth);
     for (int y = 0; y < depth.Height(); ++y) {
       for (int x = 0; x < depth.Width(); ++x) {
-        if (DrawnWorkspace::IsBare(view, x, y)) {
+        if (SyntheticWorkspace::IsBare(view, x, y)) {
           ++num_bare;
           num_right += std::abs(depth(x, y) - 5.f) < 0.05f ? 1 : 0;
         }

@@ -26,12 +26,13 @@ TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
       } catch (const Error& error) {
         ++num_refusals;
         EXPECT_TRUE(error.Code() == ErrorCode::kMismatch);
-        EXPECT_THAT(error.what(),
-                    testing::AllOf(
-                        testing::HasSubstr(
-                            DrawnWorkspace::Names()[static_cast<size_t>(view)] +
-                            ": its maps have changed"),
-                        testing::HasSubstr("observe of all shards again")));
+        EXPECT_THAT(
+            error.what(),
+            testing::AllOf(
+                testing::HasSubstr(
+                    SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
+                    ": its maps have changed"),
+                testing::HasSubstr("observe of all shards again")));
         EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == before);
       }
     }
@@ -50,7 +51,8 @@ TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
       Redraw();
       Run("observe", "0/2", refine);
       const std::filesystem::path photo =
-          root_ / "images" / DrawnWorkspace::Names()[static_cast<size_t>(view)];
+          root_ / "images" /
+          SyntheticWorkspace::Names()[static_cast<size_t>(view)];
       std::filesystem::last_write_time(
           photo,
           std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
@@ -74,10 +76,11 @@ TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
           ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
                   .images[0]
                   .image ==
-              DrawnWorkspace::Names()[static_cast<size_t>(view)] ||
+              SyntheticWorkspace::Names()[static_cast<size_t>(view)] ||
           ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
                   .images[1]
-                  .image == DrawnWorkspace::Names()[static_cast<size_t>(view)];
+                  .image ==
+              SyntheticWorkspace::Names()[static_cast<size_t>(view)];
       EXPECT_EQ(num_refusals, scene_planes || is_in_first ? 2 : 0) << view;
       RunAll("observe", 2, refine);
       RunAll("compose", 2, refine);
@@ -102,7 +105,7 @@ TEST_F(RefineShardTest, AnotherCameraIsSeenWhateverItsShard) {
     WriteText(path, changed);
     for (const char* shard : {"0/2", "1/2"}) {
       ExpectError(ErrorCode::kMismatch,
-                  {DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+                  {SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
                        ": its camera has changed",
                    "observe of all shards"},
                   [&] { Run("compose", shard); });
@@ -136,7 +139,7 @@ TEST_F(RefineShardTest, ReadsTheLatestMapsOfOtherTypesAndImages) {
   Refine(Options(root_), refine);
   const auto write_anew = [&](int view, MapType type) {
     const MapPaths paths = GetMapPaths(
-        root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
+        root_, SyntheticWorkspace::Names()[static_cast<size_t>(view)], type);
     ASSERT_TRUE(std::filesystem::exists(paths.original_depth));
     WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
     WriteNormalMap(paths.normal,

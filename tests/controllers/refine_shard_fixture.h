@@ -8,7 +8,7 @@
 #include <functional>
 #include <sstream>
 
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
 
@@ -40,7 +40,7 @@ inline nlohmann::json ManifestOf(const std::filesystem::path& root) {
 
 class RefineShardTest : public testing::Test {
  protected:
-  void SetUp() override { DrawWorkspace(root_); }
+  void SetUp() override { MakeSyntheticWorkspace(root_); }
 
   static WorkspaceRefineOptions Options(const std::filesystem::path& root,
                                         const std::string& pass = "all",
@@ -101,23 +101,23 @@ class RefineShardTest : public testing::Test {
           [](const std::filesystem::path&) {}) const {
     const std::filesystem::path root = folder_.Path() / "whole";
     std::filesystem::remove_all(root);
-    DrawWorkspace(root);
+    MakeSyntheticWorkspace(root);
     change(root);
     Refine(Options(root), refine);
     return root;
   }
   void Redraw() const {
     std::filesystem::remove_all(root_);
-    DrawWorkspace(root_);
+    MakeSyntheticWorkspace(root_);
   }
   MapPaths Paths(int view) const {
     return GetMapPaths(root_,
-                       DrawnWorkspace::Names()[static_cast<size_t>(view)],
+                       SyntheticWorkspace::Names()[static_cast<size_t>(view)],
                        MapType::kGeometric);
   }
   std::filesystem::path Evidence(int view) const {
     return root_ / "stereo/tsar/evidence" /
-           (DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+           (SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
             ".geometric.bin");
   }
   bool HasShards() const {

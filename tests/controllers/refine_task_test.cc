@@ -15,7 +15,7 @@
 #include <sstream>
 
 #include "tests/controllers/counting_device.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
@@ -108,7 +108,7 @@ class RefineTaskTest : public testing::Test {
   // Anew, on a device that breaks.
   void RunBroken(ErrorCode code, int num_allocations, bool scene_planes) {
     std::filesystem::remove_all(root_);
-    DrawWorkspace(root_);
+    MakeSyntheticWorkspace(root_);
     Run(std::make_unique<BrokenDevice>(code, num_allocations), scene_planes);
   }
 
@@ -124,7 +124,7 @@ class RefineTaskTest : public testing::Test {
   void ExpectFailure(ErrorCode code) const {
     const size_t failed = FirstFailed();
     ASSERT_LT(failed, 4u);
-    const std::string& name = DrawnWorkspace::Names()[failed];
+    const std::string& name = SyntheticWorkspace::Names()[failed];
     ExpectError(code, {name + " on GPU 3 (Card): GPU: it is broken"}, [&] {
       std::rethrow_exception(failures_[failed]);
     });
@@ -158,7 +158,7 @@ class RefineTaskTest : public testing::Test {
 };
 
 TEST_F(RefineTaskTest, NamesTheGpuAndTheImageThatItFailedOn) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   Run(false);
   ExpectAllRefined();
   for (const ErrorCode code : {ErrorCode::kOutOfMemory, ErrorCode::kDevice}) {
@@ -172,7 +172,7 @@ TEST_F(RefineTaskTest, NamesTheGpuAndTheImageThatItFailedOn) {
 }
 
 TEST_F(RefineTaskTest, AFailureWhileObservingChangesNoMap) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   const auto before = ReadMaps();
   Run(true);
   ExpectAllRefined();
@@ -186,7 +186,7 @@ TEST_F(RefineTaskTest, AFailureWhileObservingChangesNoMap) {
 }
 
 TEST_F(RefineTaskTest, AFailureWhileComposingLeavesTheOthersRefined) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   Run(true);
   const auto refined = ReadMaps();
   const int num_observing = num_allocations_to_observe_;
@@ -207,13 +207,13 @@ TEST_F(RefineTaskTest, AFailureWhileComposingLeavesTheOthersRefined) {
 }
 
 TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   Run(true);
   ExpectAllRefined();
   const std::map<std::string, std::string> maps = ReadMaps();
   const int num_allocations = num_allocations_;
   std::filesystem::remove_all(root_);
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   Run(true, true);
   ExpectAllRefined();
   EXPECT_EQ(ReadMaps(), maps);
@@ -225,7 +225,7 @@ TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
 }
 
 TEST_F(RefineTaskTest, ObservesOnlyWhatSomebodyNeeds) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   WriteText(root_ / "stereo/patch-match.cfg",
             "v0.png\nv1.png\nv1.png\nv0.png\n"
             "left/v2.png\nv3.png\nv3.png\nleft/v2.png\n");

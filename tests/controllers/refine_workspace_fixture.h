@@ -10,7 +10,7 @@
 #include <functional>
 #include <sstream>
 
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
 
@@ -57,7 +57,7 @@ inline void ExpectSameFiles(const Tree& a, const Tree& b) {
 
 class RefineWorkspaceTest : public testing::Test {
  protected:
-  void SetUp() override { DrawWorkspace(root_); }
+  void SetUp() override { MakeSyntheticWorkspace(root_); }
 
   // One thread, so that the order of the images is known.
   WorkspaceRefineOptions Options(const std::filesystem::path& root) const {
@@ -92,7 +92,7 @@ class RefineWorkspaceTest : public testing::Test {
 
   MapPaths Paths(int view, MapType type = MapType::kGeometric) const {
     return GetMapPaths(
-        root_, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
+        root_, SyntheticWorkspace::Names()[static_cast<size_t>(view)], type);
   }
   void RemoveMaps(int view, MapType type) const {
     std::filesystem::remove(Paths(view, type).depth);
@@ -106,7 +106,7 @@ class RefineWorkspaceTest : public testing::Test {
   static std::filesystem::path Evidence(const std::filesystem::path& root,
                                         int view) {
     return root / "stereo/tsar/evidence" /
-           (DrawnWorkspace::Names()[static_cast<size_t>(view)] +
+           (SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
             ".geometric.bin");
   }
   // Stops a run once all images have been observed.
@@ -131,7 +131,7 @@ class RefineWorkspaceTest : public testing::Test {
           [](const std::filesystem::path&) {}) {
     const std::filesystem::path root = folder_.Path() / "whole";
     std::filesystem::remove_all(root);
-    DrawWorkspace(root);
+    MakeSyntheticWorkspace(root);
     change(root);
     Refine(Options(root), refine);
     return MapsOf(root);
@@ -139,11 +139,11 @@ class RefineWorkspaceTest : public testing::Test {
   static void RemoveDepths(const std::filesystem::path& root, int view) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       WriteDepthMap(
-          UserPath(
-              GetMapPaths(root,
-                          DrawnWorkspace::Names()[static_cast<size_t>(view)],
-                          type)
-                  .depth),
+          UserPath(GetMapPaths(
+                       root,
+                       SyntheticWorkspace::Names()[static_cast<size_t>(view)],
+                       type)
+                       .depth),
           Image<float>(96, 72, 0.f));
     }
   }

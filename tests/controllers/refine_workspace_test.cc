@@ -46,7 +46,7 @@ TEST_F(RefineWorkspaceTest, FillsTheBareWallAndKeepsTheOriginals) {
     const Image<float> depth = ReadDepthMap(paths.depth);
     for (int y = 0; y < depth.Height(); ++y) {
       for (int x = 0; x < depth.Width(); ++x) {
-        if (DrawnWorkspace::IsBare(view, x, y)) {
+        if (SyntheticWorkspace::IsBare(view, x, y)) {
           ++num_bare;
           num_right += std::abs(depth(x, y) - 5.f) < 0.05f ? 1 : 0;
         }
@@ -131,7 +131,7 @@ double ShareOfScaledPixels(const std::filesystem::path& root,
                            double tolerance) {
   int64_t num_pixels = 0;
   int64_t num_same = 0;
-  for (const std::string& name : DrawnWorkspace::Names()) {
+  for (const std::string& name : SyntheticWorkspace::Names()) {
     const MapPaths a = GetMapPaths(root, name, MapType::kGeometric);
     const MapPaths b = GetMapPaths(scaled, name, MapType::kGeometric);
     const Image<float> depth_a = ReadDepthMap(a.depth);
@@ -185,7 +185,7 @@ TEST_F(RefineWorkspaceTest, ScalingTheSceneScalesTheDepthsAndNothingElse) {
                         Case{0.001, 1e-3, 0.95}}) {
     const std::filesystem::path scaled = folder_.Path() / "scaled";
     std::filesystem::remove_all(scaled);
-    DrawWorkspace(scaled, c.scale);
+    MakeSyntheticWorkspace(scaled, c.scale);
     Refine(Options(scaled));
     EXPECT_GE(ShareOfScaledPixels(root_, scaled, c.scale, c.tolerance),
               c.min_share)

@@ -14,29 +14,29 @@
 #include <vector>
 
 #include "tests/cuda/cuda_test.h"
-#include "tests/support/drawn_room.h"
+#include "tests/support/synthetic_room.h"
 
 namespace tsar {
 namespace {
 
 // What a view of the room sees, with textures and edges drawn at random. One
 // superpixel in four holds no depths, and one in sixteen wrong ones.
-ViewEvidence ObserveInPart(const DrawnRoom& room, size_t view) {
-  constexpr int kSize = DrawnRoom::kSuperpixelSize;
-  constexpr int kNumColumns = DrawnRoom::kWidth / kSize;
+ViewEvidence ObserveInPart(const SyntheticRoom& room, size_t view) {
+  constexpr int kSize = SyntheticRoom::kSuperpixelSize;
+  constexpr int kNumColumns = SyntheticRoom::kWidth / kSize;
   const Camera& camera = room.cameras[view];
   const auto seed = static_cast<uint32_t>(view);
   EvidenceInputs inputs;
   inputs.superpixels = Image<int>(camera.width, camera.height);
-  inputs.num_superpixels = DrawnRoom::kNumSuperpixels;
-  inputs.superpixel_planes.resize(DrawnRoom::kNumSuperpixels);
+  inputs.num_superpixels = SyntheticRoom::kNumSuperpixels;
+  inputs.superpixel_planes.resize(SyntheticRoom::kNumSuperpixels);
   inputs.samples = Image<RayDepth>(camera.width, camera.height);
   inputs.texture = RandomImage(camera.width, camera.height, 4.f, 30 + seed);
   inputs.contrast = RandomImage(camera.width, camera.height, 20.f, 40 + seed);
   inputs.intrinsics = camera.GetIntrinsics();
-  inputs.resolution.error_per_depth = DrawnRoom::kErrorPerDepth;
+  inputs.resolution.error_per_depth = SyntheticRoom::kErrorPerDepth;
   Philox random(50, seed, 0);
-  std::vector<uint32_t> choices(DrawnRoom::kNumSuperpixels);
+  std::vector<uint32_t> choices(SyntheticRoom::kNumSuperpixels);
   for (uint32_t& choice : choices) {
     choice = random.NextBelow(16);
   }
@@ -60,7 +60,7 @@ ViewEvidence ObserveInPart(const DrawnRoom& room, size_t view) {
 }
 
 TEST_F(CudaTest, DiscoverPlanes) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   const auto run = [&](Device& device) {
     const DiscoveredPlanes found =
         DiscoverPlanes(room.Views(), room.Candidates(), {}, device);
@@ -87,11 +87,11 @@ TEST_F(CudaTest, DiscoverPlanes) {
 // label may differ.
 TEST_F(CudaTest, LabelView) {
   const Eigen::Vector3d middle(-0.8, 0.4, 4.0);
-  const DrawnRoom room({{PlaneThrough({0.2, 0.1, -1.0}, middle),
-                         middle,
-                         [&](const Eigen::Vector3d& point) {
-                           return (point - middle).norm() < 0.6;
-                         }}});
+  const SyntheticRoom room({{PlaneThrough({0.2, 0.1, -1.0}, middle),
+                             middle,
+                             [&](const Eigen::Vector3d& point) {
+                               return (point - middle).norm() < 0.6;
+                             }}});
   std::vector<ViewEvidence> evidence;
   for (size_t i = 0; i < room.cameras.size(); ++i) {
     evidence.push_back(ObserveInPart(room, i));

@@ -60,11 +60,11 @@ std::vector<SceneSize> AllScenesAndWide() {
   return scenes;
 }
 
-DrawnViews DrawScene(const SceneSize& size) {
-  DrawnViewsOptions options;
+SyntheticViews DrawScene(const SceneSize& size) {
+  SyntheticViewsOptions options;
   options.width = size.width;
   options.height = size.height;
-  DrawnViews drawn = DrawViews(options);
+  SyntheticViews drawn = MakeSyntheticViews(options);
   for (ViewData& view : drawn.views) {
     if (size.kind == SceneKind::kInvalid) {
       view.depth = Image<float>(size.width, size.height, 0.f);

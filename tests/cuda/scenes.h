@@ -11,7 +11,7 @@
 #include <ostream>
 #include <vector>
 
-#include "tests/support/drawn_views.h"
+#include "tests/support/synthetic_views.h"
 
 namespace tsar {
 
@@ -35,7 +35,7 @@ std::vector<SceneSize> AllScenes();
 // of some size. The raster of both is smaller than the map.
 std::vector<SceneSize> AllScenesAndWide();
 
-DrawnViews DrawScene(const SceneSize& size);
+SyntheticViews DrawScene(const SceneSize& size);
 
 // Numbers in [0, max) that depend on the seed alone.
 Image<float> RandomImage(int width, int height, float max, uint32_t seed);
@@ -45,7 +45,7 @@ Image<float> RandomImage(int width, int height, float max, uint32_t seed);
 struct StageInputs {
   StageInputs(const SceneSize& size, Device& device);
 
-  DrawnViews drawn;
+  SyntheticViews drawn;
   DeviceViews views;
   DeviceImage<float> score;
   DeviceImage<uint8_t> reliable;

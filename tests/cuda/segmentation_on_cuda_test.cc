@@ -34,7 +34,7 @@ TEST_F(CudaTest, DetectRobertsEdges) {
 }
 
 TEST_F(CudaTest, DrawLineSegments) {
-  // Both the noise of a mask and the edges of the drawn wall.
+  // Both the noise of a mask and the edges of the synthetic wall.
   std::vector<SceneSize> scenes = AllScenes();
   scenes.push_back({SceneKind::kWall, 331, 203});
   ExpectAlike(

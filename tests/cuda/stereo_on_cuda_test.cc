@@ -94,7 +94,7 @@ constexpr int kHeight = 61;
 
 // A drawn plane and four sources that see it, in the host's memory.
 TexturedPlane DrawTexturedPlane(Device& cpu) {
-  const Camera camera = DrawnCamera(kWidth, kHeight, 120.0);
+  const Camera camera = SyntheticCamera(kWidth, kHeight, 120.0);
   TexturedPlane scene(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera, cpu);
   for (const double sign : {-1.0, 1.0}) {
     scene.AddSource(SourceCamera(camera, {0.5 * sign, 0.0, 0.0}, -0.15 * sign));

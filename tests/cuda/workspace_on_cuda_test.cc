@@ -18,8 +18,8 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/support/drawn_views.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_views.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
@@ -131,7 +131,7 @@ bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
 }
 
 TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
-  const DrawnViews drawn = DrawViews({});
+  const SyntheticViews drawn = MakeSyntheticViews({});
   const int num_views = static_cast<int>(drawn.views.size());
   const auto refine = [&](int reference, DeviceViewCache& cache, Device& gpu) {
     std::vector<DeviceViewCache::View> sources;
@@ -215,7 +215,7 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
 };
 
 TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   // Of images that are not refined, the others would have no evidence.
   RefineOptions options;
   options.scene_planes = false;
@@ -225,7 +225,7 @@ TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
   ASSERT_EQ(two.peak_gpu_memory.size(), 1u);
   EXPECT_GT(two.peak_gpu_memory[0].num_bytes, 0u);
   const Tree expected = Maps("two");
-  for (const std::string& name : DrawnWorkspace::Names()) {
+  for (const std::string& name : SyntheticWorkspace::Names()) {
     WriteConfig({name});
     std::filesystem::remove_all(folder_.Path() / "one");
     EXPECT_EQ(Refine("0", "one", options).num_workers, 1);
@@ -238,7 +238,7 @@ TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
 }
 
 TEST_F(WorkspaceOnCudaTest, AllGpusGiveTheSameBytes) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   Refine("0", "first");
   EXPECT_EQ(Refine("-1", "all").num_refined, 4);
   EXPECT_TRUE(Maps("first") == Maps("all"));
@@ -252,7 +252,7 @@ TEST_F(WorkspaceOnCudaTest, AllGpusGiveTheSameBytes) {
 }
 
 TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   const std::string beyond = std::to_string(Device::NumCudaDevices());
   ExpectError(ErrorCode::kDevice, {"gpu_index", "no GPU " + beyond}, [&] {
     Refine(beyond, "out");

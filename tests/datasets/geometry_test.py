@@ -2,7 +2,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """What the scripts for data sets compute: focal lengths, scans of meshes and the
-scores of Tanks and Temples, on drawn scenes with known answers."""
+scores of Tanks and Temples, on synthetic scenes with known answers."""
 import json
 import unittest
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -19,7 +19,7 @@ constexpr float kFullScore = 11.f / 6.f;
 class DiscontinuityTest : public testing::Test {
  protected:
   DiscontinuityTest()
-      : device_(Device::CreateCpu(2)), camera_(DrawnCamera(64, 48, 60.0)) {
+      : device_(Device::CreateCpu(2)), camera_(SyntheticCamera(64, 48, 60.0)) {
     scale_.factor = 1000.f;
   }
 

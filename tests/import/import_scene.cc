@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "tests/import/external_writers.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <Eigen/Geometry>
 
@@ -48,7 +48,7 @@ void ExportCams(const std::vector<SceneImage>& images,
 }  // namespace
 
 std::vector<SceneImage> DrawImportScene(const std::filesystem::path& root) {
-  DrawWorkspace(root);
+  MakeSyntheticWorkspace(root);
   const Eigen::Quaterniond turn(
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   SparseModel model = ReadSparseModel(root / "sparse");
@@ -66,7 +66,7 @@ std::vector<SceneImage> DrawImportScene(const std::filesystem::path& root) {
   int id = 0;
   for (double x = -2.6; x < 4.0; x += 0.3) {
     for (double y = -1.9; y < 2.0; y += 0.3) {
-      const Eigen::Vector3d point(x, y, DrawnWorkspace::kDepth);
+      const Eigen::Vector3d point(x, y, SyntheticWorkspace::kDepth);
       std::ostringstream track;
       for (size_t i = 0; i < model.images.size(); ++i) {
         const Camera& camera = model.images[i].camera;

@@ -21,9 +21,10 @@ struct SceneImage {
   Image<Vec3f> normal;
 };
 
-// The drawn workspace (see drawn_workspace.h) with the world turned, so that no
-// camera has the world's axes, and with sparse points on the wall. Returns its
-// images in the order of their ids: v0.png, v1.png, left/v2.png, v3.png.
+// The synthetic workspace (see synthetic_workspace.h) with the world turned, so
+// that no camera has the world's axes, and with sparse points on the wall.
+// Returns its images in the order of their ids: v0.png, v1.png, left/v2.png,
+// v3.png.
 std::vector<SceneImage> DrawImportScene(const std::filesystem::path& root);
 
 // Leaves images/ and sparse/ alone.

@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/import/import_summary.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -9,7 +10,7 @@
 
 #include "tests/import/external_writers.h"
 #include "tests/import/tsar_import_testing.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 
 namespace tsar {
 namespace {

@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "tests/import/external_writers.h"
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 
 namespace tsar {
 

@@ -13,7 +13,7 @@ class AgreementTest : public testing::TestWithParam<float> {
  protected:
   AgreementTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(64, 48, 80.0)),
+        camera_(SyntheticCamera(64, 48, 80.0)),
         scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f * GetParam()),
                camera_,
                *device_) {}

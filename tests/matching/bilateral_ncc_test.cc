@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

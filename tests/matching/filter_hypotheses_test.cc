@@ -19,7 +19,7 @@ class FilterHypothesesTest : public testing::TestWithParam<float> {
  protected:
   FilterHypothesesTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera_, *device_) {}
 
   // Half a unit is an angle of 9 degrees.

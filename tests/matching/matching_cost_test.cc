@@ -23,7 +23,7 @@ class MatchingCostTest : public testing::Test {
  protected:
   MatchingCostTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(72, 48, 100.0)),
+        camera_(SyntheticCamera(72, 48, 100.0)),
         scene_(DrawnPlane({0.4f, -0.2f, -1.f}, 3.f), camera_, *device_) {}
 
   void AddSource(double x, double angle) {

@@ -47,7 +47,7 @@ class PatchMatchTest : public testing::Test {
  protected:
   PatchMatchTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         intrinsics_(camera_.GetIntrinsics()) {
     options_.depth_min = 1.5f;
     options_.depth_max = 6.f;

@@ -136,8 +136,9 @@ TEST_F(PatchMatchTest, DrawsPlanesWhereThereAreNone) {
 }
 
 TEST_F(PatchMatchTest, TakesOnePixel) {
-  TexturedPlane scene(DrawnPlane(kTilt, 3.f), DrawnCamera(1, 1, 5), *device_);
-  scene.AddSource(SourceCamera(DrawnCamera(1, 1, 5), {0.1, 0.0, 0.0}, 0.0));
+  TexturedPlane scene(
+      DrawnPlane(kTilt, 3.f), SyntheticCamera(1, 1, 5), *device_);
+  scene.AddSource(SourceCamera(SyntheticCamera(1, 1, 5), {0.1, 0.0, 0.0}, 0.0));
   const HostHypotheses found = Run(scene, Images(scene), TruePlanes(scene));
   ASSERT_EQ(found.planes.NumPixels(), 1u);
   EXPECT_TRUE(found.planes(0, 0).Valid());

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

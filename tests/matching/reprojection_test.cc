@@ -17,7 +17,7 @@ constexpr int kHeight = 48;
 class LookThroughSourceTest : public testing::Test {
  protected:
   LookThroughSourceTest()
-      : camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+      : camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         depth_(kWidth, kHeight, 2.f) {}
 
   bool Look(const Camera& source, const Vec3f& point) {

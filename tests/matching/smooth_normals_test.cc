@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -22,7 +22,7 @@ class SmoothNormalsTest : public testing::Test {
  protected:
   SmoothNormalsTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         depth_(DrawDepth(DrawnPlane(kTilt, 3.f), camera_)),
         normal_(kWidth, kHeight, Normalized(kTilt)) {}
 

@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "tests/controllers/counting_device.h"
-#include "tests/support/drawn_views_test.h"
+#include "tests/support/synthetic_views_test.h"
 
 namespace tsar {
 namespace {
 
-class RefineImageTest : public DrawnViewsTest {
+class RefineImageTest : public SyntheticViewsTest {
  protected:
   RefineResult Refine(const RefineOptions& options = {}) const {
     return RefineImage(drawn_.views[0], drawn_.Sources(), 1, options, *device_);
@@ -70,10 +70,10 @@ TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
 }
 
 TEST_F(RefineImageTest, APlaneStaysAPlane) {
-  DrawnViewsOptions options;
+  SyntheticViewsOptions options;
   options.has_bare_part = false;
   options.noise = 0.f;
-  drawn_ = DrawViews(options);
+  drawn_ = MakeSyntheticViews(options);
   const RefinedMaps maps = Refine().maps;
   ExpectSoundMaps(maps);
   int num_filled = 0;

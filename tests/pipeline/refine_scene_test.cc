@@ -8,8 +8,8 @@
 
 #include <utility>
 
-#include "tests/support/drawn_views_test.h"
 #include "tests/support/observe_image.h"
+#include "tests/support/synthetic_views_test.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
@@ -18,7 +18,7 @@ namespace {
 // A depth this close to the truth is right.
 constexpr float kRight = 5e-3f;
 
-class RefineSceneTest : public DrawnViewsTest {
+class RefineSceneTest : public SyntheticViewsTest {
  protected:
   // The first so many views, with all others as their sources.
   std::vector<std::unique_ptr<ViewEvidence>> Observe(
@@ -133,7 +133,7 @@ TEST_F(RefineSceneTest, DoesNotDependOnTheNumberOfThreads) {
 TEST_F(RefineSceneTest, ScalingTheSceneByAPowerOfTwoScalesTheDepthsExactly) {
   const RefinedMaps maps = RefineAll();
   for (const float scale : {1024.f, 1.f / 1024.f}) {
-    drawn_ = DrawViews({});
+    drawn_ = MakeSyntheticViews({});
     for (ViewData& view : drawn_.views) {
       view.camera.translation *= scale;
       for (float& depth : view.depth) {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "tests/controllers/counting_device.h"
-#include "tests/support/drawn_views.h"
 #include "tests/support/observe_image.h"
+#include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -47,10 +47,10 @@ int64_t PeakOf(const std::function<void(Device&)>& function) {
 class StageMemoryTest : public testing::Test {
  protected:
   void Draw(const MapSize& size) {
-    DrawnViewsOptions drawn;
+    SyntheticViewsOptions drawn;
     drawn.width = size.width;
     drawn.height = size.height;
-    drawn_ = DrawViews(drawn);
+    drawn_ = MakeSyntheticViews(drawn);
     num_pixels_ = int64_t{size.width} * size.height;
     max_ratio_ = size.max_ratio;
     label_ = std::to_string(size.width);
@@ -118,7 +118,7 @@ class StageMemoryTest : public testing::Test {
                   }));
   }
 
-  DrawnViews drawn_;
+  SyntheticViews drawn_;
   int64_t num_pixels_ = 0;
   double max_ratio_ = 1.0;
   std::string label_;  // For the test's record.

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/planes/depth_observation.h"
 
-#include "tests/support/drawn_observations.h"
+#include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "tests/planes/fit_plane_checks.h"
-#include "tests/support/drawn_observations.h"
+#include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -24,7 +24,7 @@ class GroupPlanesTest : public testing::Test {
  protected:
   GroupPlanesTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 60.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 60.0)),
         first_(DrawnPlane({0.4f, -0.3f, -1.f}, 4.f)),
         second_(DrawnPlane({-0.5f, 0.1f, -1.f}, 6.f)),
         depth_(kWidth, kHeight, 0.f),

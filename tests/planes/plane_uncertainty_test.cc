@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/drawn_observations.h"
+#include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/planes/world_plane.h"
 
-#include "tests/support/drawn_observations.h"
+#include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>

@@ -12,7 +12,7 @@ import random
 import shutil
 
 from changing_workspace import ChangingWorkspace
-from drawn_workspace import NAMES
+from synthetic_workspace import NAMES
 from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
                         read_tree)
 

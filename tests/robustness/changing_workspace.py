@@ -1,13 +1,13 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""A drawn workspace, and what a user may change in it after it was refined. Every
+"""A synthetic workspace, and what a user may change in it after it was refined. Every
 change gives the files that it writes a later time than the one before, so that
 no two of them fall into one tick of the clock."""
 import math
 import os
 
-import drawn_workspace
-from drawn_workspace import BASELINE, FOCAL, HEIGHT, NAMES, WIDTH
+import synthetic_workspace
+from synthetic_workspace import BASELINE, FOCAL, HEIGHT, NAMES, WIDTH
 
 BEGIN = 1_600_000_000  # Seconds; every file that is changed is a minute younger.
 
@@ -23,7 +23,7 @@ class ChangingWorkspace:
         self.sources = dict(sources)
         self.position = {name: BASELINE * view for view, name in enumerate(NAMES)}
         self.focal = {name: FOCAL for name in NAMES}
-        drawn_workspace.draw(root, len(NAMES), with_maps)
+        synthetic_workspace.draw(root, len(NAMES), with_maps)
         for parent, _, files in os.walk(root):
             for file in files:
                 os.utime(os.path.join(parent, file), (BEGIN, BEGIN))
@@ -32,7 +32,7 @@ class ChangingWorkspace:
     def write(self, path, content):
         self.time += 60
         for root in self.roots:
-            drawn_workspace.write(os.path.join(root, path), content)
+            synthetic_workspace.write(os.path.join(root, path), content)
             os.utime(os.path.join(root, path), (self.time, self.time))
 
     def write_model(self):
@@ -45,7 +45,7 @@ class ChangingWorkspace:
             images += f"{number} 1 0 0 0 {-self.position[name]} 0 0 {number} {name}\n\n"
         self.write("sparse/cameras.txt", cameras.encode())
         self.write("sparse/images.txt", images.encode())
-        points = drawn_workspace.sparse_model(self.names)["points3D.txt"]
+        points = synthetic_workspace.sparse_model(self.names)["points3D.txt"]
         self.write("sparse/points3D.txt", points.encode())
         lists = "".join(f"{name}\n{', '.join(sources)}\n" for name, sources in self.sources.items())
         self.write("stereo/patch-match.cfg", lists.encode())
@@ -66,21 +66,21 @@ class ChangingWorkspace:
 
     def repaint(self, name, shift=3):
         view = NAMES.index(name)
-        rows = [[drawn_workspace.level(view, x, y) - shift for x in range(WIDTH)]
+        rows = [[synthetic_workspace.level(view, x, y) - shift for x in range(WIDTH)]
                 for y in range(HEIGHT)]
-        self.write("images/" + name, drawn_workspace.png(rows))
+        self.write("images/" + name, synthetic_workspace.png(rows))
 
     def match_again(self, name, kind, factor=1.002):
         """As COLMAP does: both maps, over whatever has their names."""
-        depths = [factor * depth for depth in drawn_workspace.depth_map(NAMES.index(name), kind)]
+        depths = [factor * depth for depth in synthetic_workspace.depth_map(NAMES.index(name), kind)]
         tilt = factor - 1.0
         normals = [[tilt if depth > 0 else 0.0 for depth in depths], [0.0] * len(depths),
                    [-math.sqrt(1.0 - tilt * tilt) if depth > 0 else 0.0 for depth in depths]]
         tail = f"{name}.{kind}.bin"
-        self.write("stereo/depth_maps/" + tail, drawn_workspace.map_file([depths]))
-        self.write("stereo/normal_maps/" + tail, drawn_workspace.map_file(normals))
+        self.write("stereo/depth_maps/" + tail, synthetic_workspace.map_file([depths]))
+        self.write("stereo/normal_maps/" + tail, synthetic_workspace.map_file(normals))
 
     def export_costs(self, name, kind, cost=0.3):
         costs = [cost if x % 7 else 1.5 for _ in range(HEIGHT) for x in range(WIDTH)]
         self.write(f"stereo/cost_maps/{name}.{kind}.bin",
-                   drawn_workspace.map_file([costs, [2.0] * len(costs)]))
+                   synthetic_workspace.map_file([costs, [2.0] * len(costs)]))

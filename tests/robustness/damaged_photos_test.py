@@ -8,8 +8,8 @@ import itertools
 import os
 import shutil
 
-import drawn_photos
-import drawn_workspace
+import synthetic_photos
+import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
                         read_tree)
 from start_workspaces import STEREO, StartWorkspaces
@@ -30,15 +30,15 @@ COMMANDS = {
                 start.refined),
 }
 FORMATS = {
-    "png": drawn_photos.png,
-    "deep": lambda rows: drawn_photos.png(rows, 16),
-    "jpeg": drawn_photos.jpeg,
-    "tiff": drawn_photos.tiff,
-    "bmp": drawn_photos.bmp,
-    "ppm": drawn_photos.ppm,
+    "png": synthetic_photos.png,
+    "deep": lambda rows: synthetic_photos.png(rows, 16),
+    "jpeg": synthetic_photos.jpeg,
+    "tiff": synthetic_photos.tiff,
+    "bmp": synthetic_photos.bmp,
+    "ppm": synthetic_photos.ppm,
 }
-PHOTO = os.path.join("images", *drawn_workspace.NAMES[1].split("/"))
-PHOTOS = {name: encode(drawn_workspace.photo_rows(1)) for name, encode in FORMATS.items()}
+PHOTO = os.path.join("images", *synthetic_workspace.NAMES[1].split("/"))
+PHOTOS = {name: encode(synthetic_workspace.photo_rows(1)) for name, encode in FORMATS.items()}
 
 
 def zeroed(content):
@@ -54,7 +54,7 @@ def fails(case, content, texts, in_the_middle=False, commands=tuple(COMMANDS)):
     for name in commands:
         command, source = COMMANDS[name]
         copy(source, work)
-        drawn_workspace.write(os.path.join(work, PHOTO), content)
+        synthetic_workspace.write(os.path.join(work, PHOTO), content)
         before = read_tree(work)
         program.fails_with_one_line(*command, texts=[PHOTO, *texts])
         if not in_the_middle:
@@ -95,12 +95,12 @@ for name, (command, source) in COMMANDS.items():
 # tsar_evaluate looks for texture in the photos.
 copy(start.mapped, work)
 truth = os.path.join(work, "ground_truth", "depth")
-for name in drawn_workspace.NAMES[:2]:
-    depths = drawn_workspace.depth_map(0, "geometric")
-    drawn_workspace.write(os.path.join(truth, name + ".bin"), drawn_workspace.map_file([depths]))
+for name in synthetic_workspace.NAMES[:2]:
+    depths = synthetic_workspace.depth_map(0, "geometric")
+    synthetic_workspace.write(os.path.join(truth, name + ".bin"), synthetic_workspace.map_file([depths]))
 code, errors = program.evaluate(work)
 check(code == 0, errors)
-drawn_workspace.write(os.path.join(work, PHOTO), PHOTOS["jpeg"][:1000])
+synthetic_workspace.write(os.path.join(work, PHOTO), PHOTOS["jpeg"][:1000])
 code, errors = program.evaluate(work)
 check(code == 1 and errors.startswith("ERROR: ") and errors.count("\n") == 1
       and PHOTO in errors and "the image is damaged" in errors, errors)
@@ -113,9 +113,9 @@ for name, encode in FORMATS.items():
         command, source = COMMANDS[case]
         copy(source, work)
         shutil.rmtree(outside, ignore_errors=True)
-        for view, photo in enumerate(drawn_workspace.NAMES[:2]):
+        for view, photo in enumerate(synthetic_workspace.NAMES[:2]):
             target = os.path.join(outside, str(view))
-            drawn_workspace.write(target, encode(drawn_workspace.photo_rows(view)))
+            synthetic_workspace.write(target, encode(synthetic_workspace.photo_rows(view)))
             path = os.path.join(work, "images", photo)
             os.remove(path)
             os.symlink(target, path)

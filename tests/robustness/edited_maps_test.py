@@ -11,14 +11,14 @@ import resource
 import shutil
 import struct
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
                         set_time)
 from start_workspaces import StartWorkspaces
 
 KINDS = ("depth_maps", "normal_maps")
 MAP = "v0.png.geometric.bin"
-NUM_PIXELS = drawn_workspace.WIDTH * drawn_workspace.HEIGHT
+NUM_PIXELS = synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT
 
 args = parse_arguments()
 program = Program(args.program)
@@ -61,9 +61,9 @@ def far_depths_removed(content):
 
 def anew(kind):
     """What patch_match_stereo would write with other options."""
-    depths = [drawn_workspace.DEPTH * (1.002 + 0.0001 * (i % 13)) for i in range(NUM_PIXELS)]
+    depths = [synthetic_workspace.DEPTH * (1.002 + 0.0001 * (i % 13)) for i in range(NUM_PIXELS)]
     channel = [0.01 + 0.0001 * (i % 7) for i in range(NUM_PIXELS)]
-    return drawn_workspace.map_file(
+    return synthetic_workspace.map_file(
         [depths] if kind == "depth_maps" else [channel, channel, [-0.99] * NUM_PIXELS])
 
 
@@ -90,7 +90,7 @@ def change(source, changes):
     for kind, name in zip(KINDS, changes):
         if CHANGES[name]:
             content = CHANGES[name](kind, read(path_of(kind)))
-            drawn_workspace.write(path_of(kind), content)
+            synthetic_workspace.write(path_of(kind), content)
             set_time(path_of(kind), 1)
             written[kind] = content
     return written

@@ -12,7 +12,7 @@ import subprocess
 import unicodedata
 import zlib
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import Program, check, copy, make_folder, parse_arguments, read_tree
 from start_workspaces import STEREO, StartWorkspaces
 
@@ -63,7 +63,7 @@ def printed(what, words):
 
 
 def write(path, content):
-    drawn_workspace.write(os.fsencode(path), content)
+    synthetic_workspace.write(os.fsencode(path), content)
 
 
 def edit(path, old, new):
@@ -90,7 +90,7 @@ def rename_image(name):
 
 
 def write_binary_model(names):
-    """The sparse model of the drawn workspace as COLMAP's binary files, in which
+    """The sparse model of the synthetic workspace as COLMAP's binary files, in which
     names end with a zero and may hold ends of lines."""
     sparse = os.path.join(work, "sparse")
     points = []
@@ -101,11 +101,11 @@ def write_binary_model(names):
                                       0, 0, 0, 0.5, len(names))
                           + b"".join(struct.pack("<II", view + 1, 0) for view in range(len(names))))
     shutil.rmtree(sparse)
-    width, height, focal = drawn_workspace.WIDTH, drawn_workspace.HEIGHT, drawn_workspace.FOCAL
+    width, height, focal = synthetic_workspace.WIDTH, synthetic_workspace.HEIGHT, synthetic_workspace.FOCAL
     write(os.path.join(sparse, "cameras.bin"),
           struct.pack("<QIiQQ4d", 1, 1, 1, width, height, focal, focal, width / 2, height / 2))
     write(os.path.join(sparse, "images.bin"), struct.pack("<Q", len(names)) + b"".join(
-        struct.pack("<I7dI", view + 1, 1, 0, 0, 0, -drawn_workspace.BASELINE * view, 0, 0, 1)
+        struct.pack("<I7dI", view + 1, 1, 0, 0, 0, -synthetic_workspace.BASELINE * view, 0, 0, 1)
         + name + b"\0" + struct.pack("<Q", 0) for view, name in enumerate(names)))
     write(os.path.join(sparse, "points3D.bin"), struct.pack("<Q", len(points)) + b"".join(points))
 
@@ -277,7 +277,7 @@ def with_profile(picture):
 
 def depth_png():
     """Of 16 bits in grey."""
-    width, height = drawn_workspace.WIDTH, drawn_workspace.HEIGHT
+    width, height = synthetic_workspace.WIDTH, synthetic_workspace.HEIGHT
     rows = b"".join(b"\0" + struct.pack(">H", 5000) * width for _ in range(height))
     return (b"\x89PNG\r\n\x1a\n"
             + png_chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 16, 0, 0, 0, 0))
@@ -307,7 +307,7 @@ check(code == 0 and "1 imported" in text, text)
 fresh(start.mapped)
 put_profile_into(os.path.join(work, "images/v0.png"))
 write(os.path.join(work, "ground_truth/depth/v0.png.bin"),
-      drawn_workspace.map_file([drawn_workspace.depth_map(0, "geometric")]))
+      synthetic_workspace.map_file([synthetic_workspace.depth_map(0, "geometric")]))
 check(printed("a profile", EVALUATE)[0] == 0, "a profile")
 hostile_name = os.fsencode(os.path.join(work, "ground_truth/depth/")) + EVERYTHING + b".bin"
 write(hostile_name, b"broken")

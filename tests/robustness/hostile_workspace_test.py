@@ -9,7 +9,7 @@ import resource
 import shutil
 import sys
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
 from start_workspaces import STEREO, StartWorkspaces
 
@@ -35,7 +35,7 @@ def rename_image(root, name):
         path = os.path.join(root, file)
         with open(path, "rb") as stream:
             content = stream.read()
-        drawn_workspace.write(path, content.replace(b"v0.png", name))
+        synthetic_workspace.write(path, content.replace(b"v0.png", name))
 
 
 def fails(case, command, **expected):
@@ -47,7 +47,7 @@ def fails(case, command, **expected):
 
 
 start.make(program)
-drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+synthetic_workspace.write(os.path.join(outside, "precious"), b"precious")
 num_cases = 0
 
 # Names. Undoing goes by the files that are there and needs no names.
@@ -102,7 +102,7 @@ for link in LINKS:
     for case, (command, source) in COMMANDS.items():
         copy(source, work)
         shutil.rmtree(outside)
-        drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+        synthetic_workspace.write(os.path.join(outside, "precious"), b"precious")
         path = os.path.join(work, link)
         target = os.path.join(outside, "folder")
         if os.path.isdir(path):
@@ -110,13 +110,13 @@ for link in LINKS:
         else:
             os.makedirs(target)
             os.makedirs(os.path.dirname(path), exist_ok=True)
-        drawn_workspace.write(os.path.join(target, "evidence", "precious"), b"precious")
-        drawn_workspace.write(os.path.join(target, "v0.png.geometric.bin.tsar_tmp"), b"precious")
+        synthetic_workspace.write(os.path.join(target, "evidence", "precious"), b"precious")
+        synthetic_workspace.write(os.path.join(target, "v0.png.geometric.bin.tsar_tmp"), b"precious")
         os.symlink(target, path)
         fails(f"{case} with {link} as a link", command, texts=[link, "leads out"])
         num_cases += 1
 shutil.rmtree(outside)
-drawn_workspace.write(os.path.join(outside, "precious"), b"precious")
+synthetic_workspace.write(os.path.join(outside, "precious"), b"precious")
 
 # In a tree so deep that there are fewer descriptors than levels.
 DEEP = "x/" * 300
@@ -127,7 +127,7 @@ for case, (command, source) in COMMANDS.items():
     os.makedirs(os.path.join(path, DEEP))
     os.symlink(outside, os.path.join(path, DEEP, "folder"))
     os.symlink(outside, os.path.join(path, "zzz"))
-    drawn_workspace.write(os.path.join(outside, "v0.png.geometric.bin.tsar_tmp"), b"precious")
+    synthetic_workspace.write(os.path.join(outside, "v0.png.geometric.bin.tsar_tmp"), b"precious")
     fails(f"{case} in a deep tree", command, texts=["leads out"],
           prepare=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (256, 256)))
     num_cases += 1
@@ -147,7 +147,7 @@ victim = os.path.join(outside, "victim")
 copy(start.mapped, victim)
 for case, (command, source) in COMMANDS.items():
     copy(source, work)
-    drawn_workspace.write(os.path.join(work, "stereo", "tsar", "output_of.json"),
+    synthetic_workspace.write(os.path.join(work, "stereo", "tsar", "output_of.json"),
                           b'{"input": "%s"}' % victim.encode())
     before, folders = read_tree(outside), [entry[0] for entry in os.walk(outside)]
     inode = os.stat(os.path.join(victim, "stereo")).st_mtime_ns
@@ -162,7 +162,7 @@ shutil.rmtree(victim)
 # A note of an output workspace that is somebody else's.
 copy(start.refined, work)
 copy(start.mapped, victim)
-drawn_workspace.write(os.path.join(work, "stereo", "tsar", "outputs", "1.json"),
+synthetic_workspace.write(os.path.join(work, "stereo", "tsar", "outputs", "1.json"),
                       b'{"output": "%s"}' % victim.encode())
 os.symlink(os.path.join(work, "stereo", "tsar", "original", "nothing"),
            os.path.join(victim, "stereo", "depth_maps", "v0.png.photometric.bin.old"))
@@ -179,8 +179,8 @@ copy(start.refined, work)
 record = os.path.join(work, "stereo", "tsar", "records", "v0.png.geometric.json")
 with open(record, encoding="utf-8") as file:
     text = file.read()
-drawn_workspace.write(record, text.replace('"v0.png"', '"../../../../outside/precious"').encode())
-drawn_workspace.write(os.path.join(work, "stereo", "tsar", "manifest.json"),
+synthetic_workspace.write(record, text.replace('"v0.png"', '"../../../../outside/precious"').encode())
+synthetic_workspace.write(os.path.join(work, "stereo", "tsar", "manifest.json"),
                       b'{"images": [{"image": "../../../outside/precious"}]}')
 precious = read_tree(outside)
 program.run(*COMMANDS["restore"][0])
@@ -218,9 +218,9 @@ for case in ("refine", "import"):
 # An output workspace leads to its input by design; tsar_stereo must not follow.
 shutil.rmtree(work)
 copy(start.mapped, outside)
-nothing = [2.0] * (drawn_workspace.WIDTH * drawn_workspace.HEIGHT)
-drawn_workspace.write(os.path.join(outside, "stereo", "cost_maps", "v0.png.geometric.bin"),
-                      drawn_workspace.map_file([nothing, nothing]))
+nothing = [2.0] * (synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT)
+synthetic_workspace.write(os.path.join(outside, "stereo", "cost_maps", "v0.png.geometric.bin"),
+                      synthetic_workspace.map_file([nothing, nothing]))
 before = read_tree(outside)
 program.run("tsar_refine", outside, "--output_path", work)
 for case in ("refine", "stereo", "import"):

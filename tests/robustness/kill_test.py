@@ -8,7 +8,7 @@ are all to be found, and the same command goes on to the same bytes."""
 import itertools
 import os
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
                         read_tree, without_accounts)
 from start_workspaces import NUM_IMAGES, STEREO, import_options
@@ -43,12 +43,12 @@ UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"],
 
 def prepare():
     """Makes `before`; returns its files, and those of the untouched workspace."""
-    drawn_workspace.draw(work, NUM_IMAGES)
-    drawn_workspace.draw_external_maps(external, NUM_IMAGES)
+    synthetic_workspace.draw(work, NUM_IMAGES)
+    synthetic_workspace.draw_external_maps(external, NUM_IMAGES)
     # One that an import takes away.
     cost = os.path.join(work, "stereo", "cost_maps", "v0.png.geometric.bin")
-    nothing = [2.0] * (drawn_workspace.WIDTH * drawn_workspace.HEIGHT)
-    drawn_workspace.write(cost, drawn_workspace.map_file([nothing, nothing]))
+    nothing = [2.0] * (synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT)
+    synthetic_workspace.write(cost, synthetic_workspace.map_file([nothing, nothing]))
     untouched = read_tree(work)
     if args.command == "restore":
         program.run("tsar_refine", work)

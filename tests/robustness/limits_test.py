@@ -11,7 +11,7 @@ import random
 import resource
 import subprocess
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import (Program, check, check_kept, check_same, copy, make_folder, parse_arguments,
                         read_tree, without_accounts)
 from start_workspaces import STEREO, StartWorkspaces
@@ -29,8 +29,8 @@ large = os.path.join(folder.name, "large")
 start = StartWorkspaces(folder.name)
 start.make(program)
 # OpenCV divides large pictures among threads.
-drawn_workspace.enlarge(8)
-drawn_workspace.draw(large, 2)
+synthetic_workspace.enlarge(8)
+synthetic_workspace.draw(large, 2)
 program.run("tsar_refine", large)
 # The command, and from what workspace.
 CASES = {
@@ -166,8 +166,8 @@ def limit_threads():
     ply = ("ply\nformat ascii 1.0\nelement vertex 90\nproperty float x\nproperty float y\n"
            "property float z\nend_header\n" + "".join(f"{i} {i % 7} 2\n" for i in range(90)))
     cloud, scans = os.path.join(folder.name, "cloud.ply"), os.path.join(folder.name, "scans.mlp")
-    drawn_workspace.write(cloud, ply.encode())
-    drawn_workspace.write(scans, b'<MeshLabProject><MeshGroup><MLMesh filename="cloud.ply">'
+    synthetic_workspace.write(cloud, ply.encode())
+    synthetic_workspace.write(scans, b'<MeshLabProject><MeshGroup><MLMesh filename="cloud.ply">'
                           b"<MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>"
                           b"</MeshGroup></MeshLabProject>")
     words = [args.program, "tsar_evaluate", "cloud", "--input_path", cloud,

@@ -5,8 +5,8 @@
 transposed ones: they end with one line that names the map, and change nothing."""
 import os
 
-import drawn_workspace
-from drawn_workspace import HEIGHT, NAMES, WIDTH
+import synthetic_workspace
+from synthetic_workspace import HEIGHT, NAMES, WIDTH
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
 from start_workspaces import STEREO, StartWorkspaces
 
@@ -24,8 +24,8 @@ def put(path, width, height, num_channels):
     """A wall, as a map of this size."""
     channels = [[0.0] * (width * height) for _ in range(num_channels)]
     channels[-1] = [5.0 if num_channels == 1 else -1.0] * (width * height)
-    drawn_workspace.write(os.path.join(work, path),
-                          drawn_workspace.map_file(channels, width, height))
+    synthetic_workspace.write(os.path.join(work, path),
+                          synthetic_workspace.map_file(channels, width, height))
 
 
 def put_maps(kind, width, height, root="stereo"):
@@ -50,7 +50,7 @@ for width, height in SHAPES:
     put_maps("geometric", width, height)
     fails(f"maps of {width} x {height}", REFINE, "depth_maps", "geometric", *told)
     # Of an image that is only a source.
-    drawn_workspace.write(os.path.join(work, "stereo", "patch-match.cfg"),
+    synthetic_workspace.write(os.path.join(work, "stereo", "patch-match.cfg"),
                           f"{NAMES[0]}\n__all__\n".encode())
     fails("maps of a source", REFINE, *told)
     # What is kept of a map before its refinement.

@@ -8,7 +8,7 @@ import os
 import random
 import time
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
                         read_tree, without_accounts)
 
@@ -22,7 +22,7 @@ folder = make_folder(args.folder)
 before, work = (os.path.join(folder.name, name) for name in ("before", "work"))
 command = ("tsar_refine", work, "--TsarRefine.num_threads", 2)
 
-drawn_workspace.draw(before, NUM_IMAGES)
+synthetic_workspace.draw(before, NUM_IMAGES)
 original = maps_of(read_tree(before))
 copy(before, work)
 start = time.monotonic()

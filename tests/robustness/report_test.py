@@ -8,7 +8,7 @@ import os
 import shutil
 import signal
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
                         wait_until_stopped)
 from start_workspaces import StartWorkspaces
@@ -72,7 +72,7 @@ for place in ["", *folders]:
     for name in ("thesis.tex", "mine/thesis.tex", "..data"):
         copy(kept, site)
         path = os.path.join(place, name)
-        drawn_workspace.write(os.path.join(page, path), PRECIOUS)
+        synthetic_workspace.write(os.path.join(page, path), PRECIOUS)
         fails(f"a file {path}", REPLACE, os.path.join(page, path), "move it", "--report_path")
     copy(kept, site)
     path = os.path.join(page, place, "link.png")
@@ -100,25 +100,25 @@ for content in (None, b"", files[:len(files) // 2], b"\0" * 100):
     path = os.path.join(page, "data", "files.txt")
     os.remove(path)
     if content is not None:
-        drawn_workspace.write(path, content)
+        synthetic_workspace.write(path, content)
     fails("a page without its list", REPLACE, "data/files.txt", "move or delete it")
 
 # Beside a page.
 for name in ("report.tsar_tmp", "report.tsar_tmp/thesis.tex", "report.tsar_tmp/data/report.js"):
     copy(kept, site)
-    drawn_workspace.write(os.path.join(site, name), PRECIOUS)
+    synthetic_workspace.write(os.path.join(site, name), PRECIOUS)
     fails(name, REPLACE, "report.tsar_tmp", "move it away")
     shutil.rmtree(page)
     fails(f"{name}, no page", REPORT, "report.tsar_tmp", "move it away")
 copy(kept, site)
-drawn_workspace.write(os.path.join(outside, "unfinished_page"), PRECIOUS)
+synthetic_workspace.write(os.path.join(outside, "unfinished_page"), PRECIOUS)
 os.symlink(outside, page + ".tsar_tmp")
 fails("a link as report.tsar_tmp", REPLACE, "report.tsar_tmp")
 shutil.rmtree(outside)
 for faults in ({}, {"no_exchange": 1}):
     copy(kept, site)
-    drawn_workspace.write(page + ".tsar_old", PRECIOUS)
-    drawn_workspace.write(page + ".tsar_old_1/data/report.js", PRECIOUS)
+    synthetic_workspace.write(page + ".tsar_old", PRECIOUS)
+    synthetic_workspace.write(page + ".tsar_old_1/data/report.js", PRECIOUS)
     before = describe(site)
     program.run(*REPLACE, **faults)
     check_same(describe(site), before, "folders that are called as former pages")
@@ -160,7 +160,7 @@ fails("debug pictures in an output's input", [
 # Pictures over what is there.
 picture = os.path.join(site, "picture.png")
 DRAW = ["tsar_report", WORK, "--output_path", picture]
-drawn_workspace.write(picture, PRECIOUS)
+synthetic_workspace.write(picture, PRECIOUS)
 fails("a picture over a file", DRAW, "is there already", "--overwrite 1")
 program.run(*DRAW, "--overwrite", 1)
 check(read_tree(site)["picture.png"] != PRECIOUS, "a picture is replaced where that is asked for")
@@ -172,7 +172,7 @@ for make in MAKERS:
     fails("a picture over no file", [*DRAW, "--overwrite", 1], "choose another --output_path")
     if os.path.isdir(picture):
         os.rmdir(picture)
-        drawn_workspace.write(picture, b"")
+        synthetic_workspace.write(picture, b"")
 
 # Debug pictures among other files.
 debug = os.path.join(folder.name, "debug")
@@ -182,10 +182,10 @@ for _ in range(2):
     program.run(*DEBUG)
 for name in ("thesis.tex", "v0.png/thesis.tex", "v0.png/07_score.png.orig", "left/07_score"):
     path = os.path.join(debug, name)
-    drawn_workspace.write(path, PRECIOUS)
+    synthetic_workspace.write(path, PRECIOUS)
     fails(f"debug pictures beside {name}", DEBUG, path, "no picture")
     os.remove(path)
-drawn_workspace.write(os.path.join(debug, "v0.png", "07_score.png.tsar_tmp"), b"half")
+synthetic_workspace.write(os.path.join(debug, "v0.png", "07_score.png.tsar_tmp"), b"half")
 program.run(*DEBUG)
 fails("debug pictures in the workspace itself", [*DEBUG[:-1], outside], "no picture")
 print(f"{num_cases} cases")

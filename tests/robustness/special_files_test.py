@@ -9,7 +9,7 @@ import shutil
 import socket
 import stat
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import Program, check, copy, make_folder, parse_arguments
 from start_workspaces import STEREO, StartWorkspaces
 
@@ -35,7 +35,7 @@ KEY = "v0.png.geometric"
 ini = os.path.join(work, "project.ini")
 with_ini = os.path.join(folder.name, "with_ini")
 copy(start.mapped, with_ini)
-drawn_workspace.write(os.path.join(with_ini, "project.ini"), b"")
+synthetic_workspace.write(os.path.join(with_ini, "project.ini"), b"")
 
 # The file, the workspace, and the commands that read it.
 FILES = [

@@ -4,7 +4,7 @@
 which they do little work."""
 import os
 
-import drawn_workspace
+import synthetic_workspace
 from robustness import copy
 
 NUM_IMAGES = 2
@@ -29,11 +29,11 @@ class StartWorkspaces:
         self.import_options = import_options(self.external)
 
     def write_external_maps(self, scale):
-        drawn_workspace.draw_external_maps(self.external, NUM_IMAGES, scale)
+        synthetic_workspace.draw_external_maps(self.external, NUM_IMAGES, scale)
 
     def make(self, program):
-        drawn_workspace.draw(self.bare, NUM_IMAGES, with_maps=False)
-        drawn_workspace.draw(self.mapped, NUM_IMAGES)
+        synthetic_workspace.draw(self.bare, NUM_IMAGES, with_maps=False)
+        synthetic_workspace.draw(self.mapped, NUM_IMAGES)
         self.write_external_maps(1.0)
         copy(self.mapped, self.refined)
         program.run("tsar_refine", self.refined)

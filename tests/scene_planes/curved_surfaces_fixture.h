@@ -14,8 +14,8 @@
 #include <functional>
 #include <vector>
 
-#include "tests/support/drawn_observations.h"
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_observations.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -46,7 +46,7 @@ using Shape = std::function<float(const Vec3f& ray)>;
 // Square superpixels, numbered row by row, that see a shape.
 class CurvedSurfacesTest : public testing::Test {
  protected:
-  CurvedSurfacesTest() : camera_(DrawnCamera(kWidth, kHeight, 160.0)) {
+  CurvedSurfacesTest() : camera_(SyntheticCamera(kWidth, kHeight, 160.0)) {
     inputs_.superpixels = Image<int>(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <memory>
 
-#include "tests/support/drawn_room.h"
+#include "tests/support/synthetic_room.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -35,16 +35,16 @@ inline DrawnSurface Board(const Eigen::Vector3d& direction,
 
 // Three expected errors before the back wall.
 inline DrawnSurface Poster() {
-  const DrawnSurface wall = DrawnRoom().surfaces[kWall];
+  const DrawnSurface wall = SyntheticRoom().surfaces[kWall];
   return Board(wall.plane.normal, wall.middle + 0.075 * wall.plane.normal, 1.0);
 }
 
 class DiscoverPlanesTest : public testing::Test {
  protected:
-  DiscoveredPlanes Discover(const DrawnRoom& room) {
+  DiscoveredPlanes Discover(const SyntheticRoom& room) {
     return Discover(room, room.Candidates());
   }
-  DiscoveredPlanes Discover(const DrawnRoom& room,
+  DiscoveredPlanes Discover(const SyntheticRoom& room,
                             const std::vector<WorldPlane>& candidates) {
     return DiscoverPlanes(room.Views(), candidates, options_, *device_);
   }
@@ -67,7 +67,7 @@ inline int Find(const DrawnSurface& surface,
   return -1;
 }
 
-inline void ExpectSurfaces(const DrawnRoom& room,
+inline void ExpectSurfaces(const SyntheticRoom& room,
                            const DiscoveredPlanes& found,
                            double unit = 1.0) {
   EXPECT_EQ(found.planes.size(), room.surfaces.size());
@@ -77,7 +77,7 @@ inline void ExpectSurfaces(const DrawnRoom& room,
 }
 
 // Every superpixel on one surface is assigned to that surface's plane.
-inline void ExpectAssigned(const DrawnRoom& room,
+inline void ExpectAssigned(const SyntheticRoom& room,
                            const DiscoveredPlanes& found) {
   ASSERT_EQ(found.assignment.size(), room.seen.size());
   for (size_t view = 0; view < room.seen.size(); ++view) {

@@ -7,19 +7,19 @@
 #include <cmath>
 
 #include "tests/scene_planes/discover_planes_fixture.h"
-#include "tests/support/drawn_room.h"
+#include "tests/support/synthetic_room.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
 namespace {
 
 TEST_F(DiscoverPlanesTest, FindsThePlanesOfARoomFromTiltedDuplicates) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   ExpectSurfaces(room, Discover(room));
 }
 
 TEST_F(DiscoverPlanesTest, AssignsEachSuperpixelToItsPlane) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   int num_on_surface[3] = {};
   for (const std::vector<int>& of_view : room.seen) {
     for (const int surface : of_view) {
@@ -33,7 +33,7 @@ TEST_F(DiscoverPlanesTest, AssignsEachSuperpixelToItsPlane) {
 }
 
 TEST_F(DiscoverPlanesTest, SupportIsTheSumOfTheScores) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   const DiscoveredPlanes found = Discover(room);
   ASSERT_EQ(found.planes.size(), 3u);
   for (int i = 0; i < 3; ++i) {
@@ -48,7 +48,7 @@ TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
   const WorldPlane floor = PlaneThrough({0.0, -1.0, 0.0}, {0.0, 0.1, 0.0});
   constexpr int kNumSuperpixels = 20;
   ViewEvidence evidence;
-  evidence.resolution.error_per_depth = DrawnRoom::kErrorPerDepth;
+  evidence.resolution.error_per_depth = SyntheticRoom::kErrorPerDepth;
   evidence.weights.assign(kNumSuperpixels, 100.f);
   evidence.first_observation.push_back(0);
   Philox random(5, 0, 0);
@@ -73,10 +73,10 @@ TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
 }
 
 TEST_F(DiscoverPlanesTest, FitsAllViewsAlike) {
-  DrawnRoom room;
+  SyntheticRoom room;
   for (Observation& observation : room.evidence[0].observations) {
     observation.sample.z *=
-        1.f + 0.4f * DrawnRoom::kErrorPerDepth * observation.sample.z;
+        1.f + 0.4f * SyntheticRoom::kErrorPerDepth * observation.sample.z;
   }
   const std::vector<ScenePlane> found = Discover(room).planes;
   // The largest, of more observations than a fit uses. A third of 0.4 times
@@ -87,7 +87,7 @@ TEST_F(DiscoverPlanesTest, FitsAllViewsAlike) {
 }
 
 TEST_F(DiscoverPlanesTest, TakesTheFirstOfEqualCandidates) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   const WorldPlane& plane = room.surfaces[kWall].plane;
   for (const double sign : {1.0, -1.0}) {
     const WorldPlane first = {sign * plane.normal, sign * plane.offset};
@@ -100,11 +100,11 @@ TEST_F(DiscoverPlanesTest, TakesTheFirstOfEqualCandidates) {
 }
 
 TEST_F(DiscoverPlanesTest, MakesNoPlanesOfNoise) {
-  DrawnRoom room;
+  SyntheticRoom room;
   Philox random(11, 0, 0);
   std::vector<WorldPlane> candidates = room.Candidates();
   for (int view = 0; view < 3; ++view) {
-    for (int k = 0; k < DrawnRoom::kNumSuperpixels; k += 4) {
+    for (int k = 0; k < SyntheticRoom::kNumSuperpixels; k += 4) {
       room.MakeNoise(view, k, &random);
       const int first = room.evidence[view].first_observation[k];
       Eigen::Vector3d points[3];
@@ -124,19 +124,19 @@ TEST_F(DiscoverPlanesTest, MakesNoPlanesOfNoise) {
   ExpectSurfaces(room, Discover(room, candidates));
   // Nor where there is nothing else.
   for (int view = 0; view < 3; ++view) {
-    for (int k = 0; k < DrawnRoom::kNumSuperpixels; ++k) {
+    for (int k = 0; k < SyntheticRoom::kNumSuperpixels; ++k) {
       room.MakeNoise(view, k, &random);
     }
   }
   const DiscoveredPlanes found = Discover(room, candidates);
   EXPECT_TRUE(found.planes.empty());
   for (const std::vector<int>& of_view : found.assignment) {
-    EXPECT_EQ(of_view, std::vector<int>(DrawnRoom::kNumSuperpixels, -1));
+    EXPECT_EQ(of_view, std::vector<int>(SyntheticRoom::kNumSuperpixels, -1));
   }
 }
 
 TEST_F(DiscoverPlanesTest, CountsASuperpixelByItsWeightUpToTheMaximum) {
-  DrawnRoom room;
+  SyntheticRoom room;
   const double full = Discover(room).planes[0].support;
   for (ViewEvidence& evidence : room.evidence) {
     evidence.weights.assign(evidence.weights.size(), 1e4f);
@@ -149,10 +149,10 @@ TEST_F(DiscoverPlanesTest, CountsASuperpixelByItsWeightUpToTheMaximum) {
 }
 
 TEST_F(DiscoverPlanesTest, DoesNotDependOnTheScale) {
-  DrawnRoom room;
+  SyntheticRoom room;
   const DiscoveredPlanes small = Discover(room);
   room.Transform(1000.0, Eigen::Vector3d::Zero());
-  std::vector<WorldPlane> candidates = DrawnRoom().Candidates();
+  std::vector<WorldPlane> candidates = SyntheticRoom().Candidates();
   for (WorldPlane& candidate : candidates) {
     candidate.offset *= 1000.0;
   }
@@ -162,11 +162,11 @@ TEST_F(DiscoverPlanesTest, DoesNotDependOnTheScale) {
 }
 
 TEST_F(DiscoverPlanesTest, DoesNotDependOnTheOrigin) {
-  DrawnRoom room;
+  SyntheticRoom room;
   const DiscoveredPlanes near = Discover(room);
   const Eigen::Vector3d shift(1e6, -3e6, 2e5);
   room.Transform(1.0, shift);
-  std::vector<WorldPlane> candidates = DrawnRoom().Candidates();
+  std::vector<WorldPlane> candidates = SyntheticRoom().Candidates();
   for (WorldPlane& candidate : candidates) {
     candidate.offset -= candidate.normal.dot(shift);
   }
@@ -183,7 +183,7 @@ TEST_F(DiscoverPlanesTest, DoesNotDependOnTheOrigin) {
 }
 
 TEST_F(DiscoverPlanesTest, FindsTheSamePlanesWithTheViewsInAnotherOrder) {
-  DrawnRoom room({Poster()});
+  SyntheticRoom room({Poster()});
   const DiscoveredPlanes found = Discover(room);
   const std::vector<WorldPlane> candidates = room.Candidates();
   std::rotate(
@@ -202,7 +202,7 @@ TEST_F(DiscoverPlanesTest, FindsTheSamePlanesWithTheViewsInAnotherOrder) {
 }
 
 TEST_F(DiscoverPlanesTest, GivesTheSameBitsWithAnyNumberOfThreads) {
-  const DrawnRoom room({Poster()});
+  const SyntheticRoom room({Poster()});
   const DiscoveredPlanes found = Discover(room);
   for (const int num_threads : {2, 5}) {
     device_ = Device::CreateCpu(num_threads);
@@ -211,7 +211,7 @@ TEST_F(DiscoverPlanesTest, GivesTheSameBitsWithAnyNumberOfThreads) {
 }
 
 TEST_F(DiscoverPlanesTest, BearsCandidatesThatAreNoPlanes) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   const DiscoveredPlanes found = Discover(room);
   std::vector<WorldPlane> candidates = room.Candidates();
   candidates.push_back({Eigen::Vector3d::Constant(NAN), 1.0});
@@ -220,8 +220,8 @@ TEST_F(DiscoverPlanesTest, BearsCandidatesThatAreNoPlanes) {
 }
 
 TEST_F(DiscoverPlanesTest, LeavesOutTheLastCandidatesThatDoNotFit) {
-  const DrawnRoom room;
-  options_.max_scores = 2 * 3 * DrawnRoom::kNumSuperpixels;
+  const SyntheticRoom room;
+  options_.max_scores = 2 * 3 * SyntheticRoom::kNumSuperpixels;
   std::vector<WorldPlane> candidates;
   for (const DrawnSurface& surface : room.surfaces) {
     candidates.push_back(surface.plane);
@@ -234,7 +234,7 @@ TEST_F(DiscoverPlanesTest, LeavesOutTheLastCandidatesThatDoNotFit) {
 }
 
 TEST_F(DiscoverPlanesTest, FindsNothingInNothing) {
-  DrawnRoom room;
+  SyntheticRoom room;
   const std::vector<WorldPlane> candidates = room.Candidates();
   EXPECT_TRUE(
       DiscoverPlanes({}, candidates, options_, *device_).planes.empty());
@@ -243,7 +243,7 @@ TEST_F(DiscoverPlanesTest, FindsNothingInNothing) {
   EXPECT_TRUE(without_candidates.planes.empty());
   ASSERT_EQ(without_candidates.assignment.size(), 3u);
   EXPECT_EQ(without_candidates.assignment[1],
-            std::vector<int>(DrawnRoom::kNumSuperpixels, -1));
+            std::vector<int>(SyntheticRoom::kNumSuperpixels, -1));
 
   for (ViewEvidence& evidence : room.evidence) {
     evidence.observations.clear();

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tests/scene_planes/gather_evidence_fixture.h"
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

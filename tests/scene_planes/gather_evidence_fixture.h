@@ -3,7 +3,7 @@
 
 #pragma once
 
-// A drawn view, from which evidence is gathered.
+// A synthetic view, from which evidence is gathered.
 
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -30,7 +30,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 class GatherEvidenceTest : public testing::Test {
  protected:
   GatherEvidenceTest()
-      : camera_(DrawnCamera(kWidth, kHeight, 40.0)),
+      : camera_(SyntheticCamera(kWidth, kHeight, 40.0)),
         plane_(DrawnPlane({0.2f, 0.1f, -1.f}, 5.f)) {
     inputs_.superpixels = Image<int>(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {

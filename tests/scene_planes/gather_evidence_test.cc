@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "tests/scene_planes/gather_evidence_fixture.h"
-#include "tests/support/drawn_observations.h"
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_observations.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

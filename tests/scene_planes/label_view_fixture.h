@@ -13,7 +13,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ inline Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
 // each test says what was measured.
 class LabelViewTest : public testing::Test {
  protected:
-  LabelViewTest() : camera_(DrawnCamera(kWidth, kHeight, 80.0)) {
+  LabelViewTest() : camera_(SyntheticCamera(kWidth, kHeight, 80.0)) {
     inputs_.superpixels = Image<int>(kWidth, kHeight);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/scene_planes/label_view_fixture.h"
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "colmap_tsar/scene_planes/label_view.h"
 
 #include "tests/scene_planes/label_view_fixture.h"
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

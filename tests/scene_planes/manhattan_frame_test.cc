@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/support/drawn_observations.h"
+#include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -7,14 +7,14 @@
 #include <cmath>
 
 #include "tests/scene_planes/discover_planes_fixture.h"
-#include "tests/support/drawn_room.h"
+#include "tests/support/synthetic_room.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
 namespace {
 
 TEST_F(DiscoverPlanesTest, KeepsAPosterApartFromItsWall) {
-  const DrawnRoom room({Poster()});
+  const SyntheticRoom room({Poster()});
   ASSERT_GT(std::count(room.seen[0].begin(), room.seen[0].end(), kPoster), 5);
   const DiscoveredPlanes found = Discover(room);
   ExpectSurfaces(room, found);
@@ -22,7 +22,7 @@ TEST_F(DiscoverPlanesTest, KeepsAPosterApartFromItsWall) {
 }
 
 TEST_F(DiscoverPlanesTest, LeavesOutPlanesThatAreNotWorthTheirCost) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   std::vector<WorldPlane> candidates;
   for (const DrawnSurface& surface : room.surfaces) {
     candidates.push_back(surface.plane);
@@ -39,7 +39,7 @@ TEST_F(DiscoverPlanesTest, LeavesOutPlanesThatAreNotWorthTheirCost) {
 }
 
 TEST_F(DiscoverPlanesTest, StopsAtTheMaximumOfPlanes) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   options_.max_planes = 2;
   const std::vector<ScenePlane> found = Discover(room).planes;
   ASSERT_EQ(found.size(), 2u);
@@ -52,8 +52,8 @@ TEST_F(DiscoverPlanesTest, MergesPlanesThatOneCanReplace) {
   const Eigen::Vector3d direction(0.0, 0.0, -1.0);
   const Eigen::Vector3d left(-1.5, 0.4, 3.5);
   const Eigen::Vector3d right(0.9, 0.4, 3.5);
-  const DrawnRoom room({Board({0.02, 0.0, -1.0}, left, 0.4),
-                        Board({-0.02, 0.0, -1.0}, right, 0.4)});
+  const SyntheticRoom room({Board({0.02, 0.0, -1.0}, left, 0.4),
+                            Board({-0.02, 0.0, -1.0}, right, 0.4)});
   const std::vector<WorldPlane> candidates = {room.surfaces[3].plane,
                                               room.surfaces[4].plane};
   EXPECT_EQ(Discover(room, candidates).planes.size(), 2u);
@@ -79,7 +79,7 @@ class TwoBoardsTest : public DiscoverPlanesTest {
     EXPECT_LT(found.planes[1].support, 0.95 * found.planes[0].support);
   }
 
-  const DrawnRoom room_{
+  const SyntheticRoom room_{
       {Board({0.0, 0.0, -1.0}, {-1.2, 0.4, 3.5}, 0.6),
        Board({0.0, 0.0, -1.0}, {0.1, 0.4, 3.5 + kStep}, 0.7)}};
   const WorldPlane first_ = room_.surfaces[3].plane;
@@ -106,15 +106,15 @@ TEST_F(TwoBoardsTest, FitsAPlaneToWhatIsLeftToIt) {
 // The room and a board that leans towards its floor.
 class LeaningBoardTest : public DiscoverPlanesTest {
  protected:
-  static DrawnRoom RoomWithBoard(double degrees) {
-    const Eigen::Vector3d wall = DrawnRoom().surfaces[kWall].plane.normal;
-    return DrawnRoom({Board(
+  static SyntheticRoom RoomWithBoard(double degrees) {
+    const Eigen::Vector3d wall = SyntheticRoom().surfaces[kWall].plane.normal;
+    return SyntheticRoom({Board(
         wall + std::tan(degrees * M_PI / 180.0) * Eigen::Vector3d::UnitY(),
         {-0.2, 0.4, 3.5},
         0.9)});
   }
 
-  WorldPlane FindBoard(const DrawnRoom& room, bool regular) {
+  WorldPlane FindBoard(const SyntheticRoom& room, bool regular) {
     options_.manhattan_frame = regular;
     const DiscoveredPlanes found = Discover(room);
     EXPECT_EQ(found.planes.size(), 4u);
@@ -132,7 +132,7 @@ class LeaningBoardTest : public DiscoverPlanesTest {
 };
 
 TEST_F(LeaningBoardTest, BecomesOrthogonalWhereItLeansByLittle) {
-  const DrawnRoom room = RoomWithBoard(0.4);
+  const SyntheticRoom room = RoomWithBoard(0.4);
   const WorldPlane leaning = FindBoard(room, false);
   EXPECT_LT(AngleBetween(leaning, room.surfaces[kBoard].plane), 0.15);
   FindBoard(room, true);
@@ -147,7 +147,7 @@ TEST_F(LeaningBoardTest, BecomesOrthogonalWhereItLeansByLittle) {
 }
 
 TEST_F(LeaningBoardTest, StaysWhereItLeansByMuch) {
-  const DrawnRoom room = RoomWithBoard(3.0);
+  const SyntheticRoom room = RoomWithBoard(3.0);
   const WorldPlane leaning = FindBoard(room, false);
   EXPECT_LT(AngleBetween(leaning, room.surfaces[kBoard].plane), 0.15);
   EXPECT_LT(AngleBetween(FindBoard(room, true), leaning), 0.15);

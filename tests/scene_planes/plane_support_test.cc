@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_room.h"
+#include "tests/support/synthetic_room.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -229,7 +229,7 @@ TEST_F(PlaneSupportTest, CellsThatWereHardlySeenHoldNoise) {
 }
 
 TEST_F(PlaneSupportTest, ErrorGrowsAwayFromTheSupportOfARoomsPlanes) {
-  const DrawnRoom room;
+  const SyntheticRoom room;
   DiscoveredPlanes discovered;
   for (const DrawnSurface& surface : room.surfaces) {
     discovered.planes.push_back({surface.plane, 1.0});

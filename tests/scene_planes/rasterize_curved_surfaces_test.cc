@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "tests/scene_planes/curved_surfaces_fixture.h"
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -25,7 +25,7 @@ class RegionPlanesTest : public testing::Test {
  protected:
   RegionPlanesTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         wall_(DrawnPlane({0.4f, -0.3f, -1.f}, 4.f)),
         depth_(DrawDepth(wall_, camera_)) {
     Camera source = camera_;

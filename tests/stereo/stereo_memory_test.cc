@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/controllers/counting_device.h"
-#include "tests/support/drawn_views.h"
+#include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -23,7 +23,7 @@ struct Matched {
   StereoMaps maps;
 };
 
-Matched Match(const DrawnViews& drawn,
+Matched Match(const SyntheticViews& drawn,
               size_t num_sources,
               const StereoOptions& options) {
   const DepthInterval range{2.0, 10.0};
@@ -65,10 +65,10 @@ StereoOptions FastOptions(int num_levels) {
 TEST(StereoMemory, IsWhatMatchingTakes) {
   for (const auto& [width, height] : {std::pair{64, 48}, {161, 41}}) {
     SCOPED_TRACE(width);
-    DrawnViewsOptions size;
+    SyntheticViewsOptions size;
     size.width = width;
     size.height = height;
-    const DrawnViews drawn = DrawViews(size);
+    const SyntheticViews drawn = MakeSyntheticViews(size);
     const int64_t num_pixels = int64_t{width} * height;
     for (const int num_levels : {1, 3}) {
       SCOPED_TRACE(num_levels);
@@ -104,7 +104,7 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
 }
 
 TEST(StereoMemory, CountsMapsAndNoEvidence) {
-  const DrawnViews drawn = DrawViews({});
+  const SyntheticViews drawn = MakeSyntheticViews({});
   const StereoOptions options = FastOptions(1);
   const StereoMaps maps = Match(drawn, 4, options).maps;
   const size_t map_bytes =

@@ -14,15 +14,15 @@
 #include <cmath>
 #include <sstream>
 
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
 namespace {
 
-constexpr double kDepth = DrawnWorkspace::kDepth;
-constexpr int kMapWidth = DrawnWorkspace::kWidth / 4;
-constexpr int kMapHeight = DrawnWorkspace::kHeight / 4;
+constexpr double kDepth = SyntheticWorkspace::kDepth;
+constexpr int kMapWidth = SyntheticWorkspace::kWidth / 4;
+constexpr int kMapHeight = SyntheticWorkspace::kHeight / 4;
 
 TEST(SparseDepthInterval, IsThatOfThePointsInFrontWidened) {
   SparseModel model;
@@ -45,7 +45,7 @@ TEST(SparseDepthInterval, IsThatOfThePointsInFrontWidened) {
 class StereoWorkspaceTest : public testing::Test {
  protected:
   void SetUp() override {
-    DrawWorkspace(root_);
+    MakeSyntheticWorkspace(root_);
     RemoveMaps(root_);
     options_.depth_min = 0.5 * kDepth;
     options_.depth_max = 2.0 * kDepth;
@@ -115,7 +115,8 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
   int num_found = 0;
   int num_right = 0;
   for (int view = 0; view < 4; ++view) {
-    const int image = workspace.Model().IndexOf(DrawnWorkspace::Names()[view]);
+    const int image =
+        workspace.Model().IndexOf(SyntheticWorkspace::Names()[view]);
     const DepthNormal dense =
         workspace.ReadOriginalMaps(image, MapType::kPhotometric);
     const DepthNormal filtered =
@@ -123,13 +124,13 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
     const PlanarMap costs =
         ReadPlanarMap(workspace.CostPath(image, MapType::kGeometric));
     ASSERT_EQ(costs.channels, 2);
-    for (int y = 8; y < DrawnWorkspace::kHeight - 8; ++y) {
-      for (int x = 8; x < DrawnWorkspace::kWidth - 8; ++x) {
+    for (int y = 8; y < SyntheticWorkspace::kHeight - 8; ++y) {
+      for (int x = 8; x < SyntheticWorkspace::kWidth - 8; ++x) {
         EXPECT_GT(dense.depth(x, y), 0.f);
         EXPECT_GE(dense.depth(x, y), 0.999 * options_.depth_min);
         EXPECT_LE(dense.depth(x, y), 1.001 * options_.depth_max);
         const float z = filtered.depth(x, y);
-        const size_t i = static_cast<size_t>(y) * DrawnWorkspace::kWidth +
+        const size_t i = static_cast<size_t>(y) * SyntheticWorkspace::kWidth +
                          static_cast<size_t>(x);
         const float cost = costs.values[i];
         EXPECT_TRUE(cost >= 0.f && cost <= 2.f);
@@ -140,8 +141,8 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
         bool is_textured = true;
         for (const int dx : {-6, 0, 6}) {
           for (const int dy : {-6, 0, 6}) {
-            is_textured =
-                is_textured && !DrawnWorkspace::IsBare(view, x + dx, y + dy);
+            is_textured = is_textured &&
+                          !SyntheticWorkspace::IsBare(view, x + dx, y + dy);
           }
         }
         if (is_textured) {
@@ -225,7 +226,7 @@ TEST_F(StereoWorkspaceTest, MapsMayBeSmallerThanTheImages) {
 }
 
 TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   const auto before = ReadTree(root_);
   ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
   const auto after = ReadTree(root_);
@@ -240,7 +241,7 @@ TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
 
 TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
   // Smaller images have no superpixel that could be refined.
-  options_.max_image_size = DrawnWorkspace::kWidth / 2;
+  options_.max_image_size = SyntheticWorkspace::kWidth / 2;
   Run();
   WorkspaceRefineOptions refine;
   refine.workspace_path = root_;
@@ -257,7 +258,7 @@ TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
 }
 
 TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   const Workspace workspace(root_, MapType::kGeometric);
   const MapPaths paths = workspace.Paths(3, MapType::kGeometric);
   CreateFolders(paths.original_depth.Parent());
@@ -324,7 +325,7 @@ TEST_F(StereoWorkspaceTest, NamesAMissingImage) {
 }
 
 TEST_F(StereoWorkspaceTest, NamesAnImageThatIsCutOffAndChangesNothing) {
-  DrawWorkspace(root_);
+  MakeSyntheticWorkspace(root_);
   const std::string photo = ReadText(root_ / "images/left/v2.png");
   WriteText(root_ / "images/left/v2.png", photo.substr(0, photo.size() / 10));
   const auto before = ReadTree(root_);

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -21,7 +21,7 @@ class CorrelationTest : public testing::Test {
  protected:
   CorrelationTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 100.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         plane_(DrawnPlane({0.3f, -0.2f, -1.f}, 4.f)),
         depth_(DrawDepth(plane_, camera_)),
         outliers_(kWidth, kHeight, 0) {

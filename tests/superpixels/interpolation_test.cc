@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -19,7 +19,7 @@ class InterpolateHolesTest : public testing::Test {
  protected:
   InterpolateHolesTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 80.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 80.0)),
         plane_(DrawnPlane({0.6f, -0.4f, -1.f}, 4.f)),
         color_(kWidth, kHeight, {100, 110, 120}),
         depth_(DrawDepth(plane_, camera_)),

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -87,7 +87,7 @@ TEST(SampleMeasurements, TakesTheBestReliablePixelWithItsOwnRay) {
 
 TEST(PlaneRaster, GivesEachMapPixelItsPlane) {
   const auto device = Device::CreateCpu(2);
-  const Camera camera = DrawnCamera(40, 30, 35.0);
+  const Camera camera = SyntheticCamera(40, 30, 35.0);
   const Plane left = DrawnPlane({0.5f, 0.2f, -1.f}, 3.f);
   Image<int> labels(10, 10, 0);
   for (int y = 0; y < 10; ++y) {
@@ -131,7 +131,7 @@ TEST(PlaneRaster, GivesEachMapPixelItsPlane) {
 }
 
 TEST(PlaneRaster, LeavesOutPixelsThatSeeThePlaneFromBehind) {
-  const Camera camera = DrawnCamera(20, 20, 10.0);
+  const Camera camera = SyntheticCamera(20, 20, 10.0);
   const Image<Plane> floor(20, 20, {{0.f, -1.f, 0.f}, 1.f});
   const PlaneRaster map{floor.View(), camera.GetIntrinsics(), 20, 20};
   EXPECT_FALSE(map.At(5, 3).Valid());

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -19,7 +19,7 @@ class SuperpixelPlanesTest : public testing::Test {
  protected:
   SuperpixelPlanesTest()
       : device_(Device::CreateCpu(1)),
-        camera_(DrawnCamera(40, 40, 60.0)),
+        camera_(SyntheticCamera(40, 40, 60.0)),
         plane_(DrawnPlane({0.5f, -0.3f, -1.f}, 4.f)) {
     Camera source = camera_;
     source.translation.x() = 0.4;

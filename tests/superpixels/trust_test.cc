@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -44,7 +44,7 @@ class TrustTest : public testing::Test {
  protected:
   TrustTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 50.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 50.0)),
         plane_(DrawnPlane({0.5f, -0.2f, -1.f}, 4.f)),
         depth_(DrawDepth(plane_, camera_)),
         normal_(kWidth, kHeight, plane_.normal),

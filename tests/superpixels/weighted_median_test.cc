@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -18,7 +18,7 @@ class WeightedMedianTest : public testing::Test {
  protected:
   WeightedMedianTest()
       : device_(Device::CreateCpu(2)),
-        camera_(DrawnCamera(kWidth, kHeight, 40.0)),
+        camera_(SyntheticCamera(kWidth, kHeight, 40.0)),
         color_(kWidth, kHeight, {100, 110, 120}) {
     Draw(DrawnPlane({0.6f, -0.4f, -1.f}, 4.f), 0, kWidth);
   }

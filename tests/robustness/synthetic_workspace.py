@@ -8,7 +8,7 @@ import os
 import random
 import struct
 
-from drawn_photos import png
+from synthetic_photos import png
 
 NAMES = ("v0.png", "left/v1.png", "v2.png", "v3.png")
 WIDTH, HEIGHT = 40, 30

@@ -17,7 +17,7 @@ namespace tsar {
 
 // A camera at the world's origin that looks along z, principal point in the
 // middle.
-inline Camera DrawnCamera(int width, int height, double focal_length) {
+inline Camera SyntheticCamera(int width, int height, double focal_length) {
   Camera camera;
   camera.width = width;
   camera.height = height;

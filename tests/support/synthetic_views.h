@@ -12,11 +12,11 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/support/drawn_scene.h"
+#include "tests/support/synthetic_scene.h"
 
 namespace tsar {
 
-struct DrawnViewsOptions {
+struct SyntheticViewsOptions {
   int width = 96;
   int height = 72;
   // A rectangle in the middle of the first image has no texture; there the maps
@@ -26,7 +26,7 @@ struct DrawnViewsOptions {
   float noise = 1e-3f;
 };
 
-struct DrawnViews {
+struct SyntheticViews {
   std::vector<ViewData> views;  // The first is the reference.
   Plane wall;
   Image<float> truth;  // Depths of the reference.
@@ -52,9 +52,9 @@ inline float DrawnTexture(float x, float y) {
          20.f * std::sin(0.43f * x + 0.47f * y + 2.f);
 }
 
-inline DrawnViews DrawViews(const DrawnViewsOptions& options) {
-  DrawnViews drawn;
-  Camera camera = DrawnCamera(
+inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
+  SyntheticViews drawn;
+  Camera camera = SyntheticCamera(
       options.width, options.height, std::max(options.width, options.height));
   constexpr float kDepth = 5.f;
   drawn.wall = DrawnPlane({0.2f, -0.1f, -1.f}, kDepth);
@@ -80,7 +80,8 @@ inline DrawnViews DrawViews(const DrawnViewsOptions& options) {
         const Vec3f ray = intrinsics.Ray(x, y);
         const float z = wall.Depth(ray);
         const Vec3f point = z * ray + center;
-        const bool bare = options.has_bare_part && DrawnViews::IsBare(point);
+        const bool bare =
+            options.has_bare_part && SyntheticViews::IsBare(point);
         const float level = bare ? 200.f
                                  : DrawnTexture(point.x * pixels_per_unit,
                                                 point.y * pixels_per_unit);

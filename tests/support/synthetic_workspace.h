@@ -10,12 +10,12 @@
 
 namespace tsar {
 
-// What a drawn workspace shows: a wall at depth 5 * scale, seen head-on by four
-// cameras side by side, "v0.png", "v1.png", "left/v2.png" and "v3.png" of
+// What a synthetic workspace shows: a wall at depth 5 * scale, seen head-on by
+// four cameras side by side, "v0.png", "v1.png", "left/v2.png" and "v3.png" of
 // 96 x 72 pixels. The wall has texture except for a bare rectangle. The
 // geometric maps hold the wall's depth with little noise, and in the rectangle
 // a few wrong depths; the photometric maps are full of wrong depths there.
-struct DrawnWorkspace {
+struct SyntheticWorkspace {
   static constexpr int kWidth = 96;
   static constexpr int kHeight = 72;
   static constexpr double kDepth = 5.0;
@@ -25,7 +25,8 @@ struct DrawnWorkspace {
 };
 
 // Every image has all others as sources.
-void DrawWorkspace(const std::filesystem::path& root, double scale = 1.0);
+void MakeSyntheticWorkspace(const std::filesystem::path& root,
+                            double scale = 1.0);
 
 // The content of every file below a folder, also of those that links lead to;
 // "folder" for folders.

@@ -10,14 +10,15 @@
 #include <cmath>
 #include <memory>
 
-#include "tests/support/drawn_views.h"
+#include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
 
-class DrawnViewsTest : public testing::Test {
+class SyntheticViewsTest : public testing::Test {
  protected:
-  DrawnViewsTest() : device_(Device::CreateCpu(2)), drawn_(DrawViews({})) {}
+  SyntheticViewsTest()
+      : device_(Device::CreateCpu(2)), drawn_(MakeSyntheticViews({})) {}
 
   float RelativeError(const Image<float>& depth, int x, int y) const {
     return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);
@@ -25,7 +26,8 @@ class DrawnViewsTest : public testing::Test {
   // Of the first view, which is the reference.
   const Image<float>& Before() const { return drawn_.views[0].depth; }
   bool IsBare(int x, int y) const {
-    return DrawnViews::IsBare(drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
+    return SyntheticViews::IsBare(
+        drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
   }
   // What holds for the maps whatever the options.
   void ExpectSoundMaps(const RefinedMaps& maps) const {
@@ -62,7 +64,7 @@ class DrawnViewsTest : public testing::Test {
   }
 
   std::unique_ptr<Device> device_;
-  DrawnViews drawn_;
+  SyntheticViews drawn_;
 };
 
 }  // namespace tsar

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "tests/support/drawn_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_paths.h"
@@ -44,21 +44,22 @@ double Texture(double x, double y) {
 
 // Where on the wall a pixel looks, in units of the scale.
 double WallX(int view, int x) {
-  return DrawnWorkspace::kDepth * (x - DrawnWorkspace::kWidth / 2) /
+  return SyntheticWorkspace::kDepth * (x - SyntheticWorkspace::kWidth / 2) /
              kFocalLength +
          kBaseline * view;
 }
 double WallY(int y) {
-  return DrawnWorkspace::kDepth * (y - DrawnWorkspace::kHeight / 2) /
+  return SyntheticWorkspace::kDepth * (y - SyntheticWorkspace::kHeight / 2) /
          kFocalLength;
 }
 
 cv::Mat DrawImage(int view) {
-  cv::Mat pixels(DrawnWorkspace::kHeight, DrawnWorkspace::kWidth, CV_8UC3);
+  cv::Mat pixels(
+      SyntheticWorkspace::kHeight, SyntheticWorkspace::kWidth, CV_8UC3);
   for (int y = 0; y < pixels.rows; ++y) {
     for (int x = 0; x < pixels.cols; ++x) {
       const double gray =
-          DrawnWorkspace::IsBare(view, x, y)
+          SyntheticWorkspace::IsBare(view, x, y)
               ? 200.0
               : 20.0 + 160.0 * Texture(WallX(view, x), WallY(y));
       const auto level = static_cast<uchar>(std::lround(gray));
@@ -69,17 +70,18 @@ cv::Mat DrawImage(int view) {
 }
 
 Image<float> DrawDepth(int view, MapType type, double scale) {
-  Image<float> depth(DrawnWorkspace::kWidth, DrawnWorkspace::kHeight);
+  Image<float> depth(SyntheticWorkspace::kWidth, SyntheticWorkspace::kHeight);
   for (int y = 0; y < depth.Height(); ++y) {
     for (int x = 0; x < depth.Width(); ++x) {
       const double noise = Noise(1000 * (view + 1) + x, y) - 0.5;
       const bool is_wrong =
           type == MapType::kPhotometric || Noise(x, 777 * (view + 1) + y) < 0.1;
-      const double error = !DrawnWorkspace::IsBare(view, x, y) ? 0.002 * noise
-                           : is_wrong                          ? 0.4 * noise
-                                                               : -1.0;
-      depth(x, y) =
-          static_cast<float>(DrawnWorkspace::kDepth * scale * (1.0 + error));
+      const double error = !SyntheticWorkspace::IsBare(view, x, y)
+                               ? 0.002 * noise
+                           : is_wrong ? 0.4 * noise
+                                      : -1.0;
+      depth(x, y) = static_cast<float>(SyntheticWorkspace::kDepth * scale *
+                                       (1.0 + error));
     }
   }
   return depth;
@@ -88,7 +90,7 @@ Image<float> DrawDepth(int view, MapType type, double scale) {
 void WriteMaps(const std::filesystem::path& root, int view, double scale) {
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
     const MapPaths paths = GetMapPaths(
-        root, DrawnWorkspace::Names()[static_cast<size_t>(view)], type);
+        root, SyntheticWorkspace::Names()[static_cast<size_t>(view)], type);
     CreateFolders(paths.depth.Parent());
     CreateFolders(paths.normal.Parent());
     const Image<float> depth = DrawDepth(view, type, scale);
@@ -103,17 +105,17 @@ void WriteMaps(const std::filesystem::path& root, int view, double scale) {
 
 }  // namespace
 
-const std::vector<std::string>& DrawnWorkspace::Names() {
+const std::vector<std::string>& SyntheticWorkspace::Names() {
   static const std::vector<std::string> names = {
       "v0.png", "v1.png", "left/v2.png", "v3.png"};
   return names;
 }
 
-bool DrawnWorkspace::IsBare(int view, int x, int y) {
+bool SyntheticWorkspace::IsBare(int view, int x, int y) {
   return std::abs(WallX(view, x) - 0.6) < 1.1 && std::abs(WallY(y)) < 1.1;
 }
 
-void DrawWorkspace(const std::filesystem::path& root, double scale) {
+void MakeSyntheticWorkspace(const std::filesystem::path& root, double scale) {
   WriteText(root / "sparse/cameras.txt", "1 PINHOLE 96 72 80 80 48 36\n");
   WriteText(root / "sparse/points3D.txt", "");
   std::ostringstream images;
@@ -122,7 +124,7 @@ void DrawWorkspace(const std::filesystem::path& root, double scale) {
   std::string fusion;
   for (int view = 0; view < 4; ++view) {
     const std::string& name =
-        DrawnWorkspace::Names()[static_cast<size_t>(view)];
+        SyntheticWorkspace::Names()[static_cast<size_t>(view)];
     images << view + 1 << " 1 0 0 0 " << -kBaseline * view * scale << " 0 0 1 "
            << name << "\n\n";
     config += name + "\n__all__\n";

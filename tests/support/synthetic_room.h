@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/drawn_observations.h"
+#include "tests/support/synthetic_observations.h"
 
 namespace tsar {
 
@@ -24,7 +24,7 @@ struct DrawnSurface {
   std::function<bool(const Eigen::Vector3d&)> holds;
 };
 
-class DrawnRoom {
+class SyntheticRoom {
  public:
   static constexpr int kWidth = 120;
   static constexpr int kHeight = 90;
@@ -40,7 +40,7 @@ class DrawnRoom {
 
   // A back wall, a wall on the left and a floor, and before them what is given,
   // seen by three cameras.
-  explicit DrawnRoom(std::vector<DrawnSurface> others = {})
+  explicit SyntheticRoom(std::vector<DrawnSurface> others = {})
       : surfaces{Surface({0.1, 0.0, -1.0}, {-0.5, -0.2, 4.95}),
                  Surface({1.0, 0.0, 0.1}, {-2.0, 0.0, 4.0}),
                  Surface({0.0, -1.0, 0.0}, {-0.8, 1.4, 4.0})} {
