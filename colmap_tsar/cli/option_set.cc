@@ -148,7 +148,10 @@ std::string OptionSet::PresentName(const std::string& written) const {
   if (found == former_names_.end()) {
     return written;
   }
-  Warn(written + " is called " + found->second + " now");
+  // Options may be parsed twice, for the values that a preset leaves to them.
+  if (warned_names_.insert(written).second) {
+    Warn(written + " is called " + found->second + " now");
+  }
   return found->second;
 }
 

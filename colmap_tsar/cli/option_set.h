@@ -78,6 +78,7 @@ class OptionSet {
   std::string example_;
   std::vector<Option> options_;
   std::map<std::string, std::string> former_names_;  // To the present ones.
+  mutable std::set<std::string> warned_names_;
 };
 
 }  // namespace tsar

@@ -196,8 +196,8 @@ int RunTsarRefine(int argc, char** argv) {
     command.refine.Check();
     if (command.workspace.pass != RefinePass::kAll) {
       throw Error(ErrorCode::kBadOption,
-                  "TsarRefine.debug_path: shards draw no pictures; leave it "
-                  "out, or run TsarRefine.pass all");
+                  "--TsarRefine.debug_path: shards draw no pictures; leave it "
+                  "out, or run --TsarRefine.pass all");
     }
     for (const std::string& root :
          {command.workspace_path, command.output_path}) {

@@ -61,7 +61,8 @@ class ImagePipeline {
 
   // Returns when all images are done. After a failure no further image is
   // begun, but those at work are taken to their end. After should_stop, images
-  // that are not being written are left as they were.
+  // that are not being written are left as they were; or, if the tasks say so,
+  // those that are not with a worker yet.
   PipelineOutcome Run(size_t num_workers);
 
  private:
@@ -194,7 +195,7 @@ void ImagePipeline<Result>::ComputeImages(size_t worker) {
 template <typename Result>
 void ImagePipeline<Result>::WriteImages() {
   while (std::optional<FinishedImage> image = finished_.Pop()) {
-    if (should_stop_()) {
+    if (should_stop_() && !tasks_.WritesAfterStop()) {
       continue;
     }
     Try(image->place, [&] {

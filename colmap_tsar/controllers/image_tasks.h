@@ -34,6 +34,9 @@ class ImageTasks {
                          size_t worker,
                          ViewCache::Lease* views,
                          ImageReport* report) = 0;
+  // Whether images that are with a worker or computed when the user asks to
+  // stop are still written, since computing them took long.
+  virtual bool WritesAfterStop() const { return false; }
   // Sets the outcome.
   virtual void Write(size_t index, Result result, ImageReport* report) = 0;
 };

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/controllers/refine_controller.h"
 
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/controllers/compose_task.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/manifest_account.h"
@@ -111,11 +110,17 @@ void RefineController::OpenOutput() {
     // Another program may be at work on it.
     lock_.emplace(options_.output_path);
   }
+  const bool has_own_list = workspace_.IsOutput();
   workspace_ = CreateOutputWorkspace(
       workspace_, options_.output_path, workspace_.Type());
   if (!lock_) {
     lock_.emplace(workspace_.Root());
   }
+  if (has_own_list) {
+    // That of an output of an output is the list of the first workspace.
+    overview_ = CheckWorkspace(workspace_);
+  }
+  shards_ = SplitImages(workspace_, options_.shard.count);
 }
 
 PipelineOutcome RefineController::RunPasses(const RefineRun& run,

@@ -68,7 +68,7 @@ class RefineController {
   std::optional<WorkspaceLock> lock_;
   std::optional<WorkspaceLock> input_lock_;
   // By shard, places in Problems().
-  const std::vector<std::vector<size_t>> shards_;
+  std::vector<std::vector<size_t>> shards_;
   WorkspaceOverview overview_;
   RefineDevices devices_;
 };

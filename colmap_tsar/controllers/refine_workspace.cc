@@ -21,6 +21,7 @@ void WorkspaceRefineOptions::Check() const {
   require(!workspace_path.empty(),
           OptionName("workspace_path") + " is missing; give it");
   devices.Check();
+  shard.Check();
   require(pass != RefinePass::kAll || shard.count == 1,
           OptionName("shard") +
               ": a part of the images needs what is observed in the "

@@ -38,6 +38,13 @@ std::optional<int> ParseCount(std::string_view text) {
   return value;
 }
 
+Error Refused(const std::string& what) {
+  return Error(ErrorCode::kBadOption,
+               OptionName("shard") + ": " + what +
+                   "; give i/n with i from 0 to n - 1, such as 0/4 for the "
+                   "first of four parts");
+}
+
 // For each image of the run, those that it reads or that read it.
 std::vector<std::vector<size_t>> FindNeighbours(const Workspace& workspace) {
   const std::vector<StereoProblem>& problems = workspace.Problems();
@@ -159,25 +166,24 @@ Shard ParseShard(const std::string& text) {
   const std::optional<int> count = slash == std::string_view::npos
                                        ? std::nullopt
                                        : ParseCount(view.substr(slash + 1));
-  const auto refused = [&](const std::string& what) {
-    return Error(ErrorCode::kBadOption,
-                 OptionName("shard") + ": " + what +
-                     "; give i/n with i from 0 to n - 1, such as 0/4 for the "
-                     "first of four parts");
-  };
   if (!index || !count) {
-    throw refused("'" + text + "' is not a part of the images");
+    throw Refused("'" + text + "' is not a part of the images");
   }
-  if (*count < 1 || *count > kMaxShards) {
-    throw refused("there can be 1 to " + std::to_string(kMaxShards) +
-                  " parts, not " + std::to_string(*count));
+  const Shard shard = {*index, *count};
+  shard.Check();
+  return shard;
+}
+
+void Shard::Check() const {
+  if (count < 1 || count > kMaxShards) {
+    throw Refused("there can be 1 to " + std::to_string(kMaxShards) +
+                  " parts, not " + std::to_string(count));
   }
-  if (*index >= *count) {
-    throw refused(
-        "of " + std::to_string(*count) + (*count == 1 ? " part" : " parts") +
-        ", counted from 0 on, there is no part " + std::to_string(*index));
+  if (index < 0 || index >= count) {
+    throw Refused(
+        "of " + std::to_string(count) + (count == 1 ? " part" : " parts") +
+        ", counted from 0 on, there is no part " + std::to_string(index));
   }
-  return {*index, *count};
 }
 
 std::string ToString(RefinePass pass) {

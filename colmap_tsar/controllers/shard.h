@@ -16,6 +16,9 @@ namespace tsar {
 struct Shard {
   int index = 0;
   int count = 1;
+
+  // Throws kBadOption, naming the option "shard", where there is no such part.
+  void Check() const;
 };
 
 // "0 of 3": for messages.

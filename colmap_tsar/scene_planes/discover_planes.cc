@@ -76,7 +76,7 @@ class Discovery {
   ScoredPlane ImproveByFits(ScoredPlane plane,
                             const std::vector<float>& best) const {
     const auto best_of = [&](int k) { return best[k]; };
-    double gain = Gain(plane, best_of);
+    double gain = PlaneGain(plane, best_of);
     for (int i = 0; i < kNumFirstFits; ++i) {
       std::vector<int> won;
       for (const int k : plane.superpixels) {
@@ -86,7 +86,7 @@ class Discovery {
       }
       ScoredPlane fitted =
           fitter_.ScoreOne(fitter_.Fit(plane.plane, fitter_.Sample(won)));
-      const double fitted_gain = Gain(fitted, best_of);
+      const double fitted_gain = PlaneGain(fitted, best_of);
       if (!(fitted_gain > gain)) {
         break;
       }
@@ -117,8 +117,8 @@ class Discovery {
         const auto best_of_others = [&](int k) {
           return rankings[k].BestWithout(p, p);
         };
-        if (Gain(fitted[p], best_of_others) >
-            Gain(planes_[p], best_of_others)) {
+        if (PlaneGain(fitted[p], best_of_others) >
+            PlaneGain(planes_[p], best_of_others)) {
           std::swap(planes_[p], fitted[p]);
           UpdateRankings(planes_, p, fitted[p], &rankings);
           improved = true;
@@ -147,8 +147,8 @@ class Discovery {
         return rankings[k].BestWithout(p, p);
       };
       const ScoredPlane scored = fitter_.ScoreOne(plane);
-      const double loss =
-          Gain(planes_[p], best_of_others) - Gain(scored, best_of_others);
+      const double loss = PlaneGain(planes_[p], best_of_others) -
+                          PlaneGain(scored, best_of_others);
       return loss <= std::max(options_.min_gain,
                               kMaxAlignmentLoss * measured[p].support);
     };

@@ -172,7 +172,7 @@ class PlaneMerger {
                const std::vector<Ranking>& rankings) {
     Change change{b, std::numeric_limits<double>::infinity(), a, nullptr};
     for (const ScoredPlane& fit : FindJoint(a, b, members)) {
-      const double loss = loss_without_both - Gain(fit, [&](int k) {
+      const double loss = loss_without_both - PlaneGain(fit, [&](int k) {
                             return rankings[k].BestWithout(a, b);
                           });
       if (loss < change.loss) {

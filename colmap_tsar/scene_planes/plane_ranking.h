@@ -46,7 +46,7 @@ std::vector<std::vector<int>> AssignedSuperpixels(
 
 // By how much a plane would raise best(superpixel), the best scores without it.
 template <typename Function>
-double Gain(const ScoredPlane& plane, const Function& best) {
+double PlaneGain(const ScoredPlane& plane, const Function& best) {
   double gain = 0.0;
   for (const int k : plane.superpixels) {
     gain += std::max(plane.scores[k] - best(k), 0.f);

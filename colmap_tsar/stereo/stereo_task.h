@@ -37,6 +37,8 @@ class StereoTask : public ImageTasks<StereoMaps> {
                      size_t worker,
                      ViewCache::Lease* views,
                      ImageReport* report) override;
+  // On a CPU an image takes minutes.
+  bool WritesAfterStop() const override { return true; }
   void Write(size_t index, StereoMaps maps, ImageReport* report) override;
 
  private:

@@ -26,7 +26,8 @@ OriginalState FindInPlace(const Map& map) {
   if (!Exists(map.current)) {
     return OriginalState::kMissing;
   }
-  if (map.written != nullptr && IsAnyOf(map.current, *map.written)) {
+  const MapState state = InspectMap(map.current, {}, map.written);
+  if (state == MapState::kWritten || state == MapState::kEdited) {
     throw Error::File(ErrorCode::kMismatch,
                       map.current.string(),
                       "this map has been refined and its original, " +

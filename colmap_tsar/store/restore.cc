@@ -118,12 +118,13 @@ class ImageRestorer {
     if (state || !record_) {
       return false;
     }
-    const bool is_refined =
+    const MapState found =
         InspectMap(current,
                    {},
-                   &current == &paths_.depth
-                       ? &record_->written_depth
-                       : &record_->written_normal) == MapState::kWritten;
+                   &current == &paths_.depth ? &record_->written_depth
+                                             : &record_->written_normal);
+    const bool is_refined =
+        found == MapState::kWritten || found == MapState::kEdited;
     if (is_refined) {
       Warn(current.string() +
            ": this map has been refined, and its original is gone; it is left "
@@ -224,7 +225,7 @@ RestoreConflicts ParseRestoreConflicts(const std::string& text) {
     return RestoreConflicts::kOriginal;
   }
   throw Error(ErrorCode::kBadOption,
-              "restore_conflicts: '" + text +
+              OptionName("restore_conflicts") + ": '" + text +
                   "' is not known; give report, keep or original");
 }
 

@@ -65,6 +65,7 @@ class DrawnTasks : public ImageTasks<int64_t> {
     is_busy_[worker] = false;
     return static_cast<int64_t>(sum);
   }
+  bool WritesAfterStop() const override { return writes_after_stop; }
   void Write(size_t index, int64_t result, ImageReport* report) override {
     before_write(index);
     CheckFailure(fails_to_write, index);
@@ -87,6 +88,7 @@ class DrawnTasks : public ImageTasks<int64_t> {
   std::set<size_t> fails_to_write;
   std::function<void(size_t)> before_compute = [](size_t) {};
   std::function<void(size_t)> before_write = [](size_t) {};
+  bool writes_after_stop = false;
   std::atomic<int> num_written = 0;
   std::atomic<int> max_results = 0;
 
@@ -292,6 +294,17 @@ TEST(ImagePipeline, StopsInTheMiddle) {
     EXPECT_EQ(run.NumWith(Outcome::kDone), run.tasks.num_written);
     EXPECT_EQ(run.num_alive, 0);
   }
+}
+
+TEST(ImagePipeline, WritesWhatIsWithAWorkerIfTheTasksSaySo) {
+  PipelineRun run(300);
+  run.tasks.writes_after_stop = true;
+  std::atomic<bool> is_stopped = false;
+  run.tasks.before_compute = [&](size_t index) { is_stopped = index == 20; };
+  run.should_stop = [&] { return is_stopped.load(); };
+  run.Go();
+  EXPECT_EQ(run.tasks.num_written, 21);
+  EXPECT_EQ(run.NumWith(Outcome::kDone), 21);
 }
 
 TEST(ImagePipeline, TakesTheImagesThatItIsGiven) {

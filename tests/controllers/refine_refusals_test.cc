@@ -229,6 +229,12 @@ TEST_F(RefineWorkspaceTest, RefusesOptionsThatMakeNoSense) {
   options = Options(root_);
   options.devices.cache_size = std::numeric_limits<double>::quiet_NaN();
   ExpectRefusal(ErrorCode::kBadOption, {"cache_size"}, options);
+  options = Options(root_);
+  options.pass = RefinePass::kObserve;
+  for (const Shard& shard : {Shard{2, 2}, Shard{-1, 2}, Shard{0, 0}}) {
+    options.shard = shard;
+    ExpectRefusal(ErrorCode::kBadOption, {"shard", "part"}, options);
+  }
   RefineOptions refine;
   refine.num_iterations = 0;
   ExpectError(ErrorCode::kBadOption, {"num_iterations"}, [&] {

@@ -200,9 +200,10 @@ TEST_F(StereoWorkspaceTest, GoesOnAfterAnInterruptionInAnyPass) {
       ASSERT_LT(++num_interruptions, 100);
     }
   }
-  // Three passes of four images, each of which ends a run; after the last there
-  // is nothing left to interrupt.
-  EXPECT_EQ(num_interruptions, 3 * 4 - 1);
+  // Three passes of four images, each of which may end a run; what has been
+  // computed by then is written. After the last there is nothing to interrupt.
+  EXPECT_GE(num_interruptions, 2);
+  EXPECT_LT(num_interruptions, 3 * 4);
   EXPECT_TRUE(Maps() == expected);
   EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar_stereo/pass_1"));
 }

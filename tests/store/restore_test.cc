@@ -218,6 +218,18 @@ TEST_F(RestoreTest, KnowsRefinedMapsOfOldRecordsWithoutTheirOriginals) {
   ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
     FindOriginals(Paths());
   });
+  // Copied without their times, they are known by their values.
+  for (const ContainedPath& map : {Paths().depth, Paths().normal}) {
+    std::filesystem::last_write_time(
+        map, std::filesystem::last_write_time(map) + std::chrono::seconds(9));
+  }
+  ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
+    FindOriginals(Paths());
+  });
+  Restore(root_);
+  ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
+    FindOriginals(Paths());
+  });
 }
 
 TEST_F(RestoreTest, ConflictsAreDecidedByTheUser) {
