@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/scene/prior.h"
 #include "benchmarks/scene/render.h"
+#include "benchmarks/scene/simulated_stereo.h"
 #include "benchmarks/scene/sparse_points.h"
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -95,7 +95,7 @@ void WriteJpeg(const std::filesystem::path& path, const Image<Rgb>& color) {
 void WriteView(const std::filesystem::path& root,
                const std::string& name,
                const RenderedView& view,
-               const PriorMaps& maps) {
+               const SimulatedMaps& maps) {
   WriteJpeg(UserPath(root / "images" / name), view.color);
   WriteDepthMap(UserPath(root / "ground_truth" / "depth" / (name + ".bin")),
                 view.depth);
@@ -137,7 +137,7 @@ void WriteRoomWorkspace(const std::filesystem::path& root,
   for (size_t i = 0; i < cameras.size(); ++i) {
     const auto key = options.seed + 7919u * static_cast<uint32_t>(i + 1);
     const RenderedView view = RenderView(room, cameras[i], key, threads);
-    WriteView(root, names[i], view, MakePriorMaps(view, key, threads));
+    WriteView(root, names[i], view, SimulateStereoMaps(view, key, threads));
     advance();
   }
 }

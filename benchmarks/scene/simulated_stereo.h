@@ -12,7 +12,7 @@
 namespace tsar {
 
 // Maps with the faults of those that patch_match_stereo writes.
-struct PriorMaps {
+struct SimulatedMaps {
   // Dense: noise and some outliers where the image has texture, smooth and
   // wrong surfaces where it has none.
   DepthNormal photometric;
@@ -21,8 +21,8 @@ struct PriorMaps {
 };
 
 // noise_key: differs between the views, so that their errors do not agree.
-PriorMaps MakePriorMaps(const RenderedView& view,
-                        uint32_t noise_key,
-                        ThreadPool& threads);
+SimulatedMaps SimulateStereoMaps(const RenderedView& view,
+                                 uint32_t noise_key,
+                                 ThreadPool& threads);
 
 }  // namespace tsar

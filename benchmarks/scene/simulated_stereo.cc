@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "benchmarks/scene/prior.h"
+#include "benchmarks/scene/simulated_stereo.h"
 
 #include "colmap_tsar/base/random.h"
 
@@ -72,25 +72,25 @@ double Gaussian(Philox* random) {
 }
 
 // What the two maps say of one pixel.
-struct PriorPixel {
+struct SimulatedPixel {
   double depth;
   Vec3f normal;
   bool is_kept;  // By the filter.
 };
 
-class PriorPainter {
+class SimulatedMapPainter {
  public:
-  PriorPainter(const RenderedView& view, uint32_t noise_key)
+  SimulatedMapPainter(const RenderedView& view, uint32_t noise_key)
       : view_(view),
         contrast_(LocalContrast(view.color)),
         noise_key_(noise_key),
         waves_(noise_key) {}
 
-  void PaintRow(int y, PriorMaps* maps) const {
+  void PaintRow(int y, SimulatedMaps* maps) const {
     Philox random(noise_key_, static_cast<uint32_t>(y), 2);
     for (int x = 0; x < view_.depth.Width(); ++x) {
       const bool has_texture = contrast_(x, y) >= kMinContrast;
-      const PriorPixel pixel =
+      const SimulatedPixel pixel =
           has_texture ? Matched(x, y, &random) : Guessed(x, y, &random);
       const Vec3f normal = FaceCamera(x, y, pixel.normal);
       const auto depth = static_cast<float>(pixel.depth);
@@ -104,7 +104,7 @@ class PriorPainter {
   }
 
  private:
-  PriorPixel Matched(int x, int y, Philox* random) const {
+  SimulatedPixel Matched(int x, int y, Philox* random) const {
     const double z = view_.depth(x, y);
     const bool is_outlier = random->NextFloat() < kOutlierShare;
     const double spread =
@@ -118,7 +118,7 @@ class PriorPainter {
                              Wave(x, y, kBlobCells, 3) < kRejectedBlob};
   }
 
-  PriorPixel Guessed(int x, int y, Philox* random) const {
+  SimulatedPixel Guessed(int x, int y, Philox* random) const {
     const Vec3f bend{static_cast<float>(Wave(x, y, kWrongCells, 1)),
                      static_cast<float>(Wave(x, y, kWrongCells, 2)),
                      0.f};
@@ -157,15 +157,15 @@ class PriorPainter {
 
 }  // namespace
 
-PriorMaps MakePriorMaps(const RenderedView& view,
-                        uint32_t noise_key,
-                        ThreadPool& threads) {
-  PriorMaps maps;
+SimulatedMaps SimulateStereoMaps(const RenderedView& view,
+                                 uint32_t noise_key,
+                                 ThreadPool& threads) {
+  SimulatedMaps maps;
   for (DepthNormal* map : {&maps.photometric, &maps.geometric}) {
     map->depth = Image<float>(view.depth.Width(), view.depth.Height());
     map->normal = Image<Vec3f>(view.depth.Width(), view.depth.Height());
   }
-  const PriorPainter painter(view, noise_key);
+  const SimulatedMapPainter painter(view, noise_key);
   threads.Run(view.depth.Height(), [&](int64_t begin, int64_t end) {
     for (int64_t y = begin; y < end; ++y) {
       painter.PaintRow(static_cast<int>(y), &maps);
