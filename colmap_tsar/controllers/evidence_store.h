@@ -59,7 +59,7 @@ class EvidenceStore {
  private:
   ContainedPath Path(int image) const;
 
-  // Of what the evidence of a reference is made, and with which options.
+  // Fingerprint of what the evidence of a reference is made of, and how.
   std::string Fingerprint(int image);
 
   const Workspace& workspace_;

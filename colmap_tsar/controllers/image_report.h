@@ -20,7 +20,7 @@ struct ImageReport {
   Outcome outcome = Outcome::kNotDone;
   std::string reason;
   int num_sources_without_maps = 0;
-  // Of refined images, as in their records: "pixels", "depth_before",
+  // Counts of refined images, as in their records: "pixels", "depth_before",
   // "depth_after", "not_finite" and one for each provenance.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;  // Per stage.

@@ -16,7 +16,7 @@ namespace tsar {
 // which a later run sees what has changed.
 using InputState = std::map<std::string, std::string>;
 
-// Of 16 hexadecimal digits.
+// Fingerprints have 16 hexadecimal digits.
 std::string FingerprintOf(const std::string& text);
 std::string FingerprintOf(const Camera& camera);
 

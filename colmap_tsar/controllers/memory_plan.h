@@ -23,7 +23,7 @@ struct MemoryPlan {
   int64_t work = 0;
   int64_t uploaded_view = 0;
 
-  // Of main memory.
+  // Parts of main memory.
   int64_t view = 0;
   // What reading a view takes at most beside the view itself.
   int64_t load = 0;

@@ -79,7 +79,7 @@ class RefineMapsTask : public RefineTask {
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
  protected:
-  // Of an image that has depths.
+  // The result for an image that has depths.
   virtual RefineResult RefineMaps(size_t index,
                                   size_t worker,
                                   ViewCache::Lease* views) = 0;

@@ -69,7 +69,7 @@ class ViewCache {
   size_t NumBytes() const;
 
  private:
-  // Of an image in the order of their use.
+  // The place of an image in the order of their use.
   struct Place {
     int image = 0;
     View dropped;  // Only where the image has left the cache.

@@ -25,7 +25,7 @@ PixelGroups GroupPixels(ImageView<const int> labels,
                         int num_labels,
                         Device& device);
 int64_t GroupPixelsWorkingBytes(int64_t num_pixels, int64_t num_labels);
-// Of what it returns.
+// Bytes of what it returns.
 int64_t PixelGroupsBytes(int64_t num_pixels, int64_t num_labels);
 
 }  // namespace tsar

@@ -25,7 +25,7 @@ struct MatchOptions {
   std::filesystem::path input_path;
   // Only for kDepth; empty: there are no normals.
   std::filesystem::path normal_path;
-  // Of the two depth maps of ACMM and its successors, the one that is taken.
+  // Which of the two depth maps of ACMM and its successors is taken.
   MapType type = MapType::kGeometric;
   IndexOrder index_order = IndexOrder::kImageId;
   // A file with one image name per line: the images 0, 1, 2, ... Where it is

@@ -104,7 +104,7 @@ class DeviceViews {
   int num_sources_with_depth_ = 0;
 };
 
-// Of a map of this many pixels.
+// Pixels of the raster of a map of this many.
 int64_t MaxRasterPixels(int64_t num_pixels);
 
 int64_t DeviceReferenceWorkingBytes(int64_t num_pixels);

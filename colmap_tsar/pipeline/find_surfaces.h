@@ -42,7 +42,7 @@ Surfaces FindSurfaces(const ViewData& reference,
 int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
                                  int num_sources);
-// Of what it returns.
+// Bytes of what it returns.
 int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels);
 
 }  // namespace tsar

@@ -29,7 +29,7 @@ struct ViewData {
   size_t NumBytes() const;
 };
 
-// Of a view with maps of this many pixels.
+// Bytes of a view with maps of this many pixels.
 int64_t ViewDataBytes(int64_t num_pixels, bool has_costs);
 
 }  // namespace tsar

@@ -22,9 +22,9 @@ struct PlaneUncertainty {
   // The unit directions along the plane in which the support is longest and
   // shortest; the errors of the three estimates are independent of each other.
   Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();
-  // Of the height at the centre; infinite without observations.
+  // Variance at the centre; infinite without observations.
   double height_variance = std::numeric_limits<double>::infinity();
-  // Of the height per distance along each axis; infinite where no two
+  // Variances of the slope along each axis; infinite where no two
   // observations lie apart in that direction.
   Eigen::Vector2d slope_variance =
       Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());

@@ -38,7 +38,7 @@ class BorderCosts {
   DepthResolution resolution_;
   float full_gap_;
   int num_planes_;
-  // Of each plane at the pixels of each border.
+  // Depths of each plane at the pixels of each border.
   std::vector<float> depths_;
 };
 

@@ -62,7 +62,7 @@ int64_t EvidenceBytes(int64_t num_pixels,
 int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
                                    int64_t num_superpixels,
                                    const EvidenceOptions& options);
-// Of all superpixels together.
+// The sum over all superpixels.
 int64_t MaxObservations(int64_t num_pixels,
                         int64_t num_superpixels,
                         const EvidenceOptions& options);

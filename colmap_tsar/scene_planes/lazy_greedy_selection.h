@@ -27,7 +27,7 @@ class LazyGreedySelection {
                       const PlaneScorer& scorer,
                       Device& device);
 
-  // Of a candidate, for each superpixel.
+  // The score of a candidate for each superpixel.
   std::vector<float> Scores(int candidate) const;
 
   // best: the score of each superpixel's best plane so far; none may be below

@@ -70,7 +70,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
 int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
                                     int64_t num_regions,
                                     const RegionPlaneOptions& options);
-// Of what it returns.
+// Bytes of what it returns.
 int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions);
 
 }  // namespace tsar

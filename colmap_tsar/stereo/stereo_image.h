@@ -51,7 +51,7 @@ int64_t MatchImageWorkingBytes(const StereoOptions& options,
                                int num_sources);
 int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
                                             int num_sources);
-// Of main memory.
+// Bytes of main memory.
 int64_t StereoMapsBytes(int64_t num_pixels);
 
 }  // namespace tsar

@@ -16,9 +16,9 @@ inline constexpr int64_t kMaxNumPixels = int64_t{1} << 30;
 // The errors of the files in this folder that decode photos. name: the file;
 // what: the reason, such as "it breaks off".
 //
-// Of a file of a known format whose content is not all there (kCorrupt).
+// Error for a known format whose content is not all there (kCorrupt).
 Error DamagedPhoto(const std::string& name, const std::string& what);
-// Of a file that cannot be decoded, whatever it is (kCorrupt).
+// Error for a file that cannot be decoded, whatever it is (kCorrupt).
 Error UnreadablePhoto(const std::string& name, const std::string& what);
 
 // Throws kUnsupported. To be called before memory is taken for the pixels.

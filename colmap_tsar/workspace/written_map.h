@@ -18,7 +18,7 @@ struct WrittenMap {
   // See content_hash.h; nothing where a version of this program wrote the map
   // that computed its fingerprints otherwise.
   std::optional<uint64_t> hash;
-  // Of the file's last change, see file_time.h; 0: not known.
+  // Time of the file's last change, see file_time.h; 0: not known.
   int64_t time = 0;
   // The bits of some values, see SamplePosition(). A mask or a threshold that
   // is laid over a map leaves most of those as they were, and no other program
