@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <string>
 #include <utility>
 
 namespace tsar {
@@ -20,9 +22,10 @@ std::string Fixed(double value, int num_digits) {
   return text;
 }
 
-std::string Formatted(const char* format, double value) {
+// With four significant digits.
+std::string Rounded(double value) {
   char text[64];
-  std::snprintf(text, sizeof(text), format, value);
+  std::snprintf(text, sizeof(text), "%.4g", value);
   return text;
 }
 
@@ -127,14 +130,19 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
     separator = ", ";
   }
   out << "\n";
-  for (const RunSummary::GpuMemory& peak : summary.peak_gpu_memory) {
+  PrintPeakMemory(summary.peak_gpu_memory, out);
+}
+
+}  // namespace
+
+void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
+                     std::ostream& out) {
+  for (const RunSummary::GpuMemory& peak : peaks) {
     out << "  " << peak.gpu << ": at most "
         << Fixed(static_cast<double>(peak.num_bytes) / 1e9, 2)
         << " GB of its memory held\n";
   }
 }
-
-}  // namespace
 
 void PrintSummary(const RunSummary& summary, std::ostream& out) {
   PrintImages(summary, out);
@@ -183,16 +191,16 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
                 ? "Before scaling, depth over that of the sparse points: "
                   "median "
                 : "Depth over that of the sparse points: median ")
-        << Formatted("%.3f", summary.scale.median) << " ("
-        << Formatted("%.3f", summary.scale.smallest) << " to "
-        << Formatted("%.3f", summary.scale.largest) << " over "
+        << Fixed(summary.scale.median, 3) << " ("
+        << Fixed(summary.scale.smallest, 3) << " to "
+        << Fixed(summary.scale.largest, 3) << " over "
         << summary.scale.num_images << " images)\n";
   }
   if (summary.far > 0.f && summary.sparse_far > 0.f) {
-    out << "Depths from " << Formatted("%.4g", summary.near) << " to "
-        << Formatted("%.4g", summary.far) << ", sparse points from "
-        << Formatted("%.4g", summary.sparse_near) << " to "
-        << Formatted("%.4g", summary.sparse_far) << "\n";
+    out << "Depths from " << Rounded(summary.near) << " to "
+        << Rounded(summary.far) << ", sparse points from "
+        << Rounded(summary.sparse_near) << " to " << Rounded(summary.sparse_far)
+        << "\n";
   }
   constexpr size_t kMaxWarnings = 20;
   const size_t num_shown = std::min(summary.warnings.size(), kMaxWarnings);
@@ -204,8 +212,8 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
         << " more like these\n";
   }
   out << "Next: colmap_tsar tsar_refine --workspace_path "
-      << ShellWord(Printable(summary.workspace_path.string()))
-      << " --input_type " << ToString(summary.type) << "\n";
+      << Quoted(summary.workspace_path) << " --input_type "
+      << ToString(summary.type) << "\n";
 }
 
 }  // namespace tsar

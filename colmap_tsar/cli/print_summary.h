@@ -7,12 +7,17 @@
 #include "colmap_tsar/import/import_summary.h"
 
 #include <ostream>
+#include <vector>
 
 namespace tsar {
 
 // For the user: what was done, what it brought, how long it took, and the
 // command to run next.
 void PrintSummary(const RunSummary& summary, std::ostream& out);
+
+// The most that each GPU held, a line each.
+void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
+                     std::ostream& out);
 
 // A few lines for the user, with the next command to give. Of many warnings,
 // the first ones.

@@ -7,6 +7,7 @@
 #include "colmap_tsar/cli/device_arguments.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/stereo/stereo_workspace.h"
 
 #include <cstdio>
@@ -134,15 +135,7 @@ void Print(const StereoSummary& summary, const StereoOptions& options) {
               << " has no maps: no other image shares enough of its sparse "
                  "points\n";
   }
-  for (const RunSummary::GpuMemory& peak : summary.peak_gpu_memory) {
-    char gigabytes[32];
-    std::snprintf(gigabytes,
-                  sizeof(gigabytes),
-                  "%.2f",
-                  static_cast<double>(peak.num_bytes) / 1e9);
-    std::cout << "  " << peak.gpu << ": at most " << gigabytes
-              << " GB of its memory held\n";
-  }
+  PrintPeakMemory(summary.peak_gpu_memory, std::cout);
   std::cout << "Next: tsar_refine --workspace_path "
             << ShellWord(Printable(summary.workspace_path.string()))
             << ", or stereo_fusion with --input_type "

@@ -21,6 +21,10 @@ ContainedPath EvidenceFolder(const Workspace& workspace) {
 
 }  // namespace
 
+bool NeedsEvidence(const RefineOptions& options) {
+  return options.scene_planes && options.refine;
+}
+
 EvidenceStore::EvidenceStore(const Workspace& workspace,
                              InputFingerprints& inputs,
                              std::string options_hash,

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/controllers/input_fingerprints.h"
 #include "colmap_tsar/controllers/lru_map.h"
+#include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 #include "colmap_tsar/store/workspace.h"
 
@@ -17,6 +18,10 @@
 #include <string>
 
 namespace tsar {
+
+// Whether images are refined together with their neighbours, which takes
+// evidence of all views.
+bool NeedsEvidence(const RefineOptions& options);
 
 // The evidence of a workspace's views, in files of stereo/tsar/evidence from
 // the time a view was observed until the run ends, so that a killed run goes on

@@ -4,6 +4,7 @@
 #include "colmap_tsar/controllers/memory_plan.h"
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/stage_memory.h"
@@ -38,7 +39,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.load = LoadBytes(overview);
   plan.result =
       RefinedMapsBytes(num_pixels) + kEncodingBytesPerPixel * num_pixels;
-  if (!options.scene_planes || !options.refine) {
+  if (!NeedsEvidence(options)) {
     plan.work = RefineImageWorkingBytes(options, num_pixels, num_sources);
     return plan;
   }

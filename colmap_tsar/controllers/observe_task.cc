@@ -3,10 +3,7 @@
 
 #include "colmap_tsar/controllers/observe_task.h"
 
-#include "colmap_tsar/base/image_name_hash.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
-
-#include <utility>
 
 namespace tsar {
 
@@ -30,24 +27,10 @@ RefineResult ObserveTask::Compute(size_t index,
                                   size_t worker,
                                   ViewCache::Lease* views,
                                   ImageReport* /*report*/) {
-  const int image = images_.Reference(index);
-  const ViewData& reference = views->Get(image);
-  if (!HasDepth(reference.depth)) {
+  if (!HasDepth(views->Get(images_.Reference(index)).depth)) {
     return {};
   }
-  return RunSingleView(index,
-                       worker,
-                       views,
-                       [&](std::vector<DeviceViewCache::View> sources,
-                           Device& device,
-                           StageObserver* observer) {
-                         return MeasureImage(reference,
-                                             std::move(sources),
-                                             HashImageName(images_.Name(image)),
-                                             options_,
-                                             device,
-                                             observer);
-                       });
+  return RunSingleView(index, worker, views, &MeasureImage);
 }
 
 void ObserveTask::Write(size_t index,

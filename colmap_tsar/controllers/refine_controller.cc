@@ -72,8 +72,7 @@ RunSummary RefineController::Run() {
     OpenOutput();
   }
   const std::string options_hash = HashRefineOptions(refine_options_);
-  InputFingerprints inputs(
-      workspace_, refine_options_.scene_planes && refine_options_.refine);
+  InputFingerprints inputs(workspace_, NeedsEvidence(refine_options_));
   EvidenceStore evidence(workspace_,
                          inputs,
                          options_hash,

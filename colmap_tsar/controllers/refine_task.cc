@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/controllers/refine_task.h"
 
+#include "colmap_tsar/base/image_name_hash.h"
+
 #include <chrono>
 #include <utility>
 
@@ -11,12 +13,12 @@ namespace tsar {
 RefineResult RefineTask::RunSingleView(size_t index,
                                        size_t worker_index,
                                        ViewCache::Lease* views,
-                                       const SingleViewStages& stages) {
+                                       SingleViewStages stages) {
   using Clock = std::chrono::steady_clock;
   const int image = images_.Reference(index);
   RefineWorker& worker = workers_[worker_index];
-  const std::unique_ptr<StageObserver> observer =
-      ObserverOf(image, views->Get(image));
+  const ViewData& reference = views->Get(image);
+  const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
   try {
     const Clock::time_point start = Clock::now();
     // Nothing reads the sources before DeviceViews has them, which waits for
@@ -31,8 +33,12 @@ RefineResult RefineTask::RunSingleView(size_t index,
     }
     const double upload_seconds =
         std::chrono::duration<double>(Clock::now() - start).count();
-    RefineResult result =
-        stages(std::move(sources), *worker.device, observer.get());
+    RefineResult result = stages(reference,
+                                 std::move(sources),
+                                 HashImageName(images_.Name(image)),
+                                 options_,
+                                 *worker.device,
+                                 observer.get());
     result.seconds["upload"] += upload_seconds;
     return result;
   } catch (const Error& error) {

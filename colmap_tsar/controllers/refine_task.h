@@ -12,7 +12,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 
 #include <cstddef>
-#include <functional>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,16 +39,20 @@ class RefineTask : public ImageTasks<RefineResult> {
         observer_(inputs.observer) {}
 
  protected:
+  // RefineImage, or MeasureImage.
   using SingleViewStages =
-      std::function<RefineResult(std::vector<DeviceViewCache::View> sources,
-                                 Device& device,
-                                 StageObserver* observer)>;
+      RefineResult (*)(const ViewData& reference,
+                       std::vector<DeviceViewCache::View> sources,
+                       uint32_t image_id,
+                       const RefineOptions& options,
+                       Device& device,
+                       StageObserver* observer);
 
   // Calls the stages with the sources in the worker's memory.
   RefineResult RunSingleView(size_t index,
                              size_t worker,
                              ViewCache::Lease* views,
-                             const SingleViewStages& stages);
+                             SingleViewStages stages);
   // Null where nobody observes.
   std::unique_ptr<StageObserver> ObserverOf(int image,
                                             const ViewData& view) const;

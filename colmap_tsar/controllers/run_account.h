@@ -35,9 +35,7 @@ struct RefineRun {
   const std::vector<size_t>& Images() const {
     return shards[static_cast<size_t>(options.shard.index)];
   }
-  bool HasScenePlanes() const {
-    return refine_options.scene_planes && refine_options.refine;
-  }
+  bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };
 
 // What a run leaves on disk beside the results of its images, so that the user,

@@ -10,6 +10,7 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -203,6 +204,12 @@ RefinePass ParsePass(const std::string& text) {
 
 std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
                                              int count) {
+  if (count == 1) {
+    // The order of neighbours is that of the images again, once sorted.
+    std::vector<size_t> all(workspace.Problems().size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    return {std::move(all)};
+  }
   const std::vector<int64_t> work = FindWork(workspace);
   int64_t total = 0;
   for (const int64_t value : work) {

@@ -3,10 +3,6 @@
 
 #include "colmap_tsar/controllers/single_view_task.h"
 
-#include "colmap_tsar/base/image_name_hash.h"
-
-#include <utility>
-
 namespace tsar {
 
 ImageReport SingleViewTask::Begin(size_t index) {
@@ -20,21 +16,7 @@ ImageReport SingleViewTask::Begin(size_t index) {
 RefineResult SingleViewTask::RefineMaps(size_t index,
                                         size_t worker,
                                         ViewCache::Lease* views) {
-  const int image = images_.Reference(index);
-  const ViewData& reference = views->Get(image);
-  return RunSingleView(index,
-                       worker,
-                       views,
-                       [&](std::vector<DeviceViewCache::View> sources,
-                           Device& device,
-                           StageObserver* observer) {
-                         return RefineImage(reference,
-                                            std::move(sources),
-                                            HashImageName(images_.Name(image)),
-                                            options_,
-                                            device,
-                                            observer);
-                       });
+  return RunSingleView(index, worker, views, &RefineImage);
 }
 
 }  // namespace tsar
