@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/superpixels/reduce_color.h"
+#include "colmap_tsar/pipeline/raster_color.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ DeviceViews::DeviceViews(
     : device_(device),
       reference_(reference, device),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
-      raster_color_(ReduceColor(Color(), raster_, device)),
+      raster_color_(MakeRasterColor(Color(), raster_, device)),
       gray_(ComputeGray(Color(), device)),
       uploaded_sources_(std::move(sources)) {
   std::vector<SourceView> views;

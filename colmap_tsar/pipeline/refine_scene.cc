@@ -9,6 +9,7 @@
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/quantize_trust.h"
+#include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
@@ -21,7 +22,6 @@
 #include "colmap_tsar/scene_planes/refine_borders.h"
 #include "colmap_tsar/scene_planes/texture_measures.h"
 #include "colmap_tsar/superpixels/cielab.h"
-#include "colmap_tsar/superpixels/reduce_color.h"
 
 #include <algorithm>
 #include <cmath>
@@ -184,7 +184,8 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
   const ViewEvidence& evidence = *observed.evidence;
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Vec3f> lab = ConvertToLab(
-      ReduceColor(view.color.View(), {evidence.width, evidence.height}, device)
+      MakeRasterColor(
+          view.color.View(), {evidence.width, evidence.height}, device)
           .View(),
       device);
   const RefinedBorders refined = RefineBorders({superpixels.View(),
