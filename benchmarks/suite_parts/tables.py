@@ -18,6 +18,7 @@ COLUMNS = (
     ("depth F1 5 cm", "depth_all_0.05", 2, 3),
     ("precision 2 cm", "depth_all_0.02", 0, 3),
     ("recall 2 cm", "depth_all_0.02", 1, 3),
+    ("textureless F1 2 cm", "depth_textureless_0.02", 2, 3),
     ("HARM", "harm", None, 4), ("by over 5 %", "harm_far", None, 4),
     ("lost", "lost", None, 4),
     ("views disagree", "view_disagreement", None, 3),
@@ -28,6 +29,10 @@ COLUMNS = (
     ("largest gap", "calibration_gap", None, 3),
     ("seconds", "seconds", None, 1))
 IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")
+# Those by which variants are set beside each other.
+VARIANT_COLUMNS = tuple(column for column in COLUMNS if column[0] in (
+    "cloud F1 2 cm", "cloud F1 5 cm", "depth F1 2 cm", "depth F1 5 cm",
+    "accuracy 2 cm", "HARM"))
 
 
 def value_of(scores, key, index):
@@ -51,6 +56,9 @@ class Row:
 
     def __init__(self, identity, runs):
         self.identity = identity
+        self.name = ", ".join((identity["scene"], f"{identity['size']} px",
+                               f"noise {identity['noise']:g}",
+                               identity["maps"]))
         self.before = runs[0]["before"]
         self.scores = [{**run["scores"], "seconds": run["seconds"]}
                        for run in sorted(runs, key=lambda run: run["seed"])]
@@ -102,10 +110,7 @@ def role_table(role, rows):
             cells.append("-" if sample is None else cell(
                 value_of(row.before, key, index), sample.median, sample.error,
                 digits))
-        name = ", ".join((row.identity["scene"], f"{row.identity['size']} px",
-                          f"noise {row.identity['noise']:g}",
-                          row.identity["maps"]))
-        lines.append([name, row.identity["variant"], *cells])
+        lines.append([row.name, row.identity["variant"], *cells])
     for variant in dict.fromkeys(row.identity["variant"] for row in rows):
         own = [row for row in rows if row.identity["variant"] == variant]
         cells = []
@@ -117,6 +122,30 @@ def role_table(role, rows):
         lines.append([f"**mean of {len(own)}**", variant, *cells])
     head = ["scene", "variant", *(column[0] for column in columns)]
     return table_lines(f"### {role.capitalize()} scenes", head, lines)
+
+
+def variant_table(title, key, index, digits, rows):
+    """A row per variant and a column per scene, with the mean change against
+    the first variant; nothing where there is no such score."""
+    medians = {}
+    for row in rows:
+        sample = row.sample(key, index)
+        if sample is not None:
+            medians.setdefault(row.identity["variant"], {})[
+                row.name] = sample.median
+    if not medians:
+        return []
+    base = next(iter(medians.values()))
+    lines = []
+    for variant, values in medians.items():
+        changes = [values[name] - base[name] for name in base
+                   if name in values]
+        lines.append([variant, *(f"{values[name]:.{digits}f}"
+                                 if name in values else "-" for name in base),
+                      f"{statistics.fmean(changes):+.{digits}f}"
+                      if changes else "-"])
+    return table_lines(f"### Variants: {title}",
+                       ["variant", *base, "mean change"], lines)
 
 
 def report_lines(runs, commit):
@@ -131,4 +160,7 @@ def report_lines(runs, commit):
     for role in dict.fromkeys(row.identity["role"] for row in rows):
         lines += role_table(role, [row for row in rows
                                    if row.identity["role"] == role])
+    if len({row.identity["variant"] for row in rows}) > 1:
+        for column in VARIANT_COLUMNS:
+            lines += variant_table(*column, rows)
     return lines

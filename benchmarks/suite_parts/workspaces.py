@@ -6,10 +6,8 @@ import hashlib
 import json
 import shlex
 import shutil
-from pathlib import Path
 
 from programs import CommandFailed, own_folder, run
-from suite_parts.maps import Maps
 from suite_parts.photographs import convert_image
 from suite_parts.sparse_model import read_model, write_text
 
@@ -66,6 +64,7 @@ class Workspaces:
         record, workspace = folder / "made_from.json", folder / "workspace"
         if record.is_file() and json.loads(record.read_text()) == key:
             return workspace
+        print(f"making {configuration.label()}", flush=True)
         shutil.rmtree(workspace, ignore_errors=True)
         record.unlink(missing_ok=True)
         self._write(configuration, workspace)
@@ -98,7 +97,3 @@ class Workspaces:
         for name in ("patch-match.cfg", "fusion.cfg"):
             if (scene / "stereo" / name).is_file():
                 shutil.copy(scene / "stereo" / name, workspace / "stereo")
-
-
-def map_type(workspace):
-    return Maps(Path(workspace)).type
