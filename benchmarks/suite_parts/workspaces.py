@@ -91,7 +91,7 @@ class Workspaces:
                 convert_image(source, target, size, configuration.noise)
             else:
                 target.parent.mkdir(parents=True, exist_ok=True)
-                target.symlink_to(source)
+                shutil.copyfile(source, target)
         for name in ("depth_maps", "normal_maps"):
             (workspace / "stereo" / name).mkdir(parents=True)
         for name in ("patch-match.cfg", "fusion.cfg"):
