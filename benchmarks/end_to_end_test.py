@@ -14,14 +14,9 @@ import sys
 from pathlib import Path
 
 from programs import CommandFailed, own_folder, run
+from testing import check
 
 NUM_IMAGES = 4
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit("FAILED: " + message)
-    print("ok:", message)
 
 
 def score(program, workspace, truth):

@@ -1,31 +1,35 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Curves over a logarithmic axis as an SVG picture, by nothing but text."""
+"""Curves as an SVG picture, by nothing but text."""
 
 import math
 from xml.sax.saxutils import escape
 
 WIDTH, HEIGHT = 640, 220  # Of one curve's panel.
 LEFT, RIGHT, TOP, BOTTOM = 60, 30, 34, 40
-COLORS = ("#1f6fb4", "#c4541a")
+COLORS = ("#1f6fb4", "#c4541a", "#3a8a3a", "#7a4fa0", "#8a7a1a", "#555555")
 
 
 def round_up(value):
-    """The next of 1, 2, 5, 10, 20 ... at or above a positive value."""
+    """The next of 1, 2, 5, 10, 20 ... at or above a positive value; 1 for 0."""
+    if value <= 0:
+        return 1.0
     power = 10.0 ** math.floor(math.log10(value))
     return next(factor * power for factor in (1, 2, 5, 10)
                 if factor * power >= value * (1 - 1e-9))
 
 
 class Panel:
-    def __init__(self, top, xs, ys):
+    def __init__(self, top, xs, lines, logarithmic):
         self.top = top
-        self.xs = [math.log10(x) for x in xs]
-        self.y_max = round_up(max(ys))
+        self.scale = math.log10 if logarithmic else float
+        self.ends = self.scale(xs[0]), self.scale(xs[-1])
+        self.y_max = round_up(max(max(ys) for ys in lines.values()))
 
     def x(self, value):
-        low, high = self.xs[0], self.xs[-1]
-        share = (math.log10(value) - low) / (high - low) if high > low else 0.5
+        low, high = self.ends
+        share = ((self.scale(value) - low) / (high - low) if high > low
+                 else 0.5)
         return LEFT + share * (WIDTH - LEFT - RIGHT)
 
     def y(self, value):
@@ -43,8 +47,18 @@ def line(x1, y1, x2, y2, color):
             f'stroke="{color}"/>')
 
 
-def draw_panel(top, x_label, xs, name, ys, color):
-    panel = Panel(top, xs, ys)
+def draw_curve(panel, xs, ys, color):
+    points = " ".join(f"{panel.x(x):.1f},{panel.y(y):.1f}"
+                      for x, y in zip(xs, ys))
+    return [f'<polyline points="{points}" fill="none" stroke="{color}" '
+            'stroke-width="2"/>',
+            *(f'<circle cx="{panel.x(x):.1f}" cy="{panel.y(y):.1f}" r="3" '
+              f'fill="{color}"/>' for x, y in zip(xs, ys))]
+
+
+def draw_panel(panel, x_label, xs, name, lines, first_color):
+    """lines: values by the line's name, which is told if there are several."""
+    top = panel.top
     parts = [text(LEFT, top + 22, name, "start")]
     for step in range(5):
         value = panel.y_max * step / 4
@@ -56,26 +70,31 @@ def draw_panel(top, x_label, xs, name, ys, color):
                        "#888888"),
                   text(panel.x(x), panel.y(0) + 18, f"{x:,}")]
     parts.append(text((LEFT + WIDTH - RIGHT) / 2, panel.y(0) + 34, x_label))
-    points = " ".join(f"{panel.x(x):.1f},{panel.y(y):.1f}"
-                      for x, y in zip(xs, ys))
-    parts.append(f'<polyline points="{points}" fill="none" stroke="{color}" '
-                 'stroke-width="2"/>')
-    parts += [f'<circle cx="{panel.x(x):.1f}" cy="{panel.y(y):.1f}" r="3" '
-              f'fill="{color}"/>' for x, y in zip(xs, ys)]
+    for i, (label, ys) in enumerate(lines.items()):
+        color = COLORS[(first_color + i) % len(COLORS)]
+        parts += draw_curve(panel, xs, ys, color)
+        if len(lines) > 1:
+            parts.append(f'<g fill="{color}">' + text(
+                WIDTH - RIGHT - 110 * (len(lines) - 1 - i), top + 22, label,
+                "end") + "</g>")
     return parts
 
 
-def write_line_plot(path, x_label, xs, curves):
+def write_line_plot(path, x_label, xs, curves, logarithmic=True):
     """One panel for each curve (its name and values), below each other.
 
-    xs: ascending positive numbers, shared by all curves; each y axis begins at
-    0, so that a curve that looks flat is flat.
+    xs: ascending numbers, shared by all curves, positive on a logarithmic axis;
+    each y axis begins at 0, so that a curve that looks flat is flat. Values may
+    be those of several lines by name, which then share the panel.
     """
     height = HEIGHT * len(curves)
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
              f'height="{height}" font-family="sans-serif" font-size="12">',
              f'<rect width="{WIDTH}" height="{height}" fill="white"/>']
-    for i, (name, ys) in enumerate(curves):
-        parts += draw_panel(i * HEIGHT, x_label, xs, name, ys,
-                            COLORS[i % len(COLORS)])
+    for i, (name, values) in enumerate(curves):
+        several = isinstance(values, dict)
+        lines = values if several else {name: values}
+        panel = Panel(i * HEIGHT, xs, lines, logarithmic)
+        parts += draw_panel(panel, x_label, xs, name, lines,
+                            0 if several else i)
     path.write_text("\n".join([*parts, "</svg>"]) + "\n")

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmarks written in Python share: other programs and tables."""
 
+import os
 import shlex
 import subprocess
 from pathlib import Path
@@ -18,12 +19,24 @@ def describe_failure(command, exit_code, output):
             f"{' '.join(lines[-1:])}")
 
 
-def run(command):
-    """Runs a command and returns what it printed."""
+def colmap_environment(library_folder):
+    """Variables for COLMAP without a display, and for where its libraries are
+    if they are not the system's."""
+    environment = {"QT_QPA_PLATFORM": "offscreen"}
+    if library_folder:
+        environment["LD_LIBRARY_PATH"] = os.pathsep.join(filter(None, (
+            str(library_folder), os.environ.get("LD_LIBRARY_PATH"))))
+    return environment
+
+
+def run(command, environment=None):
+    """Runs a command, with these variables besides its own, and returns what it
+    printed."""
     command = [str(word) for word in command]
     try:
         done = subprocess.run(command, capture_output=True, text=True,
-                              check=False)
+                              check=False,
+                              env={**os.environ, **(environment or {})})
     except OSError as error:
         raise CommandFailed(f"{command[0]}: {error.strerror}") from error
     if done.returncode != 0:
@@ -55,9 +68,12 @@ def commit():
         return "unknown"
 
 
-def print_rows(title, head, rows):
+def table_lines(title, head, rows):
     """A Markdown table; the first column is text, the others are numbers."""
-    print(f"\n{title}\n\n| {' | '.join(head)} |")
-    print("|---|" + "---:|" * (len(head) - 1))
-    for row in rows:
-        print(f"| {' | '.join(row)} |")
+    return ["", title, "", f"| {' | '.join(head)} |",
+            "|---|" + "---:|" * (len(head) - 1),
+            *(f"| {' | '.join(row)} |" for row in rows)]
+
+
+def print_rows(title, head, rows):
+    print("\n".join(table_lines(title, head, rows)))

@@ -15,16 +15,11 @@ from pathlib import Path
 from copied_scene import Scene, SceneError, make_copies
 from line_plot import write_line_plot
 from programs import run
+from testing import check
 
 FOLDER = Path(__file__).resolve().parent
 RUNS = ["again, every image done", "--restore 1", "to a second workspace",
         "to it again, every image done"]
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit("FAILED: " + message)
-    print("ok:", message)
 
 
 def table(lines, title):

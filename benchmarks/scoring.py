@@ -4,7 +4,7 @@
 
 import json
 
-from programs import CommandFailed, run
+from programs import CommandFailed, colmap_environment, run
 
 
 def comma_list(numbers):
@@ -15,12 +15,13 @@ class Scorer:
     """Scores one workspace against a scene's ground truth."""
 
     def __init__(self, program, colmap, scene, depth_tolerances,
-                 cloud_tolerances):
+                 cloud_tolerances, colmap_lib=None):
         self.program = program
         self.colmap = colmap
         self.scene = scene
         self.depth_tolerances = depth_tolerances
         self.cloud_tolerances = cloud_tolerances
+        self.colmap_environment = colmap_environment(colmap_lib)
         self.has_depth = (scene / "ground_truth" / "depth").is_dir()
         self.scans = scene / "scans" / "scan_alignment.mlp"
         self.has_scans = self.scans.is_file()
@@ -29,7 +30,8 @@ class Scorer:
                                 "scans/scan_alignment.mlp")
 
     def score(self, workspace, cloud_path, map_type="geometric"):
-        """Scores of the workspace's maps of a type; fuses to cloud_path."""
+        """Scores of the workspace's maps of a type; fuses to cloud_path, or not
+        at all if that is None."""
         scores = {}
         if self.has_depth:
             output = run([self.program, "tsar_evaluate", "depth",
@@ -41,12 +43,12 @@ class Scorer:
             for row in json.loads(output)["scores"]:
                 key = f"depth_{row['area']}_{row['tolerance']:g}"
                 scores[key] = [row["precision"], row["recall"], row["f1"]]
-        if self.has_scans:
+        if self.has_scans and cloud_path is not None:
             # With several threads the cloud depends on which comes first, and
             # F1 varies by some thousandths from run to run.
             run([self.colmap, "stereo_fusion", "--workspace_path", workspace,
                  "--input_type", map_type, "--output_path", cloud_path,
-                 "--StereoFusion.num_threads", "1"])
+                 "--StereoFusion.num_threads", "1"], self.colmap_environment)
             output = run([self.program, "tsar_evaluate", "cloud",
                           "--input_path", cloud_path, "--ground_truth_path",
                           self.scans, "--tolerances",

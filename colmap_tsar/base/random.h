@@ -15,9 +15,16 @@ namespace tsar {
 // order of work.
 class Philox {
  public:
-  // The stream for one draw site, e.g. (image, region, iteration).
-  TSAR_HD Philox(uint32_t image, uint32_t region, uint32_t iteration)
-      : key0_(image), key1_(0x5EEDu), counter1_(region), counter2_(iteration) {}
+  // The stream for one draw site, e.g. (image, region, iteration); another seed
+  // gives every site another stream.
+  TSAR_HD Philox(uint32_t image,
+                 uint32_t region,
+                 uint32_t iteration,
+                 uint32_t seed = 0)
+      : key0_(image),
+        key1_(0x5EEDu ^ seed),
+        counter1_(region),
+        counter2_(iteration) {}
 
   // Goes on with the given block of four numbers of the stream, so that many
   // threads can draw from one stream, each its own blocks.

@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cstdint>
 #include <iomanip>
+#include <limits>
 #include <system_error>
 #include <type_traits>
 #include <utility>
@@ -207,6 +208,12 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "that is not known there: the higher, the fewer holes.",
        0.0,
        1.0},
+      {"seed",
+       &options->seed,
+       "Another number gives other random draws, and so tells how much of a "
+       "result is luck; the same number always gives the same maps.",
+       0,
+       std::numeric_limits<int>::max()},
   };
 }
 

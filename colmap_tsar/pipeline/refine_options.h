@@ -55,6 +55,9 @@ struct RefineOptions {
   double min_scene_plane = 100.0;
   double unlabelled_cost = 0.02;
 
+  // Keys the random numbers of every RANSAC.
+  int seed = 0;
+
   // The method as the paper describes it, in the readings that measure best.
   static RefineOptions Paper();
 

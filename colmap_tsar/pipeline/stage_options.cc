@@ -49,6 +49,7 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
   result.use_weighted_median = options.weighted_median;
   result.planes.min_support = static_cast<float>(options.min_plane_support);
   result.planes.ransac.image_id = image_id;
+  result.planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return result;
 }
 
@@ -78,6 +79,7 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   planes.ransac.tolerance.pixels = 1.f;
   planes.ransac.num_hypotheses = 200;
   planes.ransac.image_id = image_id;
+  planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return planes;
 }
 

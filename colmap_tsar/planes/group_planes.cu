@@ -70,8 +70,10 @@ TSAR_HD inline Plane DrawHypothesis(const SampleList& list,
                                     const GroupPlaneOptions& options,
                                     int64_t group,
                                     int hypothesis) {
-  Philox random(
-      options.image_id, static_cast<uint32_t>(group), options.iteration);
+  Philox random(options.image_id,
+                static_cast<uint32_t>(group),
+                options.iteration,
+                options.seed);
   random.SkipToBlock(static_cast<uint32_t>(hypothesis));
   const RayDepth& a = list[random.NextBelow(list.count)];
   const RayDepth& b = list[random.NextBelow(list.count)];

@@ -51,9 +51,10 @@ struct GroupPlaneOptions {
   int num_hypotheses = 48;
   // Larger groups score their hypotheses on this many evenly spaced samples.
   int max_scored_samples = 2048;
-  // Keys the random numbers, together with the group's number.
+  // Key the random numbers, together with the group's number.
   uint32_t image_id = 0;
   uint32_t iteration = 0;
+  uint32_t seed = 0;
 };
 
 // What RANSAC found for one group of pixels.

@@ -41,9 +41,11 @@ TEST(Philox, GivesEachDrawSiteItsOwnStream) {
   for (uint32_t image = 0; image < 8; ++image) {
     for (uint32_t region = 0; region < 8; ++region) {
       for (uint32_t iteration = 0; iteration < 8; ++iteration) {
-        Philox random(image, region, iteration);
-        blocks.push_back(NextBlock(&random));
-        blocks.push_back(NextBlock(&random));
+        for (uint32_t seed = 0; seed < 4; ++seed) {
+          Philox random(image, region, iteration, seed);
+          blocks.push_back(NextBlock(&random));
+          blocks.push_back(NextBlock(&random));
+        }
       }
     }
   }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/random.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -130,6 +131,16 @@ TEST_F(GroupPlanesTest, ScoresLargeGroupsOnSomeOfTheirSamples) {
   ASSERT_TRUE(fits[0].plane.Valid());
   EXPECT_LT(AngleBetween(fits[0].plane.normal, first_.normal), 0.2f);
   EXPECT_NEAR(fits[0].num_inliers, 25 * 39 * 2 / 3, 50);
+}
+
+TEST_F(GroupPlanesTest, DrawsOtherSamplesWithAnotherSeed) {
+  options_.num_hypotheses = 1;
+  std::set<int> num_inliers;
+  for (uint32_t seed = 0; seed < 10; ++seed) {
+    options_.seed = seed;
+    num_inliers.insert(Fit(depth_)[0].num_inliers);
+  }
+  EXPECT_GT(num_inliers.size(), 1u);
 }
 
 TEST_F(GroupPlanesTest, DoesNotDependOnTheThreads) {

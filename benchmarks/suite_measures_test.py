@@ -1,0 +1,303 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The measures of suite on maps with known answers."""
+
+import argparse
+import math
+import shutil
+import struct
+import sys
+import xml.etree.ElementTree
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from copied_scene import KEYPOINT, Scene, make_copies
+from programs import CommandFailed, run
+from suite_parts.agreement import check_sparse, check_view_agreement
+from suite_parts.comparison import compare, judge, Difference
+from suite_parts.harm import Calibration, measure_truth
+from suite_parts.maps import Maps, read_grey_png, write_map
+from suite_parts.photographs import with_noise
+from suite_parts.plots import write_plots
+from suite_parts.sparse_model import (TRACK_ELEMENT, Camera, Point, PosedImage,
+                                      SparseModel, read_model, write_text)
+from suite_parts.tables import Sample, report_lines
+from suite_parts.variants import make_variants
+from testing import check
+
+NAME = "a.png"
+
+
+def filtered(row, above, kind):
+    """A row of pixels as PNG stores it."""
+    stored, left, corner = [kind], 0, 0
+    for value, up in zip(row, above):
+        estimate = left + up - corner
+        nearest = min((left, up, corner), key=lambda near: abs(estimate - near))
+        guess = (0, left, up, (left + up) // 2, nearest)[kind]
+        stored.append((value - guess) % 256)
+        left, corner = value, up
+    return bytes(stored)
+
+
+def write_grey_png(path, pixels, depth=8):
+    def chunk(kind, body):
+        return (struct.pack(">I", len(body)) + kind + body
+                + struct.pack(">I", zlib.crc32(kind + body)))
+
+    rows, above = b"", [0] * pixels.shape[1]
+    for y, row in enumerate(pixels.tolist()):
+        rows += filtered(row, above, y % 5)
+        above = row
+    packed = zlib.compress(rows)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", pixels.shape[1],
+                                     len(pixels), depth, 0, 0, 0, 0))
+        + chunk(b"IDAT", packed[:9]) + chunk(b"IDAT", packed[9:])
+        + chunk(b"IEND", b""))
+
+
+def check_png(folder):
+    pixels = np.random.default_rng(1).integers(0, 256, (25, 31))
+    write_grey_png(folder / "grey.png", pixels)
+    check((read_grey_png(folder / "grey.png") == pixels).all(),
+          "a PNG is read, whatever its filters")
+    write_grey_png(folder / "deep.png", pixels, 16)
+    try:
+        read_grey_png(folder / "deep.png")
+        check(False, "a PNG of 16 bits is refused")
+    except CommandFailed as failure:
+        check("deep.png" in str(failure), "a PNG of 16 bits is refused")
+
+
+def put(workspace, kind, name, values, map_type="geometric"):
+    write_map(workspace / "stereo" / f"{kind}_maps" / f"{name}.{map_type}.bin",
+              values)
+
+
+def check_harm(folder):
+    """Of 100 pixels 80 were right: 8 are off by 4 %, 4 by 8 %, 2 are gone."""
+    scene, refined = folder / "before", folder / "after"
+    truth = np.full((10, 10), 2.0)
+    truth[0] = 0  # Unknown, whatever the maps say.
+    old = truth.copy()
+    old[0] = 5
+    old[1, :] *= 1.02  # Was not right.
+    new = old.copy()
+    new[0] = 0
+    new[1, :] = 0
+    new[2, :8] *= 1.04
+    new[3, :4] *= 1.08
+    new[4, :2] = 0
+    new[5] *= 1.02  # Not right any more, yet no harm.
+    write_map(scene / "ground_truth" / "depth" / f"{NAME}.bin",
+              np.kron(truth, np.ones((3, 3))))
+    put(scene, "depth", NAME, old)
+    put(refined, "depth", NAME, new)
+    confidence = np.full((10, 10), 0.95)
+    confidence[2:4] = 0.25
+    put(refined, "confidence", NAME, confidence)
+    scores = measure_truth(scene, Maps(scene), Maps(refined))
+    close = {"harm": 14 / 80, "harm_far": 6 / 80, "lost": 2 / 80,
+             # 8 of 20 are right at 0.25, and 48 of 58 at 0.95.
+             "calibration_error": (20 * 0.15 + 58 * (0.95 - 48 / 58)) / 78,
+             "calibration_gap": 0.15}
+    for key, value in close.items():
+        check(abs(scores[key] - value) < 1e-6, f"{key} is {value:.4f}")
+    check(scores["calibration_pixels"] == [0, 0, 20, 0, 0, 0, 0, 0, 0, 58],
+          "pixels are counted in tenths")
+
+
+def check_calibration():
+    calibration = Calibration()
+    # One pixel in a hundred and fifty is too few for the largest gap.
+    confidence = np.append(np.full(150, 0.5), 1.0)
+    depth = np.append(np.tile([1.0, 2.0], 75), 2.0)
+    calibration.add(confidence, depth, np.ones(151))
+    scores = calibration.scores()
+    check(abs(scores["calibration_error"] - 1 / 151) < 1e-9
+          and scores["calibration_gap"] == 0, "a confidence that is right")
+    check(scores["calibration_pixels"][9] == 1, "1 is in the last tenth")
+    check(not Calibration().scores(), "nothing known gives no score")
+
+
+def two_views(shift):
+    """Two cameras beside each other, and points at depth 2."""
+    random = np.random.default_rng(2)
+    points = [Point(i, np.array([*random.uniform(-0.3, 0.3, 2), 2.0]),
+                    (0, 0, 0), 0.5,
+                    np.array([(1, i), (2, i), (1, i)], TRACK_ELEMENT))
+              for i in range(20)]
+    points.append(Point(99, np.array([0, 0, 1.0]), (0, 0, 0), 3.0,
+                        points[0].track))
+    images = [PosedImage(i + 1, np.array([1.0, 0, 0, 0]),
+                         np.array([-shift * i, 0, 0]), 7, f"{name}/1.png",
+                         np.zeros(0, KEYPOINT))
+              for i, name in enumerate("ab")]
+    return SparseModel({7: Camera(7, "SIMPLE_PINHOLE", 80, 60,
+                                  [80.0, 40.0, 30.0])}, images, points)
+
+
+def check_views(folder):
+    """The second view's depths are off by a factor."""
+    for factor, disagreement in ((1.005, 0), (1.03, 1)):
+        for width in (40, 160):
+            model, workspace = two_views(0.1), folder / f"{factor}-{width}"
+            for image, depth in zip(model.images, (2.0, 2.0 * factor)):
+                shape = (width * 3 // 4, width)
+                put(workspace, "depth", image.name, np.full(shape, depth))
+                normals = np.zeros((3, *shape))
+                normals[2] = -1
+                put(workspace, "normal", image.name, normals)
+                origin = np.full(shape, 4)
+                origin[:, :3] = 1
+                write_grey_png(Maps(workspace).path(
+                    "provenance", image.name, "png"), origin)
+            maps = Maps(workspace)
+            found = check_view_agreement(model, maps)
+            check(found["view_disagreement"] == disagreement
+                  and found["view_turned"] == 0,
+                  f"views differ by {factor} at {width} px")
+            sparse = check_sparse(model, maps)
+            right = 0.5 if factor > 1.01 else 1
+            check(sparse["sparse_observations"] == 40
+                  and sparse["sparse_with_depth"] == 1
+                  and sparse["sparse_right_1"] == right
+                  and sparse["sparse_right_2"] == right,
+                  "observations of points are checked")
+    empty = Maps(folder, "geometric")
+    check(check_view_agreement(model, empty) == {}
+          and check_sparse(model, empty) == {}, "no maps give no scores")
+
+
+def check_model(folder):
+    sample = folder / "sample"
+    root = Path(__file__).resolve().parent.parent
+    run([sys.executable, root / "scripts" / "sample_scene.py", "unpack",
+         root / "data" / "sample", sample])
+    make_copies(Scene(sample, folder / "reduced", 8), folder / "copy", 1,
+                "auto")
+    text = read_model(sample / "sparse")
+    binary = read_model(folder / "copy" / "sparse")
+    write_text(binary, folder / "written")
+    for other in (binary, read_model(folder / "written")):
+        check(text.cameras == other.cameras, "cameras are the same")
+        check(all(np.allclose(a.keypoints["xy"], b.keypoints["xy"], atol=1e-3)
+                  and (a.keypoints["point"] == b.keypoints["point"]).all()
+                  and (a.translation == b.translation).all()
+                  and b.name == f"0000_{a.name}"
+                  for a, b in zip(text.images, other.images)),
+              "images are the same")
+        check(all((a.position == b.position).all() and a.color == b.color
+                  and a.error == b.error and (a.track == b.track).all()
+                  for a, b in zip(text.points, other.points)),
+              "points are the same")
+    camera, scaled = text.cameras[1], text.scaled(1600)
+    larger = scaled.cameras[1]
+    check((larger.width, larger.height) == (1600, 1200), "sizes are scaled")
+    check(np.allclose(larger.params, np.array(
+        camera.intrinsics((480, 640))) * 2.5), "intrinsics are scaled")
+    check(np.allclose(scaled.images[0].keypoints["xy"],
+                      text.images[0].keypoints["xy"] * 2.5),
+          "keypoints are scaled")
+
+
+def check_noise():
+    random = np.random.default_rng(3)
+    grey = with_noise(np.full((200, 300, 3), 128.0), 4, random)
+    middle, corner = grey[90:110, 140:160].mean(), grey[:9, :9].mean()
+    check(0.91 < middle / 128 < 1.09, "the exposure varies by up to 8 %")
+    check(0.75 < corner / middle < 0.79, "corners are a quarter darker")
+    spread = grey[90:110, 140:160].std() / math.sqrt(middle / 128)
+    check(3.7 < spread < 4.3, "the noise is 4 levels at mid-grey")
+
+
+def make_runs(scene, role, values, size=640, noise=0):
+    """Of one variant; F1 and HARM are values and a tenth of them."""
+    return [{"role": role, "scene": scene, "size": size, "noise": noise,
+             "maps": "own", "variant": "v", "seed": seed, "seconds": 1.0,
+             "before": {"cloud_0.05": [0.1, 0.1, 0.1]},
+             "scores": {"cloud_0.05": [0.5, 0.5, value], "harm": value / 10}}
+            for seed, value in enumerate(values)]
+
+
+def check_rule(folder):
+    sample = Sample([1.0, 2.0, 6.0])
+    check(sample.median == 2 and sample.mean == 3
+          and abs(sample.error - math.sqrt(7 / 3)) < 1e-9,
+          "median and standard error")
+    tuning, testing = ("tuning", "a"), ("testing", "b")
+    for gain, loss, words in (
+            (0.021, 0.009, "kept: "), (0.019, 0.009, "less than 2"),
+            (0.021, 0.011, "lost on b"), (-0.5, 0, "less than 2")):
+        kept, why = judge({tuning: Difference(gain, 0.01),
+                           testing: Difference(-loss, 0.01)})
+        check(words in why and kept == (words == "kept: "),
+              f"the rule: {gain:g}, {loss:g}: {why}")
+    # Two scenes halve the variance of their mean.
+    check(judge({tuning: Difference(0.015, 0.01),
+                 ("tuning", "c"): Difference(0.015, 0.01)})[0],
+          "the rule looks at the mean")
+    check("undecided" in judge({tuning: Difference(1, math.nan)})[1],
+          "one seed decides nothing")
+    old = (make_runs("a", "tuning", [0.50, 0.52])
+           + make_runs("b", "testing", [0.70, 0.72]))
+    new = (make_runs("a", "tuning", [0.60, 0.62])
+           + make_runs("b", "testing", [0.70, 0.72]))
+    lines = compare(old, new, ("old", "new"))
+    check("- F1 5 cm: kept: the tuning scenes gain +0.1000 ± 0.0141" in lines,
+          "more F1 is kept")
+    check(any(line.startswith("- HARM: not kept") for line in lines),
+          "more harm is not kept")
+    check(any("HARM: kept" in line
+              for line in compare(new, old, ("new", "old"))),
+          "less harm is kept")
+    report = "\n".join(report_lines(old, "unknown"))
+    check("0.100 → 0.510 ± 0.010" in report and "### Testing scenes" in report,
+          "a table for each role")
+    runs = [one for size in (640, 1280) for noise in (0, 4)
+            for one in make_runs("a", "tuning", [0.5], size, noise)]
+    pictures = write_plots(runs, folder)
+    check(len(pictures) == 2, "pictures by size and noise")
+    space = "{http://www.w3.org/2000/svg}"
+    for path in pictures:
+        curves = list(xml.etree.ElementTree.parse(path).iter(
+            space + "polyline"))
+        check(len(curves) == 2, f"{path.name} shows F1 and HARM")
+
+
+def check_variants():
+    variants = make_variants(["a=--x 1 --y 'b c'"], False, False, "--z 2")
+    check(variants == {"a": ["--z", "2", "--x", "1", "--y", "b c"]},
+          "options of a variant")
+    names = make_variants([], True, True, "")
+    check(next(iter(names)) == "default" and "without filter" in names
+          and names["confidence_weight 1"] == [
+              "--TsarRefine.confidence_weight", "1"],
+          "ablation and sensitivity")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--folder", required=True)
+    folder = Path(parser.parse_args().folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    check_png(folder)
+    check_harm(folder)
+    check_calibration()
+    check_views(folder)
+    check_model(folder)
+    check_noise()
+    check_rule(folder)
+    check_variants()
+    shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main()

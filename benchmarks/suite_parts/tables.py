@@ -1,0 +1,166 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Medians and standard errors over seeds, and the tables made of them."""
+
+import math
+import statistics
+
+from programs import table_lines
+
+# What the tables show: title, key of the score, number in its list, digits.
+COLUMNS = (
+    ("cloud F1 2 cm", "cloud_0.02", 2, 3), ("cloud F1 5 cm", "cloud_0.05", 2, 3),
+    ("cloud F1 10 cm", "cloud_0.1", 2, 3),
+    ("completeness 2 cm", "cloud_0.02", 0, 3),
+    ("accuracy 2 cm", "cloud_0.02", 1, 3),
+    ("accuracy 5 cm", "cloud_0.05", 1, 3),
+    ("depth F1 2 cm", "depth_all_0.02", 2, 3),
+    ("depth F1 5 cm", "depth_all_0.05", 2, 3),
+    ("precision 2 cm", "depth_all_0.02", 0, 3),
+    ("recall 2 cm", "depth_all_0.02", 1, 3),
+    ("textureless F1 2 cm", "depth_textureless_0.02", 2, 3),
+    ("HARM", "harm", None, 4), ("by over 5 %", "harm_far", None, 4),
+    ("lost", "lost", None, 4),
+    ("views disagree", "view_disagreement", None, 3),
+    ("sparse with depth", "sparse_with_depth", None, 3),
+    ("sparse right 1 %", "sparse_right_1", None, 3),
+    ("sparse right 2 %", "sparse_right_2", None, 3),
+    ("calibration error", "calibration_error", None, 3),
+    ("largest gap", "calibration_gap", None, 3),
+    ("seconds", "seconds", None, 1))
+IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")
+# Those by which variants are set beside each other.
+VARIANT_COLUMNS = tuple(column for column in COLUMNS if column[0] in (
+    "cloud F1 2 cm", "cloud F1 5 cm", "depth F1 2 cm", "depth F1 5 cm",
+    "accuracy 2 cm", "HARM"))
+
+
+def value_of(scores, key, index):
+    value = scores.get(key)
+    return value if index is None or value is None else value[index]
+
+
+class Sample:
+    """A score over the seeds."""
+
+    def __init__(self, values):
+        self.median = statistics.median(values)
+        self.mean = statistics.fmean(values)
+        # Of the mean; unknown from a single value.
+        self.error = (statistics.stdev(values) / math.sqrt(len(values))
+                      if len(values) > 1 else math.nan)
+
+
+class Row:
+    """All runs of one variant on one configuration."""
+
+    def __init__(self, identity, runs):
+        self.identity = identity
+        self.name = ", ".join((identity["scene"], f"{identity['size']} px",
+                               f"noise {identity['noise']:g}",
+                               identity["maps"]))
+        self.before = runs[0]["before"]
+        self.scores = [{**run["scores"], "seconds": run["seconds"]}
+                       for run in sorted(runs, key=lambda run: run["seed"])]
+
+    def sample(self, key, index=None):
+        values = [value_of(scores, key, index) for scores in self.scores]
+        return Sample(values) if None not in values else None
+
+
+def group_rows(runs):
+    """Rows of runs of the same configuration and variant, in their order."""
+    groups = {}
+    for one in runs:
+        groups.setdefault(tuple(one[key] for key in IDENTITY), []).append(one)
+    return [Row(dict(zip(IDENTITY, identity)), group)
+            for identity, group in groups.items()]
+
+
+def error_text(error, digits):
+    return "" if math.isnan(error) else f" ± {error:.{digits}f}"
+
+
+def cell(before, median, error, digits):
+    text = f"{median:.{digits}f}{error_text(error, digits)}"
+    return text if before is None else f"{before:.{digits}f} → {text}"
+
+
+def mean_of_samples(rows, key, index):
+    """Before, median and standard error averaged over rows; None unless all
+    rows have the score."""
+    samples = [row.sample(key, index) for row in rows]
+    if None in samples or not samples:
+        return None
+    befores = [value_of(row.before, key, index) for row in rows]
+    return (None if None in befores else statistics.fmean(befores),
+            statistics.fmean(sample.median for sample in samples),
+            math.sqrt(sum(sample.error ** 2 for sample in samples))
+            / len(samples))
+
+
+def role_table(role, rows):
+    columns = [column for column in COLUMNS
+               if any(row.sample(*column[1:3]) for row in rows)]
+    lines = []
+    for row in rows:
+        cells = []
+        for _, key, index, digits in columns:
+            sample = row.sample(key, index)
+            cells.append("-" if sample is None else cell(
+                value_of(row.before, key, index), sample.median, sample.error,
+                digits))
+        lines.append([row.name, row.identity["variant"], *cells])
+    for variant in dict.fromkeys(row.identity["variant"] for row in rows):
+        own = [row for row in rows if row.identity["variant"] == variant]
+        cells = []
+        for _, key, index, digits in columns:
+            # Over the scenes that have the score at all.
+            having = [row for row in own if row.sample(key, index)]
+            mean = mean_of_samples(having, key, index)
+            cells.append("-" if mean is None else cell(*mean, digits))
+        lines.append([f"**mean of {len(own)}**", variant, *cells])
+    head = ["scene", "variant", *(column[0] for column in columns)]
+    return table_lines(f"### {role.capitalize()} scenes", head, lines)
+
+
+def variant_table(title, key, index, digits, rows):
+    """A row per variant and a column per scene, with the mean change against
+    the first variant; nothing where there is no such score."""
+    medians = {}
+    for row in rows:
+        sample = row.sample(key, index)
+        if sample is not None:
+            medians.setdefault(row.identity["variant"], {})[
+                row.name] = sample.median
+    if not medians:
+        return []
+    base = next(iter(medians.values()))
+    lines = []
+    for variant, values in medians.items():
+        changes = [values[name] - base[name] for name in base
+                   if name in values]
+        lines.append([variant, *(f"{values[name]:.{digits}f}"
+                                 if name in values else "-" for name in base),
+                      f"{statistics.fmean(changes):+.{digits}f}"
+                      if changes else "-"])
+    return table_lines(f"### Variants: {title}",
+                       ["variant", *base, "mean change"], lines)
+
+
+def report_lines(runs, commit):
+    """The whole report in Markdown."""
+    rows = group_rows(runs)
+    seeds = sorted({run["seed"] for run in runs})
+    lines = ["## Accuracy suite", "",
+             f"Commit {commit}; {len(seeds)} seeds. Cells: before → median "
+             "after ± standard error over the seeds; before is that of the "
+             "maps that refinement began with. A mean is over the rows that "
+             "have the score."]
+    for role in dict.fromkeys(row.identity["role"] for row in rows):
+        lines += role_table(role, [row for row in rows
+                                   if row.identity["role"] == role])
+    if len({row.identity["variant"] for row in rows}) > 1:
+        for column in VARIANT_COLUMNS:
+            lines += variant_table(*column, rows)
+    return lines
