@@ -55,6 +55,14 @@ struct SelectKernel {
   }
 };
 
+struct ConfirmKernel {
+  ImageView<const float> confidence;
+  ImageView<uint8_t> agreement;
+  TSAR_HD void operator()(int x, int y) const {
+    if (!confidence.Empty() && !(confidence(x, y) > 0.f)) agreement(x, y) = 0;
+  }
+};
+
 }  // namespace
 
 DeviceImage<float> AggregateScores(ImageView<const float> depth,
@@ -82,6 +90,10 @@ DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
               score.height,
               SelectKernel{score, min_aggregated_score, reliable.View()});
   return reliable;
+}
+
+void Confirm(ImageView<const float> confidence, ImageView<uint8_t> agreement, Device& device) {
+  ParallelFor(device, agreement.width, agreement.height, ConfirmKernel{confidence, agreement});
 }
 
 }  // namespace tsar

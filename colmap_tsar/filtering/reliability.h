@@ -37,4 +37,6 @@ DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
                                     float min_aggregated_score,
                                     Device& device);
 
+void Confirm(ImageView<const float> confidence, ImageView<uint8_t> agreement, Device& device);
+
 }  // namespace tsar

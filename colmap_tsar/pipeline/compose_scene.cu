@@ -7,6 +7,8 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include <cstdlib>
 
 #include <cmath>
 #include <utility>
@@ -38,16 +40,22 @@ struct OffPlaneKernel {
   DepthResolution resolution;
   ComposeSceneOptions options;
   ImageView<uint8_t> off_plane;
+  int min_confirmations;
+  float gap;
+  float rgap;
 
   TSAR_HD void operator()(int x, int y) const {
     const float own = depth(x, y);
-    bool is_off = trust(x, y) != 0 && own > 0.f;
-    const float plane = is_off ? DepthOnPlane(scene_planes, x, y) : 0.f;
-    if (plane > 0.f) {
+    const bool is_trusted = MeasurementRating::IsTrusted(trust(x, y));
+    const bool is_confirmed = MeasurementRating::Confirmations(trust(x, y)) >= min_confirmations;
+    bool is_off = is_trusted && own > 0.f;
+    const float plane = is_off || is_confirmed ? DepthOnPlane(scene_planes, x, y) : 0.f;
+    if (is_off && plane > 0.f) {
       is_off = options.keep_off_plane &&
                fabsf(plane - own) > options.on_plane.At(own, resolution) * own;
     }
     off_plane(x, y) = is_off ? 1 : 0;
+    if (is_confirmed && own > 0.f && !(plane > 0.f && fabsf(plane - own) <= gap * resolution.RelativeDepthError(own) * own) && !(plane > 0.f && fabsf(plane - own) <= rgap * own)) off_plane(x, y) = 2;
   }
 };
 
@@ -61,6 +69,7 @@ struct ComposeSceneKernel {
   ComposeSceneInputs inputs;
   ImageView<const int> blobs;
   const int* blob_sizes;
+  ImageView<const uint8_t> off_plane;
   int min_blob;
   // The own hypotheses, which the result replaces.
   ImageView<float> depth;
@@ -69,11 +78,11 @@ struct ComposeSceneKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const int blob = blobs(x, y);
-    if (blob >= 0 && blob_sizes[blob] >= min_blob) {
+    if (blob >= 0 && (off_plane(x, y) == 2 || blob_sizes[blob] >= min_blob)) {
       provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
       return;
     }
-    const bool is_trusted = inputs.trust(x, y) != 0 && depth(x, y) > 0.f;
+    const bool is_trusted = MeasurementRating::IsTrusted(inputs.trust(x, y)) && depth(x, y) > 0.f;
     Provenance source = Provenance::kNone;
     Plane plane = inputs.scene_planes.At(x, y);
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
@@ -105,7 +114,7 @@ struct SceneConfidenceKernel {
     const auto source = static_cast<Provenance>(provenance(x, y));
     float value = ConfidenceOfFilled(source);
     if (source == Provenance::kMeasured) {
-      value = inputs.trust(x, y) / 255.f;
+      value = fmaxf(MeasurementRating::Score(inputs.trust(x, y)), .2f);
     } else if (source == Provenance::kOtherViews &&
                EvidenceAt(inputs, x, y) != LabelEvidence::kCarried) {
       value = kGuessConfidence;
@@ -134,7 +143,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
                              inputs.scene_planes,
                              resolution,
                              options,
-                             off_plane.View()});
+                             off_plane.View(), getenv("TP_CONF") ? atoi(getenv("TP_CONF")) : 9, getenv("TP_GAP") ? (float)atof(getenv("TP_GAP")) : 1.2f, getenv("TP_RGAP") ? (float)atof(getenv("TP_RGAP")) : 0.f});
   DeviceImage<int> blobs(device, width, height);
   LabelComponents(device,
                   OffPlane{off_plane.View().data},
@@ -154,6 +163,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
                   inputs,
                   blobs.View(),
                   blob_sizes.Data(),
+                  off_plane.View(),
                   static_cast<int>(options.min_blob * pixels_per_raster_pixel),
                   composed.map.depth.View(),
                   composed.map.normal.View(),

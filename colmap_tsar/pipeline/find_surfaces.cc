@@ -9,6 +9,7 @@
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/segmentation/assign_region_planes.h"
 #include "colmap_tsar/segmentation/hough.h"
@@ -17,6 +18,7 @@
 #include "colmap_tsar/superpixels/correlation.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cmath>
 #include <utility>
 
@@ -31,11 +33,13 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
                                    const RefineOptions& options,
                                    Device& device,
                                    StageTimer* timer,
-                                   StageObserver* observer) {
+                                   StageObserver* observer,
+                                   DeviceImage<uint8_t>* agree) {
   DeviceImage<float> confidence;
+  const NoiseCurve noise = EstimateNoise(views.Reference().gray, device);
   if (options.filter_confidence) {
     MatchingCosts costs =
-        ComputeMatchingCosts(views.Reference(), views.Sources(), device);
+        ComputeMatchingCosts(views.Reference(), views.Sources(), noise, getenv("TP_K") ? (float)atof(getenv("TP_K")) : 0.f, device);
     if (!reference.min_cost.Empty()) {
       costs.min_cost = DeviceImage<float>(device, reference.min_cost);
       costs.second_cost = DeviceImage<float>(device, reference.second_cost);
@@ -61,12 +65,15 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
   reliability.confidence_weight = static_cast<float>(options.confidence_weight);
   reliability.saturating_agreement = std::clamp(
       views.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
-  return AggregateScores(depth,
+  DeviceImage<float> score = AggregateScores(depth,
                          confidence.View(),
                          discontinuity.View(),
                          agreement.View(),
                          reliability,
                          device);
+  Confirm(confidence.View(), agreement.View(), device);
+  *agree = std::move(agreement);
+  return score;
 }
 
 // Sets superpixels, their planes and whom to trust.
@@ -267,7 +274,7 @@ Surfaces FindSurfaces(const ViewData& reference,
   ShowStage(
       observer, RefineStage::kNormalsInput, views->Hypotheses().normal, device);
   surfaces.score =
-      ScoreHypotheses(reference, *views, options, device, timer, observer);
+      ScoreHypotheses(reference, *views, options, device, timer, observer, &surfaces.confirmations);
   ShowStage(observer, RefineStage::kScore, surfaces.score, device);
   DeviceImage<uint8_t> reliable = SelectReliable(
       surfaces.score.View(),

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/quantize_trust.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <cmath>
 
@@ -13,12 +14,14 @@ namespace {
 struct QuantizeTrustKernel {
   ImageView<const uint8_t> trusted;
   ImageView<const float> score;
+  ImageView<const uint8_t> confirmations;
   ImageView<uint8_t> trust;
 
   TSAR_HD void operator()(int x, int y) const {
-    // A trusted pixel keeps its trust, also where nothing judged it.
-    const float level = fminf(fmaxf(ceilf(255.f * score(x, y)), 1.f), 255.f);
-    trust(x, y) = trusted(x, y) != 0 ? static_cast<uint8_t>(level) : 0;
+    trust(x, y) = MeasurementRating::Pack(
+        trusted(x, y) != 0,
+        score(x, y),
+        confirmations.Empty() ? 0 : confirmations(x, y));
   }
 };
 
@@ -26,12 +29,13 @@ struct QuantizeTrustKernel {
 
 DeviceImage<uint8_t> QuantizeTrust(ImageView<const uint8_t> trusted,
                                    ImageView<const float> score,
+                                   ImageView<const uint8_t> confirmations,
                                    Device& device) {
   DeviceImage<uint8_t> trust(device, trusted.width, trusted.height);
   ParallelFor(device,
               trusted.width,
               trusted.height,
-              QuantizeTrustKernel{trusted, score, trust.View()});
+              QuantizeTrustKernel{trusted, score, confirmations, trust.View()});
   return trust;
 }
 

@@ -13,6 +13,7 @@ namespace tsar {
 // rounded up; 0 elsewhere.
 DeviceImage<uint8_t> QuantizeTrust(ImageView<const uint8_t> trusted,
                                    ImageView<const float> score,
+                                   ImageView<const uint8_t> confirmations,
                                    Device& device);
 
 }  // namespace tsar

@@ -256,7 +256,7 @@ RefineResult MeasureImage(
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),
       gray.ToHost(),
-      QuantizeTrust(surfaces.trusted.View(), surfaces.score.View(), device)
+      QuantizeTrust(surfaces.trusted.View(), surfaces.score.View(), surfaces.confirmations.View(), device)
           .ToHost(),
       views.ReferenceCamera()});
   timer.Finish("download");

@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include <cstdlib>
 #include "colmap_tsar/superpixels/samples.h"
 
 #include <cmath>
@@ -35,7 +37,7 @@ struct MeasuredKernel {
         static_cast<int>((x + 0.5f) * depth.width / measured.width);
     const int row =
         static_cast<int>((y + 0.5f) * depth.height / measured.height);
-    measured(x, y) = trust(column, row) != 0 ? depth(column, row) : 0.f;
+    measured(x, y) = MeasurementRating::IsTrusted(trust(column, row)) ? depth(column, row) : 0.f;
   }
 };
 
@@ -271,12 +273,13 @@ struct FattenedKernel {
 struct DistrustKernel {
   ImageView<const uint8_t> fattened;
   ImageView<uint8_t> trust;
+  bool drop_all;
 
   TSAR_HD void operator()(int x, int y) const {
     if (fattened(ReducedRaster::FromMap(x, trust.width, fattened.width),
                  ReducedRaster::FromMap(y, trust.height, fattened.height)) !=
         0) {
-      trust(x, y) = 0;
+      trust(x, y) = drop_all ? 0 : MeasurementRating::WithoutTrust(trust(x, y));
     }
   }
 };
@@ -330,7 +333,7 @@ void DistrustFattened(ImageView<const uint8_t> fattened,
                       ImageView<uint8_t> trust,
                       Device& device) {
   ParallelFor(
-      device, trust.width, trust.height, DistrustKernel{fattened, trust});
+      device, trust.width, trust.height, DistrustKernel{fattened, trust, getenv("TP_FAT") && atoi(getenv("TP_FAT"))});
 }
 
 int64_t RefineBordersWorkingBytes(int64_t num_pixels,
