@@ -6,6 +6,9 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/cuda/cuda_test.h"
 
