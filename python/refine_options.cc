@@ -93,12 +93,16 @@ py::list DescribeFields() {
   RefineOptions defaults;
   RefineOptions paper = RefineOptions::Paper();
   const std::vector<RefineField> paper_fields = ListRefineFields(&paper);
+  RefineOptions strict = RefineOptions::PaperStrict();
+  const std::vector<RefineField> strict_fields = ListRefineFields(&strict);
   py::list all;
   for (const RefineField& field : ListRefineFields(&defaults)) {
     py::dict description;
     description["name"] = field.name;
     description["default"] = GetField(field);
     description["paper"] = GetField(FindField(paper_fields, field.name));
+    description["paper_strict"] =
+        GetField(FindField(strict_fields, field.name));
     description["description"] = field.description;
     const bool has_range = !std::holds_alternative<bool*>(field.value);
     description["range"] =

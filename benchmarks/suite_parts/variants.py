@@ -8,7 +8,8 @@ from programs import CommandFailed
 
 SWITCHES = ("filter", "filter_confidence", "filter_discontinuity", "refine",
             "superpixel_planes", "weighted_median", "segment",
-            "view_agreement", "region_cores", "scene_planes",
+            "view_agreement", "region_cores", "region_rims",
+            "bounded_regions", "scene_planes",
             "foreground_fattening", "manhattan_frame", "free_space",
             "bounded_planes", "pixel_borders", "curved_surfaces",
             "off_plane_depths")
@@ -46,7 +47,8 @@ def make_variants(given, ablation, sensitivity, extra):
     if ablation:
         for switch in SWITCHES:
             variants[f"without {switch}"] = [f"--TsarRefine.{switch}", "0"]
-        variants["preset paper"] = ["--TsarRefine.preset", "paper"]
+        for preset in ("paper", "paper_strict"):
+            variants[f"preset {preset}"] = ["--TsarRefine.preset", preset]
     if sensitivity:
         for name, value in PARAMETERS.items():
             half = value // 2 if isinstance(value, int) else value / 2

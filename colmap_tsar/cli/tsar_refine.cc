@@ -90,9 +90,11 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   const std::string group = kGroup;
   options->AddChoice(group + "preset",
                      &command->preset,
-                     {"default", "paper"},
+                     {"default", "paper", "paper_strict"},
                      "Values for the options below that are not given: what "
-                     "measures best, or the published method as it is.");
+                     "measures best; the published method in its best "
+                     "readings; or its equations as printed, for scenes in "
+                     "metres.");
   AddDeviceArguments(group, &command->devices, options);
   options->Add(
       group + "num_threads",
@@ -171,9 +173,10 @@ int RunTsarRefine(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  if (command.preset == "paper") {
+  if (command.preset != "default") {
     // The options that were given come on top of the preset.
-    command.refine = RefineOptions::Paper();
+    command.refine = command.preset == "paper" ? RefineOptions::Paper()
+                                               : RefineOptions::PaperStrict();
     options.Parse(argc, argv);
   }
   if (command.restore) {

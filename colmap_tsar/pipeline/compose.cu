@@ -64,6 +64,30 @@ struct ComposeKernel {
   }
 };
 
+struct LayRegionsKernel {
+  PlaneRaster planes;
+  DisparityScale scale;
+  PlaneTolerance on_plane;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Plane plane = planes.At(x, y);
+    if (!plane.Valid()) {
+      return;
+    }
+    const float z = plane.Depth(planes.intrinsics.Ray(x, y));
+    const bool is_measured =
+        static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured &&
+        fabsf(depth(x, y) - z) < on_plane.At(z, scale) * z;
+    depth(x, y) = z;
+    normal(x, y) = plane.normal;
+    provenance(x, y) = static_cast<uint8_t>(
+        is_measured ? Provenance::kMeasured : Provenance::kRegionPlane);
+  }
+};
+
 struct MarkKernel {
   ImageView<const uint8_t> filled;
   ImageView<uint8_t> provenance;
@@ -111,6 +135,22 @@ ComposedMap ComposeMap(DepthNormalImages own,
                             composed.map.normal.View(),
                             composed.provenance.View()});
   return composed;
+}
+
+void LayRegionPlanes(const PlaneRaster& region_planes,
+                     const DisparityScale& scale,
+                     const ComposeOptions& options,
+                     ComposedMap* composed,
+                     Device& device) {
+  ParallelFor(device,
+              composed->map.depth.Width(),
+              composed->map.depth.Height(),
+              LayRegionsKernel{region_planes,
+                               scale,
+                               options.on_plane,
+                               composed->map.depth.View(),
+                               composed->map.normal.View(),
+                               composed->provenance.View()});
 }
 
 void MarkInterpolated(ImageView<const uint8_t> filled,

@@ -42,6 +42,14 @@ ComposedMap ComposeMap(DepthNormalImages own,
                        const ComposeOptions& options,
                        Device& device);
 
+// Replaces what a map holds by the planes of regions wherever these are, as in
+// the paper. A trusted measurement that lies on the plane still counts as one.
+void LayRegionPlanes(const PlaneRaster& region_planes,
+                     const DisparityScale& scale,
+                     const ComposeOptions& options,
+                     ComposedMap* composed,
+                     Device& device);
+
 // Sets the provenance of the pixels where filled is not 0.
 void MarkInterpolated(ImageView<const uint8_t> filled,
                       ComposedMap* composed,

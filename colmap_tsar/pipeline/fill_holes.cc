@@ -19,7 +19,10 @@ WeightedMedianOptions FilterOptions(const RefineOptions& options,
   filter.radius = ScaledRadius(2.f * options.window_radius, width, height);
   filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
   filter.color_sigma = static_cast<float>(options.color_sigma);
-  filter.min_support = 1.f / 3.f;
+  filter.min_support = options.fill_wide_holes ? 0.f : 1.f / 3.f;
+  if (options.pixel_distances) {
+    filter.distance_unit = ScaledRadius(1.f, width, height);
+  }
   return filter;
 }
 

@@ -10,8 +10,11 @@
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/noise/estimate_noise.h"
+#include "colmap_tsar/pipeline/compose_surfaces.h"
+#include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/segmentation/assign_region_planes.h"
+#include "colmap_tsar/segmentation/boundary_test.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/segmentation/roberts.h"
@@ -44,7 +47,8 @@ DeviceImage<float> ScoreHypotheses(const ViewData& reference,
       costs.min_cost = DeviceImage<float>(device, reference.min_cost);
       costs.second_cost = DeviceImage<float>(device, reference.second_cost);
     }
-    confidence = ComputeConfidence(costs, {}, device);
+    confidence =
+        ComputeConfidence(costs, MakeConfidenceOptions(options), device);
     ShowStage(observer, RefineStage::kCost, costs.min_cost, device);
     ShowStage(observer, RefineStage::kMatchConfidence, confidence, device);
   }
@@ -115,6 +119,7 @@ void RefineTrust(const DeviceViews& views,
                           device);
   surfaces->superpixel_planes = std::move(correlation.planes);
   surfaces->trusted = std::move(correlation.trusted);
+  surfaces->spread = std::move(correlation.spread);
   ShowMaskedDepth(observer,
                   RefineStage::kDepthTrusted,
                   views.Hypotheses().depth,
@@ -135,8 +140,11 @@ Regions SegmentTexturelessRegions(const DeviceViews& views,
                                   const RefineOptions& options,
                                   Device& device,
                                   StageObserver* observer) {
-  const DeviceImage<uint8_t> edges = DetectRobertsEdges(
-      views.RasterColor(), static_cast<float>(options.edge_threshold), device);
+  const float threshold = static_cast<float>(options.edge_threshold);
+  const DeviceImage<uint8_t> edges =
+      options.edges_of_roots
+          ? DetectEdgesOfRoots(views.RasterColor(), threshold, device)
+          : DetectRobertsEdges(views.RasterColor(), threshold, device);
   const DeviceImage<uint8_t> borders = DrawLineSegments(
       edges.View(), MakeHoughOptions(options, views.RasterScale()), device);
   Regions regions = FindRegions(
@@ -147,9 +155,26 @@ Regions SegmentTexturelessRegions(const DeviceViews& views,
   return regions;
 }
 
+// The depths that tell of the planes of regions, and where they may be used.
+struct RegionEvidence {
+  ImageView<const float> depth;
+  ImageView<const uint8_t> reliable;
+};
+
+RegionEvidence EvidenceOfRegions(const DeviceViews& views,
+                                 const Surfaces& surfaces) {
+  if (!surfaces.filled.map.depth.Empty()) {
+    return {surfaces.filled.map.depth.View(),
+            surfaces.filled.provenance.View()};
+  }
+  return {surfaces.spread.depth.Empty() ? views.Hypotheses().depth
+                                        : surfaces.spread.depth.View(),
+          surfaces.trusted.View()};
+}
+
 DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                     ImageView<const float> score,
-                                    ImageView<const uint8_t> trusted,
+                                    const RegionEvidence& evidence,
                                     uint32_t image_id,
                                     const RefineOptions& options,
                                     Device& device,
@@ -161,14 +186,22 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
   const RegionPlaneOptions planes =
       MakeRegionPlaneOptions(options, views.RasterScale(), image_id);
   const DeviceImage<RayDepth> samples =
-      SampleMeasurements(views.Hypotheses().depth,
+      SampleMeasurements(evidence.depth,
                          score,
-                         trusted,
+                         evidence.reliable,
                          views.MapIntrinsics(),
                          views.Raster(),
                          device);
-  const RegionPlanes fits =
+  RegionPlanes fits =
       FitRegionPlanes(regions, samples.View(), views.Scale(), planes, device);
+  if (options.max_boundary_gap > 0.0) {
+    RejectByBoundary(regions,
+                     samples.View(),
+                     views.RasterIntrinsics(),
+                     static_cast<float>(options.max_boundary_gap),
+                     device,
+                     &fits);
+  }
   DeviceImage<Plane> pixel_planes = AssignRegionPlanes(regions,
                                                        fits,
                                                        samples.View(),
@@ -207,12 +240,17 @@ int64_t RegionPlanesWorkingBytes(const RefineOptions& options,
       MaxRegions(num_raster_pixels, MinRegionSize(options, min_scale));
   const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
   return samples +
-         std::max(FitRegionPlanesWorkingBytes(
-                      num_raster_pixels,
-                      num_regions,
-                      MakeRegionPlaneOptions(options, min_scale, 0)),
-                  RegionPlanesBytes(num_raster_pixels, num_regions) +
-                      AssignRegionPlanesWorkingBytes(num_raster_pixels));
+         std::max(
+             FitRegionPlanesWorkingBytes(
+                 num_raster_pixels,
+                 num_regions,
+                 MakeRegionPlaneOptions(options, min_scale, 0)),
+             RegionPlanesBytes(num_raster_pixels, num_regions) +
+                 std::max(AssignRegionPlanesWorkingBytes(num_raster_pixels),
+                          options.max_boundary_gap > 0.0
+                              ? RejectByBoundaryWorkingBytes(num_raster_pixels,
+                                                             num_regions)
+                              : 0));
 }
 
 int64_t SegmentingBytes(const RefineOptions& options,
@@ -237,6 +275,23 @@ int64_t SuperpixelBytes(const RefineOptions& options,
   return options.refine
              ? BytesOf<int>(num_raster_pixels) + BytesOf<Plane>(num_superpixels)
              : 0;
+}
+
+// What spreading and filling add to that for good.
+int64_t SpreadAndFilledBytes(const RefineOptions& options, int64_t num_pixels) {
+  const int64_t map = BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
+  return (options.refine && options.spread_medians ? map : 0) +
+         (options.fill_before_regions ? BytesOf<uint8_t>(num_pixels) : 0);
+}
+
+// Beside the map that is filled and its provenance.
+int64_t FillingBytes(const RefineOptions& options, int64_t num_pixels) {
+  if (!options.fill_before_regions) {
+    return 0;
+  }
+  return SuperpixelBytes(options, MaxRasterPixels(num_pixels)) +
+         std::max(BytesOf<Plane>(MaxRasterPixels(num_pixels)),
+                  FillHolesWorkingBytes(options, num_pixels));
 }
 
 int64_t RefineTrustWorkingBytes(const RefineOptions& options,
@@ -296,15 +351,25 @@ Surfaces FindSurfaces(const ViewData& reference,
               timer,
               observer,
               &surfaces);
+  if (options.fill_before_regions) {
+    surfaces.filled = ComposeSurfaces({}, options, &surfaces, views, device);
+    FillHoles(views->Color(),
+              views->MapIntrinsics(),
+              options,
+              &surfaces.filled,
+              device);
+    timer->Finish("composition");
+  }
   if (options.segment) {
-    surfaces.region_planes = FindRegionPlanes(*views,
-                                              surfaces.score.View(),
-                                              surfaces.trusted.View(),
-                                              image_id,
-                                              options,
-                                              device,
-                                              timer,
-                                              observer);
+    surfaces.region_planes =
+        FindRegionPlanes(*views,
+                         surfaces.score.View(),
+                         EvidenceOfRegions(*views, surfaces),
+                         image_id,
+                         options,
+                         device,
+                         timer,
+                         observer);
   }
   return surfaces;
 }
@@ -317,19 +382,22 @@ int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
       options.segment ? SuperpixelBytes(options, num_raster_pixels) +
                             SegmentingBytes(options, num_raster_pixels)
                       : 0;
-  return std::max(
-      DeviceViewsWorkingBytes(num_pixels, num_sources) +
-          std::max(ScoringBytes(options, num_pixels),
-                   ScoreAndTrustBytes(num_pixels)),
-      DeviceViewsBytesWithoutSources(num_pixels) +
-          ScoreAndTrustBytes(num_pixels) +
-          std::max(RefineTrustWorkingBytes(options, num_pixels), segmenting));
+  return std::max(DeviceViewsWorkingBytes(num_pixels, num_sources) +
+                      std::max(ScoringBytes(options, num_pixels),
+                               ScoreAndTrustBytes(num_pixels)),
+                  DeviceViewsBytesWithoutSources(num_pixels) +
+                      ScoreAndTrustBytes(num_pixels) +
+                      std::max(RefineTrustWorkingBytes(options, num_pixels),
+                               SpreadAndFilledBytes(options, num_pixels) +
+                                   std::max(FillingBytes(options, num_pixels),
+                                            segmenting)));
 }
 
 int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels) {
   const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
   return ScoreAndTrustBytes(num_pixels) +
          SuperpixelBytes(options, num_raster_pixels) +
+         SpreadAndFilledBytes(options, num_pixels) +
          (options.segment ? BytesOf<Plane>(num_raster_pixels) : 0);
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
@@ -24,6 +25,13 @@ struct Surfaces {
   // Empty without RefineOptions::refine.
   Superpixels superpixels;
   Buffer<Plane> superpixel_planes;
+  // The depths of the trusted pixels with RefineOptions::spread_medians; else
+  // empty.
+  DepthNormalImages spread;
+  // The map as R1 and R2 leave it with RefineOptions::fill_before_regions, to
+  // which the regions were fitted; else empty. The hypotheses of the views or
+  // `spread` went into it.
+  ComposedMap filled;
   // The regions' planes at the raster's pixels; empty without
   // RefineOptions::segment.
   DeviceImage<Plane> region_planes;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/compose_surfaces.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
@@ -33,24 +34,23 @@ RefineResult RefineImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(
+  Surfaces surfaces = FindSurfaces(
       reference, image_id, options, &views, device, &timer, observer);
-  DeviceImage<Plane> superpixel_planes;
-  if (options.superpixel_planes && surfaces.superpixels.count > 0) {
-    superpixel_planes = PlanesOfLabels(
-        surfaces.superpixels.labels.View(), surfaces.superpixel_planes, device);
+  const PlaneRaster region_planes = views.OnMap(surfaces.region_planes);
+  ComposedMap composed;
+  if (options.fill_before_regions) {
+    composed = std::move(surfaces.filled);
+    LayRegionPlanes(region_planes, views.Scale(), {}, &composed, device);
+  } else {
+    composed =
+        ComposeSurfaces(region_planes, options, &surfaces, &views, device);
   }
-  ComposedMap composed = ComposeMap(views.TakeHypotheses(),
-                                    {surfaces.trusted.View(),
-                                     views.OnMap(superpixel_planes),
-                                     views.OnMap(surfaces.region_planes)},
-                                    views.Scale(),
-                                    {},
-                                    device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
-  FillHoles(views.Color(), views.MapIntrinsics(), options, &composed, device);
+  if (!options.fill_before_regions) {
+    FillHoles(views.Color(), views.MapIntrinsics(), options, &composed, device);
+  }
   const DeviceImage<float> confidence =
-      RateConfidence(composed, surfaces.score.View(), device);
+      RateConfidence(composed, std::as_const(surfaces.score).View(), device);
   timer.Finish("composition");
   result.maps = Download(composed, confidence);
   timer.Finish("download");

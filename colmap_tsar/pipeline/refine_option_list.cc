@@ -44,6 +44,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"filter_discontinuity",
        &options->filter_discontinuity,
        "Judge depths by the size of the smooth surface around them."},
+      {"cost_ratio",
+       &options->cost_ratio,
+       "Let the quotient of the two smallest costs count among the matching "
+       "costs, as in the paper: depths that two source images match equally "
+       "well gain by it."},
       {"view_agreement",
        &options->view_agreement,
        "Judge depths by the number of source images whose depths agree."},
@@ -73,6 +78,29 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->readmit_filtered,
        "Let depths that the filter rejected return where the weighted median "
        "of their surroundings confirms them."},
+      {"spread_medians",
+       &options->spread_medians,
+       "Give depths that the weighted median of their surroundings confirms "
+       "the depth of this median, as in the paper. If 0, they keep their own. "
+       "Has no effect with scene_planes."},
+      {"small_windows",
+       &options->small_windows,
+       "Confirm depths by windows half as wide, as the paper prints them: from "
+       "2^(num_iterations - 1) times window_radius down to window_radius."},
+      {"pixel_distances",
+       &options->pixel_distances,
+       "Let a neighbour's weight in weighted medians fall with its distance in "
+       "pixels of a map 3110 wide, as printed in the paper. If 0, with that in "
+       "steps of the window's sampling."},
+      {"fill_wide_holes",
+       &options->fill_wide_holes,
+       "Fill holes by weighted medians wherever any sample of the window holds "
+       "a depth. If 0, a third of them must."},
+      {"fill_before_regions",
+       &options->fill_before_regions,
+       "Fill holes by weighted medians before planes are fitted to regions, "
+       "and let these planes replace what is there, as in the paper. If 0, "
+       "after them. Has no effect with scene_planes."},
       {"num_iterations",
        &options->num_iterations,
        "Rounds of the weighted median filters (N_t in the paper).",
@@ -91,6 +119,14 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "[0, 1] (sigma in the paper).",
        0.0,
        1.0},
+      {"loose_plane_tolerance",
+       &options->loose_plane_tolerance,
+       "Find the planes of superpixels in two steps, as the paper prints it: "
+       "first with this tolerance, in the unit of the sparse model, then, "
+       "where the plane is credible, with 0.001 of the depth. The paper has "
+       "0.005 m. If 0, in one step.",
+       0.0,
+       1e9},
       {"window_radius",
        &options->window_radius,
        "Radius of the smallest median window, in pixels of a map 3110 wide "
@@ -123,6 +159,15 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Step of brightness that bounds a region, in levels of 0-255.",
        0.0,
        255.0},
+      {"edges_of_roots",
+       &options->edges_of_roots,
+       "Take the roots of brightness before the differences of the edge "
+       "detector, whose summed squares must exceed edge_threshold, as printed "
+       "in the paper. If 0, the root of the summed squares counts."},
+      {"short_lines",
+       &options->short_lines,
+       "Let straight lines of any length bound a region. If 0, those of at "
+       "least a thirtieth of the image's shorter side."},
       {"hough_min_votes",
        &options->hough_min_votes,
        "Edge pixels that a straight line needs (epsilon in the paper).",
@@ -139,6 +184,14 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Let depths well inside a region decide about its plane before those on "
        "its rim, which belong to whatever hangs in front. If 0, one fit takes "
        "both."},
+      {"region_rims",
+       &options->region_rims,
+       "Let depths around a region help to find its plane. If 0, only those "
+       "inside it."},
+      {"bounded_regions",
+       &options->bounded_regions,
+       "Let the plane of a region reach no further than three standard "
+       "deviations of where depths lie on it. If 0, it fills the region."},
       {"max_region_planes",
        &options->max_region_planes,
        "Most planes that one region may hold.",
@@ -157,6 +210,14 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "in the paper).",
        0.0,
        1.0},
+      {"max_boundary_gap",
+       &options->max_boundary_gap,
+       "How far a region's plane may be on average from the depths beside the "
+       "region's border, in the unit of the sparse model, as the paper prints "
+       "it (gamma, 0.1 m). If above 0, this alone decides whether a plane "
+       "stands, and max_boundary_error has no effect.",
+       0.0,
+       1e9},
       {"scene_planes",
        &options->scene_planes,
        "Find planes in all views of a surface together and let them decide. If "

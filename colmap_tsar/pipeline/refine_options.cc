@@ -42,6 +42,23 @@ RefineOptions RefineOptions::Paper() {
   return options;
 }
 
+RefineOptions RefineOptions::PaperStrict() {
+  RefineOptions options = Paper();
+  options.cost_ratio = true;
+  options.spread_medians = true;
+  options.small_windows = true;
+  options.pixel_distances = true;
+  options.fill_wide_holes = true;
+  options.fill_before_regions = true;
+  options.loose_plane_tolerance = 5e-3;
+  options.edges_of_roots = true;
+  options.short_lines = true;
+  options.region_rims = false;
+  options.bounded_regions = false;
+  options.max_boundary_gap = 0.1;
+  return options;
+}
+
 void RefineOptions::Check() const {
   if (filter && !filter_confidence && !filter_discontinuity &&
       !view_agreement) {

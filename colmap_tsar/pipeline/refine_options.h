@@ -15,6 +15,7 @@ struct RefineOptions {
   bool filter = true;
   bool filter_confidence = true;
   bool filter_discontinuity = true;
+  bool cost_ratio = false;
   bool view_agreement = true;
   double min_aggregated_score = 0.8;  // eta
   double confidence_weight = 0.7;     // tau
@@ -24,9 +25,15 @@ struct RefineOptions {
   bool superpixel_planes = true;
   bool weighted_median = true;
   bool readmit_filtered = false;
-  int num_iterations = 4;             // N_t
-  int superpixel_size = 400;          // S_sp
-  double min_plane_support = 0.3;     // sigma
+  bool spread_medians = false;
+  bool small_windows = false;
+  bool pixel_distances = false;
+  bool fill_wide_holes = false;
+  bool fill_before_regions = false;
+  int num_iterations = 4;          // N_t
+  int superpixel_size = 400;       // S_sp
+  double min_plane_support = 0.3;  // sigma
+  double loose_plane_tolerance = 0.0;
   int window_radius = 5;              // delta
   double spatial_sigma = 2.0;         // alpha
   double color_sigma = 3.0;           // beta
@@ -35,12 +42,17 @@ struct RefineOptions {
   // Textureless-aware segmentation.
   bool segment = true;
   double edge_threshold = 4.0;
+  bool edges_of_roots = false;
+  bool short_lines = false;
   int hough_min_votes = 5;  // epsilon
   int hough_max_gap = 15;   // upsilon
   bool region_cores = true;
+  bool region_rims = true;
+  bool bounded_regions = true;
   int max_region_planes = 4;
   int min_region_size = 8000;        // kappa * 10^4
   double max_boundary_error = 0.02;  // gamma, as a fraction of depth
+  double max_boundary_gap = 0.0;     // gamma, in the unit of the model
 
   // Planes of the scene, views that agree.
   bool scene_planes = true;
@@ -60,6 +72,9 @@ struct RefineOptions {
 
   // The method as the paper describes it, in the readings that measure best.
   static RefineOptions Paper();
+  // Its equations as printed, wherever these can be computed (docs/method.md
+  // has the list). Lengths are metres, as on ETH3D.
+  static RefineOptions PaperStrict();
 
   // Throws kBadOption, naming the option, where a value makes no sense.
   void Check() const;

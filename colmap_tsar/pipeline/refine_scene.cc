@@ -250,8 +250,13 @@ RefineResult MeasureImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(
-      reference, image_id, options, &views, device, &timer, observer);
+  const Surfaces surfaces = FindSurfaces(reference,
+                                         image_id,
+                                         MeasuringOptions(options),
+                                         &views,
+                                         device,
+                                         &timer,
+                                         observer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),

@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
+#include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
@@ -64,11 +65,17 @@ int64_t RefineImageWorkingBytes(const RefineOptions& options,
                                   ? BytesOf<Plane>(MaxRasterPixels(num_pixels))
                                   : 0;
   const int64_t provenance = BytesOf<uint8_t>(num_pixels);
+  // With fill_before_regions, FindSurfaces() does these.
+  const int64_t filling = options.fill_before_regions
+                              ? 0
+                              : plane_image + provenance +
+                                    FillHolesWorkingBytes(options, num_pixels);
+  const int64_t rating =
+      (options.fill_before_regions ? 0 : plane_image + provenance) +
+      ConfidenceBytes(num_pixels);
   const int64_t composing = DeviceViewsBytesWithoutSources(num_pixels) +
-                            SurfacesBytes(options, num_pixels) + plane_image +
-                            provenance +
-                            std::max(FillHolesWorkingBytes(options, num_pixels),
-                                     ConfidenceBytes(num_pixels));
+                            SurfacesBytes(options, num_pixels) +
+                            std::max(filling, rating);
   return std::max(FindSurfacesWorkingBytes(options, num_pixels, num_sources),
                   composing);
 }
@@ -80,10 +87,12 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
   const int64_t gray = BytesOf<float>(num_raster_pixels);
   const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
   const int64_t trust = BytesOf<uint8_t>(num_pixels);
-  const int64_t downloading = DeviceViewsBytesWithoutSources(num_pixels) +
-                              SurfacesBytes(options, num_pixels) + gray +
-                              std::max(samples, trust);
-  return std::max(FindSurfacesWorkingBytes(options, num_pixels, num_sources),
+  const int64_t downloading =
+      DeviceViewsBytesWithoutSources(num_pixels) +
+      SurfacesBytes(MeasuringOptions(options), num_pixels) + gray +
+      std::max(samples, trust);
+  return std::max(FindSurfacesWorkingBytes(
+                      MeasuringOptions(options), num_pixels, num_sources),
                   downloading);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tsar {
 namespace {
@@ -36,6 +37,21 @@ double MedianNoise(const std::vector<ObservedView>& views) {
 
 }  // namespace
 
+RefineOptions MeasuringOptions(const RefineOptions& options) {
+  RefineOptions measuring = options;
+  measuring.spread_medians = false;
+  measuring.fill_before_regions = false;
+  return measuring;
+}
+
+ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options) {
+  ConfidenceOptions confidence;
+  if (options.cost_ratio) {
+    confidence.ratio_term = RatioTerm::kSimilarity;
+  }
+  return confidence;
+}
+
 CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
                                           uint32_t image_id) {
   CorrelationOptions result;
@@ -45,9 +61,14 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
   result.spatial_sigma = static_cast<float>(options.spatial_sigma);
   result.color_sigma = static_cast<float>(options.color_sigma);
   result.readmit_filtered = options.readmit_filtered;
+  result.spread_medians = options.spread_medians;
+  result.small_windows = options.small_windows;
+  result.pixel_distances = options.pixel_distances;
   result.use_superpixel_planes = options.superpixel_planes;
   result.use_weighted_median = options.weighted_median;
   result.planes.min_support = static_cast<float>(options.min_plane_support);
+  result.planes.loose_tolerance =
+      static_cast<float>(options.loose_plane_tolerance);
   result.planes.ransac.image_id = image_id;
   result.planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return result;
@@ -58,6 +79,9 @@ HoughOptions MakeHoughOptions(const RefineOptions& options,
   HoughOptions hough;
   hough.min_votes = options.hough_min_votes;
   hough.max_gap = ScaledLength(options.hough_max_gap, raster_scale);
+  if (options.short_lines) {
+    hough.min_length_share = 0.f;
+  }
   return hough;
 }
 
@@ -72,10 +96,20 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   RegionPlaneOptions planes;
   planes.max_planes = options.max_region_planes;
   planes.use_core = options.region_cores;
-  planes.rim_width = ScaledLength(planes.rim_width, raster_scale);
+  planes.rim_width =
+      options.region_rims ? ScaledLength(planes.rim_width, raster_scale) : 0;
   planes.core_margin = ScaledLength(planes.core_margin, raster_scale);
   planes.min_rim_share = static_cast<float>(options.min_plane_support);
   planes.max_boundary_error = static_cast<float>(options.max_boundary_error);
+  if (options.max_boundary_gap > 0.0) {
+    // The test that follows alone decides.
+    planes.min_samples = 3;
+    planes.min_rim_share = 0.f;
+    planes.max_boundary_error = std::numeric_limits<float>::infinity();
+  }
+  if (!options.bounded_regions) {
+    planes.max_extrapolation = std::numeric_limits<float>::infinity();
+  }
   planes.ransac.tolerance.pixels = 1.f;
   planes.ransac.num_hypotheses = 200;
   planes.ransac.image_id = image_id;

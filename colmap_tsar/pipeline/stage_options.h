@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/filtering/confidence.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
@@ -22,6 +23,12 @@ namespace tsar {
 // What single stages make of the options of a run. raster_scale: that of
 // DeviceViews; lengths shrink by it, areas by its square. image_id keys the
 // random numbers.
+
+// Of a view whose measurements serve the planes of the scene: these need every
+// pixel's own depth, and no others.
+RefineOptions MeasuringOptions(const RefineOptions& options);
+
+ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options);
 
 CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
                                           uint32_t image_id);

@@ -20,8 +20,13 @@ struct PlaneTolerance {
   // Never below this share of the relative depth of one pixel of disparity: at
   // the paper's image size that is what its 10^-3 amounts to.
   float pixels = 0.3f;
+  // Where above 0, this distance in the unit of the depths instead.
+  float absolute = 0.f;
 
   TSAR_HD float At(float depth, const DepthResolution& resolution) const {
+    if (absolute > 0.f) {
+      return absolute / depth;
+    }
     const float by_disparity = pixels * resolution.RelativeDepthError(depth);
     return by_disparity > relative ? by_disparity : relative;
   }

@@ -12,9 +12,15 @@ namespace tsar {
 
 // Edge pixels (1, others 0) of Roberts' operator: the root of the summed
 // squares of the two diagonal differences exceeds threshold, in grey levels on
-// 0-255. Eq. 10 takes the root of each grey level instead; then a step of 32
-// levels would be needed at grey 128, and white walls would have no edges.
+// 0-255.
 DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
+                                        float threshold,
+                                        Device& device);
+
+// The same by Eq. 10 as printed, which takes the root of each grey level before
+// the differences: their summed squares exceed threshold. With a threshold of
+// 4, a step of 34 levels is needed at grey 128, and white walls have few edges.
+DeviceImage<uint8_t> DetectEdgesOfRoots(ImageView<const Rgb> color,
                                         float threshold,
                                         Device& device);
 

@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/superpixels/spread_round.h"
 #include "colmap_tsar/superpixels/trust.h"
 
 #include <algorithm>
@@ -66,6 +67,24 @@ WeightedMedianOptions SigmasOf(const CorrelationOptions& options) {
   return filter;
 }
 
+// F_A in this round, for a map of this size.
+WeightedMedianOptions FilterOfRound(const CorrelationOptions& options,
+                                    int round,
+                                    int width,
+                                    int height) {
+  const int exponent =
+      options.num_iterations - round + (options.small_windows ? 0 : 1);
+  WeightedMedianOptions filter = SigmasOf(options);
+  filter.radius = ScaledRadius(
+      options.window_radius * std::exp2(static_cast<float>(exponent)),
+      width,
+      height);
+  if (options.pixel_distances) {
+    filter.distance_unit = ScaledRadius(1.f, width, height);
+  }
+  return filter;
+}
+
 }  // namespace
 
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
@@ -89,12 +108,22 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
   if (options.use_superpixel_planes) {
     groups = GroupPixels(superpixels.labels.View(), superpixels.count, device);
   }
-  DeviceImage<InverseDepthPlane> estimate(device, width, height);
+  DeviceImage<InverseDepthPlane> estimate;
+  if (options.spread_medians) {
+    result.spread = CopyMap(own, device);
+  } else {
+    estimate = DeviceImage<InverseDepthPlane>(device, width, height);
+  }
   for (int round = 1; round <= options.num_iterations; ++round) {
     DeviceImage<Plane> planes;
     if (options.use_superpixel_planes) {
       const DeviceImage<RayDepth> samples = SampleMeasurements(
-          own.depth, score, result.trusted.View(), intrinsics, raster, device);
+          options.spread_medians ? result.spread.depth.View() : own.depth,
+          score,
+          result.trusted.View(),
+          intrinsics,
+          raster,
+          device);
       SuperpixelPlaneOptions plane_options = options.planes;
       plane_options.ransac.iteration = round;
       result.planes = FitSuperpixelPlanes(groups,
@@ -105,30 +134,37 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                                           device);
       planes = PlanesOfLabels(superpixels.labels.View(), result.planes, device);
     }
-    ParallelFor(device,
-                width,
-                height,
-                EstimateKernel{own,
-                               {planes.View(), intrinsics, width, height},
-                               intrinsics,
-                               result.trusted.View(),
-                               estimate.View()});
+    const WeightedMedianOptions filter =
+        FilterOfRound(options, round, width, height);
+    const PlaneRaster raster_planes{planes.View(), intrinsics, width, height};
     const TrustGate gate{own.depth,
                          score,
                          scale,
                          options.disparity_tolerance / round,
                          options.readmit_filtered};
+    if (options.spread_medians) {
+      SpreadRound(raster_planes,
+                  color,
+                  options.use_weighted_median ? &filter : nullptr,
+                  gate,
+                  &result.spread,
+                  result.trusted.View(),
+                  device);
+      continue;
+    }
+    ParallelFor(device,
+                width,
+                height,
+                EstimateKernel{own,
+                               raster_planes,
+                               intrinsics,
+                               result.trusted.View(),
+                               estimate.View()});
     if (!options.use_weighted_median) {
       GateByPlanes(
           estimate.View(), intrinsics, gate, result.trusted.View(), device);
       continue;
     }
-    WeightedMedianOptions filter = SigmasOf(options);
-    filter.radius = ScaledRadius(
-        options.window_radius *
-            std::exp2(static_cast<float>(options.num_iterations - round + 1)),
-        width,
-        height);
     GateByWeightedMedian(estimate.View(),
                          color,
                          intrinsics,
@@ -178,11 +214,17 @@ int64_t RefineByCorrelationWorkingBytes(int64_t num_pixels,
                                         int64_t num_raster_pixels,
                                         int64_t num_superpixels,
                                         const CorrelationOptions& options) {
-  const int64_t estimate = BytesOf<InverseDepthPlane>(num_pixels);
-  const int64_t filter =
-      options.use_weighted_median
-          ? GateByWeightedMedianWorkingBytes(SigmasOf(options))
-          : 0;
+  const WeightedMedianOptions sigmas = SigmasOf(options);
+  const int64_t map = BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
+  const int64_t estimate =
+      options.spread_medians
+          ? map +
+                SpreadRoundWorkingBytes(
+                    num_pixels, options.use_weighted_median ? &sigmas : nullptr)
+          : BytesOf<InverseDepthPlane>(num_pixels);
+  const int64_t filter = options.use_weighted_median && !options.spread_medians
+                             ? GateByWeightedMedianWorkingBytes(sigmas)
+                             : 0;
   if (!options.use_superpixel_planes) {
     return estimate + filter;
   }

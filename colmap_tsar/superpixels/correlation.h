@@ -22,6 +22,16 @@ struct CorrelationOptions {
   // Whether pixels that were not reliable may come to be trusted. The paper's
   // gate lifts a weak mask by it; a strong one loses (docs/ablation.md).
   bool readmit_filtered = false;
+  // Whether pixels that pass the gate take the depth of the filter, for the
+  // next rounds and the result, as in the paper. Then a score of 0 leaves the
+  // gate open.
+  bool spread_medians = false;
+  // Whether F_A has windows of delta 2^(N_t - N_c), as printed, instead of
+  // twice that.
+  bool small_windows = false;
+  // Whether the weights of F_A fall with the distance in paper pixels, as
+  // printed, instead of in taps.
+  bool pixel_distances = false;
   bool use_superpixel_planes = true;
   bool use_weighted_median = true;
   SuperpixelPlaneOptions planes;
@@ -31,13 +41,16 @@ struct CorrelationOptions {
 struct CorrelationResult {
   DeviceImage<uint8_t> trusted;  // Other than 0 where the own depth stands.
   Buffer<Plane> planes;  // Of the superpixels; invalid where there is none.
+  // With spread_medians, the depths of the trusted pixels, 0 elsewhere; else
+  // empty.
+  DepthNormalImages spread;
 };
 
 // R1 of the paper's iterative correlation refinement. Each round fits the
 // superpixels' planes to the trusted pixels, lays them over the map, spreads
 // the result by the filter F_A with a window that halves from round to round,
 // and trusts the pixels whose own disparity is within mu / (n_aggr N_c) of it
-// (Eq. 11). Trusted pixels keep their own depth.
+// (Eq. 11). Trusted pixels keep their own depth, unless medians are spread.
 // own: the measured hypotheses; score: n_aggr; reliable: the first to be
 // trusted; all of the map's size. Superpixels live on raster.
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,

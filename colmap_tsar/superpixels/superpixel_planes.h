@@ -14,6 +14,11 @@ struct SuperpixelPlaneOptions {
   // sigma: the least share of a superpixel's pixels that must be reliable, and
   // of its reliable pixels that must lie on the plane.
   float min_support = 0.3f;
+  // Eq. 7 as printed: where above 0, planes are first sought with this
+  // tolerance, in the unit of the depths. Those of the superpixels in S (Eq. 6)
+  // are sought again with 10^-3 of the depth, and no share of samples needs to
+  // lie on them; the others are dropped.
+  float loose_tolerance = 0.f;
   // t_k of Eq. 7, the tolerance of the inliers, and how RANSAC looks for them.
   GroupPlaneOptions ransac;
 };

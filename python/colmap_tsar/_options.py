@@ -73,8 +73,14 @@ class RefineOptions:
 
     @classmethod
     def paper(cls, **options):
-        """The published method as it is, with the options given on top."""
+        """The published method in its best readings, with the options given on top."""
         values = {name: field["paper"] for name, field in _FIELDS.items()}
+        return cls(**values).update(**options)
+
+    @classmethod
+    def paper_strict(cls, **options):
+        """The published equations as printed, with the options given on top."""
+        values = {name: field["paper_strict"] for name, field in _FIELDS.items()}
         return cls(**values).update(**options)
 
     def update(self, **options):

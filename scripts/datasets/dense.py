@@ -25,6 +25,16 @@ where the depth maps come from: colmap, its patch_match_stereo (with a COLMAP th
 has CUDA and an NVIDIA GPU); tsar, tsar_stereo of this project; none, nowhere: put
 the maps into OUTPUT/SCENE/dense/stereo yourself. auto (the default): colmap where
 it can run, else tsar"""
+PRESETS = ("default", "paper", "paper_strict")
+# The paper counts matches beside the reference view and asks for more than one;
+# COLMAP counts the reference view as well.
+FUSIONS = {"colmap": {},
+           "paper": {"max_depth_error": 0.01, "max_normal_error": 30,
+                     "max_reproj_error": 2, "min_num_pixels": 3}}
+FUSION_HELP = """\
+what makes a point of the clouds: colmap (the default), what stereo_fusion does by
+default; paper, what the paper does: depths within 1 %%, normals within 30 degrees,
+pixels within 2, in the reference view and two others"""
 
 
 def make_parser(script, description, scene_help):
@@ -40,6 +50,12 @@ def make_parser(script, description, scene_help):
     parser.add_argument("--max_image_size", type=int, default=3200, metavar="PIXELS",
                         help="longer side of the depth maps; larger images are reduced "
                         "(default: 3200, for all scenes)")
+    parser.add_argument("--preset", choices=PRESETS, default=PRESETS[0],
+                        help="preset of tsar_refine (default: default)")
+    parser.add_argument("--fusion", choices=tuple(FUSIONS), default="colmap", help=FUSION_HELP)
+    parser.add_argument("--min_num_pixels", type=int, metavar="N",
+                        help="views that must see a point, the reference view among them "
+                        "(default: 5, or 3 with --fusion paper)")
     parser.add_argument("--colmap", metavar="PATH", help="COLMAP (default: the one on the path)")
     parser.add_argument("--colmap_tsar", metavar="PATH", help="this project's program "
                         "(default: build/bin/colmap_tsar, or the one on the path)")
@@ -54,6 +70,8 @@ def run_main(parser, run):
     try:
         if args.max_image_size < 16:
             raise DatasetError(f"--max_image_size {args.max_image_size}: is below 16")
+        if args.min_num_pixels is not None and args.min_num_pixels < 1:
+            raise DatasetError(f"--min_num_pixels {args.min_num_pixels}: is below 1")
         programs = Programs(args.colmap, args.colmap_tsar)
         if args.stereo == "auto":
             args.stereo = "colmap" if programs.colmap_has_stereo else "tsar"
@@ -128,18 +146,30 @@ def make_maps(scene, args, programs):
                    **programs.versions})
 
 
-def fuse(scene, programs, name, workspace, input_type, cloud, **key):
+def fusion_options(args):
+    """What differs from COLMAP's defaults, name by value."""
+    options = dict(FUSIONS[args.fusion])
+    if args.min_num_pixels is not None:
+        options["min_num_pixels"] = args.min_num_pixels
+    return options
+
+
+def fuse(scene, args, programs, name, workspace, input_type, cloud, **key):
+    options = fusion_options(args)
+
     def action(step):
         part = scene.folder / f"part.{cloud}"
+        extra = [text for option, value in options.items()
+                 for text in (f"--StereoFusion.{option}", value)]
         step.run(programs.colmap, "stereo_fusion", "--workspace_path", workspace,
-                 "--input_type", input_type, "--output_path", part)
+                 "--input_type", input_type, "--output_path", part, *extra)
         if not part.exists():
             raise DatasetError(f"{scene.name}: {name}: COLMAP wrote no cloud; see {step.log}")
         os.replace(f"{part}.vis", f"{scene.folder / cloud}.vis")
         os.replace(part, scene.folder / cloud)
 
     scene.step(name, action, outputs=[cloud], options={
-        "type": input_type, "colmap": programs.versions["colmap"]}, **key)
+        "type": input_type, "colmap": programs.versions["colmap"], **options}, **key)
 
 
 def reconstruct(scene, args, programs):
@@ -153,15 +183,18 @@ def reconstruct(scene, args, programs):
     origin = {"after": ["workspace", "stereo"], "inputs": inputs if args.stereo == "none" else []}
     geometric = any(".geometric." in path.name for path in maps_of(dense))
     input_type = "geometric" if geometric else "photometric"
-    fuse(scene, programs, "fusion_before", dense, input_type, "before.ply", **origin)
+    fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", **origin)
 
     scene.step(
         "refinement", lambda step: step.run(
             programs.tsar, "tsar_refine", "--workspace_path", dense,
-            "--output_path", refined, "--input_type", input_type),
+            "--output_path", refined, "--input_type", input_type,
+            "--TsarRefine.preset", args.preset),
         outputs=[REFINED], resumes=True,
-        options={"type": input_type, "colmap_tsar": programs.versions["colmap_tsar"]}, **origin)
-    fuse(scene, programs, "fusion_after", refined, input_type, "after.ply", after=["refinement"])
+        options={"type": input_type, "preset": args.preset,
+                 "colmap_tsar": programs.versions["colmap_tsar"]}, **origin)
+    fuse(scene, args, programs, "fusion_after", refined, input_type, "after.ply",
+         after=["refinement"])
 
 
 def evaluate(step, programs, cloud, project, output, options):

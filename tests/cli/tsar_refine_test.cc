@@ -197,6 +197,15 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   }
 }
 
+TEST_F(TsarRefineTest, TakesThePaperAsPrinted) {
+  const Outcome outcome = Run({"--TsarRefine.preset", "paper_strict"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const auto& [name, value] :
+       RefineOptionsText(RefineOptions::PaperStrict())) {
+    EXPECT_EQ(UsedOptions()[name], value) << name;
+  }
+}
+
 TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
   ExpectFailure({"--TsarRefine.num_iteration", "3"},
                 {"--TsarRefine.num_iteration", "num_iterations"});
@@ -266,7 +275,7 @@ TEST(TsarRefine, HelpTeaches) {
   for (const char* text : {"after patch_match_stereo",
                            "--restore 1",
                            "colmap tsar_refine --workspace_path dense",
-                           "--TsarRefine.preset default|paper",
+                           "--TsarRefine.preset default|paper|paper_strict",
                            "manifest.json"}) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(text));
   }

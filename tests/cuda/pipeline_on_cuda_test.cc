@@ -6,6 +6,9 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/cuda/cuda_test.h"
 
@@ -176,17 +179,21 @@ TEST_F(CudaTest, RefineImage) {
   std::vector<SceneSize> scenes = AllScenes();
   scenes.push_back({SceneKind::kWall, 331, 203});
   scenes.push_back({SceneKind::kWall, 223, 811});
-  for (const bool paper : {false, true}) {
+  const std::vector<std::pair<std::string, RefineOptions>> presets = {
+      {"default", RefineOptions()},
+      {"paper", RefineOptions::Paper()},
+      {"paper_strict", RefineOptions::PaperStrict()}};
+  for (const auto& [name, options] : presets) {
     ExpectAlike(
-        paper ? "RefineImage, paper" : "RefineImage",
+        "RefineImage, " + name,
         scenes,
-        [paper](StageInputs& inputs, Device& device, StageResult* result) {
-          const RefineResult refined =
-              RefineImage(inputs.drawn.views[0],
-                          inputs.drawn.Sources(),
-                          1,
-                          paper ? RefineOptions::Paper() : RefineOptions(),
-                          device);
+        [&options = options](
+            StageInputs& inputs, Device& device, StageResult* result) {
+          const RefineResult refined = RefineImage(inputs.drawn.views[0],
+                                                   inputs.drawn.Sources(),
+                                                   1,
+                                                   options,
+                                                   device);
           result->Add(
               "depth", {1e-4, 1e-6, kMaxShare}, Pixels(refined.maps.depth));
           result->Add(

@@ -23,14 +23,17 @@ Regions FindFields(int width, int height, Device& device) {
 }
 
 TEST_F(CudaTest, DetectRobertsEdges) {
-  ExpectAlike("DetectRobertsEdges",
-              AllScenesAndWide(),
-              [](StageInputs& inputs, Device& device, StageResult* result) {
-                result->Add(
-                    "edges",
+  ExpectAlike(
+      "DetectRobertsEdges",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        result->Add("edges",
                     kSameLabels,
                     DetectRobertsEdges(inputs.views.Color(), 4.f, device));
-              });
+        result->Add("edges of roots",
+                    kSameLabels,
+                    DetectEdgesOfRoots(inputs.views.Color(), 4.f, device));
+      });
 }
 
 TEST_F(CudaTest, DrawLineSegments) {

@@ -56,6 +56,7 @@ class Eth3dTest(DatasetTest):
         self.check_submission(scene)
         self.check_scores(scene, text)
         self.check_that_it_rests(text)
+        self.check_paper(scene)
         self.check_other_options()
 
     def check_submission(self, scene):
@@ -88,6 +89,23 @@ class Eth3dTest(DatasetTest):
         self.assertEqual(again.count("done before"), 6)  # All steps there are.
         self.assertEqual([l for l in again.splitlines() if l[0] != "["],
                          [l for l in text.splitlines() if l[0] != "["])  # The scores.
+
+    def check_paper(self, scene):
+        """Another preset and fusion repeat what follows from them, on a copy."""
+        copy = self.folder / "paper"
+        shutil.copytree(self.output / "room", copy / "room", symlinks=True)
+        text = self.run_well(self.scenes, "--output_path", copy, "--preset", "paper_strict",
+                             "--fusion", "paper", "--min_num_pixels", 2)
+        self.assertEqual(text.count("done before"), 2)  # The workspace and stereo.
+        logs = copy / "room" / "logs"
+        self.assertIn("--TsarRefine.preset paper_strict",
+                      (logs / "refinement.log").read_text())
+        for name in ("fusion_before", "fusion_after"):
+            log = (logs / f"{name}.log").read_text()
+            self.assertIn("--StereoFusion.max_normal_error 30", log)
+            self.assertIn("--StereoFusion.min_num_pixels 2", log)
+        self.assertGreater(vertex_count(copy / "room" / "before.ply"),
+                           vertex_count(scene / "before.ply"))
 
     def check_other_options(self):
         """Maps given by hand in place of stereo, for a scene without scans."""
@@ -125,6 +143,7 @@ class Eth3dTest(DatasetTest):
         self.fails(self.folder / "nowhere", *output, text="nowhere: is not a folder")
         self.fails(self.folder / "sample", *output, text="neither a scene nor")
         self.fails(room, *output, "--max_image_size", 4, text="--max_image_size 4")
+        self.fails(room, *output, "--min_num_pixels", 0, text="--min_num_pixels 0")
         self.fails(room, *output, "--colmap", "/bin/nocolmap", text="/bin/nocolmap")
         self.fails(room, *output, "--colmap_tsar", "/bin/notsar", text="/bin/notsar")
         if not shutil.which("nvidia-smi"):

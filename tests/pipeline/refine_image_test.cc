@@ -113,6 +113,60 @@ TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
   const RefineResult paper = Refine(RefineOptions::Paper());
   ExpectSoundMaps(paper.maps);
   EXPECT_EQ(paper.reason_to_keep, "");
+  SCOPED_TRACE("paper_strict");
+  const RefineResult strict = Refine(RefineOptions::PaperStrict());
+  ExpectSoundMaps(strict.maps);
+  EXPECT_EQ(strict.reason_to_keep, "");
+}
+
+TEST_F(RefineImageTest, RegionsReplaceWhatWasFilledBefore) {
+  RefineOptions options;
+  options.superpixel_planes = false;
+  options.fill_before_regions = true;
+  options.fill_wide_holes = true;
+  const auto count_interpolated = [&](bool segment) {
+    options.segment = segment;
+    const RefinedMaps maps = Refine(options).maps;
+    ExpectSoundMaps(maps);
+    int count = 0;
+    for (int y = 0; y < Before().Height(); ++y) {
+      for (int x = 0; x < Before().Width(); ++x) {
+        count += IsBare(x, y) && static_cast<Provenance>(maps.provenance(
+                                     x, y)) == Provenance::kInterpolated
+                     ? 1
+                     : 0;
+      }
+    }
+    return count;
+  };
+  // Not the pixels on edges, which belong to no region.
+  const int num_without = count_interpolated(false);
+  EXPECT_GT(num_without, 500);
+  EXPECT_LT(5 * count_interpolated(true), num_without);
+}
+
+TEST_F(RefineImageTest, SpreadMediansSmoothWhatTheyConfirm) {
+  RefineOptions options;
+  options.segment = false;
+  options.superpixel_planes = false;
+  const auto mean_error = [&](const RefinedMaps& maps) {
+    double sum = 0.0;
+    int count = 0;
+    for (int y = 0; y < Before().Height(); ++y) {
+      for (int x = 0; x < Before().Width(); ++x) {
+        if (static_cast<Provenance>(maps.provenance(x, y)) ==
+            Provenance::kMeasured) {
+          sum += RelativeError(maps.depth, x, y);
+          ++count;
+        }
+      }
+    }
+    EXPECT_GT(count, 4000);
+    return sum / count;
+  };
+  const double own = mean_error(Refine(options).maps);
+  options.spread_medians = true;
+  EXPECT_LT(mean_error(Refine(options).maps), 0.7 * own);
 }
 
 TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {

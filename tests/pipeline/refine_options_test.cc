@@ -54,6 +54,23 @@ TEST(RefineFields, HaveNamesDescriptionsAndDefaultsInRange) {
   }
   EXPECT_NO_THROW(RefineOptions().Check());
   EXPECT_NO_THROW(RefineOptions::Paper().Check());
+  EXPECT_NO_THROW(RefineOptions::PaperStrict().Check());
+}
+
+TEST(RefineOptions, PaperStrictAddsToPaper) {
+  const std::map<std::string, std::string> paper =
+      RefineOptionsText(RefineOptions::Paper());
+  const std::map<std::string, std::string> defaults = RefineOptionsText({});
+  int num_added = 0;
+  for (const auto& [name, value] :
+       RefineOptionsText(RefineOptions::PaperStrict())) {
+    if (value == paper.at(name)) {
+      continue;
+    }
+    ++num_added;
+    EXPECT_EQ(paper.at(name), defaults.at(name)) << name;
+  }
+  EXPECT_EQ(num_added, 12);
 }
 
 TEST(RefineOptions, CheckNamesTheOption) {

@@ -135,6 +135,24 @@ TEST_F(StageMemoryTest, HoldsForMapsOfAllShapes) {
   }
 }
 
+TEST_F(StageMemoryTest, HoldsForThePaperAsPrinted) {
+  for (const MapSize& size : {kSmall, kLarge, kLong}) {
+    SCOPED_TRACE(std::to_string(size.width));
+    Draw(size);
+    ExpectSingleViewPlanned(RefineOptions::PaperStrict());
+  }
+  Draw(kSmall);
+  RefineOptions options = RefineOptions::PaperStrict();
+  options.scene_planes = true;
+  ExpectScenePlanned(options);
+  options = RefineOptions();
+  options.fill_before_regions = true;
+  ExpectSingleViewPlanned(options);
+  options.fill_before_regions = false;
+  options.spread_medians = true;
+  ExpectSingleViewPlanned(options);
+}
+
 TEST_F(StageMemoryTest, HoldsForSuperpixelsOfAllSizes) {
   Draw(kSmall);
   for (const int superpixel_size : {40, 400, 10000}) {

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/pipeline/stage_options.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -19,6 +21,48 @@ TEST(StageOptions, KeyRandomNumbersByImageAndSeed) {
     EXPECT_EQ(ransac.image_id, 3u);
     EXPECT_EQ(ransac.seed, 7u);
   }
+}
+
+// What is printed in the paper and no default reaches its stage.
+TEST(StageOptions, OfThePaperAsPrinted) {
+  const RefineOptions strict = RefineOptions::PaperStrict();
+  EXPECT_EQ(MakeConfidenceOptions(strict).ratio_term, RatioTerm::kSimilarity);
+  const CorrelationOptions correlation = MakeCorrelationOptions(strict, 1);
+  EXPECT_TRUE(correlation.spread_medians);
+  EXPECT_TRUE(correlation.readmit_filtered);
+  EXPECT_TRUE(correlation.small_windows);
+  EXPECT_TRUE(correlation.pixel_distances);
+  EXPECT_FLOAT_EQ(correlation.planes.loose_tolerance, 0.005f);
+  EXPECT_EQ(MakeHoughOptions(strict, 1.0).min_length_share, 0.f);
+  const RegionPlaneOptions regions = MakeRegionPlaneOptions(strict, 1.0, 1);
+  EXPECT_EQ(regions.max_planes, 1);
+  EXPECT_FALSE(regions.use_core);
+  EXPECT_EQ(regions.rim_width, 0);
+  EXPECT_TRUE(std::isinf(regions.max_extrapolation));
+  EXPECT_TRUE(std::isinf(regions.max_boundary_error));
+  EXPECT_EQ(regions.min_rim_share, 0.f);
+}
+
+TEST(StageOptions, OfThePaperReachNothingByDefault) {
+  EXPECT_EQ(MakeConfidenceOptions({}).ratio_term, RatioTerm::kNone);
+  const CorrelationOptions correlation = MakeCorrelationOptions({}, 1);
+  EXPECT_FALSE(correlation.spread_medians);
+  EXPECT_FALSE(correlation.small_windows);
+  EXPECT_FALSE(correlation.pixel_distances);
+  EXPECT_EQ(correlation.planes.loose_tolerance, 0.f);
+  EXPECT_GT(MakeHoughOptions({}, 1.0).min_length_share, 0.f);
+  const RegionPlaneOptions regions = MakeRegionPlaneOptions({}, 1.0, 1);
+  EXPECT_GT(regions.rim_width, 0);
+  EXPECT_EQ(regions.max_extrapolation, RegionPlaneOptions().max_extrapolation);
+  EXPECT_FLOAT_EQ(regions.max_boundary_error, 0.02f);
+}
+
+TEST(MeasuringOptions, LeaveEveryPixelItsDepth) {
+  const RefineOptions measuring =
+      MeasuringOptions(RefineOptions::PaperStrict());
+  EXPECT_FALSE(measuring.spread_medians);
+  EXPECT_FALSE(measuring.fill_before_regions);
+  EXPECT_TRUE(measuring.cost_ratio);
 }
 
 }  // namespace

@@ -147,6 +147,8 @@ class OptionsTest(unittest.TestCase):
         paper = RefineOptions.paper()
         self.assertNotEqual(paper, RefineOptions())
         self.assertIs(paper.scene_planes, False)
+        self.assertIs(paper.cost_ratio, False)
+        self.assertIs(RefineOptions.paper_strict().cost_ratio, True)
         changed = RefineOptions.paper(num_iterations=2)
         self.assertEqual(changed.num_iterations, 2)
         self.assertEqual(changed.update(num_iterations=paper.num_iterations), paper)

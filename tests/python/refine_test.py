@@ -31,6 +31,7 @@ class RefineTest(SampleTest):
         for preset, options in (
             ("default", None),
             ("paper", colmap_tsar.RefineOptions.paper()),
+            ("paper_strict", colmap_tsar.RefineOptions.paper_strict()),
         ):
             with self.subTest(preset=preset):
                 other = self.new_workspace("by_program_" + preset)

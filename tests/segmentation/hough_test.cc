@@ -169,5 +169,18 @@ TEST(LineSegments, DoNotDependOnTheNumberOfThreads) {
   }
 }
 
+TEST(LineSegments, OfAnyLengthOnRequest) {
+  // Five pixels with a gap of one; a thirtieth of the image's side are 6.7.
+  Image<uint8_t> edges(200, 200, 0);
+  for (const int x : {20, 21, 22, 24, 25}) {
+    edges(x, 40) = 1;
+  }
+  EXPECT_EQ(CountDrawn(edges), 0);
+  HoughOptions options;
+  options.min_length_share = 0.f;
+  EXPECT_EQ(CountDrawn(edges, options), 1);
+  EXPECT_EQ(Draw(edges, options)(23, 40), 1);
+}
+
 }  // namespace
 }  // namespace tsar

@@ -116,6 +116,21 @@ TEST_F(RegionPlanesTest, TakesThePlaneOfItsInside) {
   ExpectWall(Fit());
 }
 
+TEST_F(RegionPlanesTest, WithoutARimOnlyItsInsideCounts) {
+  RegionPlaneOptions options;
+  options.use_core = false;
+  ExpectWall(Fit(options));
+  options.rim_width = 0;
+  EXPECT_FALSE(Fit(options).Valid());
+  const Image<float> wall = DrawDepth(wall_, camera_);
+  for (int y = 25; y < 65; ++y) {
+    for (int x = 30; x < 90; ++x) {
+      depth_(x, y) = wall(x, y);
+    }
+  }
+  ExpectWall(Fit(options));
+}
+
 TEST_F(RegionPlanesTest, RejectsARimThatIsNoPlane) {
   Philox random(6, 0, 0);
   for (float& z : depth_) {

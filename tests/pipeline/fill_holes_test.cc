@@ -1,0 +1,63 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/fill_holes.h"
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kSize = 21;
+constexpr int kMiddle = kSize / 2;
+
+// Fills an image with one measured pixel in its middle.
+RefinedMaps FillAroundOnePixel(const RefineOptions& options) {
+  const auto device = Device::CreateCpu(1);
+  const Image<Rgb> color(kSize, kSize, {100, 110, 120});
+  Image<float> depth(kSize, kSize, 0.f);
+  Image<Vec3f> normal(kSize, kSize);
+  Image<uint8_t> provenance(kSize, kSize, 0);
+  depth(kMiddle, kMiddle) = 4.f;
+  normal(kMiddle, kMiddle) = {0.f, 0.f, -1.f};
+  provenance(kMiddle, kMiddle) = static_cast<uint8_t>(Provenance::kMeasured);
+  ComposedMap map;
+  map.map.depth = DeviceImage<float>(*device, depth);
+  map.map.normal = DeviceImage<Vec3f>(*device, normal);
+  map.provenance = DeviceImage<uint8_t>(*device, provenance);
+  FillHoles(
+      color.View(), Intrinsics{20.f, 20.f, 10.f, 10.f}, options, &map, *device);
+  RefinedMaps maps;
+  maps.depth = map.map.depth.ToHost();
+  maps.provenance = map.provenance.ToHost();
+  return maps;
+}
+
+TEST(FillHoles, LeavesWideHolesUnlessAskedToFillThem) {
+  RefineOptions options;
+  options.num_iterations = 1;
+  for (const bool fills : {false, true}) {
+    options.fill_wide_holes = fills;
+    const RefinedMaps maps = FillAroundOnePixel(options);
+    EXPECT_EQ(maps.depth(kMiddle, kMiddle), 4.f);
+    EXPECT_EQ(maps.provenance(kMiddle, kMiddle),
+              static_cast<uint8_t>(Provenance::kMeasured));
+    EXPECT_EQ(maps.depth(kMiddle + 3, kMiddle), fills ? 4.f : 0.f);
+    EXPECT_EQ(maps.provenance(kMiddle + 3, kMiddle),
+              static_cast<uint8_t>(fills ? Provenance::kInterpolated
+                                         : Provenance::kNone));
+    EXPECT_EQ(maps.depth(0, 0), 0.f);
+  }
+}
+
+TEST(FillHoles, DistancesInPixelsEndWhereNoWeightIsLeft) {
+  // A map of 21 pixels stands for one of 3110: its next pixel is 148 away.
+  RefineOptions options;
+  options.num_iterations = 1;
+  options.fill_wide_holes = true;
+  options.pixel_distances = true;
+  EXPECT_EQ(FillAroundOnePixel(options).depth(kMiddle + 1, kMiddle), 0.f);
+}
+
+}  // namespace
+}  // namespace tsar
