@@ -13,6 +13,7 @@ struct AggregateKernel {
   ImageView<const float> confidence;
   ImageView<const float> discontinuity;
   ImageView<const uint8_t> agreement;
+  ImageView<const uint8_t> seeing;
   ReliabilityOptions options;
   ImageView<float> score;
 
@@ -32,11 +33,10 @@ struct AggregateKernel {
       sum += (1.f - tau) * discontinuity(x, y);
     }
     if (!agreement.Empty()) {
-      const int count = agreement(x, y) < options.saturating_agreement
-                            ? agreement(x, y)
-                            : options.saturating_agreement;
-      const float share =
-          static_cast<float>(count) / options.saturating_agreement;
+      int enough = options.saturating_agreement;
+      if (!seeing.Empty() && seeing(x, y) < enough) enough = seeing(x, y) > options.min_agreement ? seeing(x, y) : (options.min_agreement < enough ? options.min_agreement : enough);
+      const int count = agreement(x, y) < enough ? agreement(x, y) : enough;
+      const float share = static_cast<float>(count) / enough;
       sum = confidence.Empty() && discontinuity.Empty()
                 ? share
                 : (sum + 2.f * share) / 3.f;
@@ -55,20 +55,13 @@ struct SelectKernel {
   }
 };
 
-struct ConfirmKernel {
-  ImageView<const float> confidence;
-  ImageView<uint8_t> agreement;
-  TSAR_HD void operator()(int x, int y) const {
-    if (!confidence.Empty() && !(confidence(x, y) > 0.f)) agreement(x, y) = 0;
-  }
-};
-
 }  // namespace
 
 DeviceImage<float> AggregateScores(ImageView<const float> depth,
                                    ImageView<const float> confidence,
                                    ImageView<const float> discontinuity,
                                    ImageView<const uint8_t> agreement,
+                                   ImageView<const uint8_t> seeing,
                                    const ReliabilityOptions& options,
                                    Device& device) {
   DeviceImage<float> score(device, depth.width, depth.height);
@@ -77,7 +70,7 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
       depth.width,
       depth.height,
       AggregateKernel{
-          depth, confidence, discontinuity, agreement, options, score.View()});
+          depth, confidence, discontinuity, agreement, seeing, options, score.View()});
   return score;
 }
 
@@ -90,10 +83,6 @@ DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
               score.height,
               SelectKernel{score, min_aggregated_score, reliable.View()});
   return reliable;
-}
-
-void Confirm(ImageView<const float> confidence, ImageView<uint8_t> agreement, Device& device) {
-  ParallelFor(device, agreement.width, agreement.height, ConfirmKernel{confidence, agreement});
 }
 
 }  // namespace tsar

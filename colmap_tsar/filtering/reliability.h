@@ -14,6 +14,8 @@ struct ReliabilityOptions {
   float confidence_weight = 0.7f;
   // How many agreeing sources are as good as any number of them.
   int saturating_agreement = 4;
+  // Fewer where fewer sources see the pixel, but no fewer than this.
+  int min_agreement = 2;
 };
 
 // n_aggr of Eq. 4, tau n_cost + (1 - tau) n_disp, for pixels with a depth; 0
@@ -28,6 +30,7 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
                                    ImageView<const float> confidence,
                                    ImageView<const float> discontinuity,
                                    ImageView<const uint8_t> agreement,
+                                   ImageView<const uint8_t> seeing,
                                    const ReliabilityOptions& options,
                                    Device& device);
 
@@ -36,7 +39,5 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
 DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
                                     float min_aggregated_score,
                                     Device& device);
-
-void Confirm(ImageView<const float> confidence, ImageView<uint8_t> agreement, Device& device);
 
 }  // namespace tsar

@@ -34,7 +34,10 @@ struct ComposeKernel {
     const Value region = OnPlane(inputs.region_planes, x, y);
     const Value superpixel = OnPlane(inputs.superpixel_planes, x, y);
     const Value own = {depth(x, y), normal(x, y)};
-    const bool trusted = inputs.trusted(x, y) != 0 && own.depth > 0.f;
+    const bool is_confirmed =
+        !inputs.confirmations.Empty() && inputs.confirmations(x, y) > 0;
+    const bool trusted =
+        (inputs.trusted(x, y) != 0 || is_confirmed) && own.depth > 0.f;
     Provenance source = Provenance::kNone;
     Value value;
     if (trusted) {

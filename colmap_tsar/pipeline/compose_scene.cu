@@ -8,7 +8,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
-#include <cstdlib>
 
 #include <cmath>
 #include <utility>
@@ -28,48 +27,59 @@ TSAR_HD inline LabelEvidence EvidenceAt(const ComposeSceneInputs& inputs,
                                         int y) {
   const ImageView<const uint8_t>& evidence = inputs.label_evidence;
   return static_cast<LabelEvidence>(evidence(
-      ReducedRaster::FromMap(x, inputs.trust.width, evidence.width),
-      ReducedRaster::FromMap(y, inputs.trust.height, evidence.height)));
+      ReducedRaster::FromMap(x, inputs.rating.width, evidence.width),
+      ReducedRaster::FromMap(y, inputs.rating.height, evidence.height)));
 }
 
-// Marks measurements that do not lie on a plane of the scene.
-struct OffPlaneKernel {
+// What becomes of the depth that a pixel measured.
+enum OwnDepth : uint8_t {
+  kGivesWay = 0,        // To a plane, or because nothing speaks for it.
+  kStandsInABlob = 1,   // Trusted: if enough of its neighbours do, too.
+  kStands = 2,          // Other views confirm it.
+};
+
+// Finds the measurements that do not lie on a plane of the scene.
+struct OwnDepthKernel {
   ImageView<const float> depth;
-  ImageView<const uint8_t> trust;
+  ImageView<const uint8_t> rating;
   PlaneRaster scene_planes;
   DepthResolution resolution;
   ComposeSceneOptions options;
-  ImageView<uint8_t> off_plane;
-  int min_confirmations;
-  float gap;
-  float rgap;
+  ImageView<uint8_t> own_depth;
 
   TSAR_HD void operator()(int x, int y) const {
-    const float own = depth(x, y);
-    const bool is_trusted = MeasurementRating::IsTrusted(trust(x, y));
-    const bool is_confirmed = MeasurementRating::Confirmations(trust(x, y)) >= min_confirmations;
-    bool is_off = is_trusted && own > 0.f;
-    const float plane = is_off || is_confirmed ? DepthOnPlane(scene_planes, x, y) : 0.f;
-    if (is_off && plane > 0.f) {
-      is_off = options.keep_off_plane &&
-               fabsf(plane - own) > options.on_plane.At(own, resolution) * own;
+    own_depth(x, y) = Judge(depth(x, y), rating(x, y), x, y);
+  }
+
+  TSAR_HD uint8_t Judge(float own, uint8_t rating_of_own, int x, int y) const {
+    const bool is_trusted = MeasurementRating::IsTrusted(rating_of_own);
+    const bool is_confirmed =
+        options.keep_confirmed &&
+        MeasurementRating::Confirmations(rating_of_own) > 0;
+    if (!(own > 0.f) || (!is_trusted && !is_confirmed)) {
+      return kGivesWay;
     }
-    off_plane(x, y) = is_off ? 1 : 0;
-    if (is_confirmed && own > 0.f && !(plane > 0.f && fabsf(plane - own) <= gap * resolution.RelativeDepthError(own) * own) && !(plane > 0.f && fabsf(plane - own) <= rgap * own)) off_plane(x, y) = 2;
+    const float plane = DepthOnPlane(scene_planes, x, y);
+    if (plane > 0.f &&
+        (!options.keep_off_plane ||
+         fabsf(plane - own) <= options.on_plane.At(own, resolution) * own)) {
+      return kGivesWay;
+    }
+    return is_confirmed ? kStands : kStandsInABlob;
   }
 };
 
-struct OffPlane {
-  const uint8_t* off_plane;
-  TSAR_HD bool Contains(int i) const { return off_plane[i] != 0; }
+struct Standing {
+  const uint8_t* own_depth;
+  TSAR_HD bool Contains(int i) const { return own_depth[i] != kGivesWay; }
   TSAR_HD bool Connected(int, int) const { return true; }
 };
 
 struct ComposeSceneKernel {
   ComposeSceneInputs inputs;
+  ImageView<const uint8_t> own_depth;
   ImageView<const int> blobs;
   const int* blob_sizes;
-  ImageView<const uint8_t> off_plane;
   int min_blob;
   // The own hypotheses, which the result replaces.
   ImageView<float> depth;
@@ -77,17 +87,19 @@ struct ComposeSceneKernel {
   ImageView<uint8_t> provenance;
 
   TSAR_HD void operator()(int x, int y) const {
-    const int blob = blobs(x, y);
-    if (blob >= 0 && (off_plane(x, y) == 2 || blob_sizes[blob] >= min_blob)) {
+    const uint8_t own = own_depth(x, y);
+    if (own == kStands ||
+        (own == kStandsInABlob && blob_sizes[blobs(x, y)] >= min_blob)) {
       provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
       return;
     }
-    const bool is_trusted = MeasurementRating::IsTrusted(inputs.trust(x, y)) && depth(x, y) > 0.f;
+    const bool is_trusted =
+        MeasurementRating::IsTrusted(inputs.rating(x, y)) && depth(x, y) > 0.f;
     Provenance source = Provenance::kNone;
     Plane plane = inputs.scene_planes.At(x, y);
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
     if (plane.Valid()) {
-      source = is_trusted && blob < 0 ? Provenance::kMeasured
+      source = is_trusted && own == kGivesWay ? Provenance::kMeasured
                : EvidenceAt(inputs, x, y) == LabelEvidence::kMeasured
                    ? Provenance::kRegionPlane
                    : Provenance::kOtherViews;
@@ -104,6 +116,8 @@ struct ComposeSceneKernel {
 
 // What a plane of the scene is worth where no view measured it.
 constexpr float kGuessConfidence = 0.3f;
+// Not 0, which stands for no depth, also where nothing judged it.
+constexpr float kLeastConfidence = 0.01f;
 
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
@@ -114,7 +128,8 @@ struct SceneConfidenceKernel {
     const auto source = static_cast<Provenance>(provenance(x, y));
     float value = ConfidenceOfFilled(source);
     if (source == Provenance::kMeasured) {
-      value = fmaxf(MeasurementRating::Score(inputs.trust(x, y)), .2f);
+      value = fmaxf(MeasurementRating::Score(inputs.rating(x, y)),
+                    kLeastConfidence);
     } else if (source == Provenance::kOtherViews &&
                EvidenceAt(inputs, x, y) != LabelEvidence::kCarried) {
       value = kGuessConfidence;
@@ -134,19 +149,19 @@ ComposedMap ComposeScene(DepthNormalImages own,
   const int height = own.depth.Height();
   ComposedMap composed{std::move(own),
                        DeviceImage<uint8_t>(device, width, height)};
-  DeviceImage<uint8_t> off_plane(device, width, height);
+  DeviceImage<uint8_t> own_depth(device, width, height);
   ParallelFor(device,
               width,
               height,
-              OffPlaneKernel{composed.map.depth.View(),
-                             inputs.trust,
+              OwnDepthKernel{composed.map.depth.View(),
+                             inputs.rating,
                              inputs.scene_planes,
                              resolution,
                              options,
-                             off_plane.View(), getenv("TP_CONF") ? atoi(getenv("TP_CONF")) : 9, getenv("TP_GAP") ? (float)atof(getenv("TP_GAP")) : 1.2f, getenv("TP_RGAP") ? (float)atof(getenv("TP_RGAP")) : 0.f});
+                             own_depth.View()});
   DeviceImage<int> blobs(device, width, height);
   LabelComponents(device,
-                  OffPlane{off_plane.View().data},
+                  Standing{own_depth.View().data},
                   Connectivity::kFour,
                   blobs.View());
   const size_t num_pixels = blobs.View().NumPixels();
@@ -161,9 +176,9 @@ ComposedMap ComposeScene(DepthNormalImages own,
               height,
               ComposeSceneKernel{
                   inputs,
+                  own_depth.View(),
                   blobs.View(),
                   blob_sizes.Data(),
-                  off_plane.View(),
                   static_cast<int>(options.min_blob * pixels_per_raster_pixel),
                   composed.map.depth.View(),
                   composed.map.normal.View(),
@@ -175,7 +190,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        Device& device) {
   DeviceImage<float> confidence(
-      device, inputs.trust.width, inputs.trust.height);
+      device, inputs.rating.width, inputs.rating.height);
   ParallelFor(device,
               confidence.Width(),
               confidence.Height(),
@@ -185,9 +200,9 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
 }
 
 int64_t ComposeSceneWorkingBytes(int64_t num_pixels) {
-  const int64_t provenance_and_off_plane = 2 * BytesOf<uint8_t>(num_pixels);
+  const int64_t provenance_and_own_depth = 2 * BytesOf<uint8_t>(num_pixels);
   const int64_t blobs_and_sizes = 2 * BytesOf<int>(num_pixels);
-  return provenance_and_off_plane + blobs_and_sizes;
+  return provenance_and_own_depth + blobs_and_sizes;
 }
 
 }  // namespace tsar

@@ -16,16 +16,18 @@ namespace tsar {
 struct ComposeSceneOptions {
   // Whether measurements off their plane may stand at all.
   bool keep_off_plane = true;
-  // A measurement further from its plane keeps its own depth.
+  // A measurement further from its plane keeps its own depth,
   PlaneTolerance on_plane{0.f, 1.2f};
-  // But not where fewer pixels of the raster than this do so side by side:
-  // specks are noise.
+  // if at least so many pixels of the raster do so side by side, since specks
+  // are noise,
   int min_blob = 20;
+  // or if another view confirms it: thin and detailed things.
+  bool keep_confirmed = true;
 };
 
 struct ComposeSceneInputs {
-  ImageView<const uint8_t> trust;  // Of the map: see ViewEvidence::trust.
-  PlaneRaster scene_planes;        // Invalid where a superpixel has none.
+  ImageView<const uint8_t> rating;  // Of the map: see MeasurementRating.
+  PlaneRaster scene_planes;         // Invalid where a superpixel has none.
   // How each pixel of the raster came by its plane.
   ImageView<const uint8_t> label_evidence;
   // Used where the scene has no plane.
@@ -33,8 +35,8 @@ struct ComposeSceneInputs {
 };
 
 // One map from the planes of the scene and the view's own measurements: planes
-// where there are any, measurements that lie off them in blobs, and where the
-// scene has no plane, trusted measurements and planes of regions.
+// where there are any, measurements that lie off them, and where the scene has
+// no plane, measurements and planes of regions.
 // own: the measured hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,

@@ -24,6 +24,7 @@ ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
   return ComposeMap(
       is_spread ? std::move(surfaces->spread) : views->TakeHypotheses(),
       {std::as_const(surfaces->trusted).View(),
+       std::as_const(surfaces->confirmations).View(),
        views->OnMap(superpixel_planes),
        region_planes},
       views->Scale(),

@@ -4,14 +4,10 @@
 #include "colmap_tsar/pipeline/find_surfaces.h"
 
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/filtering/confidence.h"
-#include "colmap_tsar/filtering/discontinuity.h"
 #include "colmap_tsar/filtering/reliability.h"
-#include "colmap_tsar/matching/agreement.h"
-#include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/compose_surfaces.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
+#include "colmap_tsar/pipeline/score_hypotheses.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/segmentation/assign_region_planes.h"
 #include "colmap_tsar/segmentation/boundary_test.h"
@@ -21,7 +17,6 @@
 #include "colmap_tsar/superpixels/correlation.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cmath>
 #include <utility>
 
@@ -30,55 +25,6 @@ namespace {
 
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
-
-DeviceImage<float> ScoreHypotheses(const ViewData& reference,
-                                   const DeviceViews& views,
-                                   const RefineOptions& options,
-                                   Device& device,
-                                   StageTimer* timer,
-                                   StageObserver* observer,
-                                   DeviceImage<uint8_t>* agree) {
-  DeviceImage<float> confidence;
-  const NoiseCurve noise = EstimateNoise(views.Reference().gray, device);
-  if (options.filter_confidence) {
-    MatchingCosts costs =
-        ComputeMatchingCosts(views.Reference(), views.Sources(), noise, getenv("TP_K") ? (float)atof(getenv("TP_K")) : 0.f, device);
-    if (!reference.min_cost.Empty()) {
-      costs.min_cost = DeviceImage<float>(device, reference.min_cost);
-      costs.second_cost = DeviceImage<float>(device, reference.second_cost);
-    }
-    confidence =
-        ComputeConfidence(costs, MakeConfidenceOptions(options), device);
-    ShowStage(observer, RefineStage::kCost, costs.min_cost, device);
-    ShowStage(observer, RefineStage::kMatchConfidence, confidence, device);
-  }
-  DeviceImage<uint8_t> agreement;
-  if (options.view_agreement) {
-    agreement =
-        CountAgreeingSources(views.Reference(), views.Sources(), {}, device);
-    ShowStage(observer, RefineStage::kAgreement, agreement, device);
-  }
-  timer->Finish("matching");
-  const ImageView<const float> depth = views.Hypotheses().depth;
-  DeviceImage<float> discontinuity;
-  if (options.filter_discontinuity) {
-    discontinuity = ComputeDiscontinuity(depth, views.Scale(), {}, device);
-    ShowStage(observer, RefineStage::kDiscontinuity, discontinuity, device);
-  }
-  ReliabilityOptions reliability;
-  reliability.confidence_weight = static_cast<float>(options.confidence_weight);
-  reliability.saturating_agreement = std::clamp(
-      views.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
-  DeviceImage<float> score = AggregateScores(depth,
-                         confidence.View(),
-                         discontinuity.View(),
-                         agreement.View(),
-                         reliability,
-                         device);
-  Confirm(confidence.View(), agreement.View(), device);
-  *agree = std::move(agreement);
-  return score;
-}
 
 // Sets superpixels, their planes and whom to trust.
 void RefineTrust(const DeviceViews& views,
@@ -214,22 +160,6 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
   return pixel_planes;
 }
 
-int64_t ScoringBytes(const RefineOptions& options, int64_t num_pixels) {
-  const int64_t one_image = BytesOf<float>(num_pixels);
-  // Three costs and the confidence; exported costs take the place of others.
-  const int64_t matching = options.filter_confidence ? 4 * one_image : 0;
-  const int64_t confidence = options.filter_confidence ? one_image : 0;
-  const int64_t agreement =
-      options.view_agreement ? BytesOf<uint8_t>(num_pixels) : 0;
-  const int64_t layers = options.filter_discontinuity
-                             ? ComputeDiscontinuityWorkingBytes(num_pixels)
-                             : 0;
-  const int64_t discontinuity = options.filter_discontinuity ? one_image : 0;
-  return std::max(
-      matching,
-      confidence + agreement + std::max(layers, discontinuity + one_image));
-}
-
 // Beside the regions' labels, with the result.
 int64_t RegionPlanesWorkingBytes(const RefineOptions& options,
                                  int64_t num_raster_pixels) {
@@ -328,8 +258,10 @@ Surfaces FindSurfaces(const ViewData& reference,
       observer, RefineStage::kDepthInput, views->Hypotheses().depth, device);
   ShowStage(
       observer, RefineStage::kNormalsInput, views->Hypotheses().normal, device);
-  surfaces.score =
-      ScoreHypotheses(reference, *views, options, device, timer, observer, &surfaces.confirmations);
+  HypothesisScores scores =
+      ScoreHypotheses(reference, *views, options, device, timer, observer);
+  surfaces.score = std::move(scores.score);
+  surfaces.confirmations = std::move(scores.confirmations);
   ShowStage(observer, RefineStage::kScore, surfaces.score, device);
   DeviceImage<uint8_t> reliable = SelectReliable(
       surfaces.score.View(),
@@ -383,7 +315,7 @@ int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
                             SegmentingBytes(options, num_raster_pixels)
                       : 0;
   return std::max(DeviceViewsWorkingBytes(num_pixels, num_sources) +
-                      std::max(ScoringBytes(options, num_pixels),
+                      std::max(ScoreHypothesesWorkingBytes(options, num_pixels),
                                ScoreAndTrustBytes(num_pixels)),
                   DeviceViewsBytesWithoutSources(num_pixels) +
                       ScoreAndTrustBytes(num_pixels) +

@@ -20,8 +20,8 @@ struct QuantizeTrustKernel {
   TSAR_HD void operator()(int x, int y) const {
     trust(x, y) = MeasurementRating::Pack(
         trusted(x, y) != 0,
-        score(x, y),
-        confirmations.Empty() ? 0 : confirmations(x, y));
+        confirmations.Empty() ? 0 : confirmations(x, y),
+        score(x, y));
   }
 };
 

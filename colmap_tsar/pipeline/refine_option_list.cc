@@ -218,6 +218,10 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "stands, and max_boundary_error has no effect.",
        0.0,
        1e9},
+      {"confirmed_depths",
+       &options->confirmed_depths,
+       "Keep a measured depth that another view confirms, where the pixel has "
+       "texture of its own, also where a plane would take its place."},
       {"scene_planes",
        &options->scene_planes,
        "Find planes in all views of a surface together and let them decide. If "

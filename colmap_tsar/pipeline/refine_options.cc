@@ -33,6 +33,7 @@ void CheckRange(const RefineField& field, const T* value) {
 RefineOptions RefineOptions::Paper() {
   RefineOptions options;
   options.view_agreement = false;
+  options.confirmed_depths = false;
   options.readmit_filtered = true;
   options.region_cores = false;
   options.max_region_planes = 1;

@@ -54,6 +54,9 @@ struct RefineOptions {
   double max_boundary_error = 0.02;  // gamma, as a fraction of depth
   double max_boundary_gap = 0.0;     // gamma, in the unit of the model
 
+  // What is done with a measured depth.
+  bool confirmed_depths = true;
+
   // Planes of the scene, views that agree.
   bool scene_planes = true;
   bool foreground_fattening = true;

@@ -358,7 +358,7 @@ RefineResult ComposeImage(const ViewData& reference,
   const DeviceImage<Plane> region_planes =
       PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");
-  const ComposeSceneInputs inputs{trust.View(),
+  const ComposeSceneInputs inputs{std::as_const(trust).View(),
                                   view.OnMap(scene_planes),
                                   kinds.View(),
                                   view.OnMap(region_planes)};

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/stage_options.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cmath>
 #include <limits>
 
@@ -70,6 +71,7 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
   result.planes.loose_tolerance =
       static_cast<float>(options.loose_plane_tolerance);
   result.planes.ransac.image_id = image_id;
+  if (getenv("TP_NH")) result.planes.ransac.num_hypotheses = atoi(getenv("TP_NH"));
   result.planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return result;
 }
@@ -145,6 +147,8 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.borders.spatial_sigma *= static_cast<float>(border_scale);
   scene.surfaces.labels = scene.labels;
   scene.composition.keep_off_plane = options.off_plane_depths;
+  scene.composition.keep_confirmed = options.confirmed_depths;
+  if (getenv("TP_GAP")) scene.composition.on_plane.pixels = (float)atof(getenv("TP_GAP"));
   return scene;
 }
 

@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -117,14 +118,14 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
             (is_confident ? 1.f : options.confidence_without_texture) *
                 ConfidenceAgainstFattening(
                     inputs.fattening_weight, x, y, options)};
-        evidence->confident_depth(x, y) = is_confident ? sample.z : 0.f;
+        evidence->confident_depth(x, y) = is_confident && (inputs.fattening_weight.Empty() || inputs.fattening_weight(x, y) >= (getenv("TP_STRONG") ? (float)atof(getenv("TP_STRONG")) : 0.f)) ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =
             evidence->candidates[static_cast<size_t>(number - 1)].Depth(ray);
         if (depth > 0.f && std::isfinite(depth)) {
           observations(x, y) = {{ray.x, ray.y, depth},
-                                options.confidence_of_region_plane};
+                                getenv("TP_RP") ? (float)atof(getenv("TP_RP")) : options.confidence_of_region_plane};
         }
       }
     }

@@ -11,26 +11,28 @@
 namespace tsar {
 
 // What is known of the depth that a pixel measured, in one byte: whether it is
-// trusted and its score, and how many other views confirm it.
+// trusted (bit 7), how many other views confirm it (bits 5 and 6), and its score
+// (bits 0 to 4).
 struct MeasurementRating {
-  static constexpr int kMaxScore = 63;
   static constexpr int kMaxConfirmations = 3;
+  static constexpr int kMaxScore = 31;
 
-  // A trusted depth keeps its trust where nothing judged it.
-  TSAR_HD static uint8_t Pack(bool is_trusted, float score, int confirmations) {
-    const float level = fminf(fmaxf(ceilf(kMaxScore * score), 1.f), kMaxScore);
+  // score: in [0, 1]; what lies outside is clamped.
+  TSAR_HD static uint8_t Pack(bool is_trusted, int confirmations, float score) {
+    const float level = fminf(fmaxf(kMaxScore * score + 0.5f, 0.f), kMaxScore);
     const int votes =
         confirmations < kMaxConfirmations ? confirmations : kMaxConfirmations;
-    return static_cast<uint8_t>(
-        (is_trusted ? static_cast<int>(level) << 2 : 0) | votes);
+    return static_cast<uint8_t>((is_trusted ? 1 << 7 : 0) | votes << 5 |
+                                static_cast<int>(level));
   }
-  TSAR_HD static bool IsTrusted(uint8_t rating) { return rating >> 2 != 0; }
-  // In (0, 1] where it is trusted, otherwise 0.
+  TSAR_HD static bool IsTrusted(uint8_t rating) { return rating >> 7 != 0; }
+  TSAR_HD static int Confirmations(uint8_t rating) { return rating >> 5 & 3; }
   TSAR_HD static float Score(uint8_t rating) {
-    return static_cast<float>(rating >> 2) / kMaxScore;
+    return static_cast<float>(rating & kMaxScore) / kMaxScore;
   }
-  TSAR_HD static int Confirmations(uint8_t rating) { return rating & 3; }
-  TSAR_HD static uint8_t WithoutTrust(uint8_t rating) { return rating & 3; }
+  TSAR_HD static uint8_t WithoutTrust(uint8_t rating) {
+    return static_cast<uint8_t>(rating & ~(1 << 7));
+  }
 };
 
 }  // namespace tsar

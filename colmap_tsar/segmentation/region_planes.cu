@@ -9,6 +9,7 @@
 #include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cmath>
 #include <utility>
 
@@ -192,6 +193,7 @@ struct RemoveInliersKernel {
   PlaneTolerance tolerance;
   DepthResolution resolution;
   ImageView<RayDepth> remaining;
+  float remove;
 
   TSAR_HD void operator()(int x, int y) const {
     const int label = grown(x, y);
@@ -201,7 +203,7 @@ struct RemoveInliersKernel {
     }
     const Plane& plane = planes[label * kMaxPlanesPerRegion + slot].plane;
     if (plane.Valid() && RelativeDistance(plane, sample) <
-                             2.f * tolerance.At(sample.z, resolution)) {
+                             remove * tolerance.At(sample.z, resolution)) {
       sample = {};
     }
   }
@@ -274,7 +276,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                                     slot,
                                     ransac.tolerance,
                                     resolution,
-                                    remaining.View()});
+                                    remaining.View(), getenv("TP_RM") ? (float)atof(getenv("TP_RM")) : 2.f});
   }
   return result;
 }
