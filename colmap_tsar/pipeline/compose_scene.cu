@@ -62,7 +62,7 @@ struct OwnDepthKernel {
     const float plane = DepthOnPlane(scene_planes, x, y);
     if (plane > 0.f &&
         (!options.keep_off_plane ||
-         fabsf(plane - own) <= options.on_plane.At(own, resolution) * own)) {
+         fabsf(plane - own) <= (is_confirmed ? options.on_plane_confirmed : options.on_plane).At(own, resolution) * own)) {
       return kGivesWay;
     }
     return is_confirmed ? kStands : kStandsInABlob;

@@ -23,6 +23,7 @@ struct ComposeSceneOptions {
   int min_blob = 20;
   // or if another view confirms it: thin and detailed things.
   bool keep_confirmed = true;
+  PlaneTolerance on_plane_confirmed{0.f, 1.2f};
 };
 
 struct ComposeSceneInputs {

@@ -149,6 +149,9 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.composition.keep_off_plane = options.off_plane_depths;
   scene.composition.keep_confirmed = options.confirmed_depths;
   if (getenv("TP_GAP")) scene.composition.on_plane.pixels = (float)atof(getenv("TP_GAP"));
+  scene.composition.on_plane_confirmed = scene.composition.on_plane;
+  if (getenv("TP_GAPC")) scene.composition.on_plane_confirmed.pixels = (float)atof(getenv("TP_GAPC"));
+  if (getenv("TP_GAPS")) scene.composition.on_plane_confirmed.pixels = (float)std::clamp(atof(getenv("TP_GAPS")) * MedianNoise(views), 0.3, 1.2);
   return scene;
 }
 

@@ -9,7 +9,6 @@
 #include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cmath>
 #include <utility>
 
@@ -193,7 +192,6 @@ struct RemoveInliersKernel {
   PlaneTolerance tolerance;
   DepthResolution resolution;
   ImageView<RayDepth> remaining;
-  float remove;
 
   TSAR_HD void operator()(int x, int y) const {
     const int label = grown(x, y);
@@ -203,7 +201,7 @@ struct RemoveInliersKernel {
     }
     const Plane& plane = planes[label * kMaxPlanesPerRegion + slot].plane;
     if (plane.Valid() && RelativeDistance(plane, sample) <
-                             remove * tolerance.At(sample.z, resolution)) {
+                             2.f * tolerance.At(sample.z, resolution)) {
       sample = {};
     }
   }
@@ -276,7 +274,7 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                                     slot,
                                     ransac.tolerance,
                                     resolution,
-                                    remaining.View(), getenv("TP_RM") ? (float)atof(getenv("TP_RM")) : 2.f});
+                                    remaining.View()});
   }
   return result;
 }
