@@ -6,10 +6,10 @@ import shlex
 
 from programs import CommandFailed
 
-SWITCHES = ("filter", "filter_confidence", "filter_discontinuity", "refine",
-            "superpixel_planes", "weighted_median", "segment",
-            "view_agreement", "region_cores", "region_rims",
-            "bounded_regions", "scene_planes",
+SWITCHES = ("denoise", "filter", "filter_confidence",
+            "filter_discontinuity", "refine", "superpixel_planes",
+            "weighted_median", "segment", "view_agreement", "region_cores",
+            "region_rims", "bounded_regions", "scene_planes",
             "foreground_fattening", "manhattan_frame", "free_space",
             "bounded_planes", "pixel_borders", "curved_surfaces",
             "off_plane_depths")

@@ -12,21 +12,24 @@
 namespace tsar {
 
 struct DenoiseOptions {
-  // Pixels around are averaged with a pixel whose surroundings look alike.
+  // Pixels this far away, by row and column, are averaged with a pixel if what
+  // surrounds them looks alike: squares of pixels of this radius, 1 to 3.
   int search_radius = 5;
-  int patch_radius = 1;
-  // Patches look alike whose mean squared difference exceeds that of noise by
-  // less than this many variances of the noise.
+  int patch_radius = 2;
+  // Patches whose mean squared difference exceeds that of noise by this many
+  // variances of the noise do not look alike at all.
   float strength = 4.f;
 };
 
 // Non-local means (Buades et al., CVPR 2005) with weights that follow the
 // noise: where it is weak, little changes, and a step that stands out of the
-// noise stays as sharp as it is. gray: of the same image.
+// noise stays as sharp as it is. gray: brightness of the same pixels, 0-255.
 DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
                          ImageView<const float> gray,
                          const NoiseCurve& noise,
                          const DenoiseOptions& options,
                          Device& device);
+
+int64_t DenoiseWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

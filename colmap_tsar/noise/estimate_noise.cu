@@ -24,7 +24,8 @@ struct BlockKernel {
     constexpr float kMeanSquare = (kBlock * kBlock - 1) / 12.f;
     const int x0 = column * kBlock;
     const int y0 = row * kBlock;
-    // Relative to one pixel, which keeps the digits in which flat blocks differ.
+    // Relative to one pixel, which keeps the digits in which flat blocks
+    // differ.
     const float base = gray(x0, y0);
     float sum = 0.f;
     float squares = 0.f;

@@ -62,8 +62,9 @@ std::vector<Bin> FlattestOfEachBin(const std::vector<BlockStatistics>& blocks,
       bin.level += block.mean;
     }
     bin.level /= static_cast<double>(of_bin.size());
-    bin.variance = std::max(last_flat->variance / (1.0 + kFlatQuantile * scatter),
-                            kQuantizationVariance);
+    bin.variance =
+        std::max(last_flat->variance / (1.0 + kFlatQuantile * scatter),
+                 kQuantizationVariance);
     // Large bins do not outvote all others.
     bin.weight = std::sqrt(static_cast<double>(of_bin.size()));
     bins.push_back(bin);

@@ -38,11 +38,12 @@ DeviceViews::DeviceViews(const ViewData& reference,
 DeviceViews::DeviceViews(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
-    Device& device)
+    Device& device,
+    bool denoise)
     : device_(device),
       reference_(reference, device),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
-      raster_color_(MakeRasterColor(Color(), raster_, device)),
+      raster_color_(MakeRasterColor(Color(), raster_, denoise, device)),
       gray_(ComputeGray(Color(), device)),
       uploaded_sources_(std::move(sources)) {
   std::vector<SourceView> views;
@@ -104,6 +105,11 @@ int64_t DeviceViewsWorkingBytes(int64_t num_pixels, int num_sources) {
 int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels) {
   return DeviceReferenceWorkingBytes(num_pixels) +
          BytesOf<Rgb>(MaxRasterPixels(num_pixels));
+}
+
+int64_t MakeDeviceViewsWorkingBytes(int64_t num_pixels, bool denoise) {
+  return DeviceReferenceWorkingBytes(num_pixels) +
+         MakeRasterColorWorkingBytes(MaxRasterPixels(num_pixels), denoise);
 }
 
 }  // namespace tsar

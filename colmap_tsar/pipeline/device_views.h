@@ -43,9 +43,11 @@ struct DeviceReference {
 class DeviceViews {
  public:
   // The sources may have been uploaded by another device of the same GPU.
+  // denoise: the raster.
   DeviceViews(const ViewData& reference,
               std::vector<std::shared_ptr<const UploadedView>> sources,
-              Device& device);
+              Device& device,
+              bool denoise = true);
   // Uploads the sources, too.
   DeviceViews(const ViewData& reference,
               const std::vector<const ViewData*>& sources,
@@ -112,5 +114,7 @@ int64_t DeviceReferenceWorkingBytes(int64_t num_pixels);
 // one: after ReleaseSources().
 int64_t DeviceViewsWorkingBytes(int64_t num_pixels, int num_sources);
 int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels);
+// While they are made, before what matching needs.
+int64_t MakeDeviceViewsWorkingBytes(int64_t num_pixels, bool denoise);
 
 }  // namespace tsar

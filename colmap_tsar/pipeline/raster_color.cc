@@ -3,31 +3,38 @@
 
 #include "colmap_tsar/pipeline/raster_color.h"
 
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/noise/denoise.h"
 #include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/superpixels/reduce_color.h"
 
-#include <cstdlib>
-#include <cstdio>
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 namespace tsar {
 
 DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  const ReducedRaster& raster,
+                                 bool denoise,
                                  Device& device) {
   DeviceImage<Rgb> reduced = ReduceColor(color, raster, device);
-  const DeviceImage<float> gray = ComputeGray(std::as_const(reduced).View(), device);
-  const NoiseCurve noise = EstimateNoise(gray.View(), device);
-  DenoiseOptions o;
-  if (getenv("DN_S")) o.strength = atof(getenv("DN_S"));
-  if (getenv("DN_R")) o.search_radius = atoi(getenv("DN_R"));
-  if (getenv("DN_P")) o.patch_radius = atoi(getenv("DN_P"));
-  if (o.strength == 0) return reduced;
-  if (getenv("DN_V")) fprintf(stderr, "noise %.3f %.5f sigma(128) %.2f\n", noise.constant, noise.per_level, sqrt(noise.Variance(128)));
-  return Denoise(std::as_const(reduced).View(), gray.View(), noise, o, device);
+  if (!denoise) {
+    return reduced;
+  }
+  const ImageView<const Rgb> noisy = std::as_const(reduced).View();
+  const DeviceImage<float> gray = ComputeGray(noisy, device);
+  return Denoise(
+      noisy, gray.View(), EstimateNoise(gray.View(), device), {}, device);
+}
+
+int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise) {
+  const int64_t reduced = BytesOf<Rgb>(num_raster_pixels);
+  const int64_t gray = BytesOf<float>(num_raster_pixels);
+  return denoise ? reduced + gray +
+                       std::max(EstimateNoiseWorkingBytes(num_raster_pixels),
+                                DenoiseWorkingBytes(num_raster_pixels))
+                 : reduced;
 }
 
 }  // namespace tsar

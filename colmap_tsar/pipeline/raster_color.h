@@ -6,12 +6,17 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/superpixels/samples.h"
 
+#include <cstdint>
+
 namespace tsar {
 
-// The image that superpixels, regions and borders are found in: reduced to the
-// raster, without its noise.
+// The image that superpixels, regions, textures and borders are found in:
+// reduced to the raster and, if denoise says so, without its noise.
 DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  const ReducedRaster& raster,
+                                 bool denoise,
                                  Device& device);
+
+int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise);
 
 }  // namespace tsar

@@ -32,7 +32,7 @@ RefineResult RefineImage(
     StageObserver* observer) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
-  DeviceViews views(reference, std::move(sources), device);
+  DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
   Surfaces surfaces = FindSurfaces(
       reference, image_id, options, &views, device, &timer, observer);

@@ -34,6 +34,11 @@ std::string ValueText(T value) {
 
 std::vector<RefineField> ListRefineFields(RefineOptions* options) {
   return {
+      {"denoise",
+       &options->denoise,
+       "Take the noise out of the images in which superpixels, regions, "
+       "textures and borders are found. Matching sees the images as they "
+       "are."},
       {"filter",
        &options->filter,
        "Tell reliable depths from wrong ones. If 0, every depth counts as "

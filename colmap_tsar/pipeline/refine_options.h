@@ -11,6 +11,8 @@ namespace tsar {
 // numbers hold at the paper's sizes: maps 3110 pixels wide and a segmentation
 // raster 777 wide; they are scaled to the maps at hand.
 struct RefineOptions {
+  bool denoise = true;
+
   // Joint hypothesis filtering.
   bool filter = true;
   bool filter_confidence = true;

@@ -179,13 +179,16 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
                                   const LabeledView& labeled,
                                   const BorderOptions& options,
+                                  bool denoise,
                                   DeviceImage<uint8_t>* trust,
                                   Device& device) {
   const ViewEvidence& evidence = *observed.evidence;
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Vec3f> lab = ConvertToLab(
-      MakeRasterColor(
-          view.color.View(), {evidence.width, evidence.height}, device)
+      MakeRasterColor(view.color.View(),
+                      {evidence.width, evidence.height},
+                      denoise,
+                      device)
           .View(),
       device);
   const RefinedBorders refined = RefineBorders({superpixels.View(),
@@ -248,7 +251,7 @@ RefineResult MeasureImage(
     StageObserver* observer) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
-  DeviceViews views(reference, std::move(sources), device);
+  DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
   const Surfaces surfaces = FindSurfaces(reference,
                                          image_id,
@@ -340,6 +343,7 @@ RefineResult ComposeImage(const ViewData& reference,
                               views[0],
                               FlattenSurfaces(views[0], labeled, curved),
                               scene.borders,
+                              options.denoise,
                               &trust,
                               device)
           : evidence.superpixels;

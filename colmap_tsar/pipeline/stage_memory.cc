@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
+#include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
@@ -76,8 +77,9 @@ int64_t RefineImageWorkingBytes(const RefineOptions& options,
   const int64_t composing = DeviceViewsBytesWithoutSources(num_pixels) +
                             SurfacesBytes(options, num_pixels) +
                             std::max(filling, rating);
-  return std::max(FindSurfacesWorkingBytes(options, num_pixels, num_sources),
-                  composing);
+  return std::max({MakeDeviceViewsWorkingBytes(num_pixels, options.denoise),
+                   FindSurfacesWorkingBytes(options, num_pixels, num_sources),
+                   composing});
 }
 
 int64_t MeasureImageWorkingBytes(const RefineOptions& options,
@@ -91,9 +93,10 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
       DeviceViewsBytesWithoutSources(num_pixels) +
       SurfacesBytes(MeasuringOptions(options), num_pixels) + gray +
       std::max(samples, trust);
-  return std::max(FindSurfacesWorkingBytes(
-                      MeasuringOptions(options), num_pixels, num_sources),
-                  downloading);
+  return std::max({MakeDeviceViewsWorkingBytes(num_pixels, options.denoise),
+                   FindSurfacesWorkingBytes(
+                       MeasuringOptions(options), num_pixels, num_sources),
+                   downloading});
 }
 
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
@@ -108,9 +111,12 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
   const int64_t lab = BytesOf<Vec3f>(num_raster_pixels);
   const int64_t borders =
       options.pixel_borders
-          ? superpixels + lab +
-                RefineBordersWorkingBytes(
-                    num_raster_pixels, num_superpixels, num_planes)
+          ? superpixels +
+                std::max(
+                    MakeRasterColorWorkingBytes(num_raster_pixels,
+                                                options.denoise),
+                    lab + RefineBordersWorkingBytes(
+                              num_raster_pixels, num_superpixels, num_planes))
           : 0;
   const int64_t planes_of_scene_and_regions =
       2 * BytesOf<Plane>(num_raster_pixels);

@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/noise/denoise.h"
+#include "colmap_tsar/noise/estimate_noise.h"
+#include "colmap_tsar/pipeline/gray.h"
+
+#include "tests/cuda/cuda_test.h"
+
+namespace tsar {
+namespace {
+
+TEST_F(CudaTest, EstimateNoise) {
+  ExpectAlike(
+      "EstimateNoise",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const DeviceImage<float> gray(
+            device,
+            RandomImage(inputs.views.Width(), inputs.views.Height(), 255.f, 4));
+        for (const ImageView<const float>& image :
+             {gray.View(), inputs.views.Reference().gray}) {
+          const NoiseCurve noise = EstimateNoise(image, device);
+          result->Add("noise",
+                      kSameBytes,
+                      std::vector<float>{noise.constant, noise.per_level});
+        }
+      });
+}
+
+TEST_F(CudaTest, Denoise) {
+  ExpectAlike(
+      "Denoise",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const ImageView<const Rgb> color = inputs.views.Color();
+        const DeviceImage<float> gray = ComputeGray(color, device);
+        for (const int patch_radius : {1, 2, 3}) {
+          DenoiseOptions options;
+          options.patch_radius = patch_radius;
+          // Enough to mix what is not alike.
+          result->Add(
+              "gray",
+              kSameBytes,
+              ComputeGray(
+                  Denoise(color, gray.View(), {100.f, 1.f}, options, device)
+                      .View(),
+                  device));
+        }
+      });
+}
+
+}  // namespace
+}  // namespace tsar
