@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/controllers/compose_task.h"
 
+#include "colmap_tsar/pipeline/reduce_view.h"
+
 #include <utility>
 
 namespace tsar {
@@ -19,7 +21,7 @@ ComposeTask::ComposeTask(const RefineTaskInputs& inputs,
 
 void ComposeTask::Prepare(size_t index, const ViewCache::Lease& views) {
   if (!finds_scenes_ahead_ ||
-      !HasDepth(views.Get(images_.Reference(index)).depth)) {
+      !WasObserved(views.Get(images_.Reference(index)))) {
     return;
   }
   try {
@@ -34,6 +36,11 @@ RefineResult ComposeTask::RefineMaps(size_t index,
                                      ViewCache::Lease* views) {
   const int image = images_.Reference(index);
   const ViewData& reference = views->Get(image);
+  if (!WasObserved(reference)) {
+    RefineResult result;
+    result.reason_to_keep = kNothingReliable;
+    return result;
+  }
   RefineWorker& worker = workers_[worker_index];
   const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
   try {
@@ -50,6 +57,11 @@ RefineResult ComposeTask::RefineMaps(size_t index,
   } catch (const Error& error) {
     throw WithPlace(error, index, worker.name);
   }
+}
+
+bool ComposeTask::WasObserved(const ViewData& view) {
+  return HasReducedDepth(
+      view, ReductionFactor(view.depth.Width(), view.depth.Height()));
 }
 
 std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,

@@ -45,6 +45,9 @@ class ComposeTask : public RefineMapsTask {
     FoundScene found;
   };
 
+  // Whether the image was observed: whether it has depths at the size at which
+  // it is judged.
+  static bool WasObserved(const ViewData& view);
   std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
   // Its camera for the raster of its evidence.
   ObservedView Observed(int image, const ViewEvidence& evidence) const;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/controllers/load_view.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/write_back.h"
 
 #include <algorithm>
@@ -152,6 +153,14 @@ ViewCache::View ImageCatalogue::Load(int image) {
   const std::lock_guard<std::mutex> lock(
       file_mutexes_[static_cast<size_t>(image)]);
   return std::make_shared<const ViewData>(LoadView(workspace_, image));
+}
+
+ViewCache::View ImageCatalogue::LoadReduced(int image) {
+  ViewCache::View view = Load(image);
+  const int factor = ReductionFactor(view->depth.Width(), view->depth.Height());
+  return factor == 1
+             ? view
+             : std::make_shared<const ViewData>(ReduceView(*view, factor));
 }
 
 ImageReport ImageCatalogue::BeginRefining(size_t index) {

@@ -58,6 +58,8 @@ class ImageCatalogue {
 
   // Reads a view while nobody renames its files.
   ViewCache::View Load(int image);
+  // At the size at which it is judged.
+  ViewCache::View LoadReduced(int image);
 
   // Keeps the image where it cannot be refined, with a record of the reason;
   // the outcome is kNotDone where it is to be refined.

@@ -113,25 +113,29 @@ void FillFromOtherType(const Workspace& workspace, int image, ViewData* view) {
   }
 }
 
-int64_t CountValid(const ViewData& view) {
-  int64_t count = 0;
-  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
-    count += IsValid(view, i) ? 1 : 0;
+// Where the map to refine has a hypothesis.
+void MarkThoseToRefine(ViewData* view) {
+  view->is_to_refine =
+      Image<uint8_t>::Uninitialized(view->depth.Width(), view->depth.Height());
+  for (size_t i = 0; i < view->depth.NumPixels(); ++i) {
+    const bool is_valid = IsValid(*view, i);
+    view->is_to_refine.Data()[i] = is_valid ? 1 : 0;
+    view->num_depths_to_refine += is_valid ? 1 : 0;
   }
-  return count;
 }
 
 }  // namespace
 
 ViewData LoadView(const Workspace& workspace, int image) {
   ViewData view = ReadMaps(workspace, image);
-  view.num_depths_to_refine = CountValid(view);
+  MarkThoseToRefine(&view);
   FillFromOtherType(workspace, image, &view);
   for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
     // COLMAP writes unit vectors; other lengths are rounding, or hostile.
     view.normal.Data()[i] = Normalized(view.normal.Data()[i]);
     if (view.normal.Data()[i] == Vec3f{}) {
       view.depth.Data()[i] = 0.f;
+      view.is_to_refine.Data()[i] = 0;
     }
   }
   const int width = view.depth.Width();

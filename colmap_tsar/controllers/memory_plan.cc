@@ -6,12 +6,14 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/stage_memory.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tsar {
 namespace {
@@ -24,6 +26,14 @@ constexpr int kViewsPerWorker = 1;
 
 size_t NumEvidenceViews(int num_sources, size_t num_images) {
   return (num_images + 1) * static_cast<size_t>(num_sources + 1);
+}
+
+// Pixels of the largest map at the size at which it is judged.
+int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
+  return HasReducedViews(overview)
+             ? std::min(overview.max_num_pixels,
+                        int64_t{kMaxJudgingSide} * kMaxJudgingSide)
+             : overview.max_num_pixels;
 }
 
 }  // namespace
@@ -43,14 +53,24 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
     plan.work = RefineImageWorkingBytes(options, num_pixels, num_sources);
     return plan;
   }
-  plan.work =
-      std::max(MeasureImageWorkingBytes(options, num_pixels, num_sources),
-               ComposeImageWorkingBytes(options, num_pixels));
-  plan.result = std::max(plan.result, MeasuredImageBytes(options, num_pixels));
+  const int64_t num_judged_pixels = NumJudgedPixels(overview);
+  plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
+  plan.work = std::max(
+      MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
+      ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels));
+  plan.result =
+      std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
   plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);
   plan.find_scene = FindSceneMainBytes(options, num_pixels, num_sources + 1);
-  plan.own_evidence = ViewEvidenceBytes(options, num_pixels);
+  plan.own_evidence = ViewEvidenceBytes(options, num_judged_pixels);
   plan.neighbour_evidence = NeighbourEvidenceBytes(options, num_pixels);
+  if (HasReducedViews(overview)) {
+    plan.whole_view = plan.view;
+    plan.view = ReducedViewBytes(overview);
+    // The whole view is there until it has been reduced.
+    plan.load += plan.whole_view;
+    plan.own_evidence += ReducedHypothesesBytes(num_judged_pixels);
+  }
   return plan;
 }
 
@@ -72,8 +92,19 @@ int64_t LoadBytes(const WorkspaceOverview& overview) {
   return std::max(other_maps + costs, color);
 }
 
+bool HasReducedViews(const WorkspaceOverview& overview) {
+  // A square map has the shortest sides.
+  const auto min_side = static_cast<int64_t>(
+      std::ceil(std::sqrt(static_cast<double>(overview.max_num_pixels))));
+  return std::max<int64_t>(overview.max_side, min_side) > kMaxJudgingSide;
+}
+
+int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
+  return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs);
+}
+
 int64_t BytesForViews(const MemoryPlan& plan) {
-  return (plan.num_sources + 1) * plan.view;
+  return std::max((plan.num_sources + 1) * plan.view, plan.whole_view);
 }
 
 int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers) {

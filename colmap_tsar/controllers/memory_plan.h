@@ -23,8 +23,11 @@ struct MemoryPlan {
   int64_t work = 0;
   int64_t uploaded_view = 0;
 
-  // Parts of main memory.
+  // Parts of main memory. A view as it is used together with its sources, and,
+  // where that is a reduced one, the whole view of an image that is composed,
+  // which needs no others.
   int64_t view = 0;
+  int64_t whole_view = 0;
   // What reading a view takes at most beside the view itself.
   int64_t load = 0;
   // An image on its way from a worker to the disk: its maps with their encoded
@@ -36,7 +39,8 @@ struct MemoryPlan {
   int64_t make_evidence = 0;
   // Finding planes in the evidence of an image and its sources, beside that.
   int64_t find_scene = 0;
-  // What an image needs of its own evidence, and what of a neighbour's.
+  // What an image needs of its own evidence, with the reduced hypotheses that
+  // this rates, and what of a neighbour's.
   int64_t own_evidence = 0;
   int64_t neighbour_evidence = 0;
 };
@@ -51,6 +55,11 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
 // MemoryPlan.
 int64_t ViewBytes(const WorkspaceOverview& overview);
 int64_t LoadBytes(const WorkspaceOverview& overview);
+
+// Whether some map is reduced where images are refined together with their
+// neighbours (ReduceView), and what the largest view takes then.
+bool HasReducedViews(const WorkspaceOverview& overview);
+int64_t ReducedViewBytes(const WorkspaceOverview& overview);
 
 // All the views of one image in main memory.
 int64_t BytesForViews(const MemoryPlan& plan);

@@ -15,6 +15,7 @@
 #include "colmap_tsar/store/output_workspace.h"
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -131,13 +132,26 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   };
   const RefineTaskInputs inputs = {
       run.catalogue, refine_options_, devices_.workers, observer_};
-  ViewCache cache(devices_.cache_num_bytes,
-                  static_cast<size_t>(ViewBytes(overview_)),
-                  [&](int image) { return run.catalogue.Load(image); });
+  // Images are observed at the size at which they are judged, and composed at
+  // that of their maps.
+  const bool has_reduced_views = run.HasScenePlanes() &&
+                                 options_.pass != RefinePass::kCompose &&
+                                 HasReducedViews(overview_);
+  std::optional<ViewCache> cache;
+  const auto make_cache = [&](bool is_reduced) {
+    cache.emplace(devices_.cache_num_bytes,
+                  static_cast<size_t>(is_reduced ? ReducedViewBytes(overview_)
+                                                 : ViewBytes(overview_)),
+                  [&run, is_reduced](int image) {
+                    return is_reduced ? run.catalogue.LoadReduced(image)
+                                      : run.catalogue.Load(image);
+                  });
+  };
+  make_cache(has_reduced_views);
   if (options_.pass != RefinePass::kCompose) {
     account.BeforeObserving();
     const PipelineOutcome outcome =
-        Observe(run, inputs, pass_name("Pass 1 of 2:"), cache);
+        Observe(run, inputs, pass_name("Pass 1 of 2:"), *cache);
     if (options_.pass == RefinePass::kObserve) {
       return outcome;
     }
@@ -149,14 +163,17 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
       return none_refined;
     }
   }
+  if (has_reduced_views) {
+    make_cache(false);
+  }
   account.BeforeComposing();
   if (run.HasScenePlanes()) {
     ComposeTask compose(
         inputs, workspace_, run.evidence, devices_.finds_scenes_ahead);
-    return RunPass(compose, pass_name("Pass 2 of 2:"), cache);
+    return RunPass(compose, pass_name("Pass 2 of 2:"), *cache);
   }
   SingleViewTask refine(inputs);
-  return RunPass(refine, pass_name(""), cache);
+  return RunPass(refine, pass_name(""), *cache);
 }
 
 PipelineOutcome RefineController::Observe(const RefineRun& run,

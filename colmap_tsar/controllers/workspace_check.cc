@@ -162,6 +162,8 @@ bool CheckImage(const Workspace& workspace,
   }
   const Camera& camera =
       workspace.Model().images[static_cast<size_t>(image)].camera;
+  overview->max_side =
+      std::max({overview->max_side, size->width, size->height});
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
                RequirePossibleSize(workspace.DepthPath(image, type),

@@ -15,6 +15,7 @@ struct WorkspaceOverview {
   // For each image of the sparse model, whether it has maps of the type.
   std::vector<bool> has_maps;
   int64_t max_num_pixels = 0;        // Of the largest map.
+  int max_side = 0;                  // Of the longest map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
   int max_num_sources = 0;      // Of the image that uses most views with maps.
   bool has_other_type = false;  // Whether some image has maps of both types,

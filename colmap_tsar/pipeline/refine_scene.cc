@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
+#include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/quantize_trust.h"
 #include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
@@ -335,7 +336,7 @@ RefineResult ComposeImage(const ViewData& reference,
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
   DeviceReference view(reference, device);
-  DeviceImage<uint8_t> trust(device, evidence.trust);
+  DeviceImage<uint8_t> trust = LiftTrust(evidence, reference, view, device);
   timer.Finish("upload");
   const Image<uint16_t> superpixels =
       options.pixel_borders

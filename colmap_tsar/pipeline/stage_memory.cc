@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
+#include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
@@ -100,8 +101,9 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
 }
 
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+                                 int64_t num_pixels,
+                                 int64_t num_judged_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_judged_pixels);
   const int64_t num_superpixels =
       MaxSuperpixels(num_raster_pixels, options.superpixel_size);
   // Each superpixel of a curved surface has a plane.
@@ -128,8 +130,9 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                provenance + std::max(FillHolesWorkingBytes(options, num_pixels),
                                      ConfidenceBytes(num_pixels)));
   const int64_t trust = BytesOf<uint8_t>(num_pixels);
-  return DeviceReferenceWorkingBytes(num_pixels) + trust +
-         std::max(borders, composing);
+  return DeviceReferenceWorkingBytes(num_pixels) +
+         std::max(LiftTrustWorkingBytes(num_pixels, num_judged_pixels),
+                  trust + std::max(borders, composing));
 }
 
 int64_t FindSceneWorkingBytes(const RefineOptions& options,

@@ -20,8 +20,11 @@ int64_t RefineImageWorkingBytes(const RefineOptions& options,
 int64_t MeasureImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
                                  int num_sources);
+// num_judged_pixels: of the map that the evidence was made of, num_pixels where
+// it was not reduced.
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels);
+                                 int64_t num_pixels,
+                                 int64_t num_judged_pixels);
 int64_t FindSceneWorkingBytes(const RefineOptions& options,
                               int64_t num_pixels,
                               int num_views);

@@ -19,6 +19,9 @@ struct ViewData {
   // The hypotheses: the map to refine, and where that is empty the other type.
   Image<float> depth;
   Image<Vec3f> normal;
+  // 1 where the hypothesis is from the map to refine, 0 where it is from the
+  // other type or there is none. Empty where all are from one map.
+  Image<uint8_t> is_to_refine;
   // The two smallest matching costs of the hypotheses as COLMAP exported them,
   // or empty.
   Image<float> min_cost;

@@ -47,7 +47,7 @@ struct EvidenceInputs {
   DepthResolution resolution;
 };
 
-// The evidence without `trust`, which is of the map's size.
+// The evidence without `trust`, which is not of the raster.
 ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                             const EvidenceOptions& options);
 

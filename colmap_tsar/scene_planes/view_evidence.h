@@ -39,6 +39,7 @@ struct SuperpixelBorder {
 struct ViewEvidence {
   int width = 0;  // Of the raster.
   int height = 0;
+  // Of the map that was judged, at the size at which it was.
   DepthResolution resolution;
   // Spread of the measurements about the planes of superpixels, in relative
   // depths of one pixel of disparity; 0 where no superpixel has a plane.
@@ -63,8 +64,8 @@ struct ViewEvidence {
   // is empty up to there.
   Image<float> confident_depth;
 
-  // Of the size of the depth map: 0 where its depth is not trusted, otherwise
-  // the score in (0, 1] times 255, rounded up.
+  // A MeasurementRating of each depth, of the size at which the view was
+  // judged: that of the depth map, or of a reduced one.
   Image<uint8_t> trust;
 
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }

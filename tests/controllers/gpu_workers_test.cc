@@ -40,10 +40,10 @@ TEST_F(GpuWorkersTest, UsesOneWorkerWhereTwoDoNotFit) {
 
 TEST_F(GpuWorkersTest, SaysWhatAnImageNeedsWhereNoneFits) {
   overview_.max_num_pixels = 20000000;
-  memory_[0] = 2 * kGigabyte;
+  memory_[0] = kGigabyte;
   const std::vector<std::string> texts = {"GPU 0 (Card)",
-                                          "needs 2.6 GB",
-                                          "2.0 GB are free",
+                                          "needs 1.1 GB",
+                                          "1.0 GB are free",
                                           "close other programs",
                                           "gpu_index",
                                           "max_image_size",

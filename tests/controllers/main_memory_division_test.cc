@@ -154,33 +154,34 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 30 GB of main memory",
+                 "needs 23.8 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
-                 "(maps of 58 megapixels fit)"},
+                 "(maps of 73 megapixels fit)"},
                 0);
   // What the message says is so, and not much more would do.
-  overview_.max_num_pixels = 58000000;
+  overview_.max_num_pixels = 73000000;
   EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
-  overview_.max_num_pixels = 59000000;
+  overview_.max_num_pixels = 74000000;
   ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 12 GB"}, 0);
 }
 
 TEST_F(VeryLargeMapsTest, NeedLessForOneImageAlone) {
-  machine_bytes_ = 26 * static_cast<int64_t>(kGigabyte);
-  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 26 GB"}, 0);
+  machine_bytes_ = 20 * static_cast<int64_t>(kGigabyte);
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 20 GB"}, 0);
   EXPECT_THAT(
       WarningOf(1),
       testing::HasSubstr(
-          "more than four fifths of the 26 GB that this machine gives"));
+          "more than four fifths of the 20 GB that this machine gives"));
 }
 
 TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
   options_.choice = DeviceChoice::kCuda;
+  memory_[0] = 4 * kGigabyte;
   ExpectRefusal(
       ErrorCode::kDevice,
-      {"needs 9.5 GB of GPU memory", "8.0 GB are free", "max_image_size"},
+      {"needs 6.0 GB of GPU memory", "4.0 GB are free", "max_image_size"},
       1);
   memory_[0] = 40 * kGigabyte;
   EXPECT_EQ(Create(1).workers.size(), 2u);

@@ -48,11 +48,45 @@ TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {
   EXPECT_EQ(EvidenceBytes(plan, 2),
             33 * plan.neighbour_evidence + 2 * plan.own_evidence);
   // Larger maps have the same raster; only the own trust is of their size.
-  overview.max_num_pixels *= 10;
+  overview.max_num_pixels *= 2;
   const MemoryPlan larger = PlanRefinement({}, overview);
   EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
-  EXPECT_EQ(larger.own_evidence, plan.own_evidence + 9000000);
+  EXPECT_EQ(larger.own_evidence, plan.own_evidence + 1000000);
   EXPECT_EQ(larger.find_scene, plan.find_scene);
+}
+
+TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
+  const MemoryPlan plan = PlanRefinement({}, OverviewOf(2560000, 10));
+  WorkspaceOverview overview = OverviewOf(2560001, 10);
+  EXPECT_TRUE(HasReducedViews(overview));
+  const MemoryPlan larger = PlanRefinement({}, overview);
+  EXPECT_EQ(larger.view, plan.view);
+  EXPECT_EQ(larger.uploaded_view, plan.uploaded_view);
+  EXPECT_EQ(larger.make_evidence, plan.make_evidence);
+  EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
+  EXPECT_EQ(plan.whole_view, 0);
+  EXPECT_EQ(larger.whole_view, ViewBytes(overview));
+  EXPECT_EQ(larger.load, LoadBytes(overview) + larger.whole_view);
+  // Its sources are as small, whatever the size of the map.
+  const MemoryPlan huge = PlanRefinement({}, OverviewOf(100000000, 10));
+  EXPECT_EQ(huge.view, plan.view);
+  EXPECT_EQ(huge.uploaded_view, plan.uploaded_view);
+  EXPECT_EQ(BytesForViews(huge), huge.whole_view);
+  EXPECT_GT(huge.work, larger.work);
+  // A long map may have few pixels.
+  overview = OverviewOf(100000, 10);
+  EXPECT_FALSE(HasReducedViews(overview));
+  overview.max_side = 1601;
+  EXPECT_TRUE(HasReducedViews(overview));
+  EXPECT_EQ(PlanRefinement({}, overview).view,
+            PlanRefinement({}, OverviewOf(100000, 10)).view);
+  // Images that are refined by themselves are judged as they are.
+  RefineOptions alone;
+  alone.scene_planes = false;
+  overview = OverviewOf(10000000, 10);
+  EXPECT_EQ(PlanRefinement(alone, overview).view, ViewBytes(overview));
+  EXPECT_EQ(PlanRefinement(alone, overview).whole_view, 0);
+  EXPECT_EQ(PlanRefinement(alone, overview).load, LoadBytes(overview));
 }
 
 TEST(PlanRefinement, CountsNoEvidenceWhereEachImageIsAlone) {

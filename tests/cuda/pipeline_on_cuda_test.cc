@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/lift_rating.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include <set>
@@ -128,6 +130,36 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
                                   Provenance::kMeasured,
                                   Provenance::kRegionPlane,
                                   Provenance::kOtherViews}));
+}
+
+TEST_F(CudaTest, LiftRatings) {
+  ExpectAlike("LiftRatings",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                const ViewData& view = inputs.drawn.views[0];
+                for (const int factor : {1, 2, 3}) {
+                  const ViewData reduced = ReduceView(view, factor);
+                  Image<uint8_t> ratings(reduced.depth.Width(),
+                                         reduced.depth.Height());
+                  Philox random(23, 0, 0);
+                  for (uint8_t& rating : ratings) {
+                    rating = static_cast<uint8_t>(random.NextBelow(256));
+                  }
+                  const DeviceImage<uint8_t> device_ratings(device, ratings);
+                  const DeviceImage<float> depth(device, reduced.depth);
+                  const DeviceImage<Vec3f> normal(device, reduced.normal);
+                  result->Add("ratings by " + std::to_string(factor),
+                              kSameBytes,
+                              LiftRatings({device_ratings.View(),
+                                           {depth.View(), normal.View()},
+                                           reduced.camera.GetIntrinsics(),
+                                           factor},
+                                          inputs.views.Hypotheses().depth,
+                                          inputs.views.MapIntrinsics(),
+                                          inputs.views.Scale(),
+                                          device));
+                }
+              });
 }
 
 // Notes what it is shown, and the inputs, which every device has alike.

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/refine_scene.h"
 
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/store/evidence_file.h"
 
@@ -82,6 +83,40 @@ TEST_F(RefineSceneTest, AWallWithoutTextureGetsItsPlane) {
   }
   ASSERT_GT(num_bare, 500);
   EXPECT_GT(num_right, 0.95 * num_bare);
+}
+
+TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
+  SyntheticViewsOptions large;
+  large.width = 192;
+  large.height = 144;
+  const SyntheticViews whole = MakeSyntheticViews(large);
+  drawn_ = whole;
+  for (ViewData& view : drawn_.views) {
+    view = ReduceView(view, ReductionFactor(large.width, large.height, 96));
+  }
+  const auto evidence = Observe(drawn_.views.size());
+  EXPECT_EQ(evidence[0]->trust.Width(), 96);
+  EXPECT_EQ(evidence[0]->trust.Height(), 72);
+  drawn_ = whole;
+  const RefineResult result = Compose(evidence);
+  EXPECT_EQ(result.reason_to_keep, "");
+  ExpectSoundMaps(result.maps);
+  int num_right = 0;
+  int num_measured = 0;
+  int num_with_depth = 0;
+  for (int y = 0; y < large.height; ++y) {
+    for (int x = 0; x < large.width; ++x) {
+      num_right += RelativeError(result.maps.depth, x, y) < kRight ? 1 : 0;
+      num_measured += result.maps.provenance(x, y) ==
+                              static_cast<uint8_t>(Provenance::kMeasured)
+                          ? 1
+                          : 0;
+      num_with_depth += Before()(x, y) > 0.f ? 1 : 0;
+    }
+  }
+  EXPECT_GT(num_right, 0.97 * large.width * large.height);
+  // The pixels of the large map know that theirs were trusted.
+  EXPECT_GT(num_measured, 0.7 * num_with_depth);
 }
 
 TEST_F(RefineSceneTest, NothingReliableGetsWorseThanWithASingleView) {

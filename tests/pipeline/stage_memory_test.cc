@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/stage_memory.h"
 
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
@@ -111,7 +112,7 @@ class StageMemoryTest : public testing::Test {
               FindSceneWorkingBytes(
                   options, num_pixels_, static_cast<int>(views.size())));
     ExpectPlanned("compose",
-                  ComposeImageWorkingBytes(options, num_pixels_),
+                  ComposeImageWorkingBytes(options, num_pixels_, num_pixels_),
                   PeakOf([&](Device& device) {
                     ComposeImage(
                         drawn_.views[0], views, found, options, device);
@@ -132,6 +133,35 @@ TEST_F(StageMemoryTest, HoldsForMapsOfAllShapes) {
     if (size.width < kLarge.width) {
       ExpectSingleViewPlanned({});
     }
+  }
+}
+
+TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
+  Draw({480, 360, 1.1});
+  const SyntheticViews whole = drawn_;
+  for (const int factor : {2, 5}) {
+    SCOPED_TRACE(factor);
+    label_ = "reduced by " + std::to_string(factor);
+    drawn_ = whole;
+    for (ViewData& view : drawn_.views) {
+      view = ReduceView(view, factor);
+    }
+    const ViewData& judged = drawn_.views[0];
+    const auto num_judged = static_cast<int64_t>(judged.depth.NumPixels());
+    const RefineOptions options;
+    const std::unique_ptr<Device> device = Device::CreateCpu(2);
+    const RefineResult observed = ObserveImage(
+        judged, UploadViews(drawn_.Sources(), *device), 1, options, *device);
+    const ViewEvidence& evidence = *observed.evidence;
+    const std::vector<ObservedView> views = {
+        {&evidence, judged.camera.Resized(evidence.width, evidence.height)}};
+    const FoundScene found = FindScene(views, options, *device);
+    ExpectPlanned("compose",
+                  ComposeImageWorkingBytes(options, num_pixels_, num_judged),
+                  PeakOf([&](Device& counting) {
+                    ComposeImage(
+                        whole.views[0], views, found, options, counting);
+                  }));
   }
 }
 

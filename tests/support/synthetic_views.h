@@ -73,6 +73,7 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
     view.color = Image<Rgb>(options.width, options.height);
     view.depth = Image<float>(options.width, options.height);
     view.normal = Image<Vec3f>(options.width, options.height);
+    view.is_to_refine = Image<uint8_t>(options.width, options.height);
     const Plane wall{drawn.wall.normal,
                      drawn.wall.offset + Dot(drawn.wall.normal, center)};
     for (int y = 0; y < options.height; ++y) {
@@ -95,7 +96,8 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
         }
         view.depth(x, y) = depth;
         view.normal(x, y) = depth > 0.f ? wall.normal : Vec3f{};
-        view.num_depths_to_refine += depth > 0.f ? 1 : 0;
+        view.is_to_refine(x, y) = depth > 0.f ? 1 : 0;
+        view.num_depths_to_refine += view.is_to_refine(x, y);
       }
     }
     drawn.views.push_back(std::move(view));

@@ -1,0 +1,146 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/lift_rating.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/copy.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
+
+#include <climits>
+#include <cmath>
+#include <string>
+
+namespace tsar {
+namespace {
+
+constexpr float kToleranceInErrors = 0.5f;
+constexpr float kMinTolerance = 3e-3f;
+
+struct LiftRatingsKernel {
+  JudgedHypotheses judged;
+  ImageView<const float> depth;
+  Intrinsics intrinsics;
+  DepthResolution resolution;
+  ImageView<uint8_t> lifted;
+
+  // Whether a depth of the map is one with the hypothesis of a reduced pixel.
+  TSAR_HD bool IsOnPlane(
+      int column, int row, const Vec3f& ray, float own, float tolerance) const {
+    const float judged_depth = judged.hypotheses.depth(column, row);
+    if (!(judged_depth > 0.f)) {
+      return false;
+    }
+    const Plane plane = Plane::FromPoint(judged.intrinsics.Ray(column, row),
+                                         judged_depth,
+                                         judged.hypotheses.normal(column, row));
+    // A normal that faces away says nothing of the slant.
+    const float on_ray = plane.Valid() ? plane.Depth(ray) : judged_depth;
+    return fabsf(on_ray - own) <= tolerance * own;
+  }
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float own = depth(x, y);
+    uint8_t rating = 0;
+    if (own > 0.f) {
+      const float tolerance =
+          fmaxf(kToleranceInErrors * resolution.RelativeDepthError(own),
+                kMinTolerance);
+      const Vec3f ray = intrinsics.Ray(x, y);
+      const int factor = judged.factor;
+      int nearest = INT_MAX;
+      for (int row = y / factor - 1; row <= y / factor + 1; ++row) {
+        for (int column = x / factor - 1; column <= x / factor + 1; ++column) {
+          if (!judged.ratings.Contains(column, row)) {
+            continue;
+          }
+          // In half pixels, from the middle of the square; the one that covers
+          // the pixel is the nearest.
+          const int to_x = 2 * (x - column * factor) - (factor - 1);
+          const int to_y = 2 * (y - row * factor) - (factor - 1);
+          const int distance = to_x * to_x + to_y * to_y;
+          if (distance < nearest &&
+              IsOnPlane(column, row, ray, own, tolerance)) {
+            nearest = distance;
+            rating = judged.ratings(column, row);
+          }
+        }
+      }
+    }
+    lifted(x, y) = rating;
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
+                                 ImageView<const float> depth,
+                                 const Intrinsics& intrinsics,
+                                 const DepthResolution& resolution,
+                                 Device& device) {
+  DeviceImage<uint8_t> lifted(device, depth.width, depth.height);
+  if (judged.factor == 1) {
+    Copy(device,
+         judged.ratings.data,
+         judged.ratings.NumPixels(),
+         lifted.View().data);
+    return lifted;
+  }
+  ParallelFor(
+      device,
+      depth.width,
+      depth.height,
+      LiftRatingsKernel{judged, depth, intrinsics, resolution, lifted.View()});
+  return lifted;
+}
+
+DeviceImage<uint8_t> LiftTrust(const ViewEvidence& evidence,
+                               const ViewData& reference,
+                               const DeviceReference& view,
+                               Device& device) {
+  const int factor = FactorBetween(view.Width(),
+                                   view.Height(),
+                                   evidence.trust.Width(),
+                                   evidence.trust.Height());
+  if (factor == 0) {
+    throw Error(ErrorCode::kMismatch,
+                "its evidence rates " + std::to_string(evidence.trust.Width()) +
+                    "x" + std::to_string(evidence.trust.Height()) +
+                    " pixels, which its depth map of " +
+                    std::to_string(view.Width()) + "x" +
+                    std::to_string(view.Height()) +
+                    " does not have at any scale; delete the folder "
+                    "stereo/tsar/evidence and run again");
+  }
+  DeviceImage<uint8_t> trust(device, evidence.trust);
+  if (factor == 1) {
+    return trust;
+  }
+  const ViewData reduced = ReduceHypotheses(reference, factor);
+  const DeviceImage<float> depth(device, reduced.depth);
+  const DeviceImage<Vec3f> normal(device, reduced.normal);
+  return LiftRatings({trust.View(),
+                      {depth.View(), normal.View()},
+                      reduced.camera.GetIntrinsics(),
+                      factor},
+                     view.hypotheses.depth.View(),
+                     view.MapIntrinsics(),
+                     evidence.resolution,
+                     device);
+}
+
+int64_t LiftTrustWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels) {
+  const int64_t lifted = BytesOf<uint8_t>(num_pixels);
+  if (num_judged_pixels == num_pixels) {
+    return lifted;
+  }
+  const int64_t judged = BytesOf<float>(num_judged_pixels) +
+                         BytesOf<Vec3f>(num_judged_pixels) +
+                         BytesOf<uint8_t>(num_judged_pixels);
+  return lifted + judged;
+}
+
+}  // namespace tsar

@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
+#include "colmap_tsar/superpixels/weighted_median.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// The hypotheses of a reduced view (ReduceView) and what came of judging them.
+struct JudgedHypotheses {
+  ImageView<const uint8_t> ratings;  // MeasurementRating
+  DepthNormalViews hypotheses;
+  Intrinsics intrinsics;
+  int factor = 1;
+};
+
+// Ratings of the pixels of the map: each takes that of the reduced pixel that
+// covers it, if its own depth lies on the plane of the hypothesis that was
+// judged there; otherwise of the nearest of the eight pixels around for which
+// this holds, since the squares at an edge stand for one of its sides; and 0
+// where it holds for none. On the plane is what lies within half of
+// RelativeDepthError() of the map that was judged, and within 0.3 % in any
+// case. With a factor of 1 they are the ratings as they are.
+// depth, intrinsics: of the map.
+DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
+                                 ImageView<const float> depth,
+                                 const Intrinsics& intrinsics,
+                                 const DepthResolution& resolution,
+                                 Device& device);
+
+// Of ViewEvidence::trust, whatever it was reduced by. view: the reference in
+// the device's memory. Throws kMismatch where it is of another map.
+DeviceImage<uint8_t> LiftTrust(const ViewEvidence& evidence,
+                               const ViewData& reference,
+                               const DeviceReference& view,
+                               Device& device);
+
+// With the result and what is uploaded for it. num_judged_pixels: of the
+// reduced map, or all where it is not reduced.
+int64_t LiftTrustWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels);
+
+}  // namespace tsar

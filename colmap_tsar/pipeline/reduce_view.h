@@ -1,0 +1,49 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/view_data.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// Views are judged at one scale. All that tells a right depth from a wrong one,
+// such as windows of 11 pixels and reprojections within 2, counts pixels of the
+// map. On maps of many megapixels such windows show little but noise, and the
+// errors of depths, which do not shrink with the pixels, span several of them.
+// What is judged therefore has a long side of at most this, a little more than
+// the images on which the thresholds were measured (640 to 1280 pixels);
+// smaller maps are judged as they are.
+constexpr int kMaxJudgingSide = 1600;
+
+// The smallest number of map pixels, from 1 on, whose squares leave no more
+// than max_side of them along the map's long side.
+int ReductionFactor(int width, int height, int max_side = kMaxJudgingSide);
+
+// The factor by which a map of one size was reduced to another; 0 where no
+// factor does that.
+int FactorBetween(int width, int height, int reduced_width, int reduced_height);
+
+// The view with one pixel for each square of factor x factor pixels, those at
+// the right and at the bottom cut off by the map's end: ceil(width / factor) x
+// ceil(height / factor) of them. Rays go through the middle of whole squares.
+// The colour is the mean. The hypothesis is never an average, which would lie
+// on no surface where a square shows two: it is that of the pixel with the
+// median depth (the lower one) of those from the map to refine, or where these
+// are under a quarter of the square, of those from the other type; where both
+// are, there is none. It is taken along its plane to the new ray. The exported
+// costs are those of that pixel.
+ViewData ReduceView(const ViewData& view, int factor);
+
+// The same without colours and costs.
+ViewData ReduceHypotheses(const ViewData& view, int factor);
+
+// Whether the reduced view has a depth in any pixel.
+bool HasReducedDepth(const ViewData& view, int factor);
+
+// Of main memory, with maps of this many pixels after the reduction.
+int64_t ReducedHypothesesBytes(int64_t num_pixels);
+
+}  // namespace tsar

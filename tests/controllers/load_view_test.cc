@@ -1,0 +1,57 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/load_view.h"
+
+#include "colmap_tsar/workspace/map_io.h"
+
+#include "tests/support/synthetic_workspace.h"
+#include "tests/support/test_workspace.h"
+
+namespace tsar {
+namespace {
+
+class LoadViewTest : public testing::Test {
+ protected:
+  void SetUp() override { MakeSyntheticWorkspace(root_); }
+
+  TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.Path() / "dense";
+};
+
+TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
+  const Image<float> geometric =
+      ReadDepthMap(GetMapPaths(root_, "v1.png", MapType::kGeometric).depth);
+  const ViewData view = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  ASSERT_TRUE(view.is_to_refine.HasSizeOf(view.depth));
+  int64_t num_to_refine = 0;
+  int64_t num_of_other = 0;
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+    const bool is_to_refine = view.is_to_refine.Data()[i] != 0;
+    ASSERT_EQ(is_to_refine, geometric.Data()[i] > 0.f) << i;
+    if (is_to_refine) {
+      ASSERT_EQ(view.depth.Data()[i], geometric.Data()[i]) << i;
+    }
+    num_to_refine += is_to_refine ? 1 : 0;
+    num_of_other += !is_to_refine && view.depth.Data()[i] > 0.f ? 1 : 0;
+  }
+  EXPECT_EQ(view.num_depths_to_refine, num_to_refine);
+  EXPECT_GT(num_of_other, 100);
+  EXPECT_EQ(static_cast<int64_t>(view.NumBytes()),
+            ViewDataBytes(static_cast<int64_t>(view.depth.NumPixels()),
+                          /*has_costs=*/false));
+}
+
+TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {
+  std::filesystem::remove(
+      GetMapPaths(root_, "v1.png", MapType::kPhotometric).depth);
+  std::filesystem::remove(
+      GetMapPaths(root_, "v1.png", MapType::kPhotometric).normal);
+  const ViewData view = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+    ASSERT_EQ(view.is_to_refine.Data()[i] != 0, view.depth.Data()[i] > 0.f);
+  }
+}
+
+}  // namespace
+}  // namespace tsar

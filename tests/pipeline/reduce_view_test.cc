@@ -1,0 +1,220 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/reduce_view.h"
+
+#include "colmap_tsar/matching/matching_cost.h"
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "tests/support/synthetic_scene.h"
+#include "tests/support/synthetic_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+// A view of one plane in every pixel, facing the camera.
+ViewData FlatView(int width, int height, float depth) {
+  ViewData view;
+  view.camera = SyntheticCamera(width, height, width);
+  view.color = Image<Rgb>(width, height);
+  view.depth = Image<float>(width, height, depth);
+  view.normal = Image<Vec3f>(width, height, Vec3f{0.f, 0.f, -1.f});
+  view.is_to_refine = Image<uint8_t>(width, height, 1);
+  return view;
+}
+
+template <typename T>
+bool SameBytes(const Image<T>& a, const Image<T>& b) {
+  return a.HasSizeOf(b) &&
+         (a.Empty() ||
+          std::memcmp(a.Data(), b.Data(), a.NumPixels() * sizeof(T)) == 0);
+}
+
+TEST(ReductionFactor, LeavesMapsUpToTheLimit) {
+  EXPECT_EQ(ReductionFactor(1600, 1200), 1);
+  EXPECT_EQ(ReductionFactor(1, 1), 1);
+  EXPECT_EQ(ReductionFactor(1601, 1200), 2);
+  EXPECT_EQ(ReductionFactor(1200, 3200), 2);
+  EXPECT_EQ(ReductionFactor(3201, 10), 3);
+  EXPECT_EQ(ReductionFactor(6000, 4000), 4);
+  EXPECT_EQ(ReductionFactor(97, 10, 48), 3);
+}
+
+TEST(FactorBetween, IsThatOfTheReduction) {
+  for (const auto& [width, height] :
+       {std::pair{1600, 1200}, {1601, 7}, {2560, 1920}, {5000, 6001}}) {
+    const int factor = ReductionFactor(width, height);
+    EXPECT_EQ(FactorBetween(width,
+                            height,
+                            (width + factor - 1) / factor,
+                            (height + factor - 1) / factor),
+              factor);
+  }
+  EXPECT_EQ(FactorBetween(100, 80, 50, 41), 0);
+  EXPECT_EQ(FactorBetween(100, 80, 101, 80), 0);
+  EXPECT_EQ(FactorBetween(100, 80, 1, 1), 100);
+  EXPECT_EQ(FactorBetween(3, 2, 1, 2), 0);
+}
+
+TEST(ReduceView, ByOneIsTheSame) {
+  const ViewData view = MakeSyntheticViews({}).views[1];
+  const ViewData reduced = ReduceView(view, 1);
+  EXPECT_TRUE(SameBytes(reduced.color, view.color));
+  EXPECT_TRUE(SameBytes(reduced.depth, view.depth));
+  EXPECT_TRUE(SameBytes(reduced.normal, view.normal));
+  EXPECT_TRUE(SameBytes(reduced.is_to_refine, view.is_to_refine));
+  EXPECT_EQ(reduced.camera.cx, view.camera.cx);
+  EXPECT_EQ(reduced.num_depths_to_refine, view.num_depths_to_refine);
+}
+
+TEST(ReduceView, RaysGoThroughTheMiddleOfSquares) {
+  const ViewData view = FlatView(11, 7, 2.f);
+  for (const int factor : {2, 3, 4}) {
+    SCOPED_TRACE(factor);
+    const ViewData reduced = ReduceView(view, factor);
+    EXPECT_EQ(reduced.depth.Width(), (11 + factor - 1) / factor);
+    EXPECT_EQ(reduced.depth.Height(), (7 + factor - 1) / factor);
+    EXPECT_EQ(reduced.camera.width, reduced.depth.Width());
+    EXPECT_EQ(reduced.camera.height, reduced.depth.Height());
+    EXPECT_TRUE(reduced.color.HasSizeOf(reduced.depth));
+    EXPECT_TRUE(reduced.min_cost.Empty());
+    const Intrinsics from = view.camera.GetIntrinsics();
+    const Intrinsics to = reduced.camera.GetIntrinsics();
+    for (int x = 0; x < reduced.depth.Width(); ++x) {
+      const float middle = 0.5f * (factor - 1);
+      const Vec3f expected = from.Ray(x * factor + middle, middle);
+      EXPECT_NEAR(to.Ray(x, 0).x, expected.x, 1e-6f);
+      EXPECT_NEAR(to.Ray(x, 0).y, expected.y, 1e-6f);
+    }
+  }
+}
+
+TEST(ReduceView, ASlantedPlaneStaysWhereItIs) {
+  SyntheticViewsOptions options;
+  options.width = 97;
+  options.has_bare_part = false;
+  options.noise = 0.f;
+  const SyntheticViews drawn = MakeSyntheticViews(options);
+  for (const int factor : {2, 3}) {
+    const ViewData reduced = ReduceView(drawn.views[0], factor);
+    const Image<float> expected = DrawDepth(drawn.wall, reduced.camera);
+    ASSERT_TRUE(reduced.depth.HasSizeOf(expected));
+    for (size_t i = 0; i < expected.NumPixels(); ++i) {
+      const float depth = expected.Data()[i];
+      ASSERT_NEAR(reduced.depth.Data()[i], depth, 1e-5f * depth);
+    }
+    EXPECT_EQ(reduced.num_depths_to_refine,
+              static_cast<int64_t>(expected.NumPixels()));
+  }
+}
+
+TEST(ReduceView, ADepthThatItsPlaneWouldCarryFarAwayStays) {
+  ViewData view = FlatView(8, 8, 2.f);
+  // Almost along the rays: half a pixel further it is somewhere else.
+  for (Vec3f& normal : view.normal) {
+    normal = Normalized({1.f, 0.f, -0.01f});
+  }
+  view.normal(0, 0) = {0.f, 0.f, 1.f};
+  const ViewData reduced = ReduceView(view, 2);
+  for (const float depth : reduced.depth) {
+    EXPECT_EQ(depth, 2.f);
+  }
+}
+
+TEST(ReduceView, TakesTheLowerMedianAndItsCosts) {
+  ViewData view = FlatView(4, 2, 0.f);
+  view.min_cost = Image<float>(4, 2, 0.5f);
+  view.second_cost = Image<float>(4, 2, 0.6f);
+  const std::vector<float> depths = {5.f, 3.f, 1.f, 4.f};
+  for (int i = 0; i < 4; ++i) {
+    view.depth(i % 2, i / 2) = depths[static_cast<size_t>(i)];
+    view.min_cost(i % 2, i / 2) = 0.1f * i;
+    view.second_cost(i % 2, i / 2) = 0.1f * i + 1.f;
+  }
+  const ViewData reduced = ReduceView(view, 2);
+  ASSERT_EQ(reduced.depth.NumPixels(), 2u);
+  EXPECT_EQ(reduced.depth(0, 0), 3.f);
+  EXPECT_EQ(reduced.min_cost(0, 0), 0.1f);
+  EXPECT_EQ(reduced.second_cost(0, 0), 1.1f);
+  EXPECT_EQ(reduced.depth(1, 0), 0.f);
+  EXPECT_EQ(reduced.normal(1, 0), (Vec3f{}));
+  EXPECT_EQ(reduced.is_to_refine(1, 0), 0);
+  EXPECT_EQ(reduced.min_cost(1, 0), kUndefinedCost);
+  EXPECT_EQ(reduced.num_depths_to_refine, 1);
+}
+
+TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasLittle) {
+  // Three squares of nine: two pixels of the map to refine, three, and one of
+  // each type.
+  ViewData view = FlatView(9, 3, 0.f);
+  view.is_to_refine = Image<uint8_t>(9, 3);
+  const auto set = [&](int x, int y, float depth, bool is_to_refine) {
+    view.depth(x, y) = depth;
+    view.is_to_refine(x, y) = is_to_refine ? 1 : 0;
+  };
+  for (int x = 0; x < 3; ++x) {
+    set(x, 0, 2.f, x < 2);
+    set(x, 1, 3.f, false);
+    set(x + 3, 0, 4.f, true);
+    set(x + 3, 1, 5.f, false);
+  }
+  set(6, 0, 6.f, true);
+  set(7, 0, 7.f, false);
+  const ViewData reduced = ReduceView(view, 3);
+  ASSERT_EQ(reduced.depth.Width(), 3);
+  EXPECT_EQ(reduced.depth(0, 0), 3.f);
+  EXPECT_EQ(reduced.is_to_refine(0, 0), 0);
+  EXPECT_EQ(reduced.depth(1, 0), 4.f);
+  EXPECT_EQ(reduced.is_to_refine(1, 0), 1);
+  EXPECT_EQ(reduced.depth(2, 0), 0.f);
+  EXPECT_EQ(reduced.num_depths_to_refine, 1);
+  EXPECT_TRUE(HasReducedDepth(view, 3));
+  // Without the raster, all are from one map.
+  view.is_to_refine = {};
+  EXPECT_EQ(ReduceView(view, 3).depth(2, 0), 0.f);
+  EXPECT_EQ(ReduceView(view, 3).num_depths_to_refine, 2);
+}
+
+TEST(ReduceView, SquaresAtTheEndHaveFewerPixels) {
+  ViewData view = FlatView(5, 5, 0.f);
+  view.depth(4, 4) = 2.f;
+  view.color(4, 4) = {9, 8, 7};
+  view.color(3, 0) = {200, 3, 0};
+  const ViewData reduced = ReduceView(view, 3);
+  ASSERT_EQ(reduced.depth.Width(), 2);
+  EXPECT_EQ(reduced.depth(1, 1), 2.f);
+  EXPECT_EQ(reduced.depth(0, 0), 0.f);
+  // One of four, and one of six; to the nearest.
+  EXPECT_EQ(reduced.color(1, 1).r, 2);
+  EXPECT_EQ(reduced.color(1, 1).b, 2);
+  EXPECT_EQ(reduced.color(1, 0).r, 33);
+  EXPECT_EQ(reduced.color(1, 0).g, 1);
+}
+
+TEST(ReduceView, StraysAreNothing) {
+  ViewData view = FlatView(9, 3, 0.f);
+  view.depth(4, 1) = 2.f;
+  EXPECT_FALSE(HasReducedDepth(view, 3));
+  EXPECT_TRUE(HasReducedDepth(view, 1));
+  EXPECT_TRUE(HasReducedDepth(view, 2));
+  EXPECT_FALSE(HasReducedDepth(FlatView(4, 4, 0.f), 1));
+}
+
+TEST(ReduceHypotheses, AreThoseOfTheView) {
+  const ViewData view = MakeSyntheticViews({}).views[0];
+  const ViewData reduced = ReduceView(view, 3);
+  const ViewData hypotheses = ReduceHypotheses(view, 3);
+  EXPECT_TRUE(SameBytes(hypotheses.depth, reduced.depth));
+  EXPECT_TRUE(SameBytes(hypotheses.normal, reduced.normal));
+  EXPECT_TRUE(hypotheses.color.Empty());
+  EXPECT_EQ(static_cast<int64_t>(hypotheses.NumBytes()),
+            ReducedHypothesesBytes(
+                static_cast<int64_t>(hypotheses.depth.NumPixels())));
+}
+
+}  // namespace
+}  // namespace tsar
