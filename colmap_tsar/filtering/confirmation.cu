@@ -13,13 +13,16 @@ constexpr int kRadius = 2;
 struct ConfirmationKernel {
   ImageView<const float> gray;
   ImageView<const uint8_t> agreement;
+  ImageView<const uint8_t> is_candidate;
   NoiseCurve noise;
   ConfirmationOptions options;
   ImageView<uint8_t> confirmations;
 
   TSAR_HD void operator()(int x, int y) const {
     const uint8_t agreeing = agreement(x, y);
-    confirmations(x, y) = agreeing > 0 && HasTexture(x, y) ? agreeing : 0;
+    const bool can_be = is_candidate.Empty() || is_candidate(x, y) != 0;
+    confirmations(x, y) =
+        agreeing > 0 && can_be && HasTexture(x, y) ? agreeing : 0;
   }
 
   TSAR_HD bool HasTexture(int x, int y) const {
@@ -49,6 +52,7 @@ struct ConfirmationKernel {
 
 DeviceImage<uint8_t> CountConfirmations(ImageView<const float> gray,
                                         ImageView<const uint8_t> agreement,
+                                        ImageView<const uint8_t> is_candidate,
                                         const NoiseCurve& noise,
                                         const ConfirmationOptions& options,
                                         Device& device) {
@@ -58,7 +62,7 @@ DeviceImage<uint8_t> CountConfirmations(ImageView<const float> gray,
       gray.width,
       gray.height,
       ConfirmationKernel{
-          gray, agreement, noise, options, confirmations.View()});
+          gray, agreement, is_candidate, noise, options, confirmations.View()});
   return confirmations;
 }
 

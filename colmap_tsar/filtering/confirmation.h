@@ -21,9 +21,11 @@ struct ConfirmationOptions {
 
 // For each pixel, how many other views confirm its depth: the agreeing ones
 // where the pixel itself has texture, otherwise none.
-// gray: 0-255, of the map's size.
+// gray: 0-255, of the map's size. is_candidate: 0 where a depth cannot be
+// confirmed; empty: nowhere.
 DeviceImage<uint8_t> CountConfirmations(ImageView<const float> gray,
                                         ImageView<const uint8_t> agreement,
+                                        ImageView<const uint8_t> is_candidate,
                                         const NoiseCurve& noise,
                                         const ConfirmationOptions& options,
                                         Device& device);

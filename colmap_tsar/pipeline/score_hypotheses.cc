@@ -63,8 +63,15 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
     ShowStage(observer, RefineStage::kAgreement, agreement.agreeing, device);
     if (options.confirmed_depths) {
       ConfirmationOptions co; co.min_texture = (float)TP("TP_V5", 4);
-      result.confirmations = CountConfirmations(
-          views.Reference().gray, agreement.agreeing.View(), noise, co, device);
+      // What COLMAP's own check of consistency rejected is not confirmed by
+      // chance.
+      const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
+      result.confirmations = CountConfirmations(views.Reference().gray,
+                                                agreement.agreeing.View(),
+                                                getenv("TP_MASK0") ? ImageView<const uint8_t>{} : is_to_refine.View(),
+                                                noise,
+                                                co,
+                                                device);
     }
   }
   timer->Finish("matching");
