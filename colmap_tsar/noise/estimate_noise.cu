@@ -14,6 +14,10 @@ namespace {
 constexpr int kBlock = 8;
 // A plane of three parameters is taken out of each.
 constexpr int kDegreesOfFreedom = kBlock * kBlock - 3;
+// Variance of a block over that which mixed second differences show: 1 of white
+// noise, 9 of noise averaged over 3 x 3 pixels, 100 or more of
+// waves of ten pixels, which are texture.
+constexpr float kMaxSmoothness = 12.f;
 
 struct BlockKernel {
   ImageView<const float> gray;
@@ -40,12 +44,24 @@ struct BlockKernel {
         along_y += level * (static_cast<float>(v) - kMiddle);
       }
     }
+    float mixed = 0.f;
+    for (int v = 1; v < kBlock; ++v) {
+      for (int u = 1; u < kBlock; ++u) {
+        const float difference =
+            (gray(x0 + u, y0 + v) - gray(x0 + u - 1, y0 + v)) -
+            (gray(x0 + u, y0 + v - 1) - gray(x0 + u - 1, y0 + v - 1));
+        mixed += difference * difference;
+      }
+    }
+    constexpr float kDifferences = 4 * (kBlock - 1) * (kBlock - 1);
     constexpr float kArea = kBlock * kBlock;
     const float mean = sum / kArea;
     const float of_gradient =
         (along_x * along_x + along_y * along_y) / (kArea * kMeanSquare);
     const float rest = squares - kArea * mean * mean - of_gradient;
-    blocks(column, row) = {base + mean, fmaxf(rest, 0.f) / kDegreesOfFreedom};
+    const float variance = fmaxf(rest, 0.f) / kDegreesOfFreedom;
+    blocks(column, row) = {
+        base + mean, fminf(variance, kMaxSmoothness * mixed / kDifferences)};
   }
 };
 

@@ -13,7 +13,8 @@ namespace tsar {
 
 // The noise of a gray image (0-255), from its flattest blocks of 8 x 8 pixels.
 // Compression and resizing correlate the noise of adjacent pixels, which
-// differences between them would not show: the variance of blocks does.
+// differences between them would not show: the variance of blocks does. Only
+// where it exceeds that of differences by far, it is that of a smooth texture.
 NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device);
 
 int64_t EstimateNoiseWorkingBytes(int64_t num_pixels);

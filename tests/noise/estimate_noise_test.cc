@@ -77,6 +77,19 @@ TEST(EstimateNoise, MeasuresCorrelatedNoise) {
   EXPECT_NEAR(std::sqrt(Estimate(gray).Variance(128.f)), 3.0, 0.6);
 }
 
+TEST(EstimateNoise, DoesNotTakeSmoothTextureForIt) {
+  // Waves of six to fifteen pixels everywhere, of a standard deviation of 38.
+  Image<float> gray(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      gray(x, y) = ToLevel(128.0 + 40.0 * std::sin(0.9 * x + 0.2 * y) +
+                           30.0 * std::sin(0.61 * y - 0.35 * x + 1.0) +
+                           20.0 * std::sin(0.43 * x + 0.47 * y + 2.0));
+    }
+  }
+  EXPECT_LT(std::sqrt(Estimate(gray).Variance(128.f)), 15.f);
+}
+
 TEST(EstimateNoise, ConstantImageHasThatOfRounding) {
   for (const auto& [width, height] :
        {std::pair(200, 200), std::pair(1, 1), std::pair(7, 300)}) {
