@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -41,13 +42,15 @@ class RepresentativeFinder {
       : depth_(view.depth.View()),
         is_to_refine_(view.is_to_refine.View()),
         factor_(factor) {
+    // One more than there can be: each pixel is written to both lists.
     const size_t max_pixels =
         static_cast<size_t>(std::min(factor, depth_.width)) *
-        static_cast<size_t>(std::min(factor, depth_.height));
+            static_cast<size_t>(std::min(factor, depth_.height)) +
+        1;
     for (Candidates* candidates : {&own_, &other_}) {
       candidates->pixels.resize(max_pixels);
+      candidates->depths.resize(max_pixels);
     }
-    sorted_.resize(max_pixels);
   }
 
   // The pixel's place in the map, or -1 where there is none.
@@ -61,13 +64,13 @@ class RepresentativeFinder {
     for (int j = begin_y; j < end_y; ++j) {
       for (int i = begin_x; i < end_x; ++i) {
         const size_t pixel = depth_.Index(i, j);
-        if (depth_.data[pixel] > 0.f) {
-          // Without the raster, all are from the map to refine.
-          const bool is_own =
-              is_to_refine_.Empty() || is_to_refine_.data[pixel] != 0;
-          Candidates& candidates = is_own ? own_ : other_;
-          candidates.pixels[candidates.count++] = pixel;
-        }
+        const float depth = depth_.data[pixel];
+        const bool is_valid = depth > 0.f;
+        // Without the raster, all are from the map to refine.
+        const bool is_own =
+            is_to_refine_.Empty() || is_to_refine_.data[pixel] != 0;
+        own_.Put(pixel, depth, is_valid && is_own);
+        other_.Put(pixel, depth, is_valid && !is_own);
       }
     }
     const size_t num_pixels = static_cast<size_t>(end_x - begin_x) *
@@ -83,22 +86,35 @@ class RepresentativeFinder {
 
  private:
   struct Candidates {
+    // Without a branch, which would be hard to foresee.
+    void Put(size_t pixel, float depth, bool counts) {
+      pixels[count] = pixel;
+      depths[count] = depth;
+      count += counts ? 1 : 0;
+    }
+
     std::vector<size_t> pixels;  // Row by row.
+    std::vector<float> depths;
     size_t count = 0;
   };
 
-  // The first pixel with the median depth.
-  size_t Median(const Candidates& candidates) {
-    const auto depth_of = [this](size_t pixel) { return depth_.data[pixel]; };
-    const auto begin = candidates.pixels.begin();
-    const auto end = begin + static_cast<ptrdiff_t>(candidates.count);
-    const auto sorted_end =
-        std::transform(begin, end, sorted_.begin(), depth_of);
-    const auto middle =
-        sorted_.begin() + static_cast<ptrdiff_t>((candidates.count - 1) / 2);
-    std::nth_element(sorted_.begin(), middle, sorted_end);
-    return *std::find_if(
-        begin, end, [&](size_t pixel) { return depth_of(pixel) == *middle; });
+  // The first pixel with the median depth. Squares are so small that counting
+  // for each pixel, without a branch, is faster than to sort.
+  static size_t Median(const Candidates& candidates) {
+    const size_t middle = (candidates.count - 1) / 2;
+    size_t i = 0;
+    for (; i + 1 < candidates.count; ++i) {
+      uint32_t num_nearer = 0;
+      uint32_t num_as_near = 0;
+      for (size_t j = 0; j < candidates.count; ++j) {
+        num_nearer += candidates.depths[j] < candidates.depths[i] ? 1 : 0;
+        num_as_near += candidates.depths[j] == candidates.depths[i] ? 1 : 0;
+      }
+      if (num_nearer <= middle && middle < num_nearer + num_as_near) {
+        break;
+      }
+    }
+    return candidates.pixels[i];
   }
 
   const ImageView<const float> depth_;
@@ -106,7 +122,6 @@ class RepresentativeFinder {
   const int factor_;
   Candidates own_;
   Candidates other_;
-  std::vector<float> sorted_;
 };
 
 // Where the plane through a hypothesis meets another ray.
