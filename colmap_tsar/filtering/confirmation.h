@@ -16,7 +16,7 @@ struct ConfirmationOptions {
   // many variances of the noise. Without texture of its own a pixel takes the
   // depth of whatever edge lies in its matching window, and so it does in the
   // other views, which then agree on a wrong depth.
-  float min_texture = 4.f;
+  float min_texture = 2.f;
 };
 
 // For each pixel, how many other views confirm its depth: the agreeing ones

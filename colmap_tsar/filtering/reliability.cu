@@ -13,7 +13,6 @@ struct AggregateKernel {
   ImageView<const float> confidence;
   ImageView<const float> discontinuity;
   ImageView<const uint8_t> agreement;
-  ImageView<const uint8_t> seeing;
   ReliabilityOptions options;
   ImageView<float> score;
 
@@ -33,10 +32,11 @@ struct AggregateKernel {
       sum += (1.f - tau) * discontinuity(x, y);
     }
     if (!agreement.Empty()) {
-      int enough = options.saturating_agreement;
-      if (!seeing.Empty() && seeing(x, y) < enough) enough = seeing(x, y) > options.min_agreement ? seeing(x, y) : (options.min_agreement < enough ? options.min_agreement : enough);
-      const int count = agreement(x, y) < enough ? agreement(x, y) : enough;
-      const float share = static_cast<float>(count) / enough;
+      const int count = agreement(x, y) < options.saturating_agreement
+                            ? agreement(x, y)
+                            : options.saturating_agreement;
+      const float share =
+          static_cast<float>(count) / options.saturating_agreement;
       sum = confidence.Empty() && discontinuity.Empty()
                 ? share
                 : (sum + 2.f * share) / 3.f;
@@ -61,7 +61,6 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
                                    ImageView<const float> confidence,
                                    ImageView<const float> discontinuity,
                                    ImageView<const uint8_t> agreement,
-                                   ImageView<const uint8_t> seeing,
                                    const ReliabilityOptions& options,
                                    Device& device) {
   DeviceImage<float> score(device, depth.width, depth.height);
@@ -70,7 +69,7 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
       depth.width,
       depth.height,
       AggregateKernel{
-          depth, confidence, discontinuity, agreement, seeing, options, score.View()});
+          depth, confidence, discontinuity, agreement, options, score.View()});
   return score;
 }
 

@@ -14,8 +14,6 @@ struct ReliabilityOptions {
   float confidence_weight = 0.7f;
   // How many agreeing sources are as good as any number of them.
   int saturating_agreement = 4;
-  // Fewer where fewer sources see the pixel, but no fewer than this.
-  int min_agreement = 2;
 };
 
 // n_aggr of Eq. 4, tau n_cost + (1 - tau) n_disp, for pixels with a depth; 0
@@ -30,7 +28,6 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
                                    ImageView<const float> confidence,
                                    ImageView<const float> discontinuity,
                                    ImageView<const uint8_t> agreement,
-                                   ImageView<const uint8_t> seeing,
                                    const ReliabilityOptions& options,
                                    Device& device);
 

@@ -17,35 +17,26 @@ struct AgreementKernel {
   int num_sources;
   AgreementOptions options;
   ImageView<uint8_t> counts;
-  ImageView<uint8_t> seeing;
 
   TSAR_HD void operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
     int count = 0;
-    int num_seeing = 0;
     if (depth > 0.f) {
       const Vec3f point = reference.intrinsics.Ray(x, y) * depth;
       for (int s = 0; s < num_sources && count < 255; ++s) {
-        count += Agrees(sources[s], point, x, y, &num_seeing) ? 1 : 0;
+        count += Agrees(sources[s], point, x, y) ? 1 : 0;
       }
     }
     counts(x, y) = static_cast<uint8_t>(count);
-    seeing(x, y) = static_cast<uint8_t>(num_seeing < 255 ? num_seeing : 255);
   }
 
   TSAR_HD bool Agrees(const SourceView& source,
                       const Vec3f& point,
                       int x,
-                      int y,
-                      int* num_seeing) const {
+                      int y) const {
     SeenThroughSource seen;
-    if (!LookThroughSource(reference.intrinsics, source, point, &seen)) {
-      return false;
-    }
-    // What the source sees in front of the point hides it.
-    *num_seeing +=
-        seen.point.z >= (1.f - options.max_depth_error) * point.z ? 1 : 0;
-    if (!(fabsf(seen.point.z - point.z) <= options.max_depth_error * point.z)) {
+    if (!LookThroughSource(reference.intrinsics, source, point, &seen) ||
+        !(fabsf(seen.point.z - point.z) <= options.max_depth_error * point.z)) {
       return false;
     }
     const float du = seen.x - x;
@@ -57,24 +48,21 @@ struct AgreementKernel {
 
 }  // namespace
 
-ViewAgreement CountAgreeingSources(const ReferenceView& reference,
+DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
                                           const Buffer<SourceView>& sources,
                                           const AgreementOptions& options,
                                           Device& device) {
-  const int width = reference.depth.width;
-  const int height = reference.depth.height;
-  ViewAgreement result{DeviceImage<uint8_t>(device, width, height),
-                       DeviceImage<uint8_t>(device, width, height)};
+  DeviceImage<uint8_t> counts(
+      device, reference.depth.width, reference.depth.height);
   ParallelFor(device,
-              width,
-              height,
+              counts.Width(),
+              counts.Height(),
               AgreementKernel{reference,
                               sources.Data(),
                               static_cast<int>(sources.Size()),
                               options,
-                              result.agreeing.View(),
-                              result.seeing.View()});
-  return result;
+                              counts.View()});
+  return counts;
 }
 
 }  // namespace tsar

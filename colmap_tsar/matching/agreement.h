@@ -18,17 +18,9 @@ struct AgreementOptions {
   float max_depth_error = 0.01f;
 };
 
-// For each pixel, at most 255 each.
-struct ViewAgreement {
-  // How many sources' depth maps agree with its depth, by forward and backward
-  // reprojection.
-  DeviceImage<uint8_t> agreeing;
-  // How many have a depth where they look at it, and nothing in front: those
-  // that could agree.
-  DeviceImage<uint8_t> seeing;
-};
-
-ViewAgreement CountAgreeingSources(const ReferenceView& reference,
+// For each pixel, how many sources' depth maps agree with its depth by forward
+// and backward reprojection; at most 255.
+DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
                                           const Buffer<SourceView>& sources,
                                           const AgreementOptions& options,
                                           Device& device);

@@ -13,8 +13,6 @@ struct MatchingCostKernel {
   ReferenceView reference;
   const SourceView* sources;
   int num_sources;
-  NoiseCurve noise;
-  float noise_factor;
   ImageView<float> min_cost;
   ImageView<float> second_cost;
   ImageView<float> left_right_difference;
@@ -30,7 +28,7 @@ struct MatchingCostKernel {
     if (depth > 0.f && plane.Valid()) {
       const ReferencePatch patch(reference.gray, x, y);
       int best_source = -1;
-      if (patch.HasTexture() && patch.variance >= noise_factor * noise.Variance(reference.gray(x, y))) {
+      if (patch.HasTexture()) {
         for (int s = 0; s < num_sources; ++s) {
           const SourceView& source = sources[s];
           const PlaneHomography homography(reference.intrinsics,
@@ -95,7 +93,6 @@ struct MatchingCostKernel {
 
 MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
                                    const Buffer<SourceView>& sources,
-                                   const NoiseCurve& noise, float noise_factor,
                                    Device& device) {
   const int width = reference.depth.width;
   const int height = reference.depth.height;
@@ -108,7 +105,6 @@ MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
               MatchingCostKernel{reference,
                                  sources.Data(),
                                  static_cast<int>(sources.Size()),
-                                 noise, noise_factor,
                                  costs.min_cost.View(),
                                  costs.second_cost.View(),
                                  costs.left_right_difference.View()});

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
-#include "colmap_tsar/noise/noise_curve.h"
 
 namespace tsar {
 
@@ -28,7 +27,6 @@ struct MatchingCosts {
 // Sources may be none; then everything is undefined.
 MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
                                    const Buffer<SourceView>& sources,
-                                   const NoiseCurve& noise, float noise_factor,
                                    Device& device);
 
 }  // namespace tsar

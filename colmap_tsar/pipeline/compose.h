@@ -22,11 +22,11 @@ struct ComposeOptions {
 
 struct ComposeInputs {
   ImageView<const uint8_t> trusted;  // Where the measured hypotheses stand.
-  // Where other than 0, they stand as well: other views confirm them. May be
-  // empty.
-  ImageView<const uint8_t> confirmations;
   PlaneRaster superpixel_planes;     // May be empty.
   PlaneRaster region_planes;         // May be empty.
+  // Where other than 0, hypotheses stand as well: other views confirm them. May
+  // be empty.
+  ImageView<const uint8_t> confirmations;
 };
 
 struct ComposedMap {

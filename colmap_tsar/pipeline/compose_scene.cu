@@ -27,15 +27,15 @@ TSAR_HD inline LabelEvidence EvidenceAt(const ComposeSceneInputs& inputs,
                                         int y) {
   const ImageView<const uint8_t>& evidence = inputs.label_evidence;
   return static_cast<LabelEvidence>(evidence(
-      ReducedRaster::FromMap(x, inputs.rating.width, evidence.width),
-      ReducedRaster::FromMap(y, inputs.rating.height, evidence.height)));
+      ReducedRaster::FromMap(x, inputs.ratings.width, evidence.width),
+      ReducedRaster::FromMap(y, inputs.ratings.height, evidence.height)));
 }
 
 // What becomes of the depth that a pixel measured.
 enum OwnDepth : uint8_t {
-  kGivesWay = 0,        // To a plane, or because nothing speaks for it.
-  kStandsInABlob = 1,   // Trusted: if enough of its neighbours do, too.
-  kStands = 2,          // Other views confirm it.
+  kGivesWay = 0,       // To a plane, or because nothing speaks for it.
+  kStandsInABlob = 1,  // Trusted: if enough of its neighbours do, too.
+  kStands = 2,         // Other views confirm it.
 };
 
 // Finds the measurements that do not lie on a plane of the scene.
@@ -59,10 +59,12 @@ struct OwnDepthKernel {
     if (!(own > 0.f) || (!is_trusted && !is_confirmed)) {
       return kGivesWay;
     }
+    const PlaneTolerance& on_plane =
+        is_confirmed ? options.on_plane_confirmed : options.on_plane;
     const float plane = DepthOnPlane(scene_planes, x, y);
     if (plane > 0.f &&
         (!options.keep_off_plane ||
-         fabsf(plane - own) <= (is_confirmed ? options.on_plane_confirmed : options.on_plane).At(own, resolution) * own)) {
+         fabsf(plane - own) <= on_plane.At(own, resolution) * own)) {
       return kGivesWay;
     }
     return is_confirmed ? kStands : kStandsInABlob;
@@ -94,7 +96,7 @@ struct ComposeSceneKernel {
       return;
     }
     const bool is_trusted =
-        MeasurementRating::IsTrusted(inputs.rating(x, y)) && depth(x, y) > 0.f;
+        MeasurementRating::IsTrusted(inputs.ratings(x, y)) && depth(x, y) > 0.f;
     Provenance source = Provenance::kNone;
     Plane plane = inputs.scene_planes.At(x, y);
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
@@ -128,7 +130,7 @@ struct SceneConfidenceKernel {
     const auto source = static_cast<Provenance>(provenance(x, y));
     float value = ConfidenceOfFilled(source);
     if (source == Provenance::kMeasured) {
-      value = fmaxf(MeasurementRating::Score(inputs.rating(x, y)),
+      value = fmaxf(MeasurementRating::Score(inputs.ratings(x, y)),
                     kLeastConfidence);
     } else if (source == Provenance::kOtherViews &&
                EvidenceAt(inputs, x, y) != LabelEvidence::kCarried) {
@@ -154,7 +156,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
               width,
               height,
               OwnDepthKernel{composed.map.depth.View(),
-                             inputs.rating,
+                             inputs.ratings,
                              inputs.scene_planes,
                              resolution,
                              options,
@@ -190,7 +192,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        Device& device) {
   DeviceImage<float> confidence(
-      device, inputs.rating.width, inputs.rating.height);
+      device, inputs.ratings.width, inputs.ratings.height);
   ParallelFor(device,
               confidence.Width(),
               confidence.Height(),

@@ -21,14 +21,15 @@ struct ComposeSceneOptions {
   // if at least so many pixels of the raster do so side by side, since specks
   // are noise,
   int min_blob = 20;
-  // or if another view confirms it: thin and detailed things.
+  // or if another view confirms it: thin and detailed things,
   bool keep_confirmed = true;
+  // and lies further than this from its plane.
   PlaneTolerance on_plane_confirmed{0.f, 1.2f};
 };
 
 struct ComposeSceneInputs {
-  ImageView<const uint8_t> rating;  // Of the map: see MeasurementRating.
-  PlaneRaster scene_planes;         // Invalid where a superpixel has none.
+  ImageView<const uint8_t> ratings;  // Of the map: see MeasurementRating.
+  PlaneRaster scene_planes;          // Invalid where a superpixel has none.
   // How each pixel of the raster came by its plane.
   ImageView<const uint8_t> label_evidence;
   // Used where the scene has no plane.

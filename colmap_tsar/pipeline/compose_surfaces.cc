@@ -24,9 +24,9 @@ ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
   return ComposeMap(
       is_spread ? std::move(surfaces->spread) : views->TakeHypotheses(),
       {std::as_const(surfaces->trusted).View(),
-       std::as_const(surfaces->confirmations).View(),
        views->OnMap(superpixel_planes),
-       region_planes},
+       region_planes,
+       std::as_const(surfaces->confirmations).View()},
       views->Scale(),
       {},
       device);

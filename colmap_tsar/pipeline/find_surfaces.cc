@@ -193,8 +193,10 @@ int64_t SegmentingBytes(const RefineOptions& options,
        labels + RegionPlanesWorkingBytes(options, num_raster_pixels)});
 }
 
-int64_t ScoreAndTrustBytes(int64_t num_pixels) {
-  return BytesOf<float>(num_pixels) + BytesOf<uint8_t>(num_pixels);
+// The score, the trust and the confirmations.
+int64_t RatingBytes(const RefineOptions& options, int64_t num_pixels) {
+  return BytesOf<float>(num_pixels) + BytesOf<uint8_t>(num_pixels) +
+         ConfirmationsBytes(options, num_pixels);
 }
 
 // What RefineTrust() adds to that for good.
@@ -316,9 +318,9 @@ int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
                       : 0;
   return std::max(DeviceViewsWorkingBytes(num_pixels, num_sources) +
                       std::max(ScoreHypothesesWorkingBytes(options, num_pixels),
-                               ScoreAndTrustBytes(num_pixels)),
+                               RatingBytes(options, num_pixels)),
                   DeviceViewsBytesWithoutSources(num_pixels) +
-                      ScoreAndTrustBytes(num_pixels) +
+                      RatingBytes(options, num_pixels) +
                       std::max(RefineTrustWorkingBytes(options, num_pixels),
                                SpreadAndFilledBytes(options, num_pixels) +
                                    std::max(FillingBytes(options, num_pixels),
@@ -327,7 +329,7 @@ int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
 
 int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels) {
   const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  return ScoreAndTrustBytes(num_pixels) +
+  return RatingBytes(options, num_pixels) +
          SuperpixelBytes(options, num_raster_pixels) +
          SpreadAndFilledBytes(options, num_pixels) +
          (options.segment ? BytesOf<Plane>(num_raster_pixels) : 0);

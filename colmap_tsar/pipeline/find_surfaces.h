@@ -19,7 +19,7 @@ namespace tsar {
 
 // What one view tells about the surfaces that it sees.
 struct Surfaces {
-  DeviceImage<float> score;      // n_aggr of the hypotheses.
+  DeviceImage<float> score;            // n_aggr of the hypotheses.
   DeviceImage<uint8_t> confirmations;  // HypothesisScores::confirmations.
   DeviceImage<uint8_t> trusted;  // Other than 0 where the hypothesis stands.
   // Empty without RefineOptions::refine.

@@ -97,32 +97,32 @@ DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
   return lifted;
 }
 
-DeviceImage<uint8_t> LiftTrust(const ViewEvidence& evidence,
-                               const ViewData& reference,
-                               const DeviceReference& view,
-                               Device& device) {
+DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
+                                 const ViewData& reference,
+                                 const DeviceReference& view,
+                                 Device& device) {
   const int factor = FactorBetween(view.Width(),
                                    view.Height(),
-                                   evidence.trust.Width(),
-                                   evidence.trust.Height());
+                                   evidence.ratings.Width(),
+                                   evidence.ratings.Height());
   if (factor == 0) {
-    throw Error(ErrorCode::kMismatch,
-                "its evidence rates " + std::to_string(evidence.trust.Width()) +
-                    "x" + std::to_string(evidence.trust.Height()) +
-                    " pixels, which its depth map of " +
-                    std::to_string(view.Width()) + "x" +
-                    std::to_string(view.Height()) +
-                    " does not have at any scale; delete the folder "
-                    "stereo/tsar/evidence and run again");
+    throw Error(
+        ErrorCode::kMismatch,
+        "its evidence rates " + std::to_string(evidence.ratings.Width()) + "x" +
+            std::to_string(evidence.ratings.Height()) +
+            " pixels, which its depth map of " + std::to_string(view.Width()) +
+            "x" + std::to_string(view.Height()) +
+            " does not have at any scale; delete the folder "
+            "stereo/tsar/evidence and run again");
   }
-  DeviceImage<uint8_t> trust(device, evidence.trust);
+  DeviceImage<uint8_t> ratings(device, evidence.ratings);
   if (factor == 1) {
-    return trust;
+    return ratings;
   }
   const ViewData reduced = ReduceHypotheses(reference, factor);
   const DeviceImage<float> depth(device, reduced.depth);
   const DeviceImage<Vec3f> normal(device, reduced.normal);
-  return LiftRatings({trust.View(),
+  return LiftRatings({ratings.View(),
                       {depth.View(), normal.View()},
                       reduced.camera.GetIntrinsics(),
                       factor},
@@ -132,7 +132,7 @@ DeviceImage<uint8_t> LiftTrust(const ViewEvidence& evidence,
                      device);
 }
 
-int64_t LiftTrustWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels) {
+int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels) {
   const int64_t lifted = BytesOf<uint8_t>(num_pixels);
   if (num_judged_pixels == num_pixels) {
     return lifted;

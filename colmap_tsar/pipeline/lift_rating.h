@@ -37,15 +37,15 @@ DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
                                  const DepthResolution& resolution,
                                  Device& device);
 
-// Of ViewEvidence::trust, whatever it was reduced by. view: the reference in
+// Of ViewEvidence::ratings, whatever it was reduced by. view: the reference in
 // the device's memory. Throws kMismatch where it is of another map.
-DeviceImage<uint8_t> LiftTrust(const ViewEvidence& evidence,
-                               const ViewData& reference,
-                               const DeviceReference& view,
-                               Device& device);
+DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
+                                 const ViewData& reference,
+                                 const DeviceReference& view,
+                                 Device& device);
 
 // With the result and what is uploaded for it. num_judged_pixels: of the
 // reduced map, or all where it is not reduced.
-int64_t LiftTrustWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels);
+int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels);
 
 }  // namespace tsar

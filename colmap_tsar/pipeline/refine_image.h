@@ -23,9 +23,9 @@ namespace tsar {
 // What the stages of a single view found, in main memory.
 struct MeasuredImage {
   EvidenceInputs inputs;
-  Image<float> gray;     // Of the raster of the inputs.
-  Image<uint8_t> trust;  // See ViewEvidence::trust.
-  Camera camera;         // Of the maps.
+  Image<float> gray;       // Of the raster of the inputs.
+  Image<uint8_t> ratings;  // See ViewEvidence::ratings.
+  Camera camera;           // Of the maps.
 };
 
 struct RefineResult {

@@ -9,7 +9,7 @@
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
-#include "colmap_tsar/pipeline/quantize_trust.h"
+#include "colmap_tsar/pipeline/pack_ratings.h"
 #include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
@@ -181,28 +181,26 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const LabeledView& labeled,
                                   const BorderOptions& options,
                                   bool denoise,
-                                  DeviceImage<uint8_t>* trust,
+                                  DeviceImage<uint8_t>* ratings,
                                   Device& device) {
   const ViewEvidence& evidence = *observed.evidence;
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Vec3f> lab = ConvertToLab(
-      MakeRasterColor(view.color.View(),
-                      {evidence.width, evidence.height},
-                      denoise,
-                      device)
+      MakeRasterColor(
+          view.color.View(), {evidence.width, evidence.height}, denoise, device)
           .View(),
       device);
   const RefinedBorders refined = RefineBorders({superpixels.View(),
                                                 lab.View(),
                                                 view.hypotheses.depth.View(),
-                                                trust->View(),
+                                                ratings->View(),
                                                 observed.camera.GetIntrinsics(),
                                                 evidence.resolution},
                                                labeled.labels,
                                                labeled.planes,
                                                options,
                                                device);
-  DistrustFattened(refined.fattened.View(), trust->View(), device);
+  DistrustFattened(refined.fattened.View(), ratings->View(), device);
   return refined.superpixels.ToHost();
 }
 
@@ -262,12 +260,15 @@ RefineResult MeasureImage(
                                          &timer,
                                          observer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
-  result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
-      DownloadInputs(views, surfaces, gray.View(), device),
-      gray.ToHost(),
-      QuantizeTrust(surfaces.trusted.View(), surfaces.score.View(), surfaces.confirmations.View(), device)
-          .ToHost(),
-      views.ReferenceCamera()});
+  result.measured = std::make_unique<MeasuredImage>(
+      MeasuredImage{DownloadInputs(views, surfaces, gray.View(), device),
+                    gray.ToHost(),
+                    PackRatings(surfaces.trusted.View(),
+                                surfaces.score.View(),
+                                surfaces.confirmations.View(),
+                                device)
+                        .ToHost(),
+                    views.ReferenceCamera()});
   timer.Finish("download");
   return result;
 }
@@ -288,7 +289,7 @@ void MakeEvidence(const RefineOptions& options,
   }
   result->evidence =
       std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));
-  result->evidence->trust = std::move(measured.trust);
+  result->evidence->ratings = std::move(measured.ratings);
   timer.Finish("evidence");
   ReduceCandidates(measured.camera, options, device, result->evidence.get());
   result->measured.reset();
@@ -336,7 +337,7 @@ RefineResult ComposeImage(const ViewData& reference,
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
   DeviceReference view(reference, device);
-  DeviceImage<uint8_t> trust = LiftTrust(evidence, reference, view, device);
+  DeviceImage<uint8_t> ratings = LiftRatings(evidence, reference, view, device);
   timer.Finish("upload");
   const Image<uint16_t> superpixels =
       options.pixel_borders
@@ -345,7 +346,7 @@ RefineResult ComposeImage(const ViewData& reference,
                               FlattenSurfaces(views[0], labeled, curved),
                               scene.borders,
                               options.denoise,
-                              &trust,
+                              &ratings,
                               device)
           : evidence.superpixels;
   timer.Finish("borders");
@@ -363,7 +364,7 @@ RefineResult ComposeImage(const ViewData& reference,
   const DeviceImage<Plane> region_planes =
       PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
   timer.Finish("upload");
-  const ComposeSceneInputs inputs{std::as_const(trust).View(),
+  const ComposeSceneInputs inputs{std::as_const(ratings).View(),
                                   view.OnMap(scene_planes),
                                   kinds.View(),
                                   view.OnMap(region_planes)};

@@ -14,22 +14,18 @@
 #include "colmap_tsar/pipeline/stage_options.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-double TP(const char* n, double d) { return getenv(n) ? atof(getenv(n)) : d; }
-
 DeviceImage<float> RateMatches(const ViewData& reference,
                                const DeviceViews& views,
-                               const NoiseCurve& noise,
                                const RefineOptions& options,
                                Device& device,
                                StageObserver* observer) {
   MatchingCosts costs =
-      ComputeMatchingCosts(views.Reference(), views.Sources(), noise, (float)TP("TP_K", 0), device);
+      ComputeMatchingCosts(views.Reference(), views.Sources(), device);
   if (!reference.min_cost.Empty()) {
     costs.min_cost = DeviceImage<float>(device, reference.min_cost);
     costs.second_cost = DeviceImage<float>(device, reference.second_cost);
@@ -49,28 +45,26 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
                                  Device& device,
                                  StageTimer* timer,
                                  StageObserver* observer) {
-  const NoiseCurve noise = EstimateNoise(views.Reference().gray, device);
   HypothesisScores result;
   DeviceImage<float> confidence;
   if (options.filter_confidence) {
-    confidence =
-        RateMatches(reference, views, noise, options, device, observer);
+    confidence = RateMatches(reference, views, options, device, observer);
   }
-  ViewAgreement agreement;
+  DeviceImage<uint8_t> agreement;
   if (options.view_agreement) {
     agreement =
         CountAgreeingSources(views.Reference(), views.Sources(), {}, device);
-    ShowStage(observer, RefineStage::kAgreement, agreement.agreeing, device);
+    ShowStage(observer, RefineStage::kAgreement, agreement, device);
     if (options.confirmed_depths) {
-      ConfirmationOptions co; co.min_texture = (float)TP("TP_V5", 4);
+      const NoiseCurve noise = EstimateNoise(views.Reference().gray, device);
       // What COLMAP's own check of consistency rejected is not confirmed by
       // chance.
       const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
       result.confirmations = CountConfirmations(views.Reference().gray,
-                                                agreement.agreeing.View(),
-                                                getenv("TP_MASK0") ? ImageView<const uint8_t>{} : is_to_refine.View(),
+                                                agreement.View(),
+                                                is_to_refine.View(),
                                                 noise,
-                                                co,
+                                                {},
                                                 device);
     }
   }
@@ -86,12 +80,11 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
   reliability.saturating_agreement = std::clamp(
       views.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
   result.score = AggregateScores(depth,
-                         confidence.View(),
-                         discontinuity.View(),
-                         agreement.agreeing.View(),
-                         TP("TP_SEE", 0) != 0 ? std::as_const(agreement.seeing).View() : ImageView<const uint8_t>{},
-                         reliability,
-                         device);
+                                 confidence.View(),
+                                 discontinuity.View(),
+                                 agreement.View(),
+                                 reliability,
+                                 device);
   return result;
 }
 
@@ -103,13 +96,25 @@ int64_t ScoreHypothesesWorkingBytes(const RefineOptions& options,
   const int64_t confidence = options.filter_confidence ? one_image : 0;
   const int64_t agreement =
       options.view_agreement ? BytesOf<uint8_t>(num_pixels) : 0;
+  const int64_t confirmations = ConfirmationsBytes(options, num_pixels);
+  const int64_t candidates_and_noise =
+      confirmations > 0
+          ? BytesOf<uint8_t>(num_pixels) + EstimateNoiseWorkingBytes(num_pixels)
+          : 0;
   const int64_t layers = options.filter_discontinuity
                              ? ComputeDiscontinuityWorkingBytes(num_pixels)
                              : 0;
   const int64_t discontinuity = options.filter_discontinuity ? one_image : 0;
   return std::max(
       matching,
-      confidence + agreement + std::max(layers, discontinuity + one_image));
+      confidence + agreement + confirmations +
+          std::max({candidates_and_noise, layers, discontinuity + one_image}));
+}
+
+int64_t ConfirmationsBytes(const RefineOptions& options, int64_t num_pixels) {
+  return options.view_agreement && options.confirmed_depths
+             ? BytesOf<uint8_t>(num_pixels)
+             : 0;
 }
 
 }  // namespace tsar

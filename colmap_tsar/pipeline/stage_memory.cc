@@ -89,11 +89,11 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
   const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
   const int64_t gray = BytesOf<float>(num_raster_pixels);
   const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
-  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
   const int64_t downloading =
       DeviceViewsBytesWithoutSources(num_pixels) +
       SurfacesBytes(MeasuringOptions(options), num_pixels) + gray +
-      std::max(samples, trust);
+      std::max(samples, ratings);
   return std::max({MakeDeviceViewsWorkingBytes(num_pixels, options.denoise),
                    FindSurfacesWorkingBytes(
                        MeasuringOptions(options), num_pixels, num_sources),
@@ -129,10 +129,10 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
       std::max(ComposeSceneWorkingBytes(num_pixels),
                provenance + std::max(FillHolesWorkingBytes(options, num_pixels),
                                      ConfidenceBytes(num_pixels)));
-  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
   return DeviceReferenceWorkingBytes(num_pixels) +
-         std::max(LiftTrustWorkingBytes(num_pixels, num_judged_pixels),
-                  trust + std::max(borders, composing));
+         std::max(LiftRatingsWorkingBytes(num_pixels, num_judged_pixels),
+                  ratings + std::max(borders, composing));
 }
 
 int64_t FindSceneWorkingBytes(const RefineOptions& options,
@@ -188,16 +188,17 @@ int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
   const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
   const int64_t region_planes = BytesOf<Plane>(num_raster_pixels);
   const int64_t gray_texture_contrast = 3 * BytesOf<float>(num_raster_pixels);
-  const int64_t trust = BytesOf<uint8_t>(num_pixels);
-  return superpixels + samples + region_planes + gray_texture_contrast + trust;
+  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
+  return superpixels + samples + region_planes + gray_texture_contrast +
+         ratings;
 }
 
 int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
-  const int64_t trust = BytesOf<uint8_t>(num_pixels);
+  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
   return EvidenceBytes(MaxRasterPixels(num_pixels),
                        NumSuperpixels(options, num_pixels),
                        {}) +
-         trust;
+         ratings;
 }
 
 int64_t NeighbourEvidenceBytes(const RefineOptions& options,

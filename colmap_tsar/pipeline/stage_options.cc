@@ -4,7 +4,6 @@
 #include "colmap_tsar/pipeline/stage_options.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cmath>
 #include <limits>
 
@@ -20,6 +19,12 @@ int ScaledLength(double length, double raster_scale) {
 // worse than the second carries no plane.
 constexpr double kMinTolerance = 0.7;
 constexpr double kMaxTolerance = 2.0;
+
+// A confirmed depth is moved onto its plane only within so many standard
+// deviations of the depths about their planes, and within no less than this
+// share of a pixel of disparity, which no matching resolves.
+constexpr double kSpreadOnPlane = 3.0;
+constexpr double kMinSpreadOnPlane = 0.3;
 
 // The superpixels for which the lengths of BorderOptions hold.
 constexpr double kDefaultSuperpixelSize = 400.0;
@@ -71,7 +76,6 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
   result.planes.loose_tolerance =
       static_cast<float>(options.loose_plane_tolerance);
   result.planes.ransac.image_id = image_id;
-  if (getenv("TP_NH")) result.planes.ransac.num_hypotheses = atoi(getenv("TP_NH"));
   result.planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return result;
 }
@@ -148,10 +152,10 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.surfaces.labels = scene.labels;
   scene.composition.keep_off_plane = options.off_plane_depths;
   scene.composition.keep_confirmed = options.confirmed_depths;
-  if (getenv("TP_GAP")) scene.composition.on_plane.pixels = (float)atof(getenv("TP_GAP"));
-  scene.composition.on_plane_confirmed = scene.composition.on_plane;
-  if (getenv("TP_GAPC")) scene.composition.on_plane_confirmed.pixels = (float)atof(getenv("TP_GAPC"));
-  if (getenv("TP_GAPS")) scene.composition.on_plane_confirmed.pixels = (float)std::clamp(atof(getenv("TP_GAPS")) * MedianNoise(views), 0.3, 1.2);
+  scene.composition.on_plane_confirmed.pixels =
+      static_cast<float>(std::clamp(kSpreadOnPlane * MedianNoise(views),
+                                    kMinSpreadOnPlane,
+                                    double{scene.composition.on_plane.pixels}));
   return scene;
 }
 

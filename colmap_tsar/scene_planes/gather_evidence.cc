@@ -6,7 +6,6 @@
 #include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -100,40 +99,6 @@ float ConfidenceAgainstFattening(const Image<float>& fattening_weight,
   return std::max(share * share, options.min_own_confidence);
 }
 
-// What a pixel counts that was not measured, by the number of its region's
-// plane: no more than the measurements that carry the plane there can answer
-// for.
-std::vector<float> ConfidenceOfFills(const EvidenceInputs& inputs,
-                                     const EvidenceOptions& options,
-                                     const ViewEvidence& evidence) {
-  std::vector<int> num_measured(evidence.candidates.size() + 1, 0);
-  std::vector<int> num_filled(evidence.candidates.size() + 1, 0);
-  for (size_t i = 0; i < evidence.region_planes.NumPixels(); ++i) {
-    const uint16_t number = evidence.region_planes.Data()[i];
-    if (number == 0) {
-      continue;
-    }
-    const RayDepth& sample = inputs.samples.Data()[i];
-    if (!IsMeasured(sample)) {
-      ++num_filled[number];
-      continue;
-    }
-    const float depth = evidence.candidates[number - 1u].Depth(
-        {sample.x, sample.y, 1.f});
-    const float tolerance =
-        sample.z * inputs.resolution.RelativeDepthError(sample.z);
-    num_measured[number] += std::abs(depth - sample.z) < tolerance ? 1 : 0;
-  }
-  std::vector<float> confidences;
-  for (size_t number = 0; number < num_filled.size(); ++number) {
-    confidences.push_back(
-        std::min(options.confidence_of_region_plane,
-                 (getenv("TP_RPK") ? (float)atof(getenv("TP_RPK")) : 1e9f) * static_cast<float>(num_measured[number]) /
-                     static_cast<float>(std::max(num_filled[number], 1))));
-  }
-  return confidences;
-}
-
 // The observation of each pixel, of confidence 0 where there is none; sets
 // confident_depth.
 Image<Observation> ObservePixels(const EvidenceInputs& inputs,
@@ -141,8 +106,6 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
                                  ViewEvidence* evidence) {
   Image<Observation> observations(evidence->width, evidence->height);
   evidence->confident_depth = Image<float>(evidence->width, evidence->height);
-  const std::vector<float> confidence_of_fills =
-      ConfidenceOfFills(inputs, options, *evidence);
   for (int y = 0; y < evidence->height; ++y) {
     for (int x = 0; x < evidence->width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
@@ -154,15 +117,14 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
             (is_confident ? 1.f : options.confidence_without_texture) *
                 ConfidenceAgainstFattening(
                     inputs.fattening_weight, x, y, options)};
-        evidence->confident_depth(x, y) = is_confident && (inputs.fattening_weight.Empty() || inputs.fattening_weight(x, y) >= (getenv("TP_STRONG") ? (float)atof(getenv("TP_STRONG")) : 0.f)) ? sample.z : 0.f;
+        evidence->confident_depth(x, y) = is_confident ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =
             evidence->candidates[static_cast<size_t>(number - 1)].Depth(ray);
-        if (depth > 0.f && std::isfinite(depth) &&
-            confidence_of_fills[static_cast<size_t>(number)] > 0.f) {
+        if (depth > 0.f && std::isfinite(depth)) {
           observations(x, y) = {{ray.x, ray.y, depth},
-                                confidence_of_fills[static_cast<size_t>(number)]};
+                                options.confidence_of_region_plane};
         }
       }
     }

@@ -47,7 +47,7 @@ struct EvidenceInputs {
   DepthResolution resolution;
 };
 
-// The evidence without `trust`, which is not of the raster.
+// The evidence without `ratings`, which is not of the raster.
 ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                             const EvidenceOptions& options);
 
@@ -55,7 +55,7 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
 int64_t GatherEvidenceMainBytes(int64_t num_pixels,
                                 int64_t num_superpixels,
                                 const EvidenceOptions& options);
-// Of the evidence without `trust`, and of what neighbours need of it.
+// Of the evidence without `ratings`, and of what neighbours need of it.
 int64_t EvidenceBytes(int64_t num_pixels,
                       int64_t num_superpixels,
                       const EvidenceOptions& options);

@@ -11,8 +11,8 @@
 namespace tsar {
 
 // What is known of the depth that a pixel measured, in one byte: whether it is
-// trusted (bit 7), how many other views confirm it (bits 5 and 6), and its score
-// (bits 0 to 4).
+// trusted (bit 7), how many other views confirm it (bits 5 and 6), and its
+// score (bits 0 to 4).
 struct MeasurementRating {
   static constexpr int kMaxConfirmations = 3;
   static constexpr int kMaxScore = 31;

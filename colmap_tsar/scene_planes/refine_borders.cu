@@ -6,7 +6,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
-#include <cstdlib>
 #include "colmap_tsar/superpixels/samples.h"
 
 #include <cmath>
@@ -29,7 +28,7 @@ constexpr int kVotesPerRadius = 4;
 // or 0.
 struct MeasuredKernel {
   ImageView<const float> depth;
-  ImageView<const uint8_t> trust;
+  ImageView<const uint8_t> ratings;
   ImageView<float> measured;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -37,7 +36,9 @@ struct MeasuredKernel {
         static_cast<int>((x + 0.5f) * depth.width / measured.width);
     const int row =
         static_cast<int>((y + 0.5f) * depth.height / measured.height);
-    measured(x, y) = MeasurementRating::IsTrusted(trust(column, row)) ? depth(column, row) : 0.f;
+    measured(x, y) = MeasurementRating::IsTrusted(ratings(column, row))
+                         ? depth(column, row)
+                         : 0.f;
   }
 };
 
@@ -272,14 +273,13 @@ struct FattenedKernel {
 
 struct DistrustKernel {
   ImageView<const uint8_t> fattened;
-  ImageView<uint8_t> trust;
-  bool drop_all;
+  ImageView<uint8_t> ratings;
 
   TSAR_HD void operator()(int x, int y) const {
-    if (fattened(ReducedRaster::FromMap(x, trust.width, fattened.width),
-                 ReducedRaster::FromMap(y, trust.height, fattened.height)) !=
+    if (fattened(ReducedRaster::FromMap(x, ratings.width, fattened.width),
+                 ReducedRaster::FromMap(y, ratings.height, fattened.height)) !=
         0) {
-      trust(x, y) = drop_all ? 0 : MeasurementRating::WithoutTrust(trust(x, y));
+      ratings(x, y) = MeasurementRating::WithoutTrust(ratings(x, y));
     }
   }
 };
@@ -299,7 +299,7 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
   ParallelFor(device,
               width,
               height,
-              MeasuredKernel{inputs.depth, inputs.trust, measured.View()});
+              MeasuredKernel{inputs.depth, inputs.ratings, measured.View()});
   Neighborhood around{inputs,
                       device_labels.Data(),
                       device_planes.Data(),
@@ -330,10 +330,10 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
 }
 
 void DistrustFattened(ImageView<const uint8_t> fattened,
-                      ImageView<uint8_t> trust,
+                      ImageView<uint8_t> ratings,
                       Device& device) {
   ParallelFor(
-      device, trust.width, trust.height, DistrustKernel{fattened, trust, getenv("TP_FAT") && atoi(getenv("TP_FAT"))});
+      device, ratings.width, ratings.height, DistrustKernel{fattened, ratings});
 }
 
 int64_t RefineBordersWorkingBytes(int64_t num_pixels,

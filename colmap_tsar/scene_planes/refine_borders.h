@@ -44,9 +44,9 @@ struct BorderInputs {
   ImageView<const uint16_t> superpixels;
   ImageView<const Vec3f> lab;  // The image in CIELAB.
   // Of the map, which is as large as the raster or larger: the measurements,
-  // and other than 0 where they are trusted.
+  // and their MeasurementRating.
   ImageView<const float> depth;
-  ImageView<const uint8_t> trust;
+  ImageView<const uint8_t> ratings;
   Intrinsics intrinsics;  // Of the raster.
   DepthResolution resolution;
 };
@@ -73,9 +73,10 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
                              const BorderOptions& options,
                              Device& device);
 
-// Sets trust, of the map, to 0 in the pixels of the raster that are fattened.
+// Takes the trust from the measurements of the map, by its ratings, in the
+// pixels of the raster that are fattened.
 void DistrustFattened(ImageView<const uint8_t> fattened,
-                      ImageView<uint8_t> trust,
+                      ImageView<uint8_t> ratings,
                       Device& device);
 
 int64_t RefineBordersWorkingBytes(int64_t num_pixels,

@@ -66,7 +66,7 @@ struct ViewEvidence {
 
   // A MeasurementRating of each depth, of the size at which the view was
   // judged: that of the depth map, or of a reduced one.
-  Image<uint8_t> trust;
+  Image<uint8_t> ratings;
 
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };

@@ -139,7 +139,7 @@ StereoMaps ToHostWithCosts(ReferenceView reference,
                            Device& device) {
   reference.depth = maps.depth.View();
   reference.normal = maps.normal.View();
-  const MatchingCosts costs = ComputeMatchingCosts(reference, sources, {}, 0.f, device);
+  const MatchingCosts costs = ComputeMatchingCosts(reference, sources, device);
   StereoMaps host = ToHost(maps);
   host.min_cost = WithoutUndefined(costs.min_cost.ToHost());
   host.second_cost = WithoutUndefined(costs.second_cost.ToHost());

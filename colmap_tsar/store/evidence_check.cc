@@ -96,7 +96,7 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
   }
-  if (!has_raster(evidence.region_planes) || evidence.trust.Empty()) {
+  if (!has_raster(evidence.region_planes) || evidence.ratings.Empty()) {
     return "sizes that do not fit each other";
   }
   if (!BordersFit(evidence)) {

@@ -33,7 +33,7 @@ static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
 
 constexpr std::array<char, 8> kMagic = {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'};
 // To be raised with every change of what the bytes mean, fingerprints included.
-constexpr uint32_t kFormatVersion = 2;
+constexpr uint32_t kFormatVersion = 3;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -41,8 +41,8 @@ struct Header {
   uint32_t options_hash_length = 0;
   int32_t width = 0;
   int32_t height = 0;
-  int32_t trust_width = 0;
-  int32_t trust_height = 0;
+  int32_t ratings_width = 0;
+  int32_t ratings_height = 0;
   float error_per_depth = 0.f;
   float noise = 0.f;
   uint64_t num_superpixels = 0;
@@ -90,7 +90,7 @@ template <typename Evidence>
 auto OwnArrays(Evidence& evidence) {
   return std::array{BytesOf(evidence.borders),
                     BytesOf(evidence.region_planes),
-                    BytesOf(evidence.trust)};
+                    BytesOf(evidence.ratings)};
 }
 
 Error CorruptEvidence(const std::filesystem::path& path,
@@ -191,8 +191,8 @@ class EvidenceReader {
   // Takes the arrays off the file's length one by one, by division: products of
   // hostile numbers overflow.
   bool SizesFit() const {
-    if (header_.width < 1 || header_.height < 1 || header_.trust_width < 1 ||
-        header_.trust_height < 1) {
+    if (header_.width < 1 || header_.height < 1 || header_.ratings_width < 1 ||
+        header_.ratings_height < 1) {
       return false;
     }
     uint64_t rest = num_bytes_ - sizeof(Header) - options_hash_.size();
@@ -205,8 +205,8 @@ class EvidenceReader {
     };
     const uint64_t num_pixels = static_cast<uint64_t>(header_.width) *
                                 static_cast<uint64_t>(header_.height);
-    const uint64_t num_trusted = static_cast<uint64_t>(header_.trust_width) *
-                                 static_cast<uint64_t>(header_.trust_height);
+    const uint64_t num_ratings = static_cast<uint64_t>(header_.ratings_width) *
+                                 static_cast<uint64_t>(header_.ratings_height);
     return take(num_pixels, sizeof(uint16_t)) &&
            take(num_pixels, sizeof(float)) &&
            take(header_.num_superpixels, sizeof(float)) &&
@@ -215,7 +215,7 @@ class EvidenceReader {
            take(header_.num_candidates, sizeof(Plane)) &&
            take(header_.num_borders, sizeof(SuperpixelBorder)) &&
            take(num_pixels, sizeof(uint16_t)) &&
-           take(num_trusted, sizeof(uint8_t)) && rest == 0;
+           take(num_ratings, sizeof(uint8_t)) && rest == 0;
   }
 
   void ReadBytes(void* target, size_t num_bytes) {
@@ -268,8 +268,8 @@ void WriteEvidence(const ContainedPath& path,
   header.options_hash_length = static_cast<uint32_t>(options_hash.size());
   header.width = evidence.width;
   header.height = evidence.height;
-  header.trust_width = evidence.trust.Width();
-  header.trust_height = evidence.trust.Height();
+  header.ratings_width = evidence.ratings.Width();
+  header.ratings_height = evidence.ratings.Height();
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
   header.num_superpixels = evidence.weights.size();
@@ -314,8 +314,8 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   if (parts == EvidenceParts::kAll) {
     evidence.borders.resize(header.num_borders);
     evidence.region_planes = Image<uint16_t>::Uninitialized(width, height);
-    evidence.trust =
-        Image<uint8_t>::Uninitialized(header.trust_width, header.trust_height);
+    evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
+                                                     header.ratings_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);
   }
   if (const auto fault = FindEvidenceFault(evidence, parts)) {

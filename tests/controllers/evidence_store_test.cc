@@ -25,7 +25,7 @@ ViewEvidence EvidenceOf(int image) {
   evidence.region_planes = Image<uint16_t>(2, 1);
   evidence.weights = {1.f};
   evidence.first_observation = {0, 0};
-  evidence.trust = Image<uint8_t>(4, 3, 7);
+  evidence.ratings = Image<uint8_t>(4, 3, 7);
   return evidence;
 }
 
@@ -85,8 +85,8 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
 
   const ViewEvidence all = store.ReadAll(1);
   EXPECT_EQ(all.noise, 1.f);
-  EXPECT_EQ(all.trust.Width(), 4);
-  EXPECT_EQ(all.trust(3, 2), 7);
+  EXPECT_EQ(all.ratings.Width(), 4);
+  EXPECT_EQ(all.ratings(3, 2), 7);
   const EvidenceStore::Evidence some = store.Get(1);
   ASSERT_NE(some, nullptr);
   EXPECT_EQ(some->noise, 1.f);

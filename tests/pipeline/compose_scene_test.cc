@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/compose_scene.h"
 
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <utility>
 
@@ -43,9 +44,13 @@ class ComposeSceneTest : public testing::Test {
     return Image<uint8_t>(kWidth, kHeight, static_cast<uint8_t>(evidence));
   }
 
-  void Measure(int x, int y, float depth, uint8_t trust = 255) {
+  void Measure(int x, int y, float depth, float score = 1.f) {
     own_(x, y) = depth;
-    trust_(x, y) = trust;
+    ratings_(x, y) = MeasurementRating::Pack(true, 0, score);
+  }
+  void MeasureWithoutTrust(int x, int y, float depth, int confirmations = 0) {
+    own_(x, y) = depth;
+    ratings_(x, y) = MeasurementRating::Pack(false, confirmations, 1.f);
   }
 
   ComposeSceneInputs Inputs() const {
@@ -55,7 +60,7 @@ class ComposeSceneTest : public testing::Test {
                          own_.Width(),
                          own_.Height()};
     };
-    return {trust_.View(), on_map(scene_), evidence_.View(), on_map(region_)};
+    return {ratings_.View(), on_map(scene_), evidence_.View(), on_map(region_)};
   }
   ComposedMap ComposeOnDevice() const {
     Image<Vec3f> normal(own_.Width(), own_.Height());
@@ -96,7 +101,7 @@ class ComposeSceneTest : public testing::Test {
   ComposeSceneOptions options_;
   DisparityScale scale_;
   Image<float> own_{kWidth, kHeight};
-  Image<uint8_t> trust_{kWidth, kHeight};
+  Image<uint8_t> ratings_{kWidth, kHeight};
   Image<Plane> scene_{kWidth, kHeight};
   Image<uint8_t> evidence_{kWidth, kHeight};
   Image<Plane> region_{kWidth, kHeight};
@@ -104,7 +109,7 @@ class ComposeSceneTest : public testing::Test {
 
 TEST_F(ComposeSceneTest, NothingIsMadeOfNothing) {
   // Depths that are not trusted do not count.
-  Measure(3, 3, 4.f, 0);
+  MeasureWithoutTrust(3, 3, 4.f);
   const Result result = Compose();
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -120,12 +125,12 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabelled) {
     evidence_(x, 0) = static_cast<uint8_t>(x);
   }
   // As good as on the plane, and not trusted.
-  Measure(3, 0, 5.03f, 51);
-  Measure(1, 0, 5.03f, 0);
+  Measure(3, 0, 5.03f, 6.f / 31.f);
+  MeasureWithoutTrust(1, 0, 5.03f);
   const Result result = Compose();
   Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.3f);
   Expect(result, 2, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.4f);
-  Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 0.2f);
+  Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 6.f / 31.f);
   Expect(result, 4, 0, kRegion, kPlaneNormal, Provenance::kRegionPlane, 0.5f);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kGuessed), 1);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kCarried), 2);
@@ -142,10 +147,14 @@ TEST_F(ComposeSceneTest, BlobsOffThePlaneStayAndSpecksYield) {
   scene_ = PlanesAt(kScene);
   evidence_ = AllOf(LabelEvidence::kCarried);
   for (int x = 0; x < 5; ++x) {
-    Measure(x, 0, kOff, 255);
-    Measure(x, 2, kOff, x == 4 ? 0 : 255);
+    Measure(x, 0, kOff);
+    if (x < 4) {
+      Measure(x, 2, kOff);
+    } else {
+      MeasureWithoutTrust(x, 2, kOff);
+    }
     // On a diagonal, hence not side by side.
-    Measure(7 + x, 1 + x, kOff, 255);
+    Measure(7 + x, 1 + x, kOff);
   }
   const Result result = Compose();
   for (int x = 0; x < 5; ++x) {
@@ -160,6 +169,38 @@ TEST_F(ComposeSceneTest, BlobsOffThePlaneStayAndSpecksYield) {
              0.4f);
     }
   }
+}
+
+TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
+  options_.min_blob = 5;
+  scene_ = PlanesAt(kScene);
+  scene_(8, 4) = {};
+  region_ = PlanesAt(kRegion);
+  MeasureWithoutTrust(2, 2, kOff, 1);
+  MeasureWithoutTrust(8, 4, kOff, 1);
+  MeasureWithoutTrust(5, 2, kOff, 0);
+  Measure(10, 1, kOff);
+  Result result = Compose();
+  ExpectMeasured(result, 2, 2, kOff);
+  ExpectMeasured(result, 8, 4, kOff);
+  EXPECT_FLOAT_EQ(result.depth(5, 2), kScene);
+  EXPECT_FLOAT_EQ(result.depth(10, 1), kScene);
+  options_.keep_confirmed = false;
+  result = Compose();
+  EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);
+  EXPECT_FLOAT_EQ(result.depth(8, 4), kRegion);
+}
+
+TEST_F(ComposeSceneTest, AConfirmedDepthMovesOntoItsPlaneWithinItsOwnSpread) {
+  options_.on_plane_confirmed = {0.004f, 0.f};
+  scene_ = PlanesAt(kScene);
+  MeasureWithoutTrust(2, 2, kScene * 1.003f, 1);
+  MeasureWithoutTrust(5, 2, kScene * 1.006f, 1);
+  Measure(8, 2, kScene * 1.006f);
+  const Result result = Compose();
+  EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);
+  ExpectMeasured(result, 5, 2, kScene * 1.006f);
+  EXPECT_FLOAT_EQ(result.depth(8, 2), kScene);
 }
 
 TEST_F(ComposeSceneTest, ABlobIsMeasuredOnTheRaster) {

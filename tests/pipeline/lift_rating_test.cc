@@ -134,16 +134,16 @@ TEST_F(LiftRatingTest, ANormalThatFacesAwayTellsOfNoSlant) {
 TEST_F(LiftRatingTest, TheTrustOfAWholeMapStaysAsItIs) {
   const DeviceReference reference(view_, *device_);
   ViewEvidence evidence;
-  evidence.trust = Image<uint8_t>(31, 24);
-  for (size_t i = 0; i < evidence.trust.NumPixels(); ++i) {
-    evidence.trust.Data()[i] = static_cast<uint8_t>(i % 256);
+  evidence.ratings = Image<uint8_t>(31, 24);
+  for (size_t i = 0; i < evidence.ratings.NumPixels(); ++i) {
+    evidence.ratings.Data()[i] = static_cast<uint8_t>(i % 256);
   }
   view_.depth(3, 3) = 0.f;
   const Image<uint8_t> lifted =
-      LiftTrust(evidence, view_, reference, *device_).ToHost();
-  ASSERT_TRUE(lifted.HasSizeOf(evidence.trust));
+      LiftRatings(evidence, view_, reference, *device_).ToHost();
+  ASSERT_TRUE(lifted.HasSizeOf(evidence.ratings));
   for (size_t i = 0; i < lifted.NumPixels(); ++i) {
-    ASSERT_EQ(lifted.Data()[i], evidence.trust.Data()[i]);
+    ASSERT_EQ(lifted.Data()[i], evidence.ratings.Data()[i]);
   }
 }
 
@@ -153,23 +153,23 @@ TEST_F(LiftRatingTest, TheTrustOfAReducedMapIsLifted) {
   const size_t before = device.PeakMemory();
   ViewEvidence evidence;
   evidence.resolution = kFine;
-  evidence.trust = ratings_;
+  evidence.ratings = ratings_;
   const Image<uint8_t> lifted =
-      LiftTrust(evidence, view_, reference, device).ToHost();
+      LiftRatings(evidence, view_, reference, device).ToHost();
   const Image<uint8_t> expected = Lift();
   for (size_t i = 0; i < lifted.NumPixels(); ++i) {
     ASSERT_EQ(lifted.Data()[i], expected.Data()[i]);
   }
   EXPECT_EQ(static_cast<int64_t>(device.PeakMemory() - before),
-            LiftTrustWorkingBytes(31 * 24, 11 * 8));
+            LiftRatingsWorkingBytes(31 * 24, 11 * 8));
 }
 
 TEST_F(LiftRatingTest, RefusesTheTrustOfAnotherMap) {
   const DeviceReference reference(view_, *device_);
   ViewEvidence evidence;
-  evidence.trust = Image<uint8_t>(12, 8);
+  evidence.ratings = Image<uint8_t>(12, 8);
   ExpectError(ErrorCode::kMismatch, {"12x8", "31x24", "run again"}, [&] {
-    LiftTrust(evidence, view_, reference, *device_);
+    LiftRatings(evidence, view_, reference, *device_);
   });
 }
 

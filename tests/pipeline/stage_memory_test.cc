@@ -249,7 +249,7 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
     const size_t all = for_neighbours +
                        evidence.region_planes.NumPixels() * sizeof(uint16_t) +
                        evidence.borders.size() * sizeof(SuperpixelBorder) +
-                       evidence.trust.NumPixels();
+                       evidence.ratings.NumPixels();
     ExpectPlanned("all",
                   ViewEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(all));

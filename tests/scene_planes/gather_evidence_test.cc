@@ -28,7 +28,7 @@ TEST_F(GatherEvidenceTest, KeepsTheRasterAndItsScale) {
                          evidence.superpixels.end(),
                          inputs_.superpixels.begin(),
                          inputs_.superpixels.end()));
-  EXPECT_TRUE(evidence.trust.Empty());
+  EXPECT_TRUE(evidence.ratings.Empty());
 }
 
 TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {

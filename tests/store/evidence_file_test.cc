@@ -17,7 +17,7 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   ExpectSameForNeighbours(a, b);
   EXPECT_EQ(a.borders.size(), b.borders.size());
   EXPECT_TRUE(a.region_planes.HasSizeOf(b.region_planes));
-  EXPECT_TRUE(a.trust.HasSizeOf(b.trust));
+  EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
 }
 
@@ -38,7 +38,7 @@ TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
   EXPECT_TRUE(read.region_planes.Empty());
-  EXPECT_TRUE(read.trust.Empty());
+  EXPECT_TRUE(read.ratings.Empty());
 }
 
 // A view without texture: nothing but one superpixel.
@@ -51,7 +51,7 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.first_observation = {0, 0};
   nothing.region_planes = Image<uint16_t>(1, 2);
   nothing.confident_depth = Image<float>(1, 2);
-  nothing.trust = Image<uint8_t>(1, 2);
+  nothing.ratings = Image<uint8_t>(1, 2);
   WriteEvidence(UserPath(path_), "", nothing);
   ExpectSame(ReadEvidence(path_), nothing);
   EXPECT_EQ(ReadEvidenceHash(path_), "");
@@ -76,7 +76,7 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
 TEST_F(EvidenceFileTest, ReplacesAnOlderFile) {
   WriteEvidence(UserPath(path_), "old", evidence_);
   ViewEvidence evidence = evidence_;
-  evidence.trust = Image<uint8_t>(2, 1, 9);
+  evidence.ratings = Image<uint8_t>(2, 1, 9);
   WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
   EXPECT_EQ(ReadEvidenceHash(path_), kOptionsHash);
@@ -177,10 +177,10 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
       [](auto* f) { f->width = -9, f->height = -7; },
       [](auto* f) { f->height = std::numeric_limits<int32_t>::min(); },
       [](auto* f) { f->width = 10; },
-      [](auto* f) { f->trust_width = 0; },
-      [](auto* f) { f->trust_height = -1; },
-      [](auto* f) { f->trust_width = f->trust_height = kMaxInt; },
-      [](auto* f) { f->trust_width = -13, f->trust_height = -11; },
+      [](auto* f) { f->ratings_width = 0; },
+      [](auto* f) { f->ratings_height = -1; },
+      [](auto* f) { f->ratings_width = f->ratings_height = kMaxInt; },
+      [](auto* f) { f->ratings_width = -13, f->ratings_height = -11; },
       [](auto* f) { f->num_superpixels = kMax; },
       [](auto* f) { f->num_superpixels = kMax / 4 + 1; },
       [](auto* f) { f->num_superpixels = 0; },
@@ -201,7 +201,7 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
   }
   for (const auto& [width, height] : {std::pair(0, 5), std::pair(5, 0)}) {
     ViewEvidence evidence = evidence_;
-    evidence.trust = Image<uint8_t>(width, height);
+    evidence.ratings = Image<uint8_t>(width, height);
     WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
     ExpectCorruptAndNoHash("not what the header says");
   }

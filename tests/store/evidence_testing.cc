@@ -62,8 +62,8 @@ ViewEvidence DrawEvidence() {
   for (int i = 0; i < 3; ++i) {
     evidence.candidates.push_back({{draw(), draw(), -draw()}, 5.f * draw()});
   }
-  evidence.trust = Image<uint8_t>(13, 11);
-  for (uint8_t& trust : evidence.trust) {
+  evidence.ratings = Image<uint8_t>(13, 11);
+  for (uint8_t& trust : evidence.ratings) {
     trust = static_cast<uint8_t>(255.f * draw());
   }
   return evidence;
@@ -99,7 +99,7 @@ std::string OwnBytes(const ViewEvidence& evidence) {
     AppendAll(border.pixels, &bytes);
   }
   AppendAll(evidence.region_planes, &bytes);
-  AppendAll(evidence.trust, &bytes);
+  AppendAll(evidence.ratings, &bytes);
   return bytes;
 }
 
@@ -112,8 +112,8 @@ std::string FileBytes(const HeaderFields& fields,
   Append(fields.options_hash_length, &bytes);
   Append(fields.width, &bytes);
   Append(fields.height, &bytes);
-  Append(fields.trust_width, &bytes);
-  Append(fields.trust_height, &bytes);
+  Append(fields.ratings_width, &bytes);
+  Append(fields.ratings_height, &bytes);
   Append(evidence.resolution.error_per_depth, &bytes);
   Append(evidence.noise, &bytes);
   Append(fields.num_superpixels, &bytes);

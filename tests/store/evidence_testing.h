@@ -27,8 +27,8 @@ struct HeaderFields {
   explicit HeaderFields(const ViewEvidence& evidence)
       : width(evidence.width),
         height(evidence.height),
-        trust_width(evidence.trust.Width()),
-        trust_height(evidence.trust.Height()),
+        ratings_width(evidence.ratings.Width()),
+        ratings_height(evidence.ratings.Height()),
         num_superpixels(evidence.weights.size()),
         num_observations(evidence.observations.size()),
         num_candidates(evidence.candidates.size()),
@@ -39,8 +39,8 @@ struct HeaderFields {
   uint32_t options_hash_length = 16;
   int32_t width;
   int32_t height;
-  int32_t trust_width;
-  int32_t trust_height;
+  int32_t ratings_width;
+  int32_t ratings_height;
   uint64_t num_superpixels;
   uint64_t num_observations;
   uint64_t num_candidates;

@@ -1,0 +1,42 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/pack_ratings.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+struct PackRatingsKernel {
+  ImageView<const uint8_t> trusted;
+  ImageView<const float> score;
+  ImageView<const uint8_t> confirmations;
+  ImageView<uint8_t> ratings;
+
+  TSAR_HD void operator()(int x, int y) const {
+    ratings(x, y) =
+        MeasurementRating::Pack(trusted(x, y) != 0,
+                                confirmations.Empty() ? 0 : confirmations(x, y),
+                                score(x, y));
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
+                                 ImageView<const float> score,
+                                 ImageView<const uint8_t> confirmations,
+                                 Device& device) {
+  DeviceImage<uint8_t> ratings(device, trusted.width, trusted.height);
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              PackRatingsKernel{trusted, score, confirmations, ratings.View()});
+  return ratings;
+}
+
+}  // namespace tsar
