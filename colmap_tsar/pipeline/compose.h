@@ -26,7 +26,7 @@ struct ComposeInputs {
   PlaneRaster region_planes;         // May be empty.
   // Where other than 0, hypotheses stand as well: other views confirm them. May
   // be empty.
-  ImageView<const uint8_t> confirmations;
+  ImageView<const uint8_t> confirmations{};
 };
 
 struct ComposedMap {

@@ -91,7 +91,7 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   ASSERT_NE(some, nullptr);
   EXPECT_EQ(some->noise, 1.f);
   EXPECT_EQ(some->weights.size(), 1u);
-  EXPECT_TRUE(some->trust.Empty());
+  EXPECT_TRUE(some->ratings.Empty());
   EXPECT_TRUE(IsCurrent(1));
 }
 

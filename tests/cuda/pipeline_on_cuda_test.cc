@@ -92,17 +92,17 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
           }
         }
         // Three depths of four are trusted.
-        Image<uint8_t> trust(inputs.views.Width(), inputs.views.Height());
-        for (uint8_t& value : trust) {
+        Image<uint8_t> ratings(inputs.views.Width(), inputs.views.Height());
+        for (uint8_t& value : ratings) {
           const uint32_t number = random.NextBelow(340);
           value = static_cast<uint8_t>(number < 256 ? number : 0);
         }
-        const DeviceImage<uint8_t> device_trust(device, trust);
+        const DeviceImage<uint8_t> device_ratings(device, ratings);
         const DeviceImage<Plane> scene_planes(device, scene);
         const DeviceImage<uint8_t> kinds(device, evidence);
         const DeviceImage<Plane> region_planes(device, regions);
         const ComposeSceneInputs scene_inputs{
-            device_trust.View(),
+            device_ratings.View(),
             inputs.views.OnMap(scene_planes),
             kinds.View(),
             inputs.views.OnMap(region_planes)};

@@ -177,7 +177,7 @@ TEST_F(CudaTest, RefineBorders) {
   Image<uint16_t> superpixels(kWidth, kHeight);
   Image<Vec3f> lab(kWidth, kHeight);
   Image<float> depth(2 * kWidth, 2 * kHeight);
-  Image<uint8_t> trust(2 * kWidth, 2 * kHeight);
+  Image<uint8_t> ratings(2 * kWidth, 2 * kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       superpixels(x, y) =
@@ -189,29 +189,29 @@ TEST_F(CudaTest, RefineBorders) {
   }
   for (size_t i = 0; i < depth.NumPixels(); ++i) {
     depth.Data()[i] = 3.f + 1.5f * random.NextFloat();
-    trust.Data()[i] = random.NextBelow(2) == 0 ? 0 : 255;
+    ratings.Data()[i] = random.NextBelow(2) == 0 ? 0 : 255;
   }
   const auto run = [&](Device& device) {
     const DeviceImage<uint16_t> device_superpixels(device, superpixels);
     const DeviceImage<Vec3f> device_lab(device, lab);
     const DeviceImage<float> device_depth(device, depth);
-    DeviceImage<uint8_t> device_trust(device, trust);
+    DeviceImage<uint8_t> device_ratings(device, ratings);
     const RefinedBorders refined =
         RefineBorders({device_superpixels.View(),
                        device_lab.View(),
                        device_depth.View(),
-                       std::as_const(device_trust).View(),
+                       std::as_const(device_ratings).View(),
                        {100.f, 100.f, 64.5f, 44.5f},
                        DepthResolution{0.0025f}},
                       labels,
                       planes,
                       {},
                       device);
-    DistrustFattened(refined.fattened.View(), device_trust.View(), device);
+    DistrustFattened(refined.fattened.View(), device_ratings.View(), device);
     StageResult result;
     result.Add("superpixels", kSameLabels, refined.superpixels);
     result.Add("fattened", kSameLabels, refined.fattened);
-    result.Add("trust", kSameLabels, device_trust);
+    result.Add("ratings", kSameLabels, device_ratings);
     return result;
   };
   const StageResult on_cpu = run(*cpu_);

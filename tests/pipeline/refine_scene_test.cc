@@ -95,8 +95,8 @@ TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
     view = ReduceView(view, ReductionFactor(large.width, large.height, 96));
   }
   const auto evidence = Observe(drawn_.views.size());
-  EXPECT_EQ(evidence[0]->trust.Width(), 96);
-  EXPECT_EQ(evidence[0]->trust.Height(), 72);
+  EXPECT_EQ(evidence[0]->ratings.Width(), 96);
+  EXPECT_EQ(evidence[0]->ratings.Height(), 72);
   drawn_ = whole;
   const RefineResult result = Compose(evidence);
   EXPECT_EQ(result.reason_to_keep, "");

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <algorithm>
 #include <functional>
@@ -68,7 +69,7 @@ class RefineBordersTest : public testing::Test {
       for (int x = 0; x < kWidth; ++x) {
         if (where(x, y)) {
           depth_(x, y) = depth;
-          trust_(x, y) = 255;
+          ratings_(x, y) = 255;
         }
       }
     }
@@ -83,11 +84,11 @@ class RefineBordersTest : public testing::Test {
     const DeviceImage<uint16_t> superpixels(*device_, superpixels_);
     const DeviceImage<Vec3f> lab(*device_, lab_);
     const DeviceImage<float> depth(*device_, depth_);
-    const DeviceImage<uint8_t> trust(*device_, trust_);
+    const DeviceImage<uint8_t> ratings(*device_, ratings_);
     const RefinedBorders refined = RefineBorders({superpixels.View(),
                                                   lab.View(),
                                                   depth.View(),
-                                                  trust.View(),
+                                                  ratings.View(),
                                                   {80.f, 80.f, 39.5f, 29.5f},
                                                   resolution_},
                                                  labels_,
@@ -124,7 +125,7 @@ class RefineBordersTest : public testing::Test {
   Image<uint16_t> superpixels_{kWidth, kHeight};
   Image<Vec3f> lab_{kWidth, kHeight, {40.f, 0.f, 0.f}};
   Image<float> depth_{kWidth, kHeight};
-  Image<uint8_t> trust_{kWidth, kHeight};
+  Image<uint8_t> ratings_{kWidth, kHeight};
   std::vector<int> labels_;
   std::vector<Plane> planes_ = {{{0.f, 0.f, -1.f}, kWallDepth},
                                 {{0.f, 0.f, -1.f}, kBoxDepth}};
@@ -238,16 +239,22 @@ TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesAreNotFattened) {
   EXPECT_EQ(std::count(refined.fattened.begin(), refined.fattened.end(), 1), 0);
 }
 
+// What other views confirm stays known.
 TEST_F(RefineBordersTest, DistrustFattenedCoversTheMap) {
+  const uint8_t rating = MeasurementRating::Pack(true, 2, 0.5f);
   Image<uint8_t> fattened(4, 3);
   fattened(1, 2) = 1;
-  DeviceImage<uint8_t> trust(*device_, Image<uint8_t>(8, 6, 200));
-  DistrustFattened(
-      DeviceImage<uint8_t>(*device_, fattened).View(), trust.View(), *device_);
-  const Image<uint8_t> after = trust.ToHost();
+  DeviceImage<uint8_t> ratings(*device_, Image<uint8_t>(8, 6, rating));
+  DistrustFattened(DeviceImage<uint8_t>(*device_, fattened).View(),
+                   ratings.View(),
+                   *device_);
+  const Image<uint8_t> after = ratings.ToHost();
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 8; ++x) {
-      EXPECT_EQ(after(x, y), x / 2 == 1 && y / 2 == 2 ? 0 : 200);
+      EXPECT_EQ(after(x, y),
+                x / 2 == 1 && y / 2 == 2
+                    ? MeasurementRating::WithoutTrust(rating)
+                    : rating);
     }
   }
 }
@@ -276,7 +283,7 @@ TEST_F(RefineBordersTest, TakesAMapLargerThanTheRaster) {
   const auto is_box = [](int x, int) { return x < 44; };
   Paint(is_box);
   depth_ = Image<float>(2 * kWidth, 2 * kHeight, kWallDepth);
-  trust_ = Image<uint8_t>(2 * kWidth, 2 * kHeight);
+  ratings_ = Image<uint8_t>(2 * kWidth, 2 * kHeight);
   EXPECT_EQ(CountWrong(is_box), 0);
 }
 

@@ -63,8 +63,8 @@ ViewEvidence DrawEvidence() {
     evidence.candidates.push_back({{draw(), draw(), -draw()}, 5.f * draw()});
   }
   evidence.ratings = Image<uint8_t>(13, 11);
-  for (uint8_t& trust : evidence.ratings) {
-    trust = static_cast<uint8_t>(255.f * draw());
+  for (uint8_t& rating : evidence.ratings) {
+    rating = static_cast<uint8_t>(255.f * draw());
   }
   return evidence;
 }
