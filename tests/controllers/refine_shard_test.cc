@@ -344,6 +344,7 @@ TEST_F(RefineShardTest, WorksOnAnOutputWorkspaceInPlace) {
   const Tree expected = ResultOf(output);
   RefineOptions others;
   others.segment = false;
+  others.confirmed_depths = false;
   for (const RefineOptions& refine : {others, RefineOptions()}) {
     for (const char* pass : {"observe", "compose"}) {
       for (const char* shard : {"0/2", "1/2"}) {

@@ -84,6 +84,7 @@ TEST_F(RefineWorkspaceTest, RestoreRemovesWhatARunLeftThatChangedNoMap) {
 TEST_F(RefineWorkspaceTest, SkipsWhatIsDoneAndRedoesWithOtherOptions) {
   RefineOptions others;
   others.segment = false;
+  others.confirmed_depths = false;
   Refine(Options(root_), others);
   const Tree with_others = MapsOf(root_);
   Refine();

@@ -208,12 +208,15 @@ TEST_F(RefineSceneTest, EverySwitchLeavesSoundMaps) {
 }
 
 TEST_F(RefineSceneTest, SaysWhereNothingIsLeft) {
-  // Wrong depths alone, of which none agrees with another.
+  // Wrong depths alone, of which none agrees with that of another view, also not
+  // by chance.
+  float nearest = 2.f;
   for (ViewData& view : drawn_.views) {
     Philox random(static_cast<uint32_t>(&view - drawn_.views.data()), 9, 9);
     for (float& depth : view.depth) {
-      depth = 3.f + 4.f * random.NextFloat();
+      depth = nearest * (1.f + 0.3f * random.NextFloat());
     }
+    nearest *= 1.5f;
   }
   const RefineResult result = Compose(Observe(drawn_.views.size()));
   EXPECT_EQ(result.reason_to_keep, kNothingReliable);
