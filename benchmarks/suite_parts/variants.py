@@ -9,7 +9,7 @@ from programs import CommandFailed
 SWITCHES = ("denoise", "filter", "filter_confidence",
             "filter_discontinuity", "refine", "superpixel_planes",
             "weighted_median", "segment", "view_agreement", "region_cores",
-            "region_rims", "bounded_regions", "scene_planes",
+            "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",
             "foreground_fattening", "manhattan_frame", "free_space",
             "bounded_planes", "pixel_borders", "curved_surfaces",
             "off_plane_depths")

@@ -101,8 +101,6 @@ struct MarkKernel {
   }
 };
 
-constexpr float kMinConfidence = 0.01f;
-
 struct ConfidenceKernel {
   ImageView<const uint8_t> provenance;
   ImageView<const float> score;

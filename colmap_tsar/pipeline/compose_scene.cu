@@ -34,8 +34,9 @@ TSAR_HD inline LabelEvidence EvidenceAt(const ComposeSceneInputs& inputs,
 // What becomes of the depth that a pixel measured.
 enum OwnDepth : uint8_t {
   kGivesWay = 0,       // To a plane, or because nothing speaks for it.
-  kStandsInABlob = 1,  // Trusted: if enough of its neighbours do, too.
-  kStands = 2,         // Other views confirm it.
+  kMoves = 1,          // Onto the plane that it measured.
+  kStandsInABlob = 2,  // Trusted: if enough of its neighbours do, too.
+  kStands = 3,         // Other views confirm it.
 };
 
 // Finds the measurements that do not lie on a plane of the scene.
@@ -65,7 +66,7 @@ struct OwnDepthKernel {
     if (plane > 0.f &&
         (!options.keep_off_plane ||
          fabsf(plane - own) <= on_plane.At(own, resolution) * own)) {
-      return kGivesWay;
+      return kMoves;
     }
     return is_confirmed ? kStands : kStandsInABlob;
   }
@@ -73,7 +74,7 @@ struct OwnDepthKernel {
 
 struct Standing {
   const uint8_t* own_depth;
-  TSAR_HD bool Contains(int i) const { return own_depth[i] != kGivesWay; }
+  TSAR_HD bool Contains(int i) const { return own_depth[i] >= kStandsInABlob; }
   TSAR_HD bool Connected(int, int) const { return true; }
 };
 
@@ -95,13 +96,11 @@ struct ComposeSceneKernel {
       provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
       return;
     }
-    const bool is_trusted =
-        MeasurementRating::IsTrusted(inputs.ratings(x, y)) && depth(x, y) > 0.f;
     Provenance source = Provenance::kNone;
     Plane plane = inputs.scene_planes.At(x, y);
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
     if (plane.Valid()) {
-      source = is_trusted && own == kGivesWay ? Provenance::kMeasured
+      source = own == kMoves ? Provenance::kMeasured
                : EvidenceAt(inputs, x, y) == LabelEvidence::kMeasured
                    ? Provenance::kRegionPlane
                    : Provenance::kOtherViews;
@@ -118,8 +117,6 @@ struct ComposeSceneKernel {
 
 // What a plane of the scene is worth where no view measured it.
 constexpr float kGuessConfidence = 0.3f;
-// Not 0, which stands for no depth, also where nothing judged it.
-constexpr float kLeastConfidence = 0.01f;
 
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
@@ -130,8 +127,8 @@ struct SceneConfidenceKernel {
     const auto source = static_cast<Provenance>(provenance(x, y));
     float value = ConfidenceOfFilled(source);
     if (source == Provenance::kMeasured) {
-      value = fmaxf(MeasurementRating::Score(inputs.ratings(x, y)),
-                    kLeastConfidence);
+      value =
+          fmaxf(MeasurementRating::Score(inputs.ratings(x, y)), kMinConfidence);
     } else if (source == Provenance::kOtherViews &&
                EvidenceAt(inputs, x, y) != LabelEvidence::kCarried) {
       value = kGuessConfidence;

@@ -6,8 +6,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
-#include <cmath>
-
 namespace tsar {
 namespace {
 

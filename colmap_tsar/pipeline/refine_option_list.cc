@@ -226,7 +226,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"confirmed_depths",
        &options->confirmed_depths,
        "Keep a measured depth that another view confirms, where the pixel has "
-       "texture of its own, also where a plane would take its place."},
+       "texture of its own, also where a plane would take its place. Has no "
+       "effect without view_agreement or with off_plane_depths 0."},
       {"scene_planes",
        &options->scene_planes,
        "Find planes in all views of a surface together and let them decide. If "

@@ -19,7 +19,7 @@ namespace tsar {
 
 enum class EvidenceParts {
   kAll,
-  // All but borders, region_planes and trust, which stay empty and are not even
+  // All but borders, region_planes and ratings, which stay empty and are not even
   // read from the disk.
   kForNeighbours,
 };
