@@ -5,7 +5,6 @@
 copies have the sources and the maps of the scene. Its interrupted run is left
 out: so few images may be done before they are interrupted."""
 
-import argparse
 import shutil
 import subprocess
 import sys
@@ -15,7 +14,7 @@ from pathlib import Path
 from copied_scene import Scene, SceneError, make_copies
 from line_plot import write_line_plot
 from programs import run
-from testing import check
+from testing import check, program_and_fresh_folder
 
 FOLDER = Path(__file__).resolve().parent
 RUNS = ["again, every image done", "--restore 1", "to a second workspace",
@@ -87,18 +86,12 @@ def check_picture(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    for name in ("program", "folder"):
-        parser.add_argument("--" + name, required=True)
-    arguments = parser.parse_args()
-    folder = Path(arguments.folder)
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    program, folder = program_and_fresh_folder()
     check_picture(folder)
-    check_copies(arguments.program, folder)
+    check_copies(program, folder)
 
     output = run([sys.executable, FOLDER / "scale", "--program",
-                  arguments.program, "--device", "cpu", "--num_images", 24, 5,
+                  program, "--device", "cpu", "--num_images", 24, 5,
                   "--folder", folder / "work", "--plot", folder / "scale.svg",
                   "--also", "resume", "restore", "output"])
     print(output)

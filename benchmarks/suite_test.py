@@ -5,7 +5,6 @@
 seeds give other maps, and its tables; without OpenCV for Python the runs at
 other sizes are left out. suite_measures_test.py checks the measures."""
 
-import argparse
 import importlib.util
 import json
 import shutil
@@ -15,7 +14,7 @@ from pathlib import Path
 
 from copied_scene import Scene, make_copies
 from programs import run
-from testing import check
+from testing import check, program_and_fresh_folder
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -163,15 +162,9 @@ def check_errors(suite, scene):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    for name in ("program", "folder"):
-        parser.add_argument("--" + name, required=True)
-    arguments = parser.parse_args()
-    folder = Path(arguments.folder)
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    program, folder = program_and_fresh_folder()
     scene = make_scene(folder)
-    suite = Suite(arguments.program, folder)
+    suite = Suite(program, folder)
     check_resumption(suite, scene)
     check_other_inputs(suite, scene)
     check_sizes(suite, scene)

@@ -2,10 +2,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tests of the benchmarks share."""
 
+import argparse
+import shutil
 import sys
+from pathlib import Path
 
 
 def check(condition, message):
     if not condition:
         sys.exit("FAILED: " + message)
     print("ok:", message)
+
+
+def program_and_fresh_folder():
+    """What a test is called with: the program, and a folder that it empties."""
+    parser = argparse.ArgumentParser()
+    for name in ("program", "folder"):
+        parser.add_argument("--" + name, required=True)
+    arguments = parser.parse_args()
+    folder = Path(arguments.folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return arguments.program, folder

@@ -4,6 +4,7 @@
 #include "colmap_tsar/filtering/confirmation.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/noise/window_variance.cuh"
 
 namespace tsar {
 namespace {
@@ -26,25 +27,8 @@ struct ConfirmationKernel {
   }
 
   TSAR_HD bool HasTexture(int x, int y) const {
-    const float middle = gray(x, y);
-    int count = 0;
-    float sum = 0.f;
-    float squares = 0.f;
-    for (int v = y - kRadius; v <= y + kRadius; ++v) {
-      for (int u = x - kRadius; u <= x + kRadius; ++u) {
-        if (gray.Contains(u, v)) {
-          // Relative to the middle, which keeps the digits in which flat
-          // windows differ.
-          const float difference = gray(u, v) - middle;
-          ++count;
-          sum += difference;
-          squares += difference * difference;
-        }
-      }
-    }
-    const float mean = sum / static_cast<float>(count);
-    const float variance = squares / static_cast<float>(count) - mean * mean;
-    return variance >= options.min_texture * noise.Variance(middle);
+    return WindowVariance(gray, x, y, kRadius) >=
+           options.min_texture * noise.Variance(gray(x, y));
   }
 };
 

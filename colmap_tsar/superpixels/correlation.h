@@ -39,7 +39,9 @@ struct CorrelationOptions {
 
 // What R1 decides: whom to trust, and the planes of the trusted.
 struct CorrelationResult {
-  DeviceImage<uint8_t> trusted;  // Other than 0 where the own depth stands.
+  // Other than 0 where the own depth stands, or with spread_medians that of
+  // `spread`.
+  DeviceImage<uint8_t> trusted;
   Buffer<Plane> planes;  // Of the superpixels; invalid where there is none.
   // With spread_medians, the depths of the trusted pixels, 0 elsewhere; else
   // empty.
