@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/matching/bilinear.cuh"
@@ -52,29 +53,28 @@ struct ReferencePatch {
         step(2.f * window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
-#ifndef __CUDA_ARCH__
+    // On a CPU each step is a loop of its own, as in AddUpBySteps.
+#ifdef __CUDA_ARCH__
+    for (int i = 0; i < kPatchSize; ++i) {
+      value[i] = SampleBilinear(gray, x + OffsetX(i), y + OffsetY(i)) - center;
+      weight[i] = Weight(i, spatial_sigma);
+    }
+#else
     ReadSamples(gray);
+    for (int i = 0; i < kPatchSize; ++i) {
+      value[i] -= center;
+    }
+    for (int i = 0; i < kPatchSize; ++i) {
+      weight[i] = Weight(i, spatial_sigma);
+    }
 #endif
     float sum_weight = 0.f;
     float sum = 0.f;
     float sum_squares = 0.f;
     for (int i = 0; i < kPatchSize; ++i) {
-      const float dx = OffsetX(i);
-      const float dy = OffsetY(i);
-#ifdef __CUDA_ARCH__
-      const float difference = SampleBilinear(gray, x + dx, y + dy) - center;
-#else
-      const float difference = value[i] - center;
-#endif
-      const float w =
-          expf(-(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
-               difference * difference /
-                   (2.f * kPatchColorSigma * kPatchColorSigma));
-      value[i] = difference;
-      weight[i] = w;
-      sum_weight += w;
-      sum += w * difference;
-      sum_squares += w * difference * difference;
+      sum_weight += weight[i];
+      sum += weight[i] * value[i];
+      sum_squares += weight[i] * value[i] * value[i];
     }
     const float inverse = 1.f / sum_weight;
     for (int i = 0; i < kPatchSize; ++i) {
@@ -93,6 +93,15 @@ struct ReferencePatch {
   TSAR_HD bool HasTexture() const { return variance >= kMinPatchVariance; }
 
  private:
+  // Bilateral, not yet normalised.
+  TSAR_HD float Weight(int i, float spatial_sigma) const {
+    const float dx = OffsetX(i);
+    const float dy = OffsetY(i);
+    return ExpOfNegative(
+        -(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
+        value[i] * value[i] / (2.f * kPatchColorSigma * kPatchColorSigma));
+  }
+
   // Sets the values to grey levels.
   void ReadSamples(const ImageView<const float>& gray) {
     float x[kPatchSize];

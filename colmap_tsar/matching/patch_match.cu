@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/matching/patch_match.h"
 
+#include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
@@ -23,6 +24,21 @@ TSAR_HD Philox PixelRandom(uint32_t stream, int64_t pixel, int iteration) {
       stream, static_cast<uint32_t>(pixel), static_cast<uint32_t>(iteration));
 }
 
+// 2^-exponent.
+TSAR_HD float PowerOfHalf(float exponent) {
+  return ExpOfNegative(-0.693147181f * exponent);
+}
+
+// One number after the other, since compilers differ in which argument of a
+// call they evaluate first.
+TSAR_HD Plane DrawPlane(const DepthBounds& bounds,
+                        const Vec3f& ray,
+                        Philox* random) {
+  const float depth = bounds.Draw(random);
+  const Vec3f normal = DrawNormal(ray, random);
+  return Plane::FromPoint(ray, depth, normal);
+}
+
 struct DrawKernel {
   Intrinsics intrinsics;
   DepthBounds bounds;
@@ -33,8 +49,7 @@ struct DrawKernel {
     Philox random = PixelRandom(
         stream, static_cast<int64_t>(y) * planes.width + x, /*iteration=*/0);
     const Vec3f ray = intrinsics.Ray(x, y);
-    const float depth = bounds.Draw(&random);
-    planes(x, y) = Plane::FromPoint(ray, depth, DrawNormal(ray, &random));
+    planes(x, y) = DrawPlane(bounds, ray, &random);
   }
 };
 
@@ -198,15 +213,14 @@ struct SweepKernel {
       // Ever smaller changes, trial by trial and iteration by iteration.
       const int round = options.num_past_iterations + iteration;
       const float share =
-          0.1f * exp2f(-static_cast<float>(round) - 0.5f * trial);
-      const float angle =
-          0.5f * exp2f(-0.5f * static_cast<float>(round) - 0.25f * trial);
+          0.1f * PowerOfHalf(static_cast<float>(round) + 0.5f * trial);
+      const float turn =
+          0.5f * PowerOfHalf(0.5f * static_cast<float>(round) + 0.25f * trial);
       const float depth = best->Depth(ray);
       Plane plane;
       switch (trial) {
         case 0:
-          plane = Plane::FromPoint(
-              ray, bounds.Draw(&random), DrawNormal(ray, &random));
+          plane = DrawPlane(bounds, ray, &random);
           break;
         case 1:
           plane = Plane::FromPoint(ray, depth, DrawNormal(ray, &random));
@@ -217,13 +231,14 @@ struct SweepKernel {
           break;
         case 3:
           plane = Plane::FromPoint(
-              ray, depth, DrawNormalAround(best->normal, angle, ray, &random));
+              ray, depth, DrawNormalAround(best->normal, turn, ray, &random));
           break;
-        default:
+        default: {
+          const Vec3f normal =
+              DrawNormalAround(best->normal, turn, ray, &random);
           plane = Plane::FromPoint(
-              ray,
-              bounds.DrawAround(depth, share, &random),
-              DrawNormalAround(best->normal, angle, ray, &random));
+              ray, bounds.DrawAround(depth, share, &random), normal);
+        }
       }
       if (!IsUsable(plane, ray, options)) {
         continue;

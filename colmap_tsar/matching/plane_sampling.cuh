@@ -37,23 +37,30 @@ struct DepthBounds {
 // A direction evenly drawn from those that face a camera which sees the point
 // along the ray.
 TSAR_HD inline Vec3f DrawNormal(const Vec3f& ray, Philox* random) {
-  const float z = 2.f * random->NextFloat() - 1.f;
-  const float angle = 6.2831853f * random->NextFloat();
-  const float r = sqrtf(fmaxf(0.f, 1.f - z * z));
-  const Vec3f normal = {r * cosf(angle), r * sinf(angle), z};
+  // A point of the disc, spread over the sphere (Marsaglia, 1972): unlike sines
+  // and cosines, this gives a CPU and a GPU the same bits.
+  float x = 0.f;
+  float y = 0.f;
+  float squared = 0.f;
+  do {
+    x = 2.f * random->NextFloat() - 1.f;
+    y = 2.f * random->NextFloat() - 1.f;
+    squared = x * x + y * y;
+  } while (squared >= 1.f);
+  const float scale = 2.f * sqrtf(1.f - squared);
+  const Vec3f normal = {scale * x, scale * y, 1.f - 2.f * squared};
   return Dot(normal, ray) > 0.f ? -normal : normal;
 }
 
-// The normal turned by up to about `angle` (radians); itself where that would
-// turn it away from the camera.
+// The normal plus up to `turn` along each axis; itself where that would turn it
+// away from the camera.
 TSAR_HD inline Vec3f DrawNormalAround(const Vec3f& normal,
-                                      float angle,
+                                      float turn,
                                       const Vec3f& ray,
                                       Philox* random) {
-  const float scale = tanf(fminf(angle, 1.4f));
-  const Vec3f step = {(2.f * random->NextFloat() - 1.f) * scale,
-                      (2.f * random->NextFloat() - 1.f) * scale,
-                      (2.f * random->NextFloat() - 1.f) * scale};
+  const Vec3f step = {(2.f * random->NextFloat() - 1.f) * turn,
+                      (2.f * random->NextFloat() - 1.f) * turn,
+                      (2.f * random->NextFloat() - 1.f) * turn};
   const Vec3f turned = Normalized(normal + step);
   return Dot(turned, ray) < 0.f ? turned : normal;
 }

@@ -3,9 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/base/macros.h"
-
-#include <cmath>
 
 namespace tsar {
 
@@ -17,14 +16,15 @@ class ViewWeight {
  public:
   // iteration counts from 0: what counts as a low cost falls.
   TSAR_HD explicit ViewWeight(int iteration)
-      : low_cost_(0.8f *
-                  expf(-static_cast<float>(iteration * iteration) / 90.f)) {}
+      : low_cost_(
+            0.8f *
+            ExpOfNegative(-static_cast<float>(iteration * iteration) / 90.f)) {}
 
   // A cost of this view, in [0, 2].
   TSAR_HD void Add(float cost) {
     if (cost < low_cost_) {
       ++num_low_;
-      sum_ += expf(-cost * cost / (2.f * 0.3f * 0.3f));
+      sum_ += ExpOfNegative(-cost * cost / (2.f * 0.3f * 0.3f));
     } else if (cost > 1.2f) {
       ++num_high_;
     }

@@ -96,19 +96,19 @@ TEST(DrawNormal, FacesTheCameraEvenly) {
 TEST(DrawNormalAround, StaysNearAndFacesTheCamera) {
   Philox random(1, 2, 3);
   const Vec3f normal = Normalized(Vec3f{0.2f, 0.3f, -1.f});
-  for (const float angle : {0.5f, 0.05f}) {
+  for (const float turn : {0.5f, 0.05f}) {
     // The steps fill a cube, whose corners lie this far off.
-    const float step = std::sqrt(3.f) * std::tan(angle);
+    const float step = std::sqrt(3.f) * turn;
     const float limit = std::asin(std::min(step, 1.f)) * 57.29578f;
     float largest = 0.f;
     for (int i = 0; i < kNumDraws; ++i) {
-      const Vec3f turned = DrawNormalAround(normal, angle, kRay, &random);
+      const Vec3f turned = DrawNormalAround(normal, turn, kRay, &random);
       ASSERT_NEAR(Norm(turned), 1.f, 1e-5f);
       ASSERT_LT(Dot(turned, kRay), 0.f);
       largest = std::max(largest, AngleBetween(turned, normal));
     }
-    EXPECT_LE(largest, limit + 0.01f) << angle;
-    EXPECT_GT(largest, 0.7f * limit) << angle;
+    EXPECT_LE(largest, limit + 0.01f) << turn;
+    EXPECT_GT(largest, 0.7f * limit) << turn;
   }
 }
 
