@@ -92,8 +92,7 @@ void ReduceCandidates(const Camera& camera,
                       ViewEvidence* evidence) {
   const int num_region_planes = *std::max_element(
       evidence->region_planes.begin(), evidence->region_planes.end());
-  const std::vector<ObservedView> views = {
-      {evidence, camera.Resized(evidence->width, evidence->height)}};
+  const std::vector<ObservedView> views = {MakeObservedView(*evidence, camera)};
   DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
   discovery.min_gain *= kShareOfOneView;
   const DiscoveredPlanes discovered =

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
@@ -39,6 +40,9 @@ struct SuperpixelBorder {
 struct ViewEvidence {
   int width = 0;  // Of the raster.
   int height = 0;
+  // Of the raster, with which everything here was made. Those of the image,
+  // scaled to its size, are others where the view was judged at a smaller size.
+  Intrinsics intrinsics;
   // Of the map that was judged, at the size at which it was.
   DepthResolution resolution;
   // Spread of the measurements about the planes of superpixels, in relative

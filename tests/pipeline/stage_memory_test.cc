@@ -103,8 +103,7 @@ class StageMemoryTest : public testing::Test {
     // As many views as there are, for the size of the tables.
     const std::vector<ObservedView> views(
         drawn_.views.size(),
-        {&evidence,
-         drawn_.views[0].camera.Resized(evidence.width, evidence.height)});
+        MakeObservedView(evidence, drawn_.views[0].camera));
     FoundScene found;
     const int64_t finding = PeakOf(
         [&](Device& device) { found = FindScene(views, options, device); });
@@ -154,7 +153,7 @@ TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
         judged, UploadViews(drawn_.Sources(), *device), 1, options, *device);
     const ViewEvidence& evidence = *observed.evidence;
     const std::vector<ObservedView> views = {
-        {&evidence, judged.camera.Resized(evidence.width, evidence.height)}};
+        MakeObservedView(evidence, judged.camera)};
     const FoundScene found = FindScene(views, options, *device);
     ExpectPlanned("compose",
                   ComposeImageWorkingBytes(options, num_pixels_, num_judged),

@@ -69,6 +69,10 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   evidence.region_planes(0, 0) = 3;
   evidence.resolution.error_per_depth = 0.f;
   evidence.noise = 0.f;
+  evidence.intrinsics = {std::numeric_limits<float>::denorm_min(),
+                         std::numeric_limits<float>::max(),
+                         -std::numeric_limits<float>::max(),
+                         0.f};
   WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
 }
@@ -108,14 +112,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 2u, 4u}) {
+  for (const uint32_t version : {0u, 3u, 5u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 3");
+                             ", this program reads version 4");
     }
   }
 }
@@ -127,9 +131,9 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    // The header's 96 bytes, the 16 of the options hash, the arrays.
-    ExpectCorruptAndNoHash(length < 96    ? "not complete"
-                           : length < 112 ? "cut off"
+    // The header's 112 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 112   ? "not complete"
+                           : length < 128 ? "cut off"
                                           : "not what the header says");
   }
   for (const std::string& more : {std::string("x"), good}) {
