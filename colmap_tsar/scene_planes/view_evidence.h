@@ -68,6 +68,9 @@ struct ViewEvidence {
   // is empty up to there.
   Image<float> confident_depth;
 
+  // The image that the superpixels were made of.
+  Image<Rgb> color;
+
   // A MeasurementRating of each depth, of the size at which the view was
   // judged: that of the depth map, or of a reduced one.
   Image<uint8_t> ratings;

@@ -101,7 +101,8 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
   }
-  if (!has_raster(evidence.region_planes) || evidence.ratings.Empty()) {
+  if (!has_raster(evidence.region_planes) || !has_raster(evidence.color) ||
+      evidence.ratings.Empty()) {
     return "sizes that do not fit each other";
   }
   if (!BordersFit(evidence)) {

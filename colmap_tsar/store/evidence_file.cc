@@ -30,6 +30,7 @@ static_assert(sizeof(Observation) == 16 &&
 static_assert(sizeof(SuperpixelBorder) == 28 &&
               std::is_trivially_copyable_v<SuperpixelBorder>);
 static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
+static_assert(sizeof(Rgb) == 3 && std::is_trivially_copyable_v<Rgb>);
 static_assert(sizeof(Intrinsics) == 16 &&
               std::is_trivially_copyable_v<Intrinsics>);
 
@@ -93,6 +94,7 @@ template <typename Evidence>
 auto OwnArrays(Evidence& evidence) {
   return std::array{BytesOf(evidence.borders),
                     BytesOf(evidence.region_planes),
+                    BytesOf(evidence.color),
                     BytesOf(evidence.ratings)};
 }
 
@@ -218,6 +220,7 @@ class EvidenceReader {
            take(header_.num_candidates, sizeof(Plane)) &&
            take(header_.num_borders, sizeof(SuperpixelBorder)) &&
            take(num_pixels, sizeof(uint16_t)) &&
+           take(num_pixels, sizeof(Rgb)) &&
            take(num_ratings, sizeof(uint8_t)) && rest == 0;
   }
 
@@ -319,6 +322,7 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   if (parts == EvidenceParts::kAll) {
     evidence.borders.resize(header.num_borders);
     evidence.region_planes = Image<uint16_t>::Uninitialized(width, height);
+    evidence.color = Image<Rgb>::Uninitialized(width, height);
     evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
                                                      header.ratings_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);

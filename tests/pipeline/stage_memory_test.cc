@@ -245,10 +245,10 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
     ExpectPlanned("neighbour",
                   NeighbourEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(for_neighbours));
-    const size_t all = for_neighbours +
-                       evidence.region_planes.NumPixels() * sizeof(uint16_t) +
-                       evidence.borders.size() * sizeof(SuperpixelBorder) +
-                       evidence.ratings.NumPixels();
+    const size_t all =
+        for_neighbours + evidence.region_planes.NumPixels() * sizeof(uint16_t) +
+        evidence.borders.size() * sizeof(SuperpixelBorder) +
+        evidence.color.NumPixels() * sizeof(Rgb) + evidence.ratings.NumPixels();
     ExpectPlanned("all",
                   ViewEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(all));

@@ -17,6 +17,7 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   ExpectSameForNeighbours(a, b);
   EXPECT_EQ(a.borders.size(), b.borders.size());
   EXPECT_TRUE(a.region_planes.HasSizeOf(b.region_planes));
+  EXPECT_TRUE(a.color.HasSizeOf(b.color));
   EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
 }
@@ -38,6 +39,7 @@ TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
   EXPECT_TRUE(read.region_planes.Empty());
+  EXPECT_TRUE(read.color.Empty());
   EXPECT_TRUE(read.ratings.Empty());
 }
 
@@ -51,6 +53,7 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.first_observation = {0, 0};
   nothing.region_planes = Image<uint16_t>(1, 2);
   nothing.confident_depth = Image<float>(1, 2);
+  nothing.color = Image<Rgb>(1, 2);
   nothing.ratings = Image<uint8_t>(1, 2);
   WriteEvidence(UserPath(path_), "", nothing);
   ExpectSame(ReadEvidence(path_), nothing);

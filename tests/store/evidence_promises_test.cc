@@ -131,6 +131,8 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({sizes, [](auto* e) { e->superpixels = {}; }});
   faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});
   faults.push_back({sizes, [](auto* e) { e->region_planes = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->color = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->color = Image<Rgb>(9, 6); }});
   faults.push_back({sizes, [](auto* e) { e->ratings = {}; }});
   for (const Fault& fault : faults) {
     SCOPED_TRACE(fault.what);

@@ -64,6 +64,11 @@ ViewEvidence DrawEvidence() {
   for (int i = 0; i < 3; ++i) {
     evidence.candidates.push_back({{draw(), draw(), -draw()}, 5.f * draw()});
   }
+  evidence.color = Image<Rgb>(9, 7);
+  for (Rgb& pixel : evidence.color) {
+    const auto level = [&] { return static_cast<uint8_t>(255.f * draw()); };
+    pixel = {level(), level(), level()};
+  }
   evidence.ratings = Image<uint8_t>(13, 11);
   for (uint8_t& rating : evidence.ratings) {
     rating = static_cast<uint8_t>(255.f * draw());
@@ -101,6 +106,11 @@ std::string OwnBytes(const ViewEvidence& evidence) {
     AppendAll(border.pixels, &bytes);
   }
   AppendAll(evidence.region_planes, &bytes);
+  for (const Rgb& pixel : evidence.color) {
+    Append(pixel.r, &bytes);
+    Append(pixel.g, &bytes);
+    Append(pixel.b, &bytes);
+  }
   AppendAll(evidence.ratings, &bytes);
   return bytes;
 }
