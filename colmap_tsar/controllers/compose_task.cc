@@ -85,9 +85,8 @@ std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,
 
 ObservedView ComposeTask::Observed(int image,
                                    const ViewEvidence& evidence) const {
-  return {&evidence,
-          workspace_.Model().images[static_cast<size_t>(image)].camera.Resized(
-              evidence.width, evidence.height)};
+  return MakeObservedView(
+      evidence, workspace_.Model().images[static_cast<size_t>(image)].camera);
 }
 
 }  // namespace tsar

@@ -49,7 +49,6 @@ class ComposeTask : public RefineMapsTask {
   // it is judged.
   static bool WasObserved(const ViewData& view);
   std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
-  // Its camera for the raster of its evidence.
   ObservedView Observed(int image, const ViewEvidence& evidence) const;
 
   const Workspace& workspace_;

@@ -4,11 +4,25 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
 
 #include <cstdint>
 
 namespace tsar {
+
+// PixelGroups as a kernel reads them.
+struct PixelGroupsView {
+  const int* begin = nullptr;
+  const int* pixels = nullptr;
+
+  TSAR_HD int Count(int64_t group) const {
+    return begin[group + 1] - begin[group];
+  }
+  TSAR_HD int Pixel(int64_t group, int i) const {
+    return pixels[begin[group] + i];
+  }
+};
 
 // The pixels of a raster sorted by label: those of label k are
 // pixels[begin[k]] ... pixels[begin[k + 1] - 1], in raster order.
@@ -18,6 +32,7 @@ struct PixelGroups {
   Buffer<int> pixels;
 
   int NumGroups() const { return static_cast<int>(begin.Size()) - 1; }
+  PixelGroupsView View() const { return {begin.Data(), pixels.Data()}; }
 };
 
 // labels: in [0, num_labels), or negative for pixels of no group.

@@ -13,19 +13,17 @@
 namespace tsar {
 namespace {
 
-template <int kPatchRadius>
 void DenoiseBands(const Denoising& denoising, Device& device) {
-  using Kernel = DenoiseBandKernel<kPatchRadius>;
+  constexpr int kMaxRows = DenoiseBandKernel::kMaxRows;
   const int height = denoising.color.height;
-  device.Threads().Run(
-      (height + Kernel::kMaxRows - 1) / Kernel::kMaxRows,
-      [&](int64_t first_band, int64_t last_band) {
-        Kernel kernel(denoising);
-        for (int64_t band = first_band; band < last_band; ++band) {
-          const int y = static_cast<int>(band) * Kernel::kMaxRows;
-          kernel(y, std::min(y + Kernel::kMaxRows, height));
-        }
-      });
+  const auto denoise = [&](int64_t first_band, int64_t last_band) {
+    DenoiseBandKernel kernel(denoising);
+    for (int64_t band = first_band; band < last_band; ++band) {
+      const int y = static_cast<int>(band) * kMaxRows;
+      kernel(y, std::min(y + kMaxRows, height));
+    }
+  };
+  device.Threads().Run((height + kMaxRows - 1) / kMaxRows, denoise);
 }
 
 }  // namespace
@@ -40,17 +38,8 @@ DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
   if (device.IsCuda()) {
     ParallelFor(
         device, color.width, color.height, DenoisePixelKernel{denoising});
-    return denoised;
-  }
-  switch (options.patch_radius) {
-    case 1:
-      DenoiseBands<1>(denoising, device);
-      break;
-    case 2:
-      DenoiseBands<2>(denoising, device);
-      break;
-    default:
-      DenoiseBands<3>(denoising, device);
+  } else {
+    DenoiseBands(denoising, device);
   }
   return denoised;
 }

@@ -13,9 +13,8 @@ namespace tsar {
 
 struct DenoiseOptions {
   // Pixels this far away, by row and column, are averaged with a pixel if what
-  // surrounds them looks alike: squares of pixels of this radius, 1 to 3.
+  // surrounds them looks alike: patches of 5 x 5 pixels.
   int search_radius = 5;
-  int patch_radius = 2;
   // Patches whose mean squared difference exceeds that of noise by this many
   // variances of the noise do not look alike at all.
   float strength = 4.f;

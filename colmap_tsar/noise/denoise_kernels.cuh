@@ -19,6 +19,9 @@
 namespace tsar {
 
 struct Denoising {
+  // Patches are squares of this radius.
+  static constexpr int kPatchRadius = 2;
+
   ImageView<const Rgb> color;
   ImageView<const float> gray;
   NoiseCurve noise;
@@ -44,8 +47,8 @@ struct Denoising {
   // Turns the squared differences of two patches into variances of the noise
   // per pixel, in units of strength.
   TSAR_HD float Scale(int x, int y) const {
-    const int side = 2 * options.patch_radius + 1;
-    return 1.f / (static_cast<float>(4 * side * side) * options.strength *
+    constexpr int kSide = 2 * kPatchRadius + 1;
+    return 1.f / (static_cast<float>(4 * kSide * kSide) * options.strength *
                   noise.Variance(gray(x, y)));
   }
   // Two samples of noise differ by twice its variance: patches that differ by
@@ -91,10 +94,9 @@ struct DenoisePixelKernel : Denoising {
   }
 
   TSAR_HD float Differences(int x, int y, int u, int v) const {
-    const int radius = options.patch_radius;
     float sum = 0.f;
-    for (int j = y - radius; j <= y + radius; ++j) {
-      for (int i = x - radius; i <= x + radius; ++i) {
+    for (int j = y - kPatchRadius; j <= y + kPatchRadius; ++j) {
+      for (int i = x - kPatchRadius; i <= x + kPatchRadius; ++i) {
         sum += SquaredDifference(HalfLevels(i, j), HalfLevels(i + u, j + v));
       }
     }
@@ -103,7 +105,6 @@ struct DenoisePixelKernel : Denoising {
 };
 
 // The compiler makes vector instructions of the loops over a row.
-template <int kPatchRadius>
 class DenoiseBandKernel : Denoising {
  public:
   // For bands of at most this many rows: what is read and written for each

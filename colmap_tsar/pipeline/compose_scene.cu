@@ -55,8 +55,7 @@ struct OwnDepthKernel {
   TSAR_HD uint8_t Judge(float own, uint8_t rating_of_own, int x, int y) const {
     const bool is_trusted = MeasurementRating::IsTrusted(rating_of_own);
     const bool is_confirmed =
-        options.keep_confirmed &&
-        MeasurementRating::Confirmations(rating_of_own) > 0;
+        options.keep_confirmed && MeasurementRating::IsConfirmed(rating_of_own);
     if (!(own > 0.f) || (!is_trusted && !is_confirmed)) {
       return kGivesWay;
     }

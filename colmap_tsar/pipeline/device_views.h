@@ -86,6 +86,7 @@ class DeviceViews {
   // The raster of superpixels and regions, and the image reduced to it.
   const ReducedRaster& Raster() const { return raster_; }
   ImageView<const Rgb> RasterColor() const { return raster_color_.View(); }
+  Image<Rgb> DownloadRasterColor() const { return raster_color_.ToHost(); }
   // Planes of the raster, as the map's pixels see them.
   PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
     return reference_.OnMap(planes);

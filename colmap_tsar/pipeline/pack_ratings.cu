@@ -16,10 +16,10 @@ struct PackRatingsKernel {
   ImageView<uint8_t> ratings;
 
   TSAR_HD void operator()(int x, int y) const {
-    ratings(x, y) =
-        MeasurementRating::Pack(trusted(x, y) != 0,
-                                confirmations.Empty() ? 0 : confirmations(x, y),
-                                score(x, y));
+    ratings(x, y) = MeasurementRating::Pack(
+        trusted(x, y) != 0,
+        !confirmations.Empty() && confirmations(x, y) > 0,
+        score(x, y));
   }
 };
 

@@ -23,7 +23,8 @@ namespace tsar {
 // What the stages of a single view found, in main memory.
 struct MeasuredImage {
   EvidenceInputs inputs;
-  Image<float> gray;       // Of the raster of the inputs.
+  Image<Rgb> color;        // Of the raster of the inputs.
+  Image<float> gray;       // Of the same.
   Image<uint8_t> ratings;  // See ViewEvidence::ratings.
   Camera camera;           // Of the maps.
 };

@@ -10,7 +10,6 @@
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/pack_ratings.h"
-#include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
@@ -92,8 +91,7 @@ void ReduceCandidates(const Camera& camera,
                       ViewEvidence* evidence) {
   const int num_region_planes = *std::max_element(
       evidence->region_planes.begin(), evidence->region_planes.end());
-  const std::vector<ObservedView> views = {
-      {evidence, camera.Resized(evidence->width, evidence->height)}};
+  const std::vector<ObservedView> views = {MakeObservedView(*evidence, camera)};
   DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
   discovery.min_gain *= kShareOfOneView;
   const DiscoveredPlanes discovered =
@@ -180,16 +178,12 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
                                   const LabeledView& labeled,
                                   const BorderOptions& options,
-                                  bool denoise,
                                   DeviceImage<uint8_t>* ratings,
                                   Device& device) {
   const ViewEvidence& evidence = *observed.evidence;
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
-  const DeviceImage<Vec3f> lab = ConvertToLab(
-      MakeRasterColor(
-          view.color.View(), {evidence.width, evidence.height}, denoise, device)
-          .View(),
-      device);
+  const DeviceImage<Vec3f> lab =
+      ConvertToLab(DeviceImage<Rgb>(device, evidence.color).View(), device);
   const RefinedBorders refined = RefineBorders({superpixels.View(),
                                                 lab.View(),
                                                 view.hypotheses.depth.View(),
@@ -262,6 +256,7 @@ RefineResult MeasureImage(
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(
       MeasuredImage{DownloadInputs(views, surfaces, gray.View(), device),
+                    views.DownloadRasterColor(),
                     gray.ToHost(),
                     PackRatings(surfaces.trusted.View(),
                                 surfaces.score.View(),
@@ -289,6 +284,7 @@ void MakeEvidence(const RefineOptions& options,
   }
   result->evidence =
       std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));
+  result->evidence->color = std::move(measured.color);
   result->evidence->ratings = std::move(measured.ratings);
   timer.Finish("evidence");
   ReduceCandidates(measured.camera, options, device, result->evidence.get());
@@ -345,7 +341,6 @@ RefineResult ComposeImage(const ViewData& reference,
                               views[0],
                               FlattenSurfaces(views[0], labeled, curved),
                               scene.borders,
-                              options.denoise,
                               &ratings,
                               device)
           : evidence.superpixels;

@@ -9,7 +9,6 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
-#include "colmap_tsar/pipeline/raster_color.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
@@ -110,15 +109,14 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
   const int64_t num_planes =
       num_superpixels + DiscoverPlanesOptions().max_planes;
   const int64_t superpixels = BytesOf<uint16_t>(num_raster_pixels);
+  const int64_t color = BytesOf<Rgb>(num_raster_pixels);
   const int64_t lab = BytesOf<Vec3f>(num_raster_pixels);
   const int64_t borders =
       options.pixel_borders
-          ? superpixels +
-                std::max(
-                    MakeRasterColorWorkingBytes(num_raster_pixels,
-                                                options.denoise),
-                    lab + RefineBordersWorkingBytes(
-                              num_raster_pixels, num_superpixels, num_planes))
+          ? superpixels + lab +
+                std::max(color,
+                         RefineBordersWorkingBytes(
+                             num_raster_pixels, num_superpixels, num_planes))
           : 0;
   const int64_t planes_of_scene_and_regions =
       2 * BytesOf<Plane>(num_raster_pixels);
@@ -187,18 +185,20 @@ int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
       BytesOf<Plane>(NumSuperpixels(options, num_pixels));
   const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
   const int64_t region_planes = BytesOf<Plane>(num_raster_pixels);
+  const int64_t color = BytesOf<Rgb>(num_raster_pixels);
   const int64_t gray_texture_contrast = 3 * BytesOf<float>(num_raster_pixels);
   const int64_t ratings = BytesOf<uint8_t>(num_pixels);
-  return superpixels + samples + region_planes + gray_texture_contrast +
+  return superpixels + samples + region_planes + color + gray_texture_contrast +
          ratings;
 }
 
 int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t color = BytesOf<Rgb>(num_raster_pixels);
   const int64_t ratings = BytesOf<uint8_t>(num_pixels);
-  return EvidenceBytes(MaxRasterPixels(num_pixels),
-                       NumSuperpixels(options, num_pixels),
-                       {}) +
-         ratings;
+  return EvidenceBytes(
+             num_raster_pixels, NumSuperpixels(options, num_pixels), {}) +
+         color + ratings;
 }
 
 int64_t NeighbourEvidenceBytes(const RefineOptions& options,

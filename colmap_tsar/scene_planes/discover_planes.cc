@@ -176,6 +176,18 @@ WorldPlane ToWorld(const WorldPlane& plane, const Camera& reference) {
 
 }  // namespace
 
+ObservedView MakeObservedView(const ViewEvidence& evidence,
+                              const Camera& camera) {
+  ObservedView view{&evidence, camera};
+  view.camera.width = evidence.width;
+  view.camera.height = evidence.height;
+  view.camera.fx = evidence.intrinsics.fx;
+  view.camera.fy = evidence.intrinsics.fy;
+  view.camera.cx = evidence.intrinsics.cx;
+  view.camera.cy = evidence.intrinsics.cy;
+  return view;
+}
+
 DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 const std::vector<WorldPlane>& candidates,
                                 const DiscoverPlanesOptions& options,

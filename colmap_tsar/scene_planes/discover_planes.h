@@ -19,6 +19,10 @@ struct ObservedView {
   Camera camera;  // Of the evidence's raster.
 };
 
+// camera: of the view's image at any size; only the pose is taken from it.
+ObservedView MakeObservedView(const ViewEvidence& evidence,
+                              const Camera& camera);
+
 struct DiscoverPlanesOptions {
   // How far a depth may be off a plane to speak for it at all, in relative
   // depths of one pixel of disparity (DepthResolution::RelativeDepthError).

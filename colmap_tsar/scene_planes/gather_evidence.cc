@@ -265,6 +265,7 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
   ViewEvidence evidence;
   evidence.width = inputs.superpixels.Width();
   evidence.height = inputs.superpixels.Height();
+  evidence.intrinsics = inputs.intrinsics;
   evidence.resolution = inputs.resolution;
   evidence.noise = MeasureNoise(inputs);
   evidence.superpixels = Image<uint16_t>(evidence.width, evidence.height);

@@ -47,7 +47,7 @@ struct EvidenceInputs {
   DepthResolution resolution;
 };
 
-// The evidence without `ratings`, which is not of the raster.
+// The evidence without `color` and `ratings`, to which this would add nothing.
 ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                             const EvidenceOptions& options);
 
@@ -55,7 +55,8 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
 int64_t GatherEvidenceMainBytes(int64_t num_pixels,
                                 int64_t num_superpixels,
                                 const EvidenceOptions& options);
-// Of the evidence without `ratings`, and of what neighbours need of it.
+// Of the evidence without `color` and `ratings`, and of what neighbours need of
+// it.
 int64_t EvidenceBytes(int64_t num_pixels,
                       int64_t num_superpixels,
                       const EvidenceOptions& options);

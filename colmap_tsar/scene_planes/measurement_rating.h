@@ -11,27 +11,31 @@
 namespace tsar {
 
 // What is known of the depth that a pixel measured, in one byte: whether it is
-// trusted (bit 7), how many other views confirm it (bits 5 and 6), and its
-// score (bits 0 to 4).
+// trusted (bit 7), whether another view confirms it (bit 6), and its score
+// (bits 0 to 4). Bit 5 is 0.
 struct MeasurementRating {
-  static constexpr int kMaxConfirmations = 3;
+  static constexpr int kTrusted = 1 << 7;
+  static constexpr int kConfirmed = 1 << 6;
   static constexpr int kMaxScore = 31;
 
   // score: in [0, 1]; what lies outside is clamped.
-  TSAR_HD static uint8_t Pack(bool is_trusted, int confirmations, float score) {
+  TSAR_HD static uint8_t Pack(bool is_trusted, bool is_confirmed, float score) {
     const float level = fminf(fmaxf(kMaxScore * score + 0.5f, 0.f), kMaxScore);
-    const int votes =
-        confirmations < kMaxConfirmations ? confirmations : kMaxConfirmations;
-    return static_cast<uint8_t>((is_trusted ? 1 << 7 : 0) | votes << 5 |
+    return static_cast<uint8_t>((is_trusted ? kTrusted : 0) |
+                                (is_confirmed ? kConfirmed : 0) |
                                 static_cast<int>(level));
   }
-  TSAR_HD static bool IsTrusted(uint8_t rating) { return rating >> 7 != 0; }
-  TSAR_HD static int Confirmations(uint8_t rating) { return rating >> 5 & 3; }
+  TSAR_HD static bool IsTrusted(uint8_t rating) {
+    return (rating & kTrusted) != 0;
+  }
+  TSAR_HD static bool IsConfirmed(uint8_t rating) {
+    return (rating & kConfirmed) != 0;
+  }
   TSAR_HD static float Score(uint8_t rating) {
     return static_cast<float>(rating & kMaxScore) / kMaxScore;
   }
   TSAR_HD static uint8_t WithoutTrust(uint8_t rating) {
-    return static_cast<uint8_t>(rating & ~(1 << 7));
+    return static_cast<uint8_t>(rating & ~kTrusted);
   }
 };
 

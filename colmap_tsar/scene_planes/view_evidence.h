@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
@@ -39,6 +40,9 @@ struct SuperpixelBorder {
 struct ViewEvidence {
   int width = 0;  // Of the raster.
   int height = 0;
+  // Of the raster, with which everything here was made. Those of the image,
+  // scaled to its size, are others where the view was judged at a smaller size.
+  Intrinsics intrinsics;
   // Of the map that was judged, at the size at which it was.
   DepthResolution resolution;
   // Spread of the measurements about the planes of superpixels, in relative
@@ -63,6 +67,9 @@ struct ViewEvidence {
   // Depths that are as good as certain, 0 elsewhere: what the view saw through
   // is empty up to there.
   Image<float> confident_depth;
+
+  // The image that the superpixels were made of.
+  Image<Rgb> color;
 
   // A MeasurementRating of each depth, of the size at which the view was
   // judged: that of the depth map, or of a reduced one.

@@ -4,6 +4,7 @@
 #include "colmap_tsar/segmentation/boundary_test.h"
 
 #include "colmap_tsar/device/parallel_for_teams.h"
+#include "colmap_tsar/segmentation/weighted_sum.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,21 +12,10 @@
 namespace tsar {
 namespace {
 
-struct MeanGap {
-  double sum = 0.0;
-  int count = 0;
-  TSAR_HD MeanGap& operator+=(const MeanGap& other) {
-    sum += other.sum;
-    count += other.count;
-    return *this;
-  }
-};
-
 struct RejectKernel {
   ImageView<const int> labels;
   ImageView<const RayDepth> samples;
-  const int* begin;
-  const int* pixels;
+  PixelGroupsView groups;
   Intrinsics intrinsics;
   float max_gap;
   SupportedPlane* planes;
@@ -37,17 +27,20 @@ struct RejectKernel {
     if (!plane.Valid()) {
       return;
     }
-    const MeanGap gap = team.template Accumulate<MeanGap>(
-        begin[region + 1] - begin[region], [&](int i, MeanGap* mean) {
-          const int pixel = pixels[begin[region] + i];
-          AddGap(plane, pixel % labels.width, pixel / labels.width, mean);
+    const WeightedSum gap = team.template Accumulate<WeightedSum>(
+        groups.Count(region), [&](int i, WeightedSum* sum) {
+          const int pixel = groups.Pixel(region, i);
+          AddGap(plane, pixel % labels.width, pixel / labels.width, sum);
         });
-    if (team.IsLeader() && gap.count > 0 && !(gap.sum / gap.count < max_gap)) {
+    if (team.IsLeader() && gap.weight > 0.0 && !(gap.Mean() < max_gap)) {
       planes[item] = {};
     }
   }
 
-  TSAR_HD void AddGap(const Plane& plane, int x, int y, MeanGap* mean) const {
+  TSAR_HD void AddGap(const Plane& plane,
+                      int x,
+                      int y,
+                      WeightedSum* gap) const {
     bool is_on_border = false;
     float sum = 0.f;
     int count = 0;
@@ -64,7 +57,7 @@ struct RejectKernel {
     }
     if (is_on_border && count > 0) {
       const float depth = plane.Depth(intrinsics.Ray(x, y));
-      *mean += {fabsf(depth - sum / count), 1};
+      *gap += {fabsf(depth - sum / count), 1.0};
     }
   }
 };
@@ -86,8 +79,7 @@ void RejectByBoundary(const Regions& regions,
                         static_cast<int64_t>(planes->planes.Size()),
                         RejectKernel{regions.labels.View(),
                                      samples,
-                                     groups.begin.Data(),
-                                     groups.pixels.Data(),
+                                     groups.View(),
                                      intrinsics,
                                      max_gap,
                                      planes->planes.Data()});

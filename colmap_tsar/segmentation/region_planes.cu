@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/segmentation/weighted_sum.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,34 +41,11 @@ struct RegionState {
   int num_inliers = 0;  // Of the first plane.
 };
 
-// The samples of each group of pixels of a raster.
-struct GroupedPixels {
-  const int* begin;
-  const int* pixels;
-
-  TSAR_HD int Count(int64_t group) const {
-    return begin[group + 1] - begin[group];
-  }
-  TSAR_HD int Pixel(int64_t group, int i) const {
-    return pixels[begin[group] + i];
-  }
-};
-
-struct WeightedSum {
-  double value = 0;
-  double weight = 0;
-  TSAR_HD WeightedSum& operator+=(const WeightedSum& other) {
-    value += other.value;
-    weight += other.weight;
-    return *this;
-  }
-};
-
 struct ChooseKernel {
   const GroupPlane* core_fits;
   const GroupPlane* rim_fits;
-  GroupedPixels core_pixels;
-  GroupedPixels rim_pixels;
+  PixelGroupsView core_pixels;
+  PixelGroupsView rim_pixels;
   const RayDepth* remaining;
   DepthResolution resolution;
   RegionPlaneOptions options;
@@ -145,7 +123,7 @@ struct ChooseKernel {
       if (!(offset.weight > 0.0)) {
         return core.plane;
       }
-      plane.offset = static_cast<float>(offset.value / offset.weight);
+      plane.offset = static_cast<float>(offset.Mean());
     }
     const int num_inliers =
         team.template Accumulate<int>(num_pixels, [&](int i, int* sum) {
@@ -180,7 +158,7 @@ struct ChooseKernel {
                      1.0};
           }
         });
-    return gap.weight > 0.0 ? static_cast<float>(gap.value / gap.weight) : 0.f;
+    return gap.weight > 0.0 ? static_cast<float>(gap.Mean()) : 0.f;
   }
 };
 
@@ -251,20 +229,19 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
     ++ransac.iteration;
     const Buffer<GroupPlane> rim_fits = FitGroupPlanes(
         rim_groups, remaining.View(), resolution, ransac, device);
-    ParallelForTeams<256>(
-        device,
-        regions.count,
-        ChooseKernel{core_fits.Data(),
-                     rim_fits.Data(),
-                     {core_groups.begin.Data(), core_groups.pixels.Data()},
-                     {rim_groups.begin.Data(), rim_groups.pixels.Data()},
-                     remaining.View().data,
-                     resolution,
-                     options,
-                     slot,
-                     states.Data(),
-                     next_states.Data(),
-                     result.planes.Data()});
+    ParallelForTeams<256>(device,
+                          regions.count,
+                          ChooseKernel{core_fits.Data(),
+                                       rim_fits.Data(),
+                                       core_groups.View(),
+                                       rim_groups.View(),
+                                       remaining.View().data,
+                                       resolution,
+                                       options,
+                                       slot,
+                                       states.Data(),
+                                       next_states.Data(),
+                                       result.planes.Data()});
     std::swap(states, next_states);
     ParallelFor(device,
                 width,

@@ -60,6 +60,11 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
       first.size() != evidence.weights.size() + 1) {
     return "sizes that do not fit each other";
   }
+  const Intrinsics& intrinsics = evidence.intrinsics;
+  if (!IsFinitePositive(intrinsics.fx) || !IsFinitePositive(intrinsics.fy) ||
+      !IsFinite(intrinsics.cx) || !IsFinite(intrinsics.cy)) {
+    return "intrinsics that no camera has";
+  }
   if (!IsFiniteNotNegative(evidence.resolution.error_per_depth) ||
       !IsFiniteNotNegative(evidence.noise)) {
     return "a noise that is no number";
@@ -96,7 +101,8 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
   }
-  if (!has_raster(evidence.region_planes) || evidence.ratings.Empty()) {
+  if (!has_raster(evidence.region_planes) || !has_raster(evidence.color) ||
+      evidence.ratings.Empty()) {
     return "sizes that do not fit each other";
   }
   if (!BordersFit(evidence)) {

@@ -30,10 +30,13 @@ static_assert(sizeof(Observation) == 16 &&
 static_assert(sizeof(SuperpixelBorder) == 28 &&
               std::is_trivially_copyable_v<SuperpixelBorder>);
 static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
+static_assert(sizeof(Rgb) == 3 && std::is_trivially_copyable_v<Rgb>);
+static_assert(sizeof(Intrinsics) == 16 &&
+              std::is_trivially_copyable_v<Intrinsics>);
 
 constexpr std::array<char, 8> kMagic = {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'};
 // To be raised with every change of what the bytes mean, fingerprints included.
-constexpr uint32_t kFormatVersion = 3;
+constexpr uint32_t kFormatVersion = 4;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -43,6 +46,7 @@ struct Header {
   int32_t height = 0;
   int32_t ratings_width = 0;
   int32_t ratings_height = 0;
+  Intrinsics intrinsics;
   float error_per_depth = 0.f;
   float noise = 0.f;
   uint64_t num_superpixels = 0;
@@ -54,7 +58,7 @@ struct Header {
   // Of the header up to here and the options hash.
   uint64_t header_fingerprint = 0;
 };
-static_assert(sizeof(Header) == 96 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == 112 && std::is_trivially_copyable_v<Header>);
 
 uint64_t HeaderFingerprint(const Header& header,
                            const std::string& options_hash) {
@@ -90,6 +94,7 @@ template <typename Evidence>
 auto OwnArrays(Evidence& evidence) {
   return std::array{BytesOf(evidence.borders),
                     BytesOf(evidence.region_planes),
+                    BytesOf(evidence.color),
                     BytesOf(evidence.ratings)};
 }
 
@@ -215,6 +220,7 @@ class EvidenceReader {
            take(header_.num_candidates, sizeof(Plane)) &&
            take(header_.num_borders, sizeof(SuperpixelBorder)) &&
            take(num_pixels, sizeof(uint16_t)) &&
+           take(num_pixels, sizeof(Rgb)) &&
            take(num_ratings, sizeof(uint8_t)) && rest == 0;
   }
 
@@ -270,6 +276,7 @@ void WriteEvidence(const ContainedPath& path,
   header.height = evidence.height;
   header.ratings_width = evidence.ratings.Width();
   header.ratings_height = evidence.ratings.Height();
+  header.intrinsics = evidence.intrinsics;
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
   header.num_superpixels = evidence.weights.size();
@@ -302,6 +309,7 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   ViewEvidence evidence;
   evidence.width = width;
   evidence.height = height;
+  evidence.intrinsics = header.intrinsics;
   evidence.resolution.error_per_depth = header.error_per_depth;
   evidence.noise = header.noise;
   evidence.superpixels = Image<uint16_t>::Uninitialized(width, height);
@@ -314,6 +322,7 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   if (parts == EvidenceParts::kAll) {
     evidence.borders.resize(header.num_borders);
     evidence.region_planes = Image<uint16_t>::Uninitialized(width, height);
+    evidence.color = Image<Rgb>::Uninitialized(width, height);
     evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
                                                      header.ratings_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);

@@ -14,13 +14,14 @@ namespace tsar {
 
 // The file in which a view's evidence waits for its neighbours. Little-endian,
 // without padding: a header of fixed size (magic, format version, all sizes,
-// fingerprints), the options hash, the arrays that neighbours need, then those
-// that only the view itself needs. Every part has its own fingerprint.
+// the raster's intrinsics, fingerprints), the options hash, the arrays that
+// neighbours need, then those that only the view itself needs. Every part has
+// its own fingerprint.
 
 enum class EvidenceParts {
   kAll,
-  // All but borders, region_planes and ratings, which stay empty and are not even
-  // read from the disk.
+  // All but borders, region_planes, color and ratings, which stay empty and
+  // are not even read from the disk.
   kForNeighbours,
 };
 

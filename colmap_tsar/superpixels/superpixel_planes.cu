@@ -22,8 +22,7 @@ struct Position {
 
 struct AcceptKernel {
   const GroupPlane* fits;
-  const int* begin;
-  const int* pixels;
+  PixelGroupsView superpixels;
   int width;
   Intrinsics intrinsics;
   float min_support;
@@ -51,7 +50,7 @@ struct AcceptKernel {
                          int64_t k) const {
     const Position sum = team.template Accumulate<Position>(
         fit.num_pixels, [&](int i, Position* position) {
-          const int pixel = pixels[begin[k] + i];
+          const int pixel = superpixels.Pixel(k, i);
           *position += {pixel % width, pixel / width};
         });
     const float depth = fit.plane.Depth(
@@ -76,8 +75,7 @@ Buffer<Plane> FitAndAccept(const PixelGroups& superpixels,
   ParallelForTeams<32>(device,
                        superpixels.NumGroups(),
                        AcceptKernel{fits.Data(),
-                                    superpixels.begin.Data(),
-                                    superpixels.pixels.Data(),
+                                    superpixels.View(),
                                     samples.width,
                                     intrinsics,
                                     options.min_support,

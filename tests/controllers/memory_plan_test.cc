@@ -145,9 +145,7 @@ int64_t PeakOfRefinement(const SyntheticViews& drawn,
       ObserveImage(drawn.views[0], std::move(sources), 1, options, device);
   const ViewEvidence& evidence = *observed.evidence;
   const std::vector<ObservedView> views(
-      drawn.views.size(),
-      {&evidence,
-       drawn.views[0].camera.Resized(evidence.width, evidence.height)});
+      drawn.views.size(), MakeObservedView(evidence, drawn.views[0].camera));
   ComposeImage(drawn.views[0], views, options, device);
   return static_cast<int64_t>(device.PeakMemory());
 }

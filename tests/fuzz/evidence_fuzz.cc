@@ -12,10 +12,10 @@ namespace tsar {
 namespace {
 
 // Of the header, see evidence_file.cc.
-constexpr size_t kHeaderSize = 96;
-constexpr size_t kNeighbourFingerprint = 72;
-constexpr size_t kOwnFingerprint = 80;
-constexpr size_t kHeaderFingerprint = 88;
+constexpr size_t kHeaderSize = 112;
+constexpr size_t kNeighbourFingerprint = 88;
+constexpr size_t kOwnFingerprint = 96;
+constexpr size_t kHeaderFingerprint = 104;
 
 template <typename T>
 T ValueAt(const std::vector<uint8_t>& bytes, size_t offset) {
@@ -43,9 +43,9 @@ std::vector<uint8_t> Signed(std::span<const uint8_t> input) {
   // any length will do.
   const size_t num_pixels = static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
                             ValueAt<uint16_t>(bytes, 20);
-  const size_t length = 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 40) + 4 +
-                        16 * ValueAt<uint16_t>(bytes, 48) +
-                        16 * ValueAt<uint16_t>(bytes, 56);
+  const size_t length = 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
+                        16 * ValueAt<uint16_t>(bytes, 64) +
+                        16 * ValueAt<uint16_t>(bytes, 72);
   const size_t end = std::min(begin + length, bytes.size());
   ContentHash neighbours;
   neighbours.Update(bytes.data() + begin, end - begin);
@@ -76,6 +76,7 @@ std::vector<std::string> MakeSeeds() {
   ViewEvidence evidence;
   evidence.width = 3;
   evidence.height = 2;
+  evidence.intrinsics = {3.f, 3.f, 1.f, 1.f};
   evidence.resolution.error_per_depth = 0.01f;
   evidence.noise = 0.3f;
   evidence.superpixels = Image<uint16_t>(3, 2, 1);
@@ -91,6 +92,7 @@ std::vector<std::string> MakeSeeds() {
   evidence.borders[0].first = 0;
   evidence.borders[0].second = 1;
   evidence.region_planes = Image<uint16_t>(3, 2, 1);
+  evidence.color = Image<Rgb>(3, 2, {1, 2, 3});
   evidence.ratings = Image<uint8_t>(6, 4, 1);
   WriteEvidence(UserPath(FuzzFolder() / "evidence.bin"), "options", evidence);
   const std::string seed = TakeFile("evidence.bin");

@@ -18,16 +18,15 @@ namespace {
 Image<Rgb> DenoiseOnCpu(const Image<Rgb>& color,
                         const Image<float>& gray,
                         const NoiseCurve& noise,
-                        const DenoiseOptions& options,
                         int num_threads) {
   const auto device = Device::CreateCpu(num_threads);
-  return Denoise(color.View(), gray.View(), noise, options, *device).ToHost();
+  return Denoise(color.View(), gray.View(), noise, {}, *device).ToHost();
 }
 
 // color: gray pixels.
 Image<float> DenoiseGray(const Image<Rgb>& color, double sigma) {
   const NoiseCurve noise{static_cast<float>(sigma * sigma), 0.f};
-  return ToGray(DenoiseOnCpu(color, ToGray(color), noise, {}, 2));
+  return ToGray(DenoiseOnCpu(color, ToGray(color), noise, 2));
 }
 
 // Root of the mean squared difference from a level, in these columns.
@@ -96,7 +95,7 @@ TEST(Denoise, LeavesTextureWithoutNoiseAsItIs) {
              static_cast<uint8_t>(random.NextBelow(256))};
   }
   const Image<Rgb> denoised =
-      DenoiseOnCpu(color, ToGray(color), {1.f / 12.f, 0.f}, {}, 2);
+      DenoiseOnCpu(color, ToGray(color), {1.f / 12.f, 0.f}, 2);
   for (size_t i = 0; i < color.NumPixels(); ++i) {
     const Rgb& before = color.Data()[i];
     const Rgb& after = denoised.Data()[i];
@@ -125,27 +124,21 @@ TEST(Denoise, BothFormsGiveTheSameBitsOnAnyNumberOfThreads) {
           0.3f * static_cast<float>(rgb.r) + 0.7f * static_cast<float>(rgb.g);
     }
     const NoiseCurve noise{8.f, 0.1f};
-    for (const int patch_radius : {1, 2, 3}) {
-      SCOPED_TRACE(testing::Message()
-                   << width << " x " << height << ", " << patch_radius);
-      DenoiseOptions options;
-      options.patch_radius = patch_radius;
-      Image<Rgb> by_pixel(width, height);
-      const DenoisePixelKernel kernel{
-          {color.View(), gray.View(), noise, options, by_pixel.View()}};
-      for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-          kernel(x, y);
-        }
+    SCOPED_TRACE(testing::Message() << width << " x " << height);
+    Image<Rgb> by_pixel(width, height);
+    const DenoisePixelKernel kernel{
+        {color.View(), gray.View(), noise, {}, by_pixel.View()}};
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        kernel(x, y);
       }
-      for (const int num_threads : {1, 3}) {
-        const Image<Rgb> by_band =
-            DenoiseOnCpu(color, gray, noise, options, num_threads);
-        for (size_t i = 0; i < color.NumPixels(); ++i) {
-          ASSERT_EQ(by_pixel.Data()[i].r, by_band.Data()[i].r) << i;
-          ASSERT_EQ(by_pixel.Data()[i].g, by_band.Data()[i].g) << i;
-          ASSERT_EQ(by_pixel.Data()[i].b, by_band.Data()[i].b) << i;
-        }
+    }
+    for (const int num_threads : {1, 3}) {
+      const Image<Rgb> by_band = DenoiseOnCpu(color, gray, noise, num_threads);
+      for (size_t i = 0; i < color.NumPixels(); ++i) {
+        ASSERT_EQ(by_pixel.Data()[i].r, by_band.Data()[i].r) << i;
+        ASSERT_EQ(by_pixel.Data()[i].g, by_band.Data()[i].g) << i;
+        ASSERT_EQ(by_pixel.Data()[i].b, by_band.Data()[i].b) << i;
       }
     }
   }

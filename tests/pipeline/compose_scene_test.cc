@@ -46,11 +46,14 @@ class ComposeSceneTest : public testing::Test {
 
   void Measure(int x, int y, float depth, float score = 1.f) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(true, 0, score);
+    ratings_(x, y) = MeasurementRating::Pack(true, false, score);
   }
-  void MeasureWithoutTrust(int x, int y, float depth, int confirmations = 0) {
+  void MeasureWithoutTrust(int x,
+                           int y,
+                           float depth,
+                           bool is_confirmed = false) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(false, confirmations, 1.f);
+    ratings_(x, y) = MeasurementRating::Pack(false, is_confirmed, 1.f);
   }
 
   ComposeSceneInputs Inputs() const {
@@ -176,9 +179,9 @@ TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
   scene_ = PlanesAt(kScene);
   scene_(8, 4) = {};
   region_ = PlanesAt(kRegion);
-  MeasureWithoutTrust(2, 2, kOff, 1);
-  MeasureWithoutTrust(8, 4, kOff, 1);
-  MeasureWithoutTrust(5, 2, kOff, 0);
+  MeasureWithoutTrust(2, 2, kOff, true);
+  MeasureWithoutTrust(8, 4, kOff, true);
+  MeasureWithoutTrust(5, 2, kOff, false);
   Measure(10, 1, kOff);
   Result result = Compose();
   ExpectMeasured(result, 2, 2, kOff);
@@ -194,8 +197,8 @@ TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
 TEST_F(ComposeSceneTest, AConfirmedDepthMovesOntoItsPlaneWithinItsOwnSpread) {
   options_.on_plane_confirmed = {0.004f, 0.f};
   scene_ = PlanesAt(kScene);
-  MeasureWithoutTrust(2, 2, kScene * 1.003f, 1);
-  MeasureWithoutTrust(5, 2, kScene * 1.006f, 1);
+  MeasureWithoutTrust(2, 2, kScene * 1.003f, true);
+  MeasureWithoutTrust(5, 2, kScene * 1.006f, true);
   Measure(8, 2, kScene * 1.006f);
   const Result result = Compose();
   EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);

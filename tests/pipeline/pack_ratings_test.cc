@@ -17,7 +17,7 @@ namespace {
 
 // Trusted in the first row only, and confirmed by as many views as the column's
 // number.
-TEST(PackRatings, KeepTrustConfirmationsAndScore) {
+TEST(PackRatings, KeepTrustConfirmationAndScore) {
   const std::vector<float> scores = {-1.f, 0.f, 0.5f, 0.8f, 1.f, 1.25f};
   const int count = static_cast<int>(scores.size());
   Image<float> score(count, 2);
@@ -41,20 +41,20 @@ TEST(PackRatings, KeepTrustConfirmationsAndScore) {
     for (int y = 0; y < 2; ++y) {
       const uint8_t rating = ratings(x, y);
       EXPECT_EQ(MeasurementRating::IsTrusted(rating), y == 0) << x;
-      EXPECT_EQ(MeasurementRating::Confirmations(rating), std::min(x, 3)) << x;
+      EXPECT_EQ(MeasurementRating::IsConfirmed(rating), x > 0) << x;
       EXPECT_NEAR(MeasurementRating::Score(rating),
                   std::clamp(scores[static_cast<size_t>(x)], 0.f, 1.f),
                   0.5f / 31.f)
           << x;
       const uint8_t distrusted = MeasurementRating::WithoutTrust(rating);
       EXPECT_FALSE(MeasurementRating::IsTrusted(distrusted));
-      EXPECT_EQ(MeasurementRating::Confirmations(distrusted), std::min(x, 3));
+      EXPECT_EQ(MeasurementRating::IsConfirmed(distrusted), x > 0);
       EXPECT_EQ(MeasurementRating::Score(distrusted),
                 MeasurementRating::Score(rating));
     }
   }
   for (const uint8_t rating : pack({})) {
-    EXPECT_EQ(MeasurementRating::Confirmations(rating), 0);
+    EXPECT_FALSE(MeasurementRating::IsConfirmed(rating));
   }
 }
 

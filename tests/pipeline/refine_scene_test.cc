@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/store/evidence_file.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "tests/support/observe_image.h"
@@ -47,9 +48,7 @@ class RefineSceneTest : public SyntheticViewsTest {
       const RefineOptions& options = {}) const {
     std::vector<ObservedView> views;
     for (size_t i = 0; i < evidence.size(); ++i) {
-      views.push_back({evidence[i].get(),
-                       drawn_.views[i].camera.Resized(evidence[i]->width,
-                                                      evidence[i]->height)});
+      views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
     }
     return ComposeImage(drawn_.views[0], views, options, *device_);
   }
@@ -117,6 +116,44 @@ TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
   EXPECT_GT(num_right, 0.97 * large.width * large.height);
   // The pixels of the large map know that theirs were trusted.
   EXPECT_GT(num_measured, 0.7 * num_with_depth);
+}
+
+// The squares of three pixels reach beyond the map's end, and their middle is
+// off the corner from which pixels count.
+TEST_F(RefineSceneTest, ComposesWithTheCameraThatObserved) {
+  SyntheticViewsOptions large;
+  large.width = 193;
+  large.height = 145;
+  const SyntheticViews whole = MakeSyntheticViews(large);
+  drawn_ = whole;
+  for (ViewData& view : drawn_.views) {
+    view = ReduceView(view, 3);
+  }
+  const auto evidence = Observe(drawn_.views.size());
+  for (size_t i = 0; i < evidence.size(); ++i) {
+    SCOPED_TRACE(i);
+    // The reduced map is so small that it is its own raster.
+    const Camera& observing = drawn_.views[i].camera;
+    ASSERT_EQ(evidence[i]->width, 65);
+    ASSERT_EQ(evidence[i]->height, 49);
+    // The first pass went through the disk to the second one.
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder.Path() / "evidence.bin";
+    WriteEvidence(UserPath(path), "", *evidence[i]);
+    const ViewEvidence read = ReadEvidence(path, EvidenceParts::kForNeighbours);
+    const Camera composing =
+        MakeObservedView(read, whole.views[i].camera).camera;
+    EXPECT_EQ(composing.width, observing.width);
+    EXPECT_EQ(composing.height, observing.height);
+    const Intrinsics expected = observing.GetIntrinsics();
+    const Intrinsics found = composing.GetIntrinsics();
+    EXPECT_EQ(found.fx, expected.fx);
+    EXPECT_EQ(found.fy, expected.fy);
+    EXPECT_EQ(found.cx, expected.cx);
+    EXPECT_EQ(found.cy, expected.cy);
+    EXPECT_EQ(composing.rotation, observing.rotation);
+    EXPECT_EQ(composing.translation, observing.translation);
+  }
 }
 
 TEST_F(RefineSceneTest, NothingReliableGetsWorseThanWithASingleView) {
@@ -208,8 +245,8 @@ TEST_F(RefineSceneTest, EverySwitchLeavesSoundMaps) {
 }
 
 TEST_F(RefineSceneTest, SaysWhereNothingIsLeft) {
-  // Wrong depths alone, of which none agrees with that of another view, also not
-  // by chance.
+  // Wrong depths alone, of which none agrees with that of another view, also
+  // not by chance.
   float nearest = 2.f;
   for (ViewData& view : drawn_.views) {
     Philox random(static_cast<uint32_t>(&view - drawn_.views.data()), 9, 9);

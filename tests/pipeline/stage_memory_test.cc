@@ -103,8 +103,7 @@ class StageMemoryTest : public testing::Test {
     // As many views as there are, for the size of the tables.
     const std::vector<ObservedView> views(
         drawn_.views.size(),
-        {&evidence,
-         drawn_.views[0].camera.Resized(evidence.width, evidence.height)});
+        MakeObservedView(evidence, drawn_.views[0].camera));
     FoundScene found;
     const int64_t finding = PeakOf(
         [&](Device& device) { found = FindScene(views, options, device); });
@@ -154,7 +153,7 @@ TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
         judged, UploadViews(drawn_.Sources(), *device), 1, options, *device);
     const ViewEvidence& evidence = *observed.evidence;
     const std::vector<ObservedView> views = {
-        {&evidence, judged.camera.Resized(evidence.width, evidence.height)}};
+        MakeObservedView(evidence, judged.camera)};
     const FoundScene found = FindScene(views, options, *device);
     ExpectPlanned("compose",
                   ComposeImageWorkingBytes(options, num_pixels_, num_judged),
@@ -246,10 +245,10 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
     ExpectPlanned("neighbour",
                   NeighbourEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(for_neighbours));
-    const size_t all = for_neighbours +
-                       evidence.region_planes.NumPixels() * sizeof(uint16_t) +
-                       evidence.borders.size() * sizeof(SuperpixelBorder) +
-                       evidence.ratings.NumPixels();
+    const size_t all =
+        for_neighbours + evidence.region_planes.NumPixels() * sizeof(uint16_t) +
+        evidence.borders.size() * sizeof(SuperpixelBorder) +
+        evidence.color.NumPixels() * sizeof(Rgb) + evidence.ratings.NumPixels();
     ExpectPlanned("all",
                   ViewEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(all));

@@ -21,6 +21,10 @@ TEST_F(GatherEvidenceTest, KeepsTheRasterAndItsScale) {
   const ViewEvidence evidence = Gather();
   EXPECT_EQ(evidence.width, kWidth);
   EXPECT_EQ(evidence.height, kHeight);
+  EXPECT_EQ(evidence.intrinsics.fx, inputs_.intrinsics.fx);
+  EXPECT_EQ(evidence.intrinsics.fy, inputs_.intrinsics.fy);
+  EXPECT_EQ(evidence.intrinsics.cx, inputs_.intrinsics.cx);
+  EXPECT_EQ(evidence.intrinsics.cy, inputs_.intrinsics.cy);
   EXPECT_EQ(evidence.resolution.error_per_depth, 0.001f);
   EXPECT_EQ(evidence.NumSuperpixels(), kNumSuperpixels);
   EXPECT_EQ(evidence.first_observation.size(), kNumSuperpixels + 1u);

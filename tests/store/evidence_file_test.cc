@@ -17,6 +17,7 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   ExpectSameForNeighbours(a, b);
   EXPECT_EQ(a.borders.size(), b.borders.size());
   EXPECT_TRUE(a.region_planes.HasSizeOf(b.region_planes));
+  EXPECT_TRUE(a.color.HasSizeOf(b.color));
   EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
 }
@@ -38,6 +39,7 @@ TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
   EXPECT_TRUE(read.region_planes.Empty());
+  EXPECT_TRUE(read.color.Empty());
   EXPECT_TRUE(read.ratings.Empty());
 }
 
@@ -51,6 +53,7 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.first_observation = {0, 0};
   nothing.region_planes = Image<uint16_t>(1, 2);
   nothing.confident_depth = Image<float>(1, 2);
+  nothing.color = Image<Rgb>(1, 2);
   nothing.ratings = Image<uint8_t>(1, 2);
   WriteEvidence(UserPath(path_), "", nothing);
   ExpectSame(ReadEvidence(path_), nothing);
@@ -69,6 +72,10 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   evidence.region_planes(0, 0) = 3;
   evidence.resolution.error_per_depth = 0.f;
   evidence.noise = 0.f;
+  evidence.intrinsics = {std::numeric_limits<float>::denorm_min(),
+                         std::numeric_limits<float>::max(),
+                         -std::numeric_limits<float>::max(),
+                         0.f};
   WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
 }
@@ -108,14 +115,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 2u, 4u}) {
+  for (const uint32_t version : {0u, 3u, 5u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 3");
+                             ", this program reads version 4");
     }
   }
 }
@@ -127,9 +134,9 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    // The header's 96 bytes, the 16 of the options hash, the arrays.
-    ExpectCorruptAndNoHash(length < 96    ? "not complete"
-                           : length < 112 ? "cut off"
+    // The header's 112 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 112   ? "not complete"
+                           : length < 128 ? "cut off"
                                           : "not what the header says");
   }
   for (const std::string& more : {std::string("x"), good}) {

@@ -23,6 +23,7 @@ struct Fault {
 
 std::vector<Fault> NeighbourFaults() {
   const std::string label = "a label that no superpixel has";
+  const std::string camera = "intrinsics that no camera has";
   const std::string noise = "a noise that is no number";
   const std::string weight = "a superpixel's invalid weight";
   const std::string owners = "observations that are not those of";
@@ -32,6 +33,14 @@ std::vector<Fault> NeighbourFaults() {
   return {
       {label, [](auto* e) { e->superpixels(8, 6) = 5; }},
       {label, [](auto* e) { e->superpixels(0, 0) = 65535; }},
+      {camera, [](auto* e) { e->intrinsics.fx = 0.f; }},
+      {camera, [](auto* e) { e->intrinsics.fx = kNan; }},
+      {camera, [](auto* e) { e->intrinsics.fx = kInf; }},
+      {camera, [](auto* e) { e->intrinsics.fy = -9.f; }},
+      {camera, [](auto* e) { e->intrinsics.fy = kInf; }},
+      {camera, [](auto* e) { e->intrinsics.cx = kNan; }},
+      {camera, [](auto* e) { e->intrinsics.cx = -kInf; }},
+      {camera, [](auto* e) { e->intrinsics.cy = kInf; }},
       {noise, [](auto* e) { e->resolution.error_per_depth = kNan; }},
       {noise, [](auto* e) { e->resolution.error_per_depth = -1.f; }},
       {noise, [](auto* e) { e->noise = kInf; }},
@@ -122,6 +131,8 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({sizes, [](auto* e) { e->superpixels = {}; }});
   faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});
   faults.push_back({sizes, [](auto* e) { e->region_planes = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->color = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->color = Image<Rgb>(9, 6); }});
   faults.push_back({sizes, [](auto* e) { e->ratings = {}; }});
   for (const Fault& fault : faults) {
     SCOPED_TRACE(fault.what);

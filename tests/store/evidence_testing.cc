@@ -33,6 +33,8 @@ ViewEvidence DrawEvidence() {
   ViewEvidence evidence;
   evidence.width = 9;
   evidence.height = 7;
+  evidence.intrinsics = {
+      8.f + draw(), 9.f + draw(), 4.f + draw(), 3.f - draw()};
   evidence.resolution.error_per_depth = draw();
   evidence.noise = draw();
   evidence.superpixels = Image<uint16_t>(9, 7);
@@ -61,6 +63,11 @@ ViewEvidence DrawEvidence() {
   }
   for (int i = 0; i < 3; ++i) {
     evidence.candidates.push_back({{draw(), draw(), -draw()}, 5.f * draw()});
+  }
+  evidence.color = Image<Rgb>(9, 7);
+  for (Rgb& pixel : evidence.color) {
+    const auto level = [&] { return static_cast<uint8_t>(255.f * draw()); };
+    pixel = {level(), level(), level()};
   }
   evidence.ratings = Image<uint8_t>(13, 11);
   for (uint8_t& rating : evidence.ratings) {
@@ -99,6 +106,11 @@ std::string OwnBytes(const ViewEvidence& evidence) {
     AppendAll(border.pixels, &bytes);
   }
   AppendAll(evidence.region_planes, &bytes);
+  for (const Rgb& pixel : evidence.color) {
+    Append(pixel.r, &bytes);
+    Append(pixel.g, &bytes);
+    Append(pixel.b, &bytes);
+  }
   AppendAll(evidence.ratings, &bytes);
   return bytes;
 }
@@ -114,6 +126,10 @@ std::string FileBytes(const HeaderFields& fields,
   Append(fields.height, &bytes);
   Append(fields.ratings_width, &bytes);
   Append(fields.ratings_height, &bytes);
+  Append(evidence.intrinsics.fx, &bytes);
+  Append(evidence.intrinsics.fy, &bytes);
+  Append(evidence.intrinsics.cx, &bytes);
+  Append(evidence.intrinsics.cy, &bytes);
   Append(evidence.resolution.error_per_depth, &bytes);
   Append(evidence.noise, &bytes);
   Append(fields.num_superpixels, &bytes);
@@ -129,6 +145,10 @@ std::string FileBytes(const HeaderFields& fields,
 void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.intrinsics.fx, b.intrinsics.fx);
+  EXPECT_EQ(a.intrinsics.fy, b.intrinsics.fy);
+  EXPECT_EQ(a.intrinsics.cx, b.intrinsics.cx);
+  EXPECT_EQ(a.intrinsics.cy, b.intrinsics.cy);
   EXPECT_EQ(a.resolution.error_per_depth, b.resolution.error_per_depth);
   EXPECT_EQ(a.noise, b.noise);
   EXPECT_TRUE(a.superpixels.HasSizeOf(b.superpixels));
