@@ -29,7 +29,7 @@ void CudaTest::ExpectAlike(const std::string& stage_name,
     EXPECT_FALSE(on_cpu.Channels().empty()) << stage_name;
     EXPECT_EQ(FindDifferences(on_cpu, on_cuda), "")
         << stage_name << ", " << scene << ": CPU and GPU";
-    EXPECT_EQ(FindDifferentBytes(on_cuda, again), "")
+    EXPECT_EQ(FindDifferences(on_cuda, again), "")
         << stage_name << ", " << scene << ": two runs on the GPU";
   }
 }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// Every stage on the GPU against the same stage on the CPU.
+// Every stage on the GPU gives the bits of the same stage on the CPU.
 
 #include <functional>
 #include <memory>
@@ -24,8 +24,7 @@ class CudaTest : public testing::Test {
 
   void SetUp() override;
 
-  // Expects the CPU and the GPU to be alike and two runs on the GPU to be the
-  // same.
+  // Expects the CPU and the GPU to give the same bits, and two runs on the GPU.
   void ExpectAlike(const std::string& stage_name,
                    const std::vector<SceneSize>& scenes,
                    const Stage& stage);

@@ -1,8 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What all stages are made of: loops, teams, sums and components. Every bit
-// counts.
+// What all stages are made of: loops, teams, sums and components.
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/connected_components.h"

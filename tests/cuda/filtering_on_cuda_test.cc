@@ -18,10 +18,9 @@ TEST_F(CudaTest, ComputeMatchingCosts) {
               [](StageInputs& inputs, Device& device, StageResult* result) {
                 const MatchingCosts costs = ComputeMatchingCosts(
                     inputs.views.Reference(), inputs.views.Sources(), device);
-                result->Add("min_cost", kCloseScores, costs.min_cost);
-                result->Add("second_cost", kCloseScores, costs.second_cost);
+                result->Add("min_cost", costs.min_cost);
+                result->Add("second_cost", costs.second_cost);
                 result->Add("left_right_difference",
-                            {1e-3, 1e-3, 1e-3},
                             costs.left_right_difference);
               });
 }
@@ -33,7 +32,6 @@ TEST_F(CudaTest, CountAgreeingSources) {
       [](StageInputs& inputs, Device& device, StageResult* result) {
         result->Add(
             "count",
-            kSameLabels,
             CountAgreeingSources(
                 inputs.views.Reference(), inputs.views.Sources(), {}, device));
       });
@@ -56,7 +54,6 @@ TEST_F(CudaTest, ComputeConfidence) {
                                      RatioTerm::kSimilarity,
                                      RatioTerm::kAmbiguity}) {
           result->Add("confidence",
-                      kCloseScores,
                       ComputeConfidence(costs, {term, true}, device));
         }
       });
@@ -68,7 +65,6 @@ TEST_F(CudaTest, ComputeDiscontinuity) {
               [](StageInputs& inputs, Device& device, StageResult* result) {
                 result->Add(
                     "discontinuity",
-                    kCloseScores,
                     ComputeDiscontinuity(inputs.views.Hypotheses().depth,
                                          inputs.views.Scale(),
                                          {},
@@ -88,9 +84,8 @@ TEST_F(CudaTest, AggregateScoresAndSelectReliable) {
                                     inputs.reliable.View(),
                                     options,
                                     device);
-                result->Add("score", kCloseScores, score);
+                result->Add("score", score);
                 result->Add("reliable",
-                            kSameLabels,
                             SelectReliable(inputs.score.View(), 0.7f, device));
               });
 }

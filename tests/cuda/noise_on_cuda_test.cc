@@ -22,7 +22,6 @@ TEST_F(CudaTest, EstimateNoise) {
              {gray.View(), inputs.views.Reference().gray}) {
           const NoiseCurve noise = EstimateNoise(image, device);
           result->Add("noise",
-                      kSameBytes,
                       std::vector<float>{noise.constant, noise.per_level});
         }
       });
@@ -38,7 +37,6 @@ TEST_F(CudaTest, Denoise) {
         // Enough to mix what is not alike.
         result->Add(
             "gray",
-            kSameBytes,
             ComputeGray(
                 Denoise(color, gray.View(), {100.f, 1.f}, {}, device).View(),
                 device));

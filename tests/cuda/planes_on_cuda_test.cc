@@ -72,19 +72,17 @@ TEST_F(CudaTest, DiscoverPlanes) {
       numbers.push_back(plane.support);
     }
     StageResult result;
-    result.Add("planes", kSameLabels, numbers);
+    result.Add("planes", numbers);
     for (const std::vector<int>& of_view : found.assignment) {
-      result.Add("assignment", kSameLabels, of_view);
+      result.Add("assignment", of_view);
     }
     return result;
   };
   const StageResult on_cpu = run(*cpu_);
   EXPECT_EQ(on_cpu.Channels()[0].values.size(), 3u * 5u);
-  EXPECT_EQ(FindDifferentBytes(on_cpu, run(*cuda_)), "");
+  EXPECT_EQ(FindDifferences(on_cpu, run(*cuda_)), "");
 }
 
-// Every cost is a sum in one order, of numbers that are rounded alike: not one
-// label may differ.
 TEST_F(CudaTest, LabelView) {
   const Eigen::Vector3d middle(-0.8, 0.4, 4.0);
   const SyntheticRoom room({{PlaneThrough({0.2, 0.1, -1.0}, middle),
@@ -111,9 +109,9 @@ TEST_F(CudaTest, LabelView) {
     };
     const auto numbers = [](const LabeledView& labeled) {
       StageResult result;
-      result.Add("planes", kSameLabels, labeled.planes);
-      result.Add("labels", kSameLabels, labeled.labels);
-      result.Add("evidence", kSameLabels, labeled.evidence);
+      result.Add("planes", labeled.planes);
+      result.Add("labels", labeled.labels);
+      result.Add("evidence", labeled.evidence);
       return result;
     };
     const LabeledView on_cpu = run(*cpu_);
@@ -127,7 +125,7 @@ TEST_F(CudaTest, LabelView) {
                     .size(),
                 4u);
     }
-    EXPECT_EQ(FindDifferentBytes(numbers(on_cpu), numbers(run(*cuda_))), "")
+    EXPECT_EQ(FindDifferences(numbers(on_cpu), numbers(run(*cuda_))), "")
         << num_views << " views";
   }
 }
@@ -153,10 +151,10 @@ TEST_F(CudaTest, RasterizeCurvedSurfaces) {
         device, Image<Plane>(kWidth, kHeight, Plane{{0.f, 0.f, -1.f}, 3.f}));
     RasterizeCurvedSurfaces(view, superpixels, intrinsics, device, &planes);
     StageResult result;
-    result.Add("planes", kSameBytes, planes);
+    result.Add("planes", planes);
     return result;
   };
-  EXPECT_EQ(FindDifferentBytes(run(*cpu_), run(*cuda_)), "");
+  EXPECT_EQ(FindDifferences(run(*cpu_), run(*cuda_)), "");
 }
 
 // Colours and measurements at random, so that many votes are close.
@@ -209,15 +207,15 @@ TEST_F(CudaTest, RefineBorders) {
                       device);
     DistrustFattened(refined.fattened.View(), device_ratings.View(), device);
     StageResult result;
-    result.Add("superpixels", kSameLabels, refined.superpixels);
-    result.Add("fattened", kSameLabels, refined.fattened);
-    result.Add("ratings", kSameLabels, device_ratings);
+    result.Add("superpixels", refined.superpixels);
+    result.Add("fattened", refined.fattened);
+    result.Add("ratings", device_ratings);
     return result;
   };
   const StageResult on_cpu = run(*cpu_);
   const std::vector<double>& fattened = on_cpu.Channels()[1].values;
   EXPECT_NE(std::count(fattened.begin(), fattened.end(), 1.0), 0);
-  EXPECT_EQ(FindDifferentBytes(on_cpu, run(*cuda_)), "");
+  EXPECT_EQ(FindDifferences(on_cpu, run(*cuda_)), "");
 }
 
 }  // namespace

@@ -48,7 +48,6 @@ TEST_F(CudaTest, ReduceColor) {
         for (const ReducedRaster& raster : {same, smaller}) {
           result->Add(
               "color",
-              kSameBytes,
               Channels(ReduceColor(inputs.views.Color(), raster, device)));
         }
       });
@@ -58,9 +57,7 @@ TEST_F(CudaTest, ConvertToLab) {
   ExpectAlike("ConvertToLab",
               AllScenesAndWide(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
-                result->Add("lab",
-                            kSameBytes,
-                            ConvertToLab(inputs.views.Color(), device));
+                result->Add("lab", ConvertToLab(inputs.views.Color(), device));
               });
 }
 
@@ -73,8 +70,8 @@ TEST_F(CudaTest, ComputeSuperpixels) {
         options.superpixel_size = 60;
         const Superpixels superpixels = ComputeSuperpixels(
             inputs.views.RasterColor(), inputs.score.View(), options, device);
-        result->Add("labels", kSameBytes, superpixels.labels);
-        result->Add("count", kSameBytes, std::vector<int>{superpixels.count});
+        result->Add("labels", superpixels.labels);
+        result->Add("count", std::vector<int>{superpixels.count});
       });
 }
 
@@ -85,8 +82,8 @@ TEST_F(CudaTest, MergeFragments) {
                 DeviceImage<int> merged =
                     RandomLabels(inputs.views, 3, 0, device);
                 const int count = MergeFragments(merged, 12, device);
-                result->Add("labels", kSameBytes, merged);
-                result->Add("count", kSameBytes, std::vector<int>{count});
+                result->Add("labels", merged);
+                result->Add("count", std::vector<int>{count});
               });
 }
 
@@ -100,8 +97,8 @@ TEST_F(CudaTest, GroupPixels) {
                 for (const int num_labels : {37, 128, 5000}) {
                   const PixelGroups groups =
                       GroupPixels(labels.View(), num_labels, device);
-                  result->Add("begin", kSameBytes, groups.begin);
-                  result->Add("pixels", kSameBytes, groups.pixels);
+                  result->Add("begin", groups.begin);
+                  result->Add("pixels", groups.pixels);
                 }
               });
 }
@@ -124,9 +121,9 @@ void AddGroupPlanes(const PixelGroups& groups,
     supports.push_back(
         {fit.support.mean_x, fit.support.mean_y, fit.support.inverse_xx});
   }
-  result->Add("planes", kCloseDepths, planes);
-  result->Add("counts", kSameLabels, counts);
-  result->Add("supports", {1e-3, 1e-4, 1e-3}, supports);
+  result->Add("planes", planes);
+  result->Add("counts", counts);
+  result->Add("supports", supports);
 }
 
 TEST_F(CudaTest, FitGroupPlanes) {
@@ -178,7 +175,6 @@ TEST_F(CudaTest, FitSuperpixelPlanes) {
               AllScenes(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
                 result->Add("planes",
-                            kCloseDepths,
                             FitSuperpixelPlanes(
                                 GroupPixels(inputs.squares.labels.View(),
                                             inputs.squares.count,
@@ -202,8 +198,8 @@ TEST_F(CudaTest, WeightedMedianFilter) {
                                          inputs.views.MapIntrinsics(),
                                          {},
                                          device);
-                result->Add("depth", kCloseDepths, filtered.depth);
-                result->Add("normal", kCloseScores, filtered.normal);
+                result->Add("depth", filtered.depth);
+                result->Add("normal", filtered.normal);
               });
 }
 
@@ -212,10 +208,9 @@ TEST_F(CudaTest, SampleMeasurementsAndReduceNearest) {
       "SampleMeasurements, ReduceNearest",
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
-        result->Add("samples", kCloseDepths, inputs.samples);
+        result->Add("samples", inputs.samples);
         result->Add(
             "reduced",
-            kSameLabels,
             ReduceNearest(inputs.score.View(), inputs.views.Raster(), device));
       });
 }
@@ -234,14 +229,12 @@ TEST_F(CudaTest, PlanesOfLabels) {
         const Buffer<Plane> buffer(device, planes);
         result->Add(
             "planes",
-            kSameLabels,
             PlanesOfLabels(inputs.squares.labels.View(), buffer, device));
         const Image<int> labels = inputs.squares.labels.ToHost();
         Image<uint16_t> numbers(labels.Width(), labels.Height());
         std::copy(labels.begin(), labels.end(), numbers.begin());
         result->Add(
             "planes by number",
-            kSameLabels,
             PlanesOfLabels(
                 DeviceImage<uint16_t>(device, numbers).View(), buffer, device));
       });
@@ -281,8 +274,8 @@ TEST_F(CudaTest, RefineByCorrelation) {
                                           inputs.views.Scale(),
                                           options,
                                           device);
-                  result->Add("trusted", kSameLabels, refined.trusted);
-                  result->Add("planes", kCloseDepths, refined.planes);
+                  result->Add("trusted", refined.trusted);
+                  result->Add("planes", refined.planes);
                 });
   }
 }
@@ -329,7 +322,7 @@ TEST_F(CudaTest, GateByPlanes) {
                                drawn.gate,
                                inputs.reliable.View(),
                                device);
-                  result->Add("trusted", kSameLabels, inputs.reliable);
+                  result->Add("trusted", inputs.reliable);
                 });
   }
 }
@@ -351,7 +344,7 @@ TEST_F(CudaTest, GateByWeightedMedian) {
                                drawn.gate,
                                inputs.reliable.View(),
                                device);
-          result->Add("trusted", kSameLabels, inputs.reliable);
+          result->Add("trusted", inputs.reliable);
         });
   }
 }
@@ -368,15 +361,14 @@ TEST_F(CudaTest, InterpolateHoles) {
                 first.radius = 3.f;
                 first.min_support = 1.f / 3.f;
                 result->Add("filled",
-                            kSameLabels,
                             InterpolateHoles(inputs.views.Color(),
                                              inputs.views.MapIntrinsics(),
                                              3,
                                              first,
                                              &map,
                                              device));
-                result->Add("depth", kCloseDepths, map.depth);
-                result->Add("normal", kCloseScores, map.normal);
+                result->Add("depth", map.depth);
+                result->Add("normal", map.normal);
               });
 }
 

@@ -28,10 +28,8 @@ TEST_F(CudaTest, DetectRobertsEdges) {
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
         result->Add("edges",
-                    kSameLabels,
                     DetectRobertsEdges(inputs.views.Color(), 4.f, device));
         result->Add("edges of roots",
-                    kSameLabels,
                     DetectEdgesOfRoots(inputs.views.Color(), 4.f, device));
       });
 }
@@ -46,23 +44,21 @@ TEST_F(CudaTest, DrawLineSegments) {
       [](StageInputs& inputs, Device& device, StageResult* result) {
         const DeviceImage<uint8_t> edges =
             DetectRobertsEdges(inputs.views.Color(), 4.f, device);
-        result->Add(
-            "edges", kSameLabels, DrawLineSegments(edges.View(), {}, device));
+        result->Add("edges", DrawLineSegments(edges.View(), {}, device));
         result->Add("noise",
-                    kSameLabels,
                     DrawLineSegments(inputs.reliable.View(), {}, device));
       });
 }
 
 TEST_F(CudaTest, FindRegions) {
-  ExpectAlike(
-      "FindRegions",
-      AllScenesAndWide(),
-      [](StageInputs& inputs, Device& device, StageResult* result) {
-        const Regions regions = FindRegions(inputs.reliable.View(), 2, device);
-        result->Add("labels", kSameLabels, regions.labels);
-        result->Add("count", kSameLabels, std::vector<int>{regions.count});
-      });
+  ExpectAlike("FindRegions",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                const Regions regions =
+                    FindRegions(inputs.reliable.View(), 2, device);
+                result->Add("labels", regions.labels);
+                result->Add("count", std::vector<int>{regions.count});
+              });
 }
 
 TEST_F(CudaTest, GrowAndShrinkLabels) {
@@ -72,11 +68,8 @@ TEST_F(CudaTest, GrowAndShrinkLabels) {
       [](StageInputs& inputs, Device& device, StageResult* result) {
         const Regions regions =
             FindFields(inputs.views.Width(), inputs.views.Height(), device);
-        result->Add(
-            "grown", kSameLabels, GrowLabels(regions.labels.View(), 5, device));
-        result->Add("shrunk",
-                    kSameLabels,
-                    ShrinkLabels(regions.labels.View(), 5, device));
+        result->Add("grown", GrowLabels(regions.labels.View(), 5, device));
+        result->Add("shrunk", ShrinkLabels(regions.labels.View(), 5, device));
       });
 }
 
@@ -102,9 +95,8 @@ TEST_F(CudaTest, FitAndAssignRegionPlanes) {
           for (const SupportedPlane& fit : fits.planes.ToHost()) {
             planes.push_back(fit.plane);
           }
-          result->Add("planes", kCloseDepths, planes);
+          result->Add("planes", planes);
           result->Add("pixels",
-                      kCloseDepths,
                       AssignRegionPlanes(regions,
                                          fits,
                                          inputs.samples.View(),

@@ -14,50 +14,28 @@
 
 namespace tsar {
 
-// How far two devices may be apart.
-struct Closeness {
-  double relative = 0.0;
-  double absolute = 0.0;
-  // The share of the elements that may be further apart: rounding turns a
-  // discrete choice here and there.
-  double max_share = 1e-3;
-};
-
-// For stages of whole numbers and plain arithmetic, which both round alike.
-constexpr Closeness kSameBytes{0.0, 0.0, 0.0};
-constexpr Closeness kSameLabels{};
-constexpr Closeness kCloseDepths{1e-4, 1e-6, 1e-3};
-constexpr Closeness kCloseScores{1e-4, 1e-4, 1e-3};
-
 class StageResult {
  public:
   // Elements of num_components numbers each; one is different when any of its
   // numbers is.
   struct Channel {
     std::string name;
-    Closeness closeness;
     size_t num_components = 1;
     std::vector<double> values;
   };
 
   template <typename T>
-  void Add(const std::string& name,
-           const Closeness& closeness,
-           const DeviceImage<T>& image) {
+  void Add(const std::string& name, const DeviceImage<T>& image) {
     const Image<T> host = image.ToHost();
-    Add(name, closeness, std::vector<T>(host.begin(), host.end()));
+    Add(name, std::vector<T>(host.begin(), host.end()));
   }
   template <typename T>
-  void Add(const std::string& name,
-           const Closeness& closeness,
-           const Buffer<T>& buffer) {
-    Add(name, closeness, buffer.ToHost());
+  void Add(const std::string& name, const Buffer<T>& buffer) {
+    Add(name, buffer.ToHost());
   }
   template <typename T>
-  void Add(const std::string& name,
-           const Closeness& closeness,
-           const std::vector<T>& values) {
-    Channel channel{name, closeness, 1, {}};
+  void Add(const std::string& name, const std::vector<T>& values) {
+    Channel channel{name, 1, {}};
     for (const T& value : values) {
       const size_t size = channel.values.size();
       Append(value, &channel.values);
@@ -84,11 +62,8 @@ class StageResult {
   std::vector<Channel> channels_;
 };
 
-// What keeps two results from being alike, one line for each channel; empty
-// where nothing does.
+// In which channels two results are not the same to the last bit, one line for
+// each; empty where they are the same.
 std::string FindDifferences(const StageResult& a, const StageResult& b);
-
-// The same, but every bit counts.
-std::string FindDifferentBytes(const StageResult& a, const StageResult& b);
 
 }  // namespace tsar

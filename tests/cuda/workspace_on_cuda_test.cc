@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What several devices of one machine do together.
+// What several devices of one machine do together, and whole runs on each.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/controllers/device_view_cache.h"
@@ -12,6 +12,7 @@
 #include "colmap_tsar/device/cuda_staging.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/stereo/stereo_workspace.h"
 
 #include <cstring>
 #include <map>
@@ -179,28 +180,59 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
  protected:
   using Tree = std::map<std::string, std::string>;
 
+  static DeviceOptions Gpus(const std::string& gpu_index) {
+    DeviceOptions devices;
+    devices.choice = DeviceChoice::kCuda;
+    devices.gpu_indices = ParseGpuIndices(gpu_index);
+    return devices;
+  }
+  static DeviceOptions Cpu() {
+    DeviceOptions devices;
+    devices.choice = DeviceChoice::kCpu;
+    devices.num_threads = 2;
+    return devices;
+  }
+
   RunSummary Refine(const std::string& gpu_index,
                     const std::string& output,
                     const RefineOptions& refine = {}) {
+    return Refine(Gpus(gpu_index), output, refine);
+  }
+  RunSummary Refine(const DeviceOptions& devices,
+                    const std::string& output,
+                    const RefineOptions& refine) {
     WorkspaceRefineOptions options;
     options.workspace_path = root_;
     options.output_path = folder_.Path() / output;
-    options.devices.choice = DeviceChoice::kCuda;
-    options.devices.gpu_indices = ParseGpuIndices(gpu_index);
+    options.devices = devices;
     std::ostringstream text;
     Progress progress(text, false);
     return RefineWorkspace(options, refine, progress, [] { return false; });
   }
   Tree Maps(const std::string& output) {
     Tree maps;
-    for (const char* name :
-         {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
-      for (auto& [file, content] :
-           ReadTree(folder_.Path() / output / "stereo" / name)) {
+    for (const char* name : {"depth_maps",
+                             "normal_maps",
+                             "confidence_maps",
+                             "provenance_maps",
+                             "cost_maps"}) {
+      const std::filesystem::path path =
+          folder_.Path() / output / "stereo" / name;
+      if (!std::filesystem::exists(path)) {
+        continue;
+      }
+      for (auto& [file, content] : ReadTree(path)) {
         maps[std::string(name) + "/" + file] = std::move(content);
       }
     }
     return maps;
+  }
+  static void ExpectSameFiles(const Tree& expected, const Tree& actual) {
+    EXPECT_EQ(actual.size(), expected.size());
+    for (const auto& [file, content] : expected) {
+      const auto found = actual.find(file);
+      EXPECT_TRUE(found != actual.end() && found->second == content) << file;
+    }
   }
   void WriteConfig(const std::vector<std::string>& names) {
     std::string config;
@@ -249,6 +281,47 @@ TEST_F(WorkspaceOnCudaTest, AllGpusGiveTheSameBytes) {
   EXPECT_TRUE(Maps("first") == Maps("second"));
   EXPECT_EQ(Refine("1,0", "both").num_workers, 4);
   EXPECT_TRUE(Maps("first") == Maps("both"));
+}
+
+TEST_F(WorkspaceOnCudaTest, CpuAndGpuRefineToTheSameBytes) {
+  MakeSyntheticWorkspace(root_);
+  const std::pair<const char*, RefineOptions> presets[] = {
+      {"default", RefineOptions()},
+      {"paper", RefineOptions::Paper()},
+      {"paper_strict", RefineOptions::PaperStrict()}};
+  for (const auto& [name, options] : presets) {
+    const std::string preset = name;
+    EXPECT_EQ(Refine(Cpu(), preset + " on the CPU", options).num_refined, 4);
+    EXPECT_EQ(Refine("0", preset + " on a GPU", options).num_refined, 4);
+    const Tree expected = Maps(preset + " on the CPU");
+    EXPECT_GE(expected.size(), 16u) << preset;
+    ExpectSameFiles(expected, Maps(preset + " on a GPU"));
+  }
+}
+
+TEST_F(WorkspaceOnCudaTest, CpuAndGpuMatchToTheSameBytes) {
+  StereoOptions options;
+  options.depth_min = 0.5 * SyntheticWorkspace::kDepth;
+  options.depth_max = 2.0 * SyntheticWorkspace::kDepth;
+  options.max_image_size = SyntheticWorkspace::kWidth / 2;
+  const auto match = [&](const DeviceOptions& devices) {
+    std::filesystem::remove_all(root_);
+    MakeSyntheticWorkspace(root_);
+    for (const char* name : {"depth_maps", "normal_maps"}) {
+      std::filesystem::remove_all(root_ / "stereo" / name);
+    }
+    std::ostringstream text;
+    Progress progress(text, false);
+    const StereoSummary summary = MatchWorkspace(
+        root_, devices, options, /*overwrite=*/false, progress, [] {
+          return false;
+        });
+    EXPECT_EQ(summary.num_images, 4);
+    return Maps("dense");
+  };
+  const Tree expected = match(Cpu());
+  EXPECT_GE(expected.size(), 16u);
+  ExpectSameFiles(expected, match(Gpus("0")));
 }
 
 TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
