@@ -43,8 +43,8 @@ function(tsar_configure_target target)
     list(APPEND warnings -Werror)
   endif()
   # Contraction is off because a fused multiply-add rounds differently: the
-  # same source must give the same bytes with every host compiler, and nearly
-  # the same ones on the GPU.
+  # same source must give the same bytes with every host compiler and on the
+  # GPU. nvcc rounds divisions and roots correctly unless told otherwise.
   set(host_flags ${warnings} -ffp-contract=off)
   if(TSAR_SANITIZE)
     list(APPEND host_flags -fsanitize=address,undefined
