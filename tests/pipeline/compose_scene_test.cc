@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/compose_scene.h"
 
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/compose.h"
 
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include <gtest/gtest.h>

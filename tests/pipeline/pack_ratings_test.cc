@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/pack_ratings.h"
 
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <algorithm>

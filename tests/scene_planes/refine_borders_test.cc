@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <algorithm>
