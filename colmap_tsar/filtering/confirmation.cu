@@ -20,26 +20,31 @@ struct ConfirmationKernel {
   ImageView<uint8_t> confirmations;
 
   TSAR_HD void operator()(int x, int y) const {
-    const uint8_t agreeing = agreement(x, y);
-    const bool can_be = is_candidate.Empty() || is_candidate(x, y) != 0;
-    confirmations(x, y) =
-        agreeing > 0 && can_be && HasTexture(x, y) ? agreeing : 0;
+    confirmations(x, y) = static_cast<uint8_t>(Judge(x, y));
   }
 
-  TSAR_HD bool HasTexture(int x, int y) const {
-    return WindowVariance(gray, x, y, kRadius) >=
-           options.min_texture * noise.Variance(gray(x, y));
+  TSAR_HD Confirmation Judge(int x, int y) const {
+    const bool can_be = is_candidate.Empty() || is_candidate(x, y) != 0;
+    if (agreement(x, y) == 0 || !can_be) {
+      return Confirmation::kNone;
+    }
+    const float texture = WindowVariance(gray, x, y, kRadius);
+    if (texture < options.min_texture * noise.Variance(gray(x, y))) {
+      return Confirmation::kNone;
+    }
+    return texture < options.min_distinct_texture ? Confirmation::kWeak
+                                                  : Confirmation::kDistinct;
   }
 };
 
 }  // namespace
 
-DeviceImage<uint8_t> CountConfirmations(ImageView<const float> gray,
-                                        ImageView<const uint8_t> agreement,
-                                        ImageView<const uint8_t> is_candidate,
-                                        const NoiseCurve& noise,
-                                        const ConfirmationOptions& options,
-                                        Device& device) {
+DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
+                                   ImageView<const uint8_t> agreement,
+                                   ImageView<const uint8_t> is_candidate,
+                                   const NoiseCurve& noise,
+                                   const ConfirmationOptions& options,
+                                   Device& device) {
   DeviceImage<uint8_t> confirmations(device, gray.width, gray.height);
   ParallelFor(
       device,

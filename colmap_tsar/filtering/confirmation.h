@@ -11,23 +11,34 @@
 
 namespace tsar {
 
+// Whether other views confirm the depth of a pixel.
+enum class Confirmation : uint8_t {
+  kNone = 0,
+  kWeak = 1,      // They do, but the pixel's own texture is weak.
+  kDistinct = 2,  // They do, and the pixel's own texture is distinct.
+};
+
 struct ConfirmationOptions {
   // The 5 x 5 pixels around a depth that counts as measured vary by at least so
   // many variances of the noise. Without texture of its own a pixel takes the
   // depth of whatever edge lies in its matching window, and so it does in the
   // other views, which then agree on a wrong depth.
   float min_texture = 2.f;
+  // The variance of these pixels, in squared grey levels, from which texture is
+  // distinct. With less, noise and the texture nearby move a depth by up to 2 %
+  // even where other views agree with it.
+  float min_distinct_texture = 64.f;
 };
 
-// For each pixel, how many other views confirm its depth: the agreeing ones
-// where the pixel itself has texture, otherwise none.
-// gray: 0-255, of the map's size. is_candidate: 0 where a depth cannot be
-// confirmed; empty: nowhere.
-DeviceImage<uint8_t> CountConfirmations(ImageView<const float> gray,
-                                        ImageView<const uint8_t> agreement,
-                                        ImageView<const uint8_t> is_candidate,
-                                        const NoiseCurve& noise,
-                                        const ConfirmationOptions& options,
-                                        Device& device);
+// The Confirmation of each pixel: other views agree with its depth, and the
+// pixel itself has texture.
+// gray: 0-255, of the map's size. agreement: how many other views agree.
+// is_candidate: 0 where a depth cannot be confirmed; empty: nowhere.
+DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
+                                   ImageView<const uint8_t> agreement,
+                                   ImageView<const uint8_t> is_candidate,
+                                   const NoiseCurve& noise,
+                                   const ConfirmationOptions& options,
+                                   Device& device);
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/compose.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/filtering/confirmation.h"
 
 #include <cmath>
 #include <utility>
@@ -34,8 +35,9 @@ struct ComposeKernel {
     const Value region = OnPlane(inputs.region_planes, x, y);
     const Value superpixel = OnPlane(inputs.superpixel_planes, x, y);
     const Value own = {depth(x, y), normal(x, y)};
-    const bool is_confirmed =
-        !inputs.confirmations.Empty() && inputs.confirmations(x, y) > 0;
+    const bool is_confirmed = !inputs.confirmations.Empty() &&
+                              static_cast<Confirmation>(inputs.confirmations(
+                                  x, y)) != Confirmation::kNone;
     const bool trusted =
         (inputs.trusted(x, y) != 0 || is_confirmed) && own.depth > 0.f;
     Provenance source = Provenance::kNone;

@@ -24,8 +24,8 @@ struct ComposeInputs {
   ImageView<const uint8_t> trusted;  // Where the measured hypotheses stand.
   PlaneRaster superpixel_planes;     // May be empty.
   PlaneRaster region_planes;         // May be empty.
-  // Where other than 0, hypotheses stand as well: other views confirm them. May
-  // be empty.
+  // The Confirmation of each hypothesis: confirmed ones stand as well. May be
+  // empty.
   ImageView<const uint8_t> confirmations{};
 };
 

@@ -60,7 +60,10 @@ struct OwnDepthKernel {
       return kGivesWay;
     }
     const PlaneTolerance& on_plane =
-        is_confirmed ? options.on_plane_confirmed : options.on_plane;
+        !is_confirmed ? options.on_plane
+        : MeasurementRating::IsConfirmedDistinctly(rating_of_own)
+            ? options.on_plane_distinct
+            : options.on_plane_weak;
     const float plane = DepthOnPlane(scene_planes, x, y);
     if (plane > 0.f &&
         (!options.keep_off_plane ||

@@ -23,8 +23,11 @@ struct ComposeSceneOptions {
   int min_blob = 20;
   // or if another view confirms it: thin and detailed things,
   bool keep_confirmed = true;
-  // and lies further than this from its plane.
-  PlaneTolerance on_plane_confirmed{0.f, 1.2f};
+  // and lies further than this from its plane: where its texture is distinct,
+  PlaneTolerance on_plane_distinct{0.f, 1.2f};
+  // and where it is weak. A plane within 1.5 % of a depth that is right to 1 %
+  // is itself right to 2.5 %, and more often right than such depths are.
+  PlaneTolerance on_plane_weak{0.015f, 1.2f};
 };
 
 struct ComposeSceneInputs {

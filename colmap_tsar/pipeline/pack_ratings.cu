@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/pack_ratings.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 namespace tsar {
@@ -18,7 +19,8 @@ struct PackRatingsKernel {
   TSAR_HD void operator()(int x, int y) const {
     ratings(x, y) = MeasurementRating::Pack(
         trusted(x, y) != 0,
-        !confirmations.Empty() && confirmations(x, y) > 0,
+        confirmations.Empty() ? Confirmation::kNone
+                              : static_cast<Confirmation>(confirmations(x, y)),
         score(x, y));
   }
 };

@@ -10,7 +10,7 @@
 namespace tsar {
 
 // The MeasurementRating of each pixel. trusted: other than 0 where its depth is
-// trusted. confirmations: how many other views confirm it; may be empty.
+// trusted. confirmations: its Confirmation; may be empty.
 DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
                                  ImageView<const float> score,
                                  ImageView<const uint8_t> confirmations,

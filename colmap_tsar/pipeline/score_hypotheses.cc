@@ -60,12 +60,12 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
       // What COLMAP's own check of consistency rejected is not confirmed by
       // chance.
       const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
-      result.confirmations = CountConfirmations(views.Reference().gray,
-                                                agreement.View(),
-                                                is_to_refine.View(),
-                                                noise,
-                                                {},
-                                                device);
+      result.confirmations = ConfirmDepths(views.Reference().gray,
+                                           agreement.View(),
+                                           is_to_refine.View(),
+                                           noise,
+                                           {},
+                                           device);
     }
   }
   timer->Finish("matching");

@@ -17,8 +17,8 @@ namespace tsar {
 // What the images and the other views say about each hypothesis.
 struct HypothesisScores {
   DeviceImage<float> score;  // n_aggr (Eq. 4), with the agreement of views.
-  // How many other views confirm it: see CountConfirmations(). Empty without
-  // RefineOptions::confirmed_depths or view_agreement.
+  // Its Confirmation. Empty without RefineOptions::confirmed_depths or
+  // view_agreement.
   DeviceImage<uint8_t> confirmations;
 };
 

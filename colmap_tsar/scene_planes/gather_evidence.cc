@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/scene_planes/observe_pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,10 +46,6 @@ struct PlaneBitsHash {
   }
 };
 
-bool IsMeasured(const RayDepth& sample) {
-  return sample.z > 0.f && std::isfinite(sample.z);
-}
-
 // Numbers the different planes of the regions by their first pixel, and makes
 // candidates of those that are large enough.
 void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
@@ -86,50 +83,6 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
           candidate_of[static_cast<size_t>(number_of.Data()[i])];
     }
   }
-}
-
-float ConfidenceAgainstFattening(const Image<float>& fattening_weight,
-                                 int x,
-                                 int y,
-                                 const EvidenceOptions& options) {
-  if (fattening_weight.Empty()) {
-    return 1.f;
-  }
-  const float share = fattening_weight(x, y);
-  return std::max(share * share, options.min_own_confidence);
-}
-
-// The observation of each pixel, of confidence 0 where there is none; sets
-// confident_depth.
-Image<Observation> ObservePixels(const EvidenceInputs& inputs,
-                                 const EvidenceOptions& options,
-                                 ViewEvidence* evidence) {
-  Image<Observation> observations(evidence->width, evidence->height);
-  evidence->confident_depth = Image<float>(evidence->width, evidence->height);
-  for (int y = 0; y < evidence->height; ++y) {
-    for (int x = 0; x < evidence->width; ++x) {
-      const RayDepth& sample = inputs.samples(x, y);
-      const int number = evidence->region_planes(x, y);
-      if (IsMeasured(sample)) {
-        const bool is_confident = inputs.texture(x, y) > options.min_texture;
-        observations(x, y) = {
-            sample,
-            (is_confident ? 1.f : options.confidence_without_texture) *
-                ConfidenceAgainstFattening(
-                    inputs.fattening_weight, x, y, options)};
-        evidence->confident_depth(x, y) = is_confident ? sample.z : 0.f;
-      } else if (number > 0) {
-        const Vec3f ray = inputs.intrinsics.Ray(x, y);
-        const float depth =
-            evidence->candidates[static_cast<size_t>(number - 1)].Depth(ray);
-        if (depth > 0.f && std::isfinite(depth)) {
-          observations(x, y) = {{ray.x, ray.y, depth},
-                                options.confidence_of_region_plane};
-        }
-      }
-    }
-  }
-  return observations;
 }
 
 // The pixels of each superpixel that have an observation, in raster order.
@@ -243,10 +196,7 @@ float MeasureNoise(const EvidenceInputs& inputs) {
     const Plane& plane = inputs.superpixel_planes[static_cast<size_t>(
         inputs.superpixels.Data()[i])];
     if (IsMeasured(sample) && plane.Valid()) {
-      const float depth = plane.Depth({sample.x, sample.y, 1.f});
-      residuals.push_back(
-          std::abs(depth - sample.z) /
-          (sample.z * inputs.resolution.RelativeDepthError(sample.z)));
+      residuals.push_back(Residual(sample, plane, inputs.resolution));
     }
   }
   if (residuals.empty()) {
@@ -285,11 +235,13 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
 int64_t GatherEvidenceMainBytes(int64_t num_pixels,
                                 int64_t num_superpixels,
                                 const EvidenceOptions& options) {
-  // The observations, the list of those of each superpixel, which may have room
-  // for as many more, and the pixels along the borders.
+  // The observations and, once they are made, the list of those of each
+  // superpixel, which may have room for as many more, and the pixels along the
+  // borders.
   const int64_t observations = BytesOf<Observation>(num_pixels);
   const int64_t lists = 3 * BytesOf<int>(num_pixels);
-  return observations + lists +
+  return observations +
+         std::max(ObservePixelsWorkingBytes(num_superpixels), lists) +
          EvidenceBytes(num_pixels, num_superpixels, options);
 }
 

@@ -25,6 +25,9 @@ struct EvidenceOptions {
   // What a pixel counts that was not measured, but lies in a region that has a
   // plane.
   float confidence_of_region_plane = 0.3f;
+  // It counts less where measurements in the same superpixel lie off the plane:
+  // further than this, as a multiple of RelativeDepthError().
+  float max_region_plane_residual = 6.f;
   int max_observations_per_superpixel = 32;
   // The weight of a pair of pixels across a border is
   // base + contrast exp(-edge / scale), edge in grey levels.

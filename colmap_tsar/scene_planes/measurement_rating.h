@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/filtering/confirmation.h"
 
 #include <cmath>
 #include <cstdint>
@@ -11,19 +12,21 @@
 namespace tsar {
 
 // What is known of the depth that a pixel measured, in one byte: whether it is
-// trusted (bit 7), whether another view confirms it (bit 6), and its score
-// (bits 0 to 4). Bit 5 is 0.
+// trusted (bit 7), whether another view confirms it (bit 6) on distinct texture
+// (bit 5), and its score (bits 0 to 4).
 struct MeasurementRating {
   static constexpr int kTrusted = 1 << 7;
   static constexpr int kConfirmed = 1 << 6;
+  static constexpr int kDistinctTexture = 1 << 5;
   static constexpr int kMaxScore = 31;
 
   // score: in [0, 1]; what lies outside is clamped.
-  TSAR_HD static uint8_t Pack(bool is_trusted, bool is_confirmed, float score) {
+  TSAR_HD static uint8_t Pack(bool is_trusted,
+                              Confirmation confirmation,
+                              float score) {
     const float level = fminf(fmaxf(kMaxScore * score + 0.5f, 0.f), kMaxScore);
     return static_cast<uint8_t>((is_trusted ? kTrusted : 0) |
-                                (is_confirmed ? kConfirmed : 0) |
-                                static_cast<int>(level));
+                                BitsOf(confirmation) | static_cast<int>(level));
   }
   TSAR_HD static bool IsTrusted(uint8_t rating) {
     return (rating & kTrusted) != 0;
@@ -31,11 +34,23 @@ struct MeasurementRating {
   TSAR_HD static bool IsConfirmed(uint8_t rating) {
     return (rating & kConfirmed) != 0;
   }
+  TSAR_HD static bool IsConfirmedDistinctly(uint8_t rating) {
+    return (rating & BitsOf(Confirmation::kDistinct)) ==
+           BitsOf(Confirmation::kDistinct);
+  }
   TSAR_HD static float Score(uint8_t rating) {
     return static_cast<float>(rating & kMaxScore) / kMaxScore;
   }
   TSAR_HD static uint8_t WithoutTrust(uint8_t rating) {
     return static_cast<uint8_t>(rating & ~kTrusted);
+  }
+
+ private:
+  TSAR_HD static int BitsOf(Confirmation confirmation) {
+    return confirmation == Confirmation::kNone ? 0
+           : confirmation == Confirmation::kWeak
+               ? kConfirmed
+               : kConfirmed | kDistinctTexture;
   }
 };
 

@@ -26,51 +26,87 @@ Image<float> HalfTextured(float contrast) {
   return gray;
 }
 
-Image<uint8_t> Count(const Image<float>& gray,
-                     const Image<uint8_t>& agreement,
-                     const Image<uint8_t>& is_candidate,
-                     const NoiseCurve& noise = kNoise) {
+Image<uint8_t> Confirm(const Image<float>& gray,
+                       const Image<uint8_t>& agreement,
+                       const Image<uint8_t>& is_candidate,
+                       const NoiseCurve& noise = kNoise) {
   const std::unique_ptr<Device> device = Device::CreateCpu(2);
-  return CountConfirmations(gray.View(),
-                            agreement.View(),
-                            is_candidate.View(),
-                            noise,
-                            {},
-                            *device)
+  return ConfirmDepths(gray.View(),
+                       agreement.View(),
+                       is_candidate.View(),
+                       noise,
+                       {},
+                       *device)
       .ToHost();
 }
 
-TEST(CountConfirmations, CountsViewsWhereThePixelHasTexture) {
+void Expect(const Image<uint8_t>& confirmations,
+            int x,
+            int y,
+            Confirmation expected) {
+  EXPECT_EQ(confirmations(x, y), static_cast<uint8_t>(expected))
+      << x << ", " << y;
+}
+
+TEST(ConfirmDepths, NeedsAnotherViewAndTextureOfItsOwn) {
   Image<uint8_t> agreement(kSize, kSize, 2);
   agreement(12, 5) = 0;
   agreement(13, 5) = 1;
-  const Image<uint8_t> counts = Count(HalfTextured(4.f), agreement, {});
-  EXPECT_EQ(counts(2, 5), 0);
-  EXPECT_EQ(counts(5, 5), 0) << "The texture begins three pixels beside it.";
-  EXPECT_EQ(counts(6, 5), 2) << "Two columns of texture are its own.";
-  EXPECT_EQ(counts(12, 5), 0);
-  EXPECT_EQ(counts(13, 5), 1);
-  EXPECT_EQ(counts(15, 0), 2) << "The window is cut by the border.";
+  const Image<uint8_t> found = Confirm(HalfTextured(4.f), agreement, {});
+  Expect(found, 2, 5, Confirmation::kNone);
+  // The texture begins three pixels beside it.
+  Expect(found, 5, 5, Confirmation::kNone);
+  // Two columns of texture are its own.
+  Expect(found, 6, 5, Confirmation::kWeak);
+  Expect(found, 12, 5, Confirmation::kNone);
+  Expect(found, 13, 5, Confirmation::kWeak);
+  // The window is cut by the border.
+  Expect(found, 15, 0, Confirmation::kWeak);
 }
 
-TEST(CountConfirmations, MeasuresTextureInUnitsOfTheNoise) {
+TEST(ConfirmDepths, MeasuresTextureInUnitsOfTheNoise) {
   const Image<uint8_t> agreement(kSize, kSize, 3);
+  const auto expect = [&](float contrast,
+                          const NoiseCurve& noise,
+                          Confirmation expected) {
+    SCOPED_TRACE(contrast);
+    Expect(
+        Confirm(HalfTextured(contrast), agreement, {}, noise), 12, 8, expected);
+  };
   // Its variance is 1: that of the noise.
-  EXPECT_EQ(Count(HalfTextured(1.f), agreement, {})(12, 8), 0);
-  EXPECT_EQ(Count(HalfTextured(1.f), agreement, {}, {0.25f, 0.f})(12, 8), 3);
+  expect(1.f, kNoise, Confirmation::kNone);
+  expect(1.f, {0.25f, 0.f}, Confirmation::kWeak);
   // More light, more noise.
-  EXPECT_EQ(Count(HalfTextured(4.f), agreement, {}, {0.f, 0.01f})(12, 8), 3);
-  EXPECT_EQ(Count(HalfTextured(4.f), agreement, {}, {0.f, 0.16f})(12, 8), 0);
+  expect(4.f, {0.f, 0.01f}, Confirmation::kWeak);
+  expect(4.f, {0.f, 0.16f}, Confirmation::kNone);
+  // Noise that could pass for distinct texture.
+  expect(16.f, {0.f, 2.f}, Confirmation::kNone);
 }
 
-TEST(CountConfirmations, LeavesOutWhatCannotBeConfirmed) {
+TEST(ConfirmDepths, TellsDistinctTextureFromWeak) {
+  // Columns of +- c levels: three and two of the five have a variance of
+  // 0.96 c^2.
+  const Image<uint8_t> agreement(kSize, kSize, 1);
+  Expect(
+      Confirm(HalfTextured(8.1f), agreement, {}), 12, 8, Confirmation::kWeak);
+  Expect(Confirm(HalfTextured(8.2f), agreement, {}),
+         12,
+         8,
+         Confirmation::kDistinct);
+  Expect(Confirm(HalfTextured(8.2f), Image<uint8_t>(kSize, kSize), {}),
+         12,
+         8,
+         Confirmation::kNone);
+}
+
+TEST(ConfirmDepths, LeavesOutWhatCannotBeConfirmed) {
   const Image<uint8_t> agreement(kSize, kSize, 3);
   Image<uint8_t> is_candidate(kSize, kSize, 1);
   is_candidate(12, 8) = 0;
-  const Image<uint8_t> counts =
-      Count(HalfTextured(4.f), agreement, is_candidate);
-  EXPECT_EQ(counts(12, 8), 0);
-  EXPECT_EQ(counts(13, 8), 3);
+  const Image<uint8_t> found =
+      Confirm(HalfTextured(16.f), agreement, is_candidate);
+  Expect(found, 12, 8, Confirmation::kNone);
+  Expect(found, 13, 8, Confirmation::kDistinct);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/compose_scene.h"
 
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
@@ -46,14 +47,14 @@ class ComposeSceneTest : public testing::Test {
 
   void Measure(int x, int y, float depth, float score = 1.f) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(true, false, score);
+    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone, score);
   }
   void MeasureWithoutTrust(int x,
                            int y,
                            float depth,
-                           bool is_confirmed = false) {
+                           Confirmation confirmation = Confirmation::kNone) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(false, is_confirmed, 1.f);
+    ratings_(x, y) = MeasurementRating::Pack(false, confirmation, 1.f);
   }
 
   ComposeSceneInputs Inputs() const {
@@ -179,9 +180,9 @@ TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
   scene_ = PlanesAt(kScene);
   scene_(8, 4) = {};
   region_ = PlanesAt(kRegion);
-  MeasureWithoutTrust(2, 2, kOff, true);
-  MeasureWithoutTrust(8, 4, kOff, true);
-  MeasureWithoutTrust(5, 2, kOff, false);
+  MeasureWithoutTrust(2, 2, kOff, Confirmation::kWeak);
+  MeasureWithoutTrust(8, 4, kOff, Confirmation::kDistinct);
+  MeasureWithoutTrust(5, 2, kOff);
   Measure(10, 1, kOff);
   Result result = Compose();
   ExpectMeasured(result, 2, 2, kOff);
@@ -195,15 +196,39 @@ TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
 }
 
 TEST_F(ComposeSceneTest, AConfirmedDepthMovesOntoItsPlaneWithinItsOwnSpread) {
-  options_.on_plane_confirmed = {0.004f, 0.f};
+  options_.on_plane_distinct = {0.004f, 0.f};
   scene_ = PlanesAt(kScene);
-  MeasureWithoutTrust(2, 2, kScene * 1.003f, true);
-  MeasureWithoutTrust(5, 2, kScene * 1.006f, true);
+  MeasureWithoutTrust(2, 2, kScene * 1.003f, Confirmation::kDistinct);
+  MeasureWithoutTrust(5, 2, kScene * 1.006f, Confirmation::kDistinct);
   Measure(8, 2, kScene * 1.006f);
   const Result result = Compose();
   EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);
   ExpectMeasured(result, 5, 2, kScene * 1.006f);
   EXPECT_FLOAT_EQ(result.depth(8, 2), kScene);
+}
+
+TEST_F(ComposeSceneTest, WeakTextureHoldsADepthOffItsPlaneOnlyFromAfar) {
+  scale_.error_per_depth = 0.f;  // A pixel of disparity is 0.2 % of the depth.
+  options_.on_plane_weak.pixels = options_.on_plane_distinct.pixels = 0.5f;
+  scene_ = PlanesAt(kScene);
+  constexpr float kNear = kScene / 1.014f;
+  constexpr float kFar = kScene / 1.016f;
+  MeasureWithoutTrust(1, 2, kNear, Confirmation::kWeak);
+  MeasureWithoutTrust(3, 2, kFar, Confirmation::kWeak);
+  MeasureWithoutTrust(5, 2, kNear, Confirmation::kDistinct);
+  // Trust does not change it.
+  own_(7, 2) = kNear;
+  ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak, 1.f);
+  Result result = Compose();
+  Expect(result, 1, 2, kScene, kPlaneNormal, Provenance::kMeasured, 1.f);
+  ExpectMeasured(result, 3, 2, kFar);
+  ExpectMeasured(result, 5, 2, kNear);
+  EXPECT_FLOAT_EQ(result.depth(7, 2), kScene);
+  // Depths may scatter more than that.
+  options_.on_plane_weak.pixels = 10.f;
+  result = Compose();
+  EXPECT_FLOAT_EQ(result.depth(3, 2), kScene);
+  ExpectMeasured(result, 5, 2, kNear);
 }
 
 TEST_F(ComposeSceneTest, ABlobIsMeasuredOnTheRaster) {

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/compose.h"
 
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include <gtest/gtest.h>
@@ -139,15 +140,18 @@ TEST_F(ComposeTest, AConfirmedDepthStandsWithoutTrust) {
   const Image<uint8_t> trusted(1, 1, 0);
   const Image<Plane> planes(1, 1, Plane{{0.f, 0.f, -1.f}, 5.f});
   const PlaneRaster region{planes.View(), Intrinsics{1.f, 1.f, 0.f, 0.f}, 1, 1};
-  for (const uint8_t count : {0, 1}) {
-    const Image<uint8_t> confirmations(1, 1, count);
+  for (const Confirmation confirmation :
+       {Confirmation::kNone, Confirmation::kWeak, Confirmation::kDistinct}) {
+    const Image<uint8_t> confirmations(
+        1, 1, static_cast<uint8_t>(confirmation));
     const ComposedMap map =
         ComposeMap(OwnMap(4.f),
                    {trusted.View(), {}, region, confirmations.View()},
                    {},
                    options_,
                    *device_);
-    EXPECT_EQ(map.map.depth.ToHost()(0, 0), count > 0 ? 4.f : 5.f);
+    EXPECT_EQ(map.map.depth.ToHost()(0, 0),
+              confirmation == Confirmation::kNone ? 5.f : 4.f);
   }
 }
 

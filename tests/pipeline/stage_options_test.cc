@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/stage_options.h"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -55,6 +56,25 @@ TEST(StageOptions, OfThePaperReachNothingByDefault) {
   EXPECT_GT(regions.rim_width, 0);
   EXPECT_EQ(regions.max_extrapolation, RegionPlaneOptions().max_extrapolation);
   EXPECT_FLOAT_EQ(regions.max_boundary_error, 0.02f);
+}
+
+// Depths on weak texture give way to a plane nearby, however little all depths
+// scatter.
+TEST(StageOptions, ConfirmedDepthsGiveWayWithinTheSpreadOfDepths) {
+  ViewEvidence evidence;
+  // Too little to resolve, three standard deviations, and what carries no
+  // plane.
+  const std::pair<float, float> spread_of_noise[] = {
+      {0.01f, 0.3f}, {0.2f, 0.6f}, {1.f, 1.2f}};
+  for (const auto& [noise, spread] : spread_of_noise) {
+    evidence.noise = noise;
+    const ComposeSceneOptions options =
+        MakeSceneOptions({}, {{&evidence, {}}}).composition;
+    EXPECT_FLOAT_EQ(options.on_plane_distinct.pixels, spread);
+    EXPECT_FLOAT_EQ(options.on_plane_weak.pixels, spread);
+    EXPECT_EQ(options.on_plane_distinct.relative, 0.f);
+    EXPECT_FLOAT_EQ(options.on_plane_weak.relative, 0.015f);
+  }
 }
 
 TEST(MeasuringOptions, LeaveEveryPixelItsDepth) {

@@ -94,6 +94,66 @@ TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirFatteningWeight) {
       GatherEvidence(inputs_, options).weights[1], kNumPixels * 0.5f, 1e-3f);
 }
 
+TEST_F(GatherEvidenceTest, FillsCountLessWhereMeasurementsContradictThem) {
+  inputs_.fattening_weight = Image<float>(kWidth, kHeight, 1.f);
+  // A tenth of the pixels of each superpixel is measured; the region's plane,
+  // some multiple of the error behind it, fills the rest.
+  const float u = inputs_.resolution.RelativeDepthError(5.f);
+  const Plane wall = DrawnPlane({0.f, 0.f, -1.f}, 5.f);
+  const Image<RayDepth> on_wall = ToSamples(DrawDepth(wall, camera_), camera_);
+  const float residuals[] = {0.f, 5.9f, 6.1f, 40.f, 40.f, 40.f};
+  for (int k = 0; k < 6; ++k) {
+    DrawRegionPlane(k,
+                    DrawnPlane({0.f, 0.f, -1.f}, 5.f * (1 + residuals[k] * u)));
+  }
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      inputs_.samples(x, y) = y % kSize == 0 ? on_wall(x, y) : RayDepth{};
+    }
+  }
+  // The own depths of the fourth superpixel are fattened, and the texture of
+  // the fifth is weak. Half of the last one's are on the plane.
+  Fill(&inputs_.fattening_weight, 3, 0.f);
+  Fill(&inputs_.texture, 4, 0.9f);
+  for (int x = 0; x < kSize / 2; ++x) {
+    const int first_x = 5 % kNumColumns * kSize;
+    const int first_y = 5 / kNumColumns * kSize;
+    inputs_.samples(first_x + x, first_y).z *= 1 + 40 * u;
+  }
+  const ViewEvidence evidence = Gather();
+  // Each of its 100 pixels speaks for the plane by 0.02.
+  const float shares[] = {1.f,
+                          1.f,
+                          2.f / (10.f + 2.f),
+                          2.f / (10.f * 0.02f + 2.f),
+                          2.f / (5.f + 2.f),
+                          (5.f + 2.f) / (10.f + 2.f)};
+  const float measured[] = {10.f, 10.f, 10.f, 0.2f, 5.f, 10.f};
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_NEAR(evidence.weights[k], measured[k] + 90 * 0.3f * shares[k], 1e-3f)
+        << k;
+    EXPECT_NEAR(
+        ObservationsOf(evidence, k).back().confidence, 0.3f * shares[k], 1e-6f)
+        << k;
+  }
+}
+
+TEST_F(GatherEvidenceTest, MeasurementsSayNothingOfFillsElsewhere) {
+  // In another superpixel, or off the region.
+  const Plane far = DrawnPlane({0.f, 0.f, -1.f}, 20.f);
+  DrawRegionPlane(0, far);
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
+      if (x < kSize / 2) {
+        inputs_.region_planes(x, y) = {};
+      } else {
+        inputs_.samples(x, y) = {};
+      }
+    }
+  }
+  EXPECT_NEAR(Gather().weights[0], kNumPixels / 2 * 1.3f, 1e-3f);
+}
+
 TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
   std::vector<int> count(kNumSuperpixels, 0);
   for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <algorithm>
@@ -241,7 +242,8 @@ TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesAreNotFattened) {
 
 // What other views confirm stays known.
 TEST_F(RefineBordersTest, DistrustFattenedCoversTheMap) {
-  const uint8_t rating = MeasurementRating::Pack(true, true, 0.5f);
+  const uint8_t rating =
+      MeasurementRating::Pack(true, Confirmation::kDistinct, 0.5f);
   Image<uint8_t> fattened(4, 3);
   fattened(1, 2) = 1;
   DeviceImage<uint8_t> ratings(*device_, Image<uint8_t>(8, 6, rating));
