@@ -16,8 +16,11 @@
 namespace tsar {
 namespace {
 
-// Hypotheses of fewer pixels than one in this many are strays.
-constexpr size_t kMinShare = 4;
+// A square was measured if no more than one pixel in this many is without the
+// depth that stands for it.
+constexpr size_t kPixelsPerGap = 8;
+// How far off the plane that stands for a square its depths may lie.
+constexpr float kMaxResidual = 0.005f;
 // Along a plane seen at a grazing angle, half a square can be far.
 constexpr float kMaxDepthChange = 0.02f;
 
@@ -35,11 +38,24 @@ Camera ReduceCamera(const Camera& camera, int factor) {
   return reduced;
 }
 
+// Where the plane through a hypothesis meets another ray.
+float DepthOnRay(const Vec3f& from,
+                 float depth,
+                 const Vec3f& normal,
+                 const Vec3f& to) {
+  const float on_ray = Plane::FromPoint(from, depth, normal).Depth(to);
+  return on_ray > 0.f && std::abs(on_ray - depth) <= kMaxDepthChange * depth
+             ? on_ray
+             : depth;
+}
+
 // Finds the pixel whose hypothesis stands for a square.
 class RepresentativeFinder {
  public:
   RepresentativeFinder(const ViewData& view, int factor)
       : depth_(view.depth.View()),
+        normal_(view.normal.View()),
+        intrinsics_(view.camera.GetIntrinsics()),
         is_to_refine_(view.is_to_refine.View()),
         factor_(factor) {
     // One more than there can be: each pixel is written to both lists.
@@ -75,10 +91,14 @@ class RepresentativeFinder {
     }
     const size_t num_pixels = static_cast<size_t>(end_x - begin_x) *
                               static_cast<size_t>(end_y - begin_y);
+    const size_t min_count = num_pixels - num_pixels / kPixelsPerGap;
     for (const Candidates* candidates : {&own_, &other_}) {
-      if (candidates->count > 0 &&
-          kMinShare * candidates->count >= num_pixels) {
-        return static_cast<ptrdiff_t>(Median(*candidates));
+      if (candidates->count < min_count) {
+        continue;
+      }
+      const size_t median = Median(*candidates);
+      if (CountOnPlane(*candidates, median) >= min_count) {
+        return static_cast<ptrdiff_t>(candidates->pixels[median]);
       }
     }
     return -1;
@@ -98,8 +118,8 @@ class RepresentativeFinder {
     size_t count = 0;
   };
 
-  // The first pixel with the median depth. Squares are so small that counting
-  // for each pixel, without a branch, is faster than to sort.
+  // The number of the first one with the median depth. Squares are so small
+  // that counting for each pixel, without a branch, is faster than to sort.
   static size_t Median(const Candidates& candidates) {
     const size_t middle = (candidates.count - 1) / 2;
     size_t i = 0;
@@ -114,26 +134,39 @@ class RepresentativeFinder {
         break;
       }
     }
-    return candidates.pixels[i];
+    return i;
+  }
+
+  // How many of the candidates lie on the plane of one of them.
+  size_t CountOnPlane(const Candidates& candidates, size_t one) const {
+    const float depth = candidates.depths[one];
+    const Vec3f ray = RayOf(candidates.pixels[one]);
+    const Vec3f& normal = normal_.data[candidates.pixels[one]];
+    size_t count = 0;
+    for (size_t i = 0; i < candidates.count; ++i) {
+      const float expected =
+          DepthOnRay(ray, depth, normal, RayOf(candidates.pixels[i]));
+      count += std::abs(candidates.depths[i] - expected) <= kMaxResidual * depth
+                   ? 1
+                   : 0;
+    }
+    return count;
+  }
+
+  Vec3f RayOf(size_t pixel) const {
+    const auto width = static_cast<size_t>(depth_.width);
+    return intrinsics_.Ray(static_cast<float>(pixel % width),
+                           static_cast<float>(pixel / width));
   }
 
   const ImageView<const float> depth_;
+  const ImageView<const Vec3f> normal_;
+  const Intrinsics intrinsics_;
   const ImageView<const uint8_t> is_to_refine_;
   const int factor_;
   Candidates own_;
   Candidates other_;
 };
-
-// Where the plane through a hypothesis meets another ray.
-float DepthOnRay(const Vec3f& from,
-                 float depth,
-                 const Vec3f& normal,
-                 const Vec3f& to) {
-  const float on_ray = Plane::FromPoint(from, depth, normal).Depth(to);
-  return on_ray > 0.f && std::abs(on_ray - depth) <= kMaxDepthChange * depth
-             ? on_ray
-             : depth;
-}
 
 Image<Rgb> MeanColors(const Image<Rgb>& color,
                       int factor,

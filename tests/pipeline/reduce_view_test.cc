@@ -129,7 +129,7 @@ TEST(ReduceView, TakesTheLowerMedianAndItsCosts) {
   ViewData view = FlatView(4, 2, 0.f);
   view.min_cost = Image<float>(4, 2, 0.5f);
   view.second_cost = Image<float>(4, 2, 0.6f);
-  const std::vector<float> depths = {5.f, 3.f, 1.f, 4.f};
+  const std::vector<float> depths = {2.006f, 2.002f, 2.f, 2.004f};
   for (int i = 0; i < 4; ++i) {
     view.depth(i % 2, i / 2) = depths[static_cast<size_t>(i)];
     view.min_cost(i % 2, i / 2) = 0.1f * i;
@@ -137,7 +137,7 @@ TEST(ReduceView, TakesTheLowerMedianAndItsCosts) {
   }
   const ViewData reduced = ReduceView(view, 2);
   ASSERT_EQ(reduced.depth.NumPixels(), 2u);
-  EXPECT_EQ(reduced.depth(0, 0), 3.f);
+  EXPECT_EQ(reduced.depth(0, 0), 2.002f);
   EXPECT_EQ(reduced.min_cost(0, 0), 0.1f);
   EXPECT_EQ(reduced.second_cost(0, 0), 1.1f);
   EXPECT_EQ(reduced.depth(1, 0), 0.f);
@@ -147,41 +147,53 @@ TEST(ReduceView, TakesTheLowerMedianAndItsCosts) {
   EXPECT_EQ(reduced.num_depths_to_refine, 1);
 }
 
-TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasLittle) {
-  // Three squares of nine: two pixels of the map to refine, three, and one of
-  // each type.
-  ViewData view = FlatView(9, 3, 0.f);
-  view.is_to_refine = Image<uint8_t>(9, 3);
-  const auto set = [&](int x, int y, float depth, bool is_to_refine) {
-    view.depth(x, y) = depth;
-    view.is_to_refine(x, y) = is_to_refine ? 1 : 0;
-  };
-  for (int x = 0; x < 3; ++x) {
-    set(x, 0, 2.f, x < 2);
-    set(x, 1, 3.f, false);
-    set(x + 3, 0, 4.f, true);
-    set(x + 3, 1, 5.f, false);
+TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasGaps) {
+  // Three squares of nine pixels: eight of the map to refine and one of the
+  // other type, seven and two, and one and eight.
+  ViewData view = FlatView(9, 3, 2.f);
+  for (const auto& [x, y] : {std::pair{0, 0}, {3, 0}, {4, 0}}) {
+    view.is_to_refine(x, y) = 0;
   }
-  set(6, 0, 6.f, true);
-  set(7, 0, 7.f, false);
+  for (int i = 1; i < 9; ++i) {
+    view.is_to_refine(6 + i % 3, i / 3) = 0;
+    view.depth(6 + i % 3, i / 3) = 3.f;
+  }
   const ViewData reduced = ReduceView(view, 3);
   ASSERT_EQ(reduced.depth.Width(), 3);
-  EXPECT_EQ(reduced.depth(0, 0), 3.f);
-  EXPECT_EQ(reduced.is_to_refine(0, 0), 0);
-  EXPECT_EQ(reduced.depth(1, 0), 4.f);
-  EXPECT_EQ(reduced.is_to_refine(1, 0), 1);
-  EXPECT_EQ(reduced.depth(2, 0), 0.f);
+  EXPECT_EQ(reduced.depth(0, 0), 2.f);
+  EXPECT_EQ(reduced.is_to_refine(0, 0), 1);
+  EXPECT_EQ(reduced.depth(1, 0), 0.f);
+  EXPECT_EQ(reduced.depth(2, 0), 3.f);
+  EXPECT_EQ(reduced.is_to_refine(2, 0), 0);
   EXPECT_EQ(reduced.num_depths_to_refine, 1);
   EXPECT_TRUE(HasReducedDepth(view, 3));
   // Without the raster, all are from one map.
   view.is_to_refine = {};
-  EXPECT_EQ(ReduceView(view, 3).depth(2, 0), 0.f);
-  EXPECT_EQ(ReduceView(view, 3).num_depths_to_refine, 2);
+  EXPECT_EQ(ReduceView(view, 3).depth(1, 0), 2.f);
+  EXPECT_EQ(ReduceView(view, 3).num_depths_to_refine, 3);
+}
+
+TEST(ReduceView, DepthsOfASquareAreAlike) {
+  // Alike but for one of nine, for one of four, and for two.
+  ViewData view = FlatView(9, 3, 2.f);
+  view.depth(1, 1) = 2.1f;
+  EXPECT_EQ(ReduceView(view, 3).depth(0, 0), 2.f);
+  EXPECT_EQ(ReduceView(view, 2).depth(0, 0), 0.f);
+  view.depth(0, 1) = 1.9f;
+  EXPECT_EQ(ReduceView(view, 3).depth(0, 0), 0.f);
+  // By 0.5 % at most.
+  view = FlatView(2, 2, 2.f);
+  view.depth(1, 0) = 2.009f;
+  EXPECT_EQ(ReduceView(view, 2).depth(0, 0), 2.f);
+  view.depth(1, 0) = 2.011f;
+  EXPECT_EQ(ReduceView(view, 2).depth(0, 0), 0.f);
 }
 
 TEST(ReduceView, SquaresAtTheEndHaveFewerPixels) {
   ViewData view = FlatView(5, 5, 0.f);
-  view.depth(4, 4) = 2.f;
+  for (const auto& [x, y] : {std::pair{3, 3}, {3, 4}, {4, 3}, {4, 4}}) {
+    view.depth(x, y) = 2.f;
+  }
   view.color(4, 4) = {9, 8, 7};
   view.color(3, 0) = {200, 3, 0};
   const ViewData reduced = ReduceView(view, 3);
@@ -200,7 +212,7 @@ TEST(ReduceView, StraysAreNothing) {
   view.depth(4, 1) = 2.f;
   EXPECT_FALSE(HasReducedDepth(view, 3));
   EXPECT_TRUE(HasReducedDepth(view, 1));
-  EXPECT_TRUE(HasReducedDepth(view, 2));
+  EXPECT_FALSE(HasReducedDepth(view, 2));
   EXPECT_FALSE(HasReducedDepth(FlatView(4, 4, 0.f), 1));
 }
 
