@@ -13,10 +13,10 @@ namespace tsar {
 // such as windows of 11 pixels and reprojections within 2, counts pixels of the
 // map. On maps of many megapixels such windows show little but noise, and the
 // errors of depths, which do not shrink with the pixels, span several of them.
-// What is judged therefore has a long side of at most this, a little more than
-// the images on which the thresholds were measured (640 to 1280 pixels);
+// What is judged therefore has a long side of at most this, that of the
+// largest images on which the thresholds were measured (640 to 1280 pixels);
 // smaller maps are judged as they are.
-constexpr int kMaxJudgingSide = 1600;
+constexpr int kMaxJudgingSide = 1280;
 
 // The smallest number of map pixels, from 1 on, whose squares leave no more
 // than max_side of them along the map's long side.
@@ -33,9 +33,10 @@ int FactorBetween(int width, int height, int reduced_width, int reduced_height);
 // on no surface where a square shows two: it is that of the pixel with the
 // median depth (the lower one) of those from the map to refine, if at least 7
 // of 8 pixels of the square have such depths and these lie within 0.5 % of its
-// plane: what noise happens to agree on fills no squares. Otherwise of those from the other type under the same condition;
-// or else there is none. It is taken along its plane to the new ray. The
-// exported costs are those of that pixel.
+// plane: what noise happens to agree on fills no squares. Otherwise of those
+// from the other type under the same condition; or else there is none. It is
+// taken along its plane to the new ray. The exported costs are those of that
+// pixel.
 ViewData ReduceView(const ViewData& view, int factor);
 
 // The same without colours and costs.

@@ -35,18 +35,18 @@ bool SameBytes(const Image<T>& a, const Image<T>& b) {
 }
 
 TEST(ReductionFactor, LeavesMapsUpToTheLimit) {
-  EXPECT_EQ(ReductionFactor(1600, 1200), 1);
+  EXPECT_EQ(ReductionFactor(1280, 960), 1);
   EXPECT_EQ(ReductionFactor(1, 1), 1);
-  EXPECT_EQ(ReductionFactor(1601, 1200), 2);
-  EXPECT_EQ(ReductionFactor(1200, 3200), 2);
-  EXPECT_EQ(ReductionFactor(3201, 10), 3);
-  EXPECT_EQ(ReductionFactor(6000, 4000), 4);
+  EXPECT_EQ(ReductionFactor(1281, 960), 2);
+  EXPECT_EQ(ReductionFactor(1200, 2560), 2);
+  EXPECT_EQ(ReductionFactor(2561, 10), 3);
+  EXPECT_EQ(ReductionFactor(6000, 4000), 5);
   EXPECT_EQ(ReductionFactor(97, 10, 48), 3);
 }
 
 TEST(FactorBetween, IsThatOfTheReduction) {
   for (const auto& [width, height] :
-       {std::pair{1600, 1200}, {1601, 7}, {2560, 1920}, {5000, 6001}}) {
+       {std::pair{1280, 960}, {1601, 7}, {2560, 1920}, {5000, 6001}}) {
     const int factor = ReductionFactor(width, height);
     EXPECT_EQ(FactorBetween(width,
                             height,
