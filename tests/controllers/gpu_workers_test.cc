@@ -39,7 +39,7 @@ TEST_F(GpuWorkersTest, UsesOneWorkerWhereTwoDoNotFit) {
 }
 
 TEST_F(GpuWorkersTest, SaysWhatAnImageNeedsWhereNoneFits) {
-  overview_.max_num_pixels = 20000000;
+  overview_.max_num_pixels = 23000000;
   memory_[0] = kGigabyte;
   const std::vector<std::string> texts = {"GPU 0 (Card)",
                                           "needs 1.1 GB",

@@ -154,16 +154,16 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 23.8 GB of main memory",
+                 "needs 23.7 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
-                 "(maps of 73 megapixels fit)"},
+                 "(maps of 74 megapixels fit)"},
                 0);
   // What the message says is so, and not much more would do.
-  overview_.max_num_pixels = 73000000;
-  EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
   overview_.max_num_pixels = 74000000;
+  EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
+  overview_.max_num_pixels = 75000000;
   ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 12 GB"}, 0);
 }
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/controllers/memory_plan.h"
 
 #include "colmap_tsar/controllers/device_view_cache.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 
@@ -48,16 +49,18 @@ TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {
   EXPECT_EQ(EvidenceBytes(plan, 2),
             33 * plan.neighbour_evidence + 2 * plan.own_evidence);
   // Larger maps have the same raster; only the own trust is of their size.
-  overview.max_num_pixels *= 2;
+  overview.max_num_pixels += 500000;
+  ASSERT_FALSE(HasReducedViews(overview));
   const MemoryPlan larger = PlanRefinement({}, overview);
   EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
-  EXPECT_EQ(larger.own_evidence, plan.own_evidence + 1000000);
+  EXPECT_EQ(larger.own_evidence, plan.own_evidence + 500000);
   EXPECT_EQ(larger.find_scene, plan.find_scene);
 }
 
 TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
-  const MemoryPlan plan = PlanRefinement({}, OverviewOf(2560000, 10));
-  WorkspaceOverview overview = OverviewOf(2560001, 10);
+  constexpr int64_t kJudged = int64_t{kMaxJudgingSide} * kMaxJudgingSide;
+  const MemoryPlan plan = PlanRefinement({}, OverviewOf(kJudged, 10));
+  WorkspaceOverview overview = OverviewOf(kJudged + 1, 10);
   EXPECT_TRUE(HasReducedViews(overview));
   const MemoryPlan larger = PlanRefinement({}, overview);
   EXPECT_EQ(larger.view, plan.view);
@@ -76,7 +79,7 @@ TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
   // A long map may have few pixels.
   overview = OverviewOf(100000, 10);
   EXPECT_FALSE(HasReducedViews(overview));
-  overview.max_side = 1601;
+  overview.max_side = kMaxJudgingSide + 1;
   EXPECT_TRUE(HasReducedViews(overview));
   EXPECT_EQ(PlanRefinement({}, overview).view,
             PlanRefinement({}, OverviewOf(100000, 10)).view);
