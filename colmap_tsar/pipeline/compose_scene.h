@@ -26,7 +26,9 @@ struct ComposeSceneOptions {
   // and lies further than this from its plane: where its texture is distinct,
   PlaneTolerance on_plane_distinct{0.f, 1.2f};
   // and where it is weak. A plane within 1.5 % of a depth that is right to 1 %
-  // is itself right to 2.5 %, and more often right than such depths are.
+  // is itself right to 2.5 %, and more often right than such depths are. A
+  // depth that is trusted but not confirmed stands off its plane from 1.2
+  // pixels of disparity on, but never alone.
   PlaneTolerance on_plane_weak{0.015f, 1.2f};
 };
 

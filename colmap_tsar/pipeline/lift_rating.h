@@ -26,8 +26,8 @@ struct JudgedHypotheses {
 // Ratings of the pixels of the map: each takes that of the reduced pixel that
 // covers it, if its own depth lies on the plane of the hypothesis that was
 // judged there; otherwise of the nearest of the eight pixels around for which
-// this holds, since the squares at an edge stand for one of its sides; and 0
-// where it holds for none. On the plane is what lies within half of
+// this holds, since no depth stands for a square across an edge; and 0 where it
+// holds for none. On the plane is what lies within half of
 // RelativeDepthError() of the map that was judged, and within 0.3 % in any
 // case. With a factor of 1 they are the ratings as they are.
 // depth, intrinsics: of the map.

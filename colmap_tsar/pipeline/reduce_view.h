@@ -32,11 +32,11 @@ int FactorBetween(int width, int height, int reduced_width, int reduced_height);
 // The colour is the mean. The hypothesis is never an average, which would lie
 // on no surface where a square shows two: it is that of the pixel with the
 // median depth (the lower one) of those from the map to refine, if at least 7
-// of 8 pixels of the square have such depths and these lie within 0.5 % of its
-// plane: what noise happens to agree on fills no squares. Otherwise of those
-// from the other type under the same condition; or else there is none. It is
-// taken along its plane to the new ray. The exported costs are those of that
-// pixel.
+// of 8 pixels of the square (of four, all) have such depths and these lie
+// within 0.5 % of its plane: what noise happens to agree on fills no squares.
+// Otherwise it is of those from the other type under the same condition; or
+// else there is none. It is taken along its plane to the new ray. The exported
+// costs are those of that pixel.
 ViewData ReduceView(const ViewData& view, int factor);
 
 // The same without colours and costs.

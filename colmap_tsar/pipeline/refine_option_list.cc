@@ -226,8 +226,10 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"confirmed_depths",
        &options->confirmed_depths,
        "Keep a measured depth that another view confirms, where the pixel has "
-       "texture of its own, also where a plane would take its place. Has no "
-       "effect without view_agreement or with off_plane_depths 0."},
+       "texture of its own, also where a plane would take its place; on weak "
+       "texture, planes of the scene give way only if they are more than "
+       "1.5 % off. Has no effect without view_agreement or with "
+       "off_plane_depths 0."},
       {"scene_planes",
        &options->scene_planes,
        "Find planes in all views of a surface together and let them decide. If "

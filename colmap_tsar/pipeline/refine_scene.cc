@@ -34,10 +34,11 @@ namespace {
 // What a plane must explain in one view to be looked at by the neighbours,
 // relative to what it must explain in all of them.
 constexpr double kShareOfOneView = 0.25;
-// PatchMatchStereo.window_radius of COLMAP by default, in pixels of its maps.
+// Of the windows in which views are judged (bilateral_ncc.cuh), in pixels of
+// the judged map.
 constexpr double kPatchRadius = 5.0;
 
-// Of the patches that were matched, on the raster.
+// The same on the raster.
 int PatchRadius(const Image<float>& raster, const Camera& camera) {
   return static_cast<int>(
       std::lround(kPatchRadius * raster.Width() / camera.width));

@@ -235,13 +235,12 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
 int64_t GatherEvidenceMainBytes(int64_t num_pixels,
                                 int64_t num_superpixels,
                                 const EvidenceOptions& options) {
-  // The observations and, once they are made, the list of those of each
-  // superpixel, which may have room for as many more, and the pixels along the
-  // borders.
+  // The observations, the list of those of each superpixel, which may have room
+  // for as many more, and the pixels along the borders. What it takes to make
+  // the observations, three numbers per superpixel, is less than the lists.
   const int64_t observations = BytesOf<Observation>(num_pixels);
   const int64_t lists = 3 * BytesOf<int>(num_pixels);
-  return observations +
-         std::max(ObservePixelsWorkingBytes(num_superpixels), lists) +
+  return observations + lists +
          EvidenceBytes(num_pixels, num_superpixels, options);
 }
 

@@ -20,7 +20,7 @@ struct EvidenceOptions {
   float min_texture = 1.f;
   float confidence_without_texture = 0.5f;
   // Measurements count by the square of their fattening weight, too, but
-  // by no less than this where the pattern is not the pixel's own.
+  // by no less than this, above 0, where the pattern is not the pixel's own.
   float min_own_confidence = 0.02f;
   // What a pixel counts that was not measured, but lies in a region that has a
   // plane.

@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/scene_planes/observe_pixels.h"
 
-#include "colmap_tsar/device/working_bytes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -126,10 +124,6 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
     }
   }
   return observations;
-}
-
-int64_t ObservePixelsWorkingBytes(int64_t num_superpixels) {
-  return BytesOf<RegionPlaneSupport>(num_superpixels);
 }
 
 }  // namespace tsar

@@ -10,8 +10,6 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 bool IsMeasured(const RayDepth& sample);
@@ -28,8 +26,5 @@ float Residual(const RayDepth& sample,
 Image<Observation> ObservePixels(const EvidenceInputs& inputs,
                                  const EvidenceOptions& options,
                                  ViewEvidence* evidence);
-
-// Main memory that it takes beside its result.
-int64_t ObservePixelsWorkingBytes(int64_t num_superpixels);
 
 }  // namespace tsar
