@@ -38,12 +38,9 @@ Camera ReduceCamera(const Camera& camera, int factor) {
   return reduced;
 }
 
-// Where the plane through a hypothesis meets another ray.
-float DepthOnRay(const Vec3f& from,
-                 float depth,
-                 const Vec3f& normal,
-                 const Vec3f& to) {
-  const float on_ray = Plane::FromPoint(from, depth, normal).Depth(to);
+// Where the plane of a hypothesis of this depth meets another ray.
+float DepthOnRay(const Plane& plane, float depth, const Vec3f& ray) {
+  const float on_ray = plane.Depth(ray);
   return on_ray > 0.f && std::abs(on_ray - depth) <= kMaxDepthChange * depth
              ? on_ray
              : depth;
@@ -140,12 +137,13 @@ class RepresentativeFinder {
   // How many of the candidates lie on the plane of one of them.
   size_t CountOnPlane(const Candidates& candidates, size_t one) const {
     const float depth = candidates.depths[one];
-    const Vec3f ray = RayOf(candidates.pixels[one]);
-    const Vec3f& normal = normal_.data[candidates.pixels[one]];
+    const size_t pixel = candidates.pixels[one];
+    const Plane plane =
+        Plane::FromPoint(RayOf(pixel), depth, normal_.data[pixel]);
     size_t count = 0;
     for (size_t i = 0; i < candidates.count; ++i) {
       const float expected =
-          DepthOnRay(ray, depth, normal, RayOf(candidates.pixels[i]));
+          DepthOnRay(plane, depth, RayOf(candidates.pixels[i]));
       count += std::abs(candidates.depths[i] - expected) <= kMaxResidual * depth
                    ? 1
                    : 0;
@@ -233,10 +231,11 @@ ViewData ReduceWith(const ViewData& view, int factor, Function visit) {
       const auto column = static_cast<int>(found % view.depth.Width());
       const auto row = static_cast<int>(found / view.depth.Width());
       const Vec3f& normal = view.normal.Data()[pixel];
-      reduced.depth(x, y) = DepthOnRay(from.Ray(column, row),
-                                       view.depth.Data()[pixel],
-                                       normal,
-                                       to.Ray(x, y));
+      const float depth = view.depth.Data()[pixel];
+      reduced.depth(x, y) =
+          DepthOnRay(Plane::FromPoint(from.Ray(column, row), depth, normal),
+                     depth,
+                     to.Ray(x, y));
       reduced.normal(x, y) = normal;
       const bool is_to_refine =
           view.is_to_refine.Empty() || view.is_to_refine.Data()[pixel] != 0;

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/refine_scene.h"
 
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
@@ -34,14 +35,10 @@ namespace {
 // What a plane must explain in one view to be looked at by the neighbours,
 // relative to what it must explain in all of them.
 constexpr double kShareOfOneView = 0.25;
-// Of the windows in which views are judged (bilateral_ncc.cuh), in pixels of
-// the judged map.
-constexpr double kPatchRadius = 5.0;
-
-// The same on the raster.
+// Of the windows in which views are judged, on the raster.
 int PatchRadius(const Image<float>& raster, const Camera& camera) {
   return static_cast<int>(
-      std::lround(kPatchRadius * raster.Width() / camera.width));
+      std::lround(double{kPatchRadius} * raster.Width() / camera.width));
 }
 
 EvidenceInputs DownloadInputs(const DeviceViews& views,

@@ -11,6 +11,13 @@
 namespace tsar {
 namespace {
 
+bool HasTexture(const EvidenceInputs& inputs,
+                int x,
+                int y,
+                const EvidenceOptions& options) {
+  return inputs.texture(x, y) > options.min_texture;
+}
+
 float ConfidenceAgainstFattening(const Image<float>& fattening_weight,
                                  int x,
                                  int y,
@@ -26,7 +33,7 @@ float ConfidenceOfMeasurement(const EvidenceInputs& inputs,
                               int x,
                               int y,
                               const EvidenceOptions& options) {
-  const float by_texture = inputs.texture(x, y) > options.min_texture
+  const float by_texture = HasTexture(inputs, x, y, options)
                                ? 1.f
                                : options.confidence_without_texture;
   return by_texture *
@@ -109,7 +116,7 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
         observations(x, y) = {sample,
                               ConfidenceOfMeasurement(inputs, x, y, options)};
         evidence->confident_depth(x, y) =
-            inputs.texture(x, y) > options.min_texture ? sample.z : 0.f;
+            HasTexture(inputs, x, y, options) ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =

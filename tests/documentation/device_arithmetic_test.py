@@ -6,10 +6,10 @@ their libraries, or their instructions, round differently. Addition,
 multiplication, division and square root are rounded alike everywhere; what else
 is needed consists of these, as in base/exponential.h."""
 import argparse
-import glob
 import os
 import re
 
+from library_sources import library_sources
 from sample_testing import check
 
 parser = argparse.ArgumentParser()
@@ -100,13 +100,7 @@ check(not violations("fade.cc", "float Fade(float x) { return expf(x) * std::pow
 
 num_marked = 0
 broken = []
-root = os.path.join(args.repository, "colmap_tsar")
-for path in sorted(glob.glob(os.path.join(root, "**", "*.*"), recursive=True)):
-    name = os.path.relpath(path, root)
-    if not name.endswith((".cc", ".cu", ".cuh", ".h")):
-        continue
-    with open(path, encoding="utf-8") as file:
-        source = file.read()
+for name, source in library_sources(args.repository):
     num_marked += sum(1 for _ in marked_functions(without_comments(source)))
     broken += [f"{name}: {call})" for call in violations(name, source)]
 check(num_marked > 100, f"{num_marked} functions for both devices were read")

@@ -8,6 +8,7 @@ import argparse
 import os
 import re
 
+from library_sources import library_sources
 from sample_testing import check
 
 parser = argparse.ArgumentParser()
@@ -54,16 +55,11 @@ check(upward_includes({"a/x.h": ["b/y.h", "a/z.h"], "b/y.h": ["a/z.h"]}, ["a", "
 check(circle({"a/x.h": ["a/y.h"], "a/y.h": ["a/z.h"], "a/z.h": ["a/y.h"]}) ==
       ["a/y.h", "a/z.h"], "a circle is found")
 
-root = os.path.join(args.repository, "colmap_tsar")
-with open(os.path.join(root, "CMakeLists.txt"), encoding="utf-8") as file:
+with open(os.path.join(args.repository, "colmap_tsar", "CMakeLists.txt"),
+          encoding="utf-8") as file:
     layers = re.findall(r"add_subdirectory\((\w+)\)", file.read())
-includes = {}
-for folder, _, files in os.walk(root):
-    for file in files:
-        if file.endswith((".h", ".cuh", ".cc", ".cu")):
-            path = os.path.join(folder, file)
-            with open(path, encoding="utf-8") as source:
-                includes[os.path.relpath(path, root)] = INCLUDE.findall(source.read())
+includes = {name: INCLUDE.findall(source)
+            for name, source in library_sources(args.repository)}
 check(len(includes) > 200, f"{len(includes)} sources were read")
 unknown = sorted({name for others in includes.values() for name in others} - set(includes))
 check(not unknown, f"every included file exists: {unknown}")

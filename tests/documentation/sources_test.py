@@ -5,10 +5,9 @@
 others, is not in the sources elsewhere."""
 import argparse
 import fnmatch
-import glob
-import os
 import re
 
+from library_sources import library_sources
 from sample_testing import check
 
 parser = argparse.ArgumentParser()
@@ -28,14 +27,9 @@ RULES = (
 
 num_files = 0
 broken = []
-root = os.path.join(args.repository, "colmap_tsar")
-for path in sorted(glob.glob(os.path.join(root, "**", "*.*"), recursive=True)):
-    name = os.path.relpath(path, root)
-    if not name.endswith((".cc", ".cu", ".cuh", ".h")):
-        continue
+for name, text in library_sources(args.repository):
     num_files += 1
-    with open(path, encoding="utf-8") as file:
-        source = re.sub(r"//.*", "", file.read())
+    source = re.sub(r"//.*", "", text)
     for pattern, allowed, instead in RULES:
         found = re.search(pattern, source)
         if found and not any(fnmatch.fnmatch(name, other) for other in allowed):

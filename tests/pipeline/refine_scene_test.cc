@@ -58,6 +58,18 @@ class RefineSceneTest : public SyntheticViewsTest {
     EXPECT_EQ(result.reason_to_keep, "");
     return std::move(result.maps);
   }
+  // Draws views of this size and reduces them. As they were drawn.
+  SyntheticViews DrawReduced(int width, int height, int factor) {
+    SyntheticViewsOptions options;
+    options.width = width;
+    options.height = height;
+    SyntheticViews whole = MakeSyntheticViews(options);
+    drawn_ = whole;
+    for (ViewData& view : drawn_.views) {
+      view = ReduceView(view, factor);
+    }
+    return whole;
+  }
   RefinedMaps RefineAlone() const {
     return RefineImage(drawn_.views[0], drawn_.Sources(), 0, {}, *device_).maps;
   }
@@ -85,14 +97,10 @@ TEST_F(RefineSceneTest, AWallWithoutTextureGetsItsPlane) {
 }
 
 TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
-  SyntheticViewsOptions large;
-  large.width = 192;
-  large.height = 144;
-  const SyntheticViews whole = MakeSyntheticViews(large);
-  drawn_ = whole;
-  for (ViewData& view : drawn_.views) {
-    view = ReduceView(view, ReductionFactor(large.width, large.height, 96));
-  }
+  constexpr int kWidth = 192;
+  constexpr int kHeight = 144;
+  const SyntheticViews whole =
+      DrawReduced(kWidth, kHeight, ReductionFactor(kWidth, kHeight, 96));
   const auto evidence = Observe(drawn_.views.size());
   EXPECT_EQ(evidence[0]->ratings.Width(), 96);
   EXPECT_EQ(evidence[0]->ratings.Height(), 72);
@@ -103,8 +111,8 @@ TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
   int num_right = 0;
   int num_measured = 0;
   int num_with_depth = 0;
-  for (int y = 0; y < large.height; ++y) {
-    for (int x = 0; x < large.width; ++x) {
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
       num_right += RelativeError(result.maps.depth, x, y) < kRight ? 1 : 0;
       num_measured += result.maps.provenance(x, y) ==
                               static_cast<uint8_t>(Provenance::kMeasured)
@@ -113,7 +121,7 @@ TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
       num_with_depth += Before()(x, y) > 0.f ? 1 : 0;
     }
   }
-  EXPECT_GT(num_right, 0.97 * large.width * large.height);
+  EXPECT_GT(num_right, 0.97 * kWidth * kHeight);
   // The pixels of the large map know that theirs were trusted.
   EXPECT_GT(num_measured, 0.7 * num_with_depth);
 }
@@ -121,14 +129,7 @@ TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
 // The squares of three pixels reach beyond the map's end, and their middle is
 // off the corner from which pixels count.
 TEST_F(RefineSceneTest, ComposesWithTheCameraThatObserved) {
-  SyntheticViewsOptions large;
-  large.width = 193;
-  large.height = 145;
-  const SyntheticViews whole = MakeSyntheticViews(large);
-  drawn_ = whole;
-  for (ViewData& view : drawn_.views) {
-    view = ReduceView(view, 3);
-  }
+  const SyntheticViews whole = DrawReduced(193, 145, 3);
   const auto evidence = Observe(drawn_.views.size());
   for (size_t i = 0; i < evidence.size(); ++i) {
     SCOPED_TRACE(i);
