@@ -1,0 +1,52 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+
+#include <map>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// A plane of the scene, shared by all views that see it. World frame, units of
+// the sparse model.
+struct ModelPlane {
+  WorldPlane plane;
+  // A point on it amid what was measured, and two orthogonal unit vectors in
+  // it.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis_s = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d axis_t = Eigen::Vector3d::UnitY();
+  // Of the rotation about axis_s and about axis_t (through the centre, radians)
+  // and of the shift along the normal. Infinite variances: not known.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double support =
+      0.0;            // What was measured of it, in pixels of full confidence.
+  int component = 0;  // The connected set of views that it belongs to.
+  // Its Manhattan frame, or -1, and the axis (column of the rotation) along
+  // which its normal lies exactly, or -1.
+  int frame = -1;
+  int axis = -1;
+};
+
+// What each superpixel of a view was labelled with.
+struct ViewLabels {
+  std::vector<int> planes;  // Numbers of the model's planes; -1: none.
+  std::vector<LabelEvidence> evidence;
+};
+
+// The planes of a whole scene, and what every view shows of them.
+struct SceneModel {
+  std::vector<ModelPlane> planes;
+  // Rotations whose columns are the axes, in the world frame.
+  std::vector<Eigen::Matrix3d> frames;
+  // By image (index into the sparse model's images).
+  std::map<int, ViewLabels> views;
+};
+
+}  // namespace tsar

@@ -1,0 +1,113 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/store/scene_model_layout.h"
+
+#include <cstddef>
+
+namespace tsar {
+namespace {
+
+template <typename Matrix, size_t kSize>
+void Store(const Matrix& matrix, std::array<double, kSize>* values) {
+  static_assert(Matrix::SizeAtCompileTime == kSize);
+  Eigen::Map<Matrix>(values->data()) = matrix;
+}
+
+template <typename Matrix, size_t kSize>
+void Load(const std::array<double, kSize>& values, Matrix* matrix) {
+  static_assert(Matrix::SizeAtCompileTime == kSize);
+  *matrix = Eigen::Map<const Matrix>(values.data());
+}
+
+StoredPlane ToStored(const ModelPlane& plane) {
+  StoredPlane stored = {};
+  Store(plane.plane.normal, &stored.normal);
+  stored.offset = plane.plane.offset;
+  Store(plane.center, &stored.center);
+  Store(plane.axis_s, &stored.axis_s);
+  Store(plane.axis_t, &stored.axis_t);
+  Store(plane.covariance, &stored.covariance);
+  stored.support = plane.support;
+  stored.component = plane.component;
+  stored.frame = plane.frame;
+  stored.axis = plane.axis;
+  return stored;
+}
+
+ModelPlane FromStored(const StoredPlane& stored) {
+  ModelPlane plane;
+  Load(stored.normal, &plane.plane.normal);
+  plane.plane.offset = stored.offset;
+  Load(stored.center, &plane.center);
+  Load(stored.axis_s, &plane.axis_s);
+  Load(stored.axis_t, &plane.axis_t);
+  Load(stored.covariance, &plane.covariance);
+  plane.support = stored.support;
+  plane.component = stored.component;
+  plane.frame = stored.frame;
+  plane.axis = stored.axis;
+  return plane;
+}
+
+}  // namespace
+
+PlaneArrays ToPlaneArrays(const SceneModel& model) {
+  PlaneArrays arrays;
+  for (const ModelPlane& plane : model.planes) {
+    arrays.planes.push_back(ToStored(plane));
+  }
+  for (const Eigen::Matrix3d& frame : model.frames) {
+    Store(frame, &arrays.frames.emplace_back());
+  }
+  return arrays;
+}
+
+LabelArrays ToLabelArrays(const SceneModel& model) {
+  LabelArrays arrays;
+  for (const auto& [image, view] : model.views) {
+    arrays.views.push_back({image, static_cast<uint32_t>(view.planes.size())});
+    arrays.planes.insert(
+        arrays.planes.end(), view.planes.begin(), view.planes.end());
+    arrays.evidence.insert(
+        arrays.evidence.end(), view.evidence.begin(), view.evidence.end());
+  }
+  return arrays;
+}
+
+SceneModel FromPlaneArrays(const PlaneArrays& arrays) {
+  SceneModel model;
+  for (const StoredPlane& plane : arrays.planes) {
+    model.planes.push_back(FromStored(plane));
+  }
+  for (const StoredFrame& frame : arrays.frames) {
+    Load(frame, &model.frames.emplace_back());
+  }
+  return model;
+}
+
+std::optional<std::map<int, ViewLabels>> FromLabelArrays(
+    const LabelArrays& arrays) {
+  std::map<int, ViewLabels> views;
+  size_t begin = 0;
+  int64_t previous = -1;
+  for (const StoredView& view : arrays.views) {
+    if (view.image <= previous ||
+        view.num_labels > arrays.planes.size() - begin) {
+      return std::nullopt;
+    }
+    previous = view.image;
+    const auto first = static_cast<ptrdiff_t>(begin);
+    const auto last = static_cast<ptrdiff_t>(begin + view.num_labels);
+    views[view.image] = {
+        {arrays.planes.begin() + first, arrays.planes.begin() + last},
+        {arrays.evidence.begin() + first, arrays.evidence.begin() + last}};
+    begin += view.num_labels;
+  }
+  if (begin != arrays.planes.size()) {
+    return std::nullopt;
+  }
+  return views;
+}
+
+}  // namespace tsar

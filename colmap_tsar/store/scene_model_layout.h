@@ -1,0 +1,81 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene_planes/scene_model.h"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <type_traits>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+static_assert(sizeof(LabelEvidence) == 1);
+
+// Matrices are stored column by column.
+struct StoredPlane {
+  std::array<double, 3> normal;
+  double offset;
+  std::array<double, 3> center;
+  std::array<double, 3> axis_s;
+  std::array<double, 3> axis_t;
+  std::array<double, 9> covariance;
+  double support;
+  int32_t component;
+  int32_t frame;
+  int32_t axis;
+  int32_t unused;
+};
+static_assert(sizeof(StoredPlane) == 200 &&
+              std::is_trivially_copyable_v<StoredPlane>);
+
+using StoredFrame = std::array<double, 9>;
+
+struct StoredView {
+  int32_t image;
+  uint32_t num_labels;
+};
+static_assert(sizeof(StoredView) == 8 &&
+              std::is_trivially_copyable_v<StoredView>);
+
+// The two parts of the file (scene_model_file.h) as arrays of what is stored.
+struct PlaneArrays {
+  std::vector<StoredPlane> planes;
+  std::vector<StoredFrame> frames;
+
+  template <typename Function>
+  void ForEach(Function function) {
+    function(planes);
+    function(frames);
+  }
+};
+struct LabelArrays {
+  std::vector<StoredView> views;
+  std::vector<int32_t> planes;
+  std::vector<LabelEvidence> evidence;
+
+  template <typename Function>
+  void ForEach(Function function) {
+    function(views);
+    function(planes);
+    function(evidence);
+  }
+};
+
+PlaneArrays ToPlaneArrays(const SceneModel& model);
+// All of the model but its views.
+SceneModel FromPlaneArrays(const PlaneArrays& arrays);
+
+LabelArrays ToLabelArrays(const SceneModel& model);
+// Nothing where the labels are not those of the views, each of which is there
+// once, in order.
+std::optional<std::map<int, ViewLabels>> FromLabelArrays(
+    const LabelArrays& arrays);
+
+}  // namespace tsar
