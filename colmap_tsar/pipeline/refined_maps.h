@@ -20,12 +20,15 @@ enum class Provenance : uint8_t {
   kOtherViews = 5,
 };
 
-// The result for one image; all four have the size of the original maps.
+// The result for one image; all have the size of the original maps.
 struct RefinedMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
   Image<float> confidence;    // In [0, 1].
   Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
+  // 1 + the number of the plane of the scene (scene_model.h) that the pixel
+  // lies on, 0 = none; empty where no model of the scene was made.
+  Image<uint16_t> planes{};
 };
 
 inline int64_t RefinedMapsBytes(int64_t num_pixels) {

@@ -164,6 +164,7 @@ class ImageRestorer {
   void RemoveResults() {
     RemoveFile(paths_.confidence);
     RemoveFile(paths_.provenance);
+    RemoveFile(paths_.planes);
   }
 
   const MapPaths paths_;
@@ -264,12 +265,14 @@ RestoreResult Restore(const std::filesystem::path& root,
   bool are_all_linked = true;
   result.relinked = RelinkOutputs(root, &are_all_linked);
   const ContainedPath stereo(root, "stereo");
-  for (const char* folder :
-       {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
+  for (const char* folder : {"depth_maps", "normal_maps"}) {
     RemoveTemporaries(stereo / folder);
   }
-  RemoveEmptyFolders(stereo / "confidence_maps");
-  RemoveEmptyFolders(stereo / "provenance_maps");
+  for (const char* folder :
+       {"confidence_maps", "provenance_maps", "plane_maps"}) {
+    RemoveTemporaries(stereo / folder);
+    RemoveEmptyFolders(stereo / folder);
+  }
   RemoveTsarFolder(root, are_all_linked);
   return result;
 }

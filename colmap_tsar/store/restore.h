@@ -42,11 +42,11 @@ struct RestoreResult {
 };
 
 // Puts the originals back under their names, whatever their type, and removes
-// what this program wrote: confidence maps, provenance maps and stereo/tsar. An
-// original is never removed but by being put back; nor is what somebody else
-// wrote in its place (see superseded.h). Depth and normals of an image always
-// come from one source. What is kept of an image whose maps were left as they
-// are stays in stereo/tsar.
+// what this program wrote: confidence, provenance and plane maps and
+// stereo/tsar. An original is never removed but by being put back; nor is what
+// somebody else wrote in its place (see superseded.h). Depth and normals of an
+// image always come from one source. What is kept of an image whose maps were
+// left as they are stays in stereo/tsar.
 //
 // Can be called again after an interruption. The caller holds the
 // WorkspaceLock. Throws Error: kNotFound (nothing to restore), kUnsupported (an

@@ -127,6 +127,10 @@ std::filesystem::path Workspace::ProvenancePath(int image, MapType type) const {
   return Paths(image, type).provenance;
 }
 
+std::filesystem::path Workspace::PlanesPath(int image, MapType type) const {
+  return Paths(image, type).planes;
+}
+
 MapPaths Workspace::SourcePaths(int image, MapType type) const {
   return GetMapPaths(
       source_root_, model_.images.at(static_cast<size_t>(image)).name, type);

@@ -51,6 +51,7 @@ class Workspace {
   std::filesystem::path CostPath(int image, MapType type) const;
   std::filesystem::path ConfidencePath(int image, MapType type) const;
   std::filesystem::path ProvenancePath(int image, MapType type) const;
+  std::filesystem::path PlanesPath(int image, MapType type) const;
 
   // From now on, ReadOriginalMaps() takes what is stored where anything is, and
   // needs no record to find it: of references and this type, for these are the

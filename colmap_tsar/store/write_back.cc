@@ -24,7 +24,8 @@ namespace {
 void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
   if (!maps.normal.HasSizeOf(maps.depth) ||
       !maps.confidence.HasSizeOf(maps.depth) ||
-      !maps.provenance.HasSizeOf(maps.depth)) {
+      !maps.provenance.HasSizeOf(maps.depth) ||
+      (!maps.planes.Empty() && !maps.planes.HasSizeOf(maps.depth))) {
     throw Error(ErrorCode::kMismatch,
                 image +
                     ": the refined maps differ in size; this is a mistake "
@@ -32,14 +33,16 @@ void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
   }
 }
 
-void PutProvenance(const Image<uint8_t>& provenance,
-                   const std::filesystem::path& path,
-                   AtomicFile* file) {
+// One channel of as many bits as T has.
+template <typename T>
+void PutPicture(const Image<T>& values,
+                const std::filesystem::path& path,
+                AtomicFile* file) {
   // Encoding only reads.
-  const cv::Mat pixels(provenance.Height(),
-                       provenance.Width(),
-                       CV_8UC1,
-                       const_cast<uint8_t*>(provenance.Data()));
+  const cv::Mat pixels(values.Height(),
+                       values.Width(),
+                       cv::DataType<T>::type,
+                       const_cast<T*>(values.Data()));
   // OpenCV's own settings are the fastest; the others save a few per cent.
   std::vector<uchar> bytes;
   if (!cv::imencode(".png", pixels, bytes)) {
@@ -122,12 +125,17 @@ WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
 
 void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   RequireSameSizes(maps, record_.image);
-  for (const ContainedPath* path : {&paths_.depth,
-                                    &paths_.normal,
-                                    &paths_.confidence,
-                                    &paths_.provenance}) {
-    CreateFolders(path->Parent());
-    files_.emplace_back(*path);
+  const auto add_file = [this](const ContainedPath& path) {
+    CreateFolders(path.Parent());
+    files_.emplace_back(path);
+  };
+  add_file(paths_.depth);
+  add_file(paths_.normal);
+  add_file(paths_.confidence);
+  add_file(paths_.provenance);
+  has_planes_ = !maps.planes.Empty();
+  if (has_planes_) {
+    add_file(paths_.planes);
   }
   // An earlier refinement may still be in place until the files are renamed.
   const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
@@ -138,7 +146,10 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   record_.written_normal.insert(record_.written_normal.begin(),
                                 PutNormalMap(maps.normal, &files_[1]));
   PutDepthMap(maps.confidence, &files_[2]);
-  PutProvenance(maps.provenance, paths_.provenance, &files_[3]);
+  PutPicture(maps.provenance, paths_.provenance, &files_[3]);
+  if (has_planes_) {
+    PutPicture(maps.planes, paths_.planes, &files_[4]);
+  }
   for (AtomicFile& file : files_) {
     file.Prepare();
   }
@@ -170,6 +181,10 @@ void WriteBack::RecordWriting() {
 }
 
 void WriteBack::RenameFiles() {
+  if (!has_planes_) {
+    // That of an earlier refinement does not belong to these maps.
+    RemoveFile(paths_.planes);
+  }
   for (AtomicFile& file : files_) {
     file.Commit();
   }
@@ -196,6 +211,7 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   }
   RemoveFile(paths.confidence);
   RemoveFile(paths.provenance);
+  RemoveFile(paths.planes);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
   record.written_depth.clear();

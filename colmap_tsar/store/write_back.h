@@ -60,6 +60,7 @@ class WriteBack {
   MapPaths paths_;
   ImageRecord record_;
   std::vector<AtomicFile> files_;
+  bool has_planes_ = false;
 };
 
 }  // namespace tsar

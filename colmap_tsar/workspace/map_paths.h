@@ -23,6 +23,7 @@ struct MapPaths {
   ContainedPath cost;
   ContainedPath confidence;
   ContainedPath provenance;
+  ContainedPath planes;  // Which plane of the scene a pixel lies on.
   ContainedPath original_depth;
   ContainedPath original_normal;
   ContainedPath record;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/import/formats/depth_image.h"
-#include "colmap_tsar/report/png.h"
+#include "colmap_tsar/import/formats/gray_png.h"
 
 #include <cstdlib>
 
@@ -21,6 +21,7 @@ void ReadDepthImage(std::span<const uint8_t> input) {
 void ReadProvenance(std::span<const uint8_t> input) {
   const std::filesystem::path path = PutFile("provenance.png", input);
   Accepts([&] { ReadGrayPng(path); });
+  Accepts([&] { ReadGray16Png(path); });
 }
 
 std::string Encoded(const std::string& extension, const cv::Mat& pixels) {

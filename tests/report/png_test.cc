@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/error.h"
 
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -46,46 +45,6 @@ TEST_F(PngTest, WrittenColorsAreReadByOthers) {
 TEST_F(PngTest, WritingIntoAMissingFolderIsAnError) {
   EXPECT_THROW(WritePng(UserPath(folder_ / "none" / "a.png"), Image<Rgb>(1, 1)),
                Error);
-}
-
-TEST_F(PngTest, GrayValuesAreKept) {
-  const fs::path path = folder_ / "gray.png";
-  const cv::Mat values = (cv::Mat_<uint8_t>(2, 3) << 0, 1, 2, 3, 4, 5);
-  cv::imwrite(path.string(), values);
-  const Image<uint8_t> image = ReadGrayPng(path);
-  ASSERT_EQ(image.Width(), 3);
-  ASSERT_EQ(image.Height(), 2);
-  for (int i = 0; i < 6; ++i) {
-    EXPECT_EQ(image(i % 3, i / 3), i);
-  }
-}
-
-ErrorCode CodeOf(const fs::path& path) {
-  try {
-    ReadGrayPng(path);
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find(path.filename().string()),
-              std::string::npos);
-    return error.Code();
-  }
-  ADD_FAILURE() << path << " was read";
-  return ErrorCode::kIo;
-}
-
-TEST_F(PngTest, HostileFilesAreErrors) {
-  EXPECT_EQ(CodeOf(folder_ / "missing.png"), ErrorCode::kNotFound);
-
-  const fs::path empty = folder_ / "empty.png";
-  std::ofstream(empty).close();
-  EXPECT_EQ(CodeOf(empty), ErrorCode::kCorrupt);
-
-  const fs::path text = folder_ / "text.png";
-  std::ofstream(text) << "not a picture";
-  EXPECT_EQ(CodeOf(text), ErrorCode::kCorrupt);
-
-  const fs::path color = folder_ / "color.png";
-  WritePng(UserPath(color), Image<Rgb>(4, 4));
-  EXPECT_EQ(CodeOf(color), ErrorCode::kCorrupt);
 }
 
 }  // namespace

@@ -55,6 +55,41 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
           &WrittenMap::hash, HashFile(workspace().DepthPath(1, kGeometric)))));
 }
 
+TEST_F(WriteBackTest, WritesPlanesWhereThereAreSome) {
+  const std::filesystem::path path = workspace().PlanesPath(1, kGeometric);
+  EXPECT_EQ(path, root_ / "stereo/plane_maps/left/b.png.geometric.png");
+  RefinedMaps maps = MakeRefinedMaps(42.f);
+  WriteRefined(workspace(), 1, maps, Record());
+  EXPECT_FALSE(std::filesystem::exists(path));
+  maps.planes = Image<uint16_t>(4, 3, 40000);
+  WriteRefined(workspace(), 1, maps, Record());
+  const cv::Mat planes = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(planes.type(), CV_16UC1);
+  ASSERT_EQ(planes.size(), cv::Size(4, 3));
+  EXPECT_EQ(planes.at<uint16_t>(2, 3), 40000);
+  // Those of an earlier refinement do not outlive it.
+  WriteRefined(workspace(), 1, MakeRefinedMaps(43.f), Record());
+  EXPECT_FALSE(std::filesystem::exists(path));
+  maps.planes = Image<uint16_t>(3, 4, 1);
+  ExpectError(ErrorCode::kMismatch, {"left/b.png", "differ in size"}, [&] {
+    WriteRefined(workspace(), 1, maps, Record());
+  });
+  maps.planes = Image<uint16_t>(4, 3, 1);
+  WriteRefined(workspace(), 1, maps, Record());
+  KeepImage(workspace(), 1, Record());
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST_F(WriteBackTest, RestoringRemovesPlanes) {
+  const auto clean = Snapshot(root_);
+  RefinedMaps maps = MakeRefinedMaps(42.f);
+  maps.planes = Image<uint16_t>(4, 3, 1);
+  WriteRefined(workspace(), 1, maps, Record());
+  EXPECT_NE(Snapshot(root_), clean);
+  Restore(root_);
+  EXPECT_EQ(Snapshot(root_), clean);
+}
+
 TEST_F(WriteBackTest, ASecondRunStartsFromTheOriginals) {
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
   WriteRefined(workspace(), 0, MakeRefinedMaps(43.f), Record());

@@ -1,0 +1,19 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+
+#include <cstdint>
+#include <filesystem>
+
+namespace tsar {
+
+// Read a picture with one channel of 8 or of 16 bits: the provenance and plane
+// maps of a refined workspace. Throw Error kNotFound, and kCorrupt for anything
+// else than such a picture.
+Image<uint8_t> ReadGrayPng(const std::filesystem::path& path);
+Image<uint16_t> ReadGray16Png(const std::filesystem::path& path);
+
+}  // namespace tsar
