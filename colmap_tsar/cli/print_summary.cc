@@ -57,6 +57,11 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
         << " observed before or not to be observed\n";
     return;
   }
+  if (summary.pass == RefinePass::kModel) {
+    out << Images(summary.num_images)
+        << ": the planes of the scene have been found\n";
+    return;
+  }
   if (summary.pass == RefinePass::kCompose) {
     out << "Shard " << ToString(summary.shard) << ", ";
   }
@@ -152,11 +157,15 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
   if (summary.num_refined > 0 && summary.pass != RefinePass::kMerge) {
     PrintTimes(summary, out);
   }
+  if (summary.pass == RefinePass::kModel) {
+    out << "Next, for each shard: --TsarRefine.pass compose" << std::endl;
+    return;
+  }
   if (summary.pass == RefinePass::kObserve ||
       summary.pass == RefinePass::kCompose) {
     const bool has_observed = summary.pass == RefinePass::kObserve;
     out << "Next, when all shards have been "
-        << (has_observed ? "observed: --TsarRefine.pass compose"
+        << (has_observed ? "observed: --TsarRefine.pass model"
                          : "composed: --TsarRefine.pass merge")
         << std::endl;
     return;

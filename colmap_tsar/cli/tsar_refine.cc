@@ -121,9 +121,10 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                "tells how. If empty, all of them.");
   options->AddChoice(group + "pass",
                      &command->pass,
-                     {"all", "observe", "compose", "merge"},
-                     "What to do of it. A shard is observed, then, once all "
-                     "are, composed; merge ends the work of all shards.");
+                     {"all", "observe", "model", "compose", "merge"},
+                     "What to do of it. A shard is observed; once all are, one "
+                     "program finds the planes of the scene (model), then each "
+                     "shard is composed; merge ends the work of all shards.");
 }
 
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {

@@ -4,6 +4,7 @@
 #include "colmap_tsar/controllers/compose_task.h"
 
 #include "colmap_tsar/pipeline/reduce_view.h"
+#include "colmap_tsar/store/scene_model_file.h"
 
 #include <utility>
 
@@ -12,10 +13,12 @@ namespace tsar {
 ComposeTask::ComposeTask(const RefineTaskInputs& inputs,
                          const Workspace& workspace,
                          EvidenceStore& evidence,
+                         SceneModel model,
                          bool finds_scenes_ahead)
     : RefineMapsTask(inputs),
       workspace_(workspace),
       evidence_(evidence),
+      model_(std::move(model)),
       finds_scenes_ahead_(finds_scenes_ahead),
       scenes_(inputs.images.NumImages()) {}
 
@@ -79,8 +82,26 @@ std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,
       scene->others.push_back(std::move(evidence));
     }
   }
-  scene->found = FindScene(scene->views, options_, device);
+  scene->found = FindScene(scene->views,
+                           model_.planes,
+                           LabelsOf(reference, scene->own),
+                           options_,
+                           device);
   return scene;
+}
+
+const ViewLabels& ComposeTask::LabelsOf(int image,
+                                        const ViewEvidence& evidence) const {
+  const auto labels = model_.views.find(image);
+  if (labels == model_.views.end() ||
+      labels->second.planes.size() != evidence.weights.size()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      GetSceneModelPath(workspace_.Root()).string(),
+                      "the planes of the scene were not found in this image as "
+                      "it was observed",
+                      "remove the file and run the same command again");
+  }
+  return labels->second;
 }
 
 ObservedView ComposeTask::Observed(int image,

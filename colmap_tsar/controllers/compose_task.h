@@ -6,6 +6,7 @@
 #include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/refine_task.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <cstddef>
@@ -14,16 +15,18 @@
 
 namespace tsar {
 
-// The second of two passes: the maps of each image, from its own evidence and
-// that of its sources, all of which an ObserveTask wrote before.
+// The last pass: the maps of each image, from its own evidence, that of its
+// sources, all of which an ObserveTask wrote before, and the planes of the
+// scene.
 class ComposeTask : public RefineMapsTask {
  public:
   // workspace and evidence must outlive this object. finds_scenes_ahead:
-  // whether threads that read also find the planes of the scene, for workers
-  // that would otherwise wait for the CPU meanwhile.
+  // whether threads that read also find the curved surfaces of the scene, for
+  // workers that would otherwise wait for the CPU meanwhile.
   ComposeTask(const RefineTaskInputs& inputs,
               const Workspace& workspace,
               EvidenceStore& evidence,
+              SceneModel model,
               bool finds_scenes_ahead);
 
   std::vector<int> Views(size_t index) const override {
@@ -49,10 +52,13 @@ class ComposeTask : public RefineMapsTask {
   // it is judged.
   static bool WasObserved(const ViewData& view);
   std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
+  // Those of the model. Throws kMismatch where it has none that fit.
+  const ViewLabels& LabelsOf(int image, const ViewEvidence& evidence) const;
   ObservedView Observed(int image, const ViewEvidence& evidence) const;
 
   const Workspace& workspace_;
   EvidenceStore& evidence_;
+  const SceneModel model_;
   const bool finds_scenes_ahead_;
   // By image of the run, what Prepare() found for RefineMaps().
   std::vector<std::unique_ptr<Scene>> scenes_;

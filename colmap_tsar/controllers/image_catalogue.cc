@@ -129,6 +129,15 @@ bool ImageCatalogue::IsNeeded(size_t index) {
   });
 }
 
+bool ImageCatalogue::IsAnyNeeded() {
+  std::call_once(is_any_needed_flag_, [&] {
+    for (size_t index = 0; index < NumImages() && !is_any_needed_; ++index) {
+      is_any_needed_ = CanRefine(index) && !HasBeenRefined(index);
+    }
+  });
+  return is_any_needed_;
+}
+
 void ImageCatalogue::WarnOfChanges(size_t index) {
   if (HasBeenRefined(index) || !reuses_results_) {
     return;

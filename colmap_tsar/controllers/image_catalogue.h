@@ -53,6 +53,8 @@ class ImageCatalogue {
   // Whether the image, or one whose source it is, has yet to be refined and can
   // be.
   bool IsNeeded(size_t index);
+  // Whether some image has yet to be refined and can be.
+  bool IsAnyNeeded();
   // Warns where it is to be refined again because of what it depends on.
   void WarnOfChanges(size_t index);
 
@@ -87,6 +89,8 @@ class ImageCatalogue {
   // flag is set.
   std::vector<std::once_flag> is_done_flags_;
   std::vector<uint8_t> is_done_;
+  std::once_flag is_any_needed_flag_;
+  bool is_any_needed_ = false;
   // By image of the sparse model, the images of the run that need it, as their
   // reference or as a source.
   std::vector<std::vector<size_t>> users_;

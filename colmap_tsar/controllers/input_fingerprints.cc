@@ -20,14 +20,13 @@ constexpr const char* kPhoto = "photo";
 constexpr const char* kMaps = "maps";
 constexpr const char* kCosts = "costs";
 constexpr const char* kSources = "sources";
+constexpr const char* kScene = "scene";
 // The state of the maps where there is nothing to refine.
 constexpr const char* kNoMaps = "none";
 
 std::string NeighbourKey(size_t place) {
   return "neighbour " + std::to_string(place);
 }
-
-std::string BeyondKey(size_t place) { return "beyond " + NeighbourKey(place); }
 
 std::string Get(const InputState& state, const std::string& key) {
   const auto found = state.find(key);
@@ -99,20 +98,36 @@ const std::string& InputFingerprints::StateOfView(int image) {
   return Find(image).fingerprint;
 }
 
+const std::string& InputFingerprints::StateOfScene() {
+  std::call_once(scene_flag_, [&] {
+    std::vector<bool> is_used(views_.size());
+    for (const StereoProblem& problem : workspace_.Problems()) {
+      is_used[static_cast<size_t>(problem.reference)] = true;
+      for (const int source : problem.sources) {
+        is_used[static_cast<size_t>(source)] = true;
+      }
+    }
+    std::string text;
+    for (size_t image = 0; image < is_used.size(); ++image) {
+      if (is_used[image]) {
+        text += StateOfView(static_cast<int>(image)) + " " +
+                source_lists_[image] + "\n";
+      }
+    }
+    scene_ = FingerprintOf(text);
+  });
+  return scene_;
+}
+
 InputState InputFingerprints::OfResult(int reference) {
   InputState state = OfView(reference);
   state[kSources] = source_lists_[static_cast<size_t>(reference)];
   const std::vector<int>& sources = Problem(reference)->sources;
-  std::vector<bool> is_near(views_.size());
-  is_near[static_cast<size_t>(reference)] = true;
-  for (const int source : sources) {
-    is_near[static_cast<size_t>(source)] = true;
-  }
   for (size_t i = 0; i < sources.size(); ++i) {
     state[NeighbourKey(i)] = StateOfView(sources[i]);
-    if (with_evidence_ && Problem(sources[i]) != nullptr) {
-      state[BeyondKey(i)] = BeyondNeighbour(sources[i], is_near);
-    }
+  }
+  if (with_evidence_) {
+    state[kScene] = StateOfScene();
   }
   return state;
 }
@@ -127,14 +142,10 @@ std::string InputFingerprints::ChangesOfResult(int reference,
     return DescribeChanges(changes);
   }
   std::vector<std::string> neighbours;
-  std::vector<std::string> beyond;
   const std::vector<int>& sources = Problem(reference)->sources;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (Differ(recorded, now, NeighbourKey(i))) {
       neighbours.push_back(Name(sources[i]));
-    }
-    if (Differ(recorded, now, BeyondKey(i))) {
-      beyond.push_back(Name(sources[i]));
     }
   }
   if (!neighbours.empty()) {
@@ -144,9 +155,8 @@ std::string InputFingerprints::ChangesOfResult(int reference,
                        is_plural});
   }
   // Whatever is close is reason enough.
-  if (changes.empty() && !beyond.empty()) {
-    changes.push_back(
-        {"the neighbours of " + ListNames(std::move(beyond)), true});
+  if (changes.empty() && Differ(recorded, now, kScene)) {
+    changes.push_back({"other images of the scene", true});
   }
   return changes.empty() ? "" : DescribeChanges(changes);
 }
@@ -214,17 +224,6 @@ std::string InputFingerprints::MapsOf(int image) const {
     }
     text +=
         FileState(originals.depth) + " " + FileState(originals.normal) + " ";
-  }
-  return FingerprintOf(text);
-}
-
-std::string InputFingerprints::BeyondNeighbour(
-    int neighbour, const std::vector<bool>& is_near) {
-  std::string text = source_lists_[static_cast<size_t>(neighbour)];
-  for (const int source : Problem(neighbour)->sources) {
-    if (!is_near[static_cast<size_t>(source)]) {
-      text += " " + StateOfView(source);
-    }
   }
   return FingerprintOf(text);
 }

@@ -19,7 +19,7 @@ namespace tsar {
 class InputFingerprints {
  public:
   // workspace must outlive this object. with_evidence: whether results depend
-  // on what was observed in the sources, and thus on what their sources show.
+  // on the planes of the scene, and thus on all views.
   InputFingerprints(const Workspace& workspace, bool with_evidence);
 
   // Null where the image is no reference.
@@ -37,11 +37,13 @@ class InputFingerprints {
   // One fingerprint of OfView().
   const std::string& StateOfView(int image);
 
+  // One fingerprint of all views that are references or sources, and of which
+  // sources the references have: of what the planes of the scene are found in.
+  const std::string& StateOfScene();
+
   // What a reference's result is made from: OfView(), "sources" (which they
-  // are), and for the source in place N "neighbour N" and, where evidence of it
-  // is made, "beyond neighbour N": what that depends on beside the views of the
-  // reference and its sources, which have their own parts. There are no names
-  // in it, since these need not be UTF-8.
+  // are), for the source in place N "neighbour N" and, with evidence, "scene":
+  // StateOfScene(). There are no names in it, since these need not be UTF-8.
   InputState OfResult(int reference);
 
   // What differs between the recorded state of a result and that of today, such
@@ -65,7 +67,6 @@ class InputFingerprints {
   const View& Find(int image);
   InputState Read(int image) const;
   std::string MapsOf(int image) const;
-  std::string BeyondNeighbour(int neighbour, const std::vector<bool>& is_near);
   const std::string& Name(int image) const;
 
   const Workspace& workspace_;
@@ -74,6 +75,8 @@ class InputFingerprints {
   std::vector<const StereoProblem*> problems_;
   std::vector<std::string> source_lists_;
   std::vector<View> views_;
+  std::once_flag scene_flag_;
+  std::string scene_;
   std::map<int, InputState> expected_;
   std::vector<bool> is_own_;
 };

@@ -133,18 +133,10 @@ int64_t MainMemoryDivision::BytesBesideViews(const MemoryPlan& plan,
       std::min<int64_t>(num_images_,
                         num_workers + static_cast<int64_t>(sizes.max_finished) +
                             sizes.num_writers);
-  // Each image is read before its planes are looked for by the same thread.
-  const int64_t reading =
-      sizes.num_loaders *
-      (on_cpu_ ? plan.load : std::max(plan.load, plan.find_scene));
+  const int64_t reading = sizes.num_loaders * plan.load;
   // In a pass of its own, before planes are looked for.
   const int64_t making_evidence = sizes.num_writers * plan.make_evidence;
-  int64_t computing = 0;
-  if (on_cpu_) {
-    MemoryPlan worker = plan;
-    worker.work = std::max(plan.work, plan.find_scene);
-    computing = DeviceBytes(worker, num_workers);
-  }
+  const int64_t computing = on_cpu_ ? DeviceBytes(plan, num_workers) : 0;
   // Images whose neighbours' evidence is in use.
   const size_t num_scenes =
       static_cast<size_t>(num_workers) +

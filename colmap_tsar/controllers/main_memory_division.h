@@ -40,7 +40,7 @@ class MainMemoryDivision {
   };
 
   // All references must outlive this object. on_cpu: the CPU computes, so that
-  // workers take main memory and find planes themselves; where GPUs compute,
+  // workers take main memory and find surfaces themselves; where GPUs compute,
   // the threads that read do that.
   MainMemoryDivision(const MemoryPlanner& planner,
                      const WorkspaceOverview& overview,

@@ -4,6 +4,7 @@
 #include "colmap_tsar/controllers/manifest_account.h"
 
 #include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/store/shard_record.h"
@@ -37,6 +38,11 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
   RequireComplete(outcome);
   // Also what a run with other options left behind.
   EvidenceStore::Clear(run_.workspace);
+  if (run_.HasScenePlanes()) {
+    SceneModelStore::DropLabels(run_.workspace);
+  } else {
+    SceneModelStore::Remove(run_.workspace);
+  }
   RemoveShardRecords(run_.workspace.Root());
   if (run_.options.output_path.empty() && !run_.workspace.IsOutput()) {
     // Images that keep their maps have got them back from where links lead.

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/controllers/model_scene.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
@@ -61,9 +62,14 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.result =
       std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
   plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);
-  plan.find_scene = FindSceneMainBytes(options, num_pixels, num_sources + 1);
   plan.own_evidence = ViewEvidenceBytes(options, num_judged_pixels);
   plan.neighbour_evidence = NeighbourEvidenceBytes(options, num_pixels);
+  const int num_block_views =
+      static_cast<int>(ModelSceneOptions().max_block_views);
+  plan.model_block = num_block_views * plan.neighbour_evidence +
+                     ModelBlockMainBytes(options, num_pixels, num_block_views);
+  plan.label_view = EvidenceBytes(plan, 1) +
+                    LabelViewMainBytes(options, num_pixels, num_sources + 1);
   if (HasReducedViews(overview)) {
     plan.whole_view = plan.view;
     plan.view = ReducedViewBytes(overview);

@@ -37,8 +37,11 @@ struct MemoryPlan {
   // Of main memory, for images that are refined together with their neighbours;
   // otherwise 0. Making the evidence of an image of what was measured in it:
   int64_t make_evidence = 0;
-  // Finding planes in the evidence of an image and its sources, beside that.
-  int64_t find_scene = 0;
+  // Finding the planes of a block of views, with their evidence, and labelling
+  // a view with planes, with the evidence of it and its sources; each in a pass
+  // in which nothing else is done.
+  int64_t model_block = 0;
+  int64_t label_view = 0;
   // What an image needs of its own evidence, with the reduced hypotheses that
   // this rates, and what of a neighbour's.
   int64_t own_evidence = 0;

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/open_workspace.h"
+#include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/controllers/shard.h"
 #include "colmap_tsar/controllers/shard_entries.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
@@ -21,19 +22,6 @@
 
 namespace tsar {
 namespace {
-
-// How many shards the work has, by any of its records; 0 where there are none.
-int CountShards(const Workspace& workspace, const RefineOptions& options) {
-  int count = 0;
-  for (const auto& [path, record] : ListShardRecords(workspace.Root())) {
-    count = count == 0 ? record.count : count;
-    RequireSameWork(
-        DescribeShard(workspace, options, RefinePass::kMerge, {0, count}),
-        record,
-        path);
-  }
-  return count;
-}
 
 std::map<std::string, std::string> RuntimeOfShards(
     const std::vector<ShardRecord>& shards) {
@@ -60,8 +48,7 @@ void RequireAllDone(const Workspace& workspace, const Manifest& manifest) {
             " of " + std::to_string(manifest.images.size()) +
             " images have not been refined with these options",
         "run " + OptionName("pass") +
-            " observe and compose of all shards "
-            "first");
+            " observe of all shards, model, and compose of all shards first");
   }
 }
 
@@ -73,7 +60,9 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   const Workspace workspace = OpenWorkspace(workspace_options);
   const WorkspaceLock lock(workspace.Root());
   std::vector<ShardRecord> shards;
-  if (const int count = CountShards(workspace, refine_options); count > 0) {
+  if (const int count =
+          CountShards(workspace, refine_options, RefinePass::kMerge);
+      count > 0) {
     shards = ReadCompleteShards(
         workspace.Root(),
         DescribeShard(
@@ -89,6 +78,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
     WriteManifest(workspace, manifest);
   }
   EvidenceStore::Clear(workspace);
+  SceneModelStore::DropLabels(workspace);
   // Last: until then, the same call does all of it again.
   RemoveShardRecords(workspace.Root());
 

@@ -14,7 +14,7 @@ ImageReport ObserveTask::Begin(size_t index) {
   }
   // What keeps an image from being refined is found out, and reported, in the
   // second pass.
-  if (!images_.IsNeeded(index) ||
+  if (!(has_model_ ? images_.IsNeeded(index) : images_.IsAnyNeeded()) ||
       (images_.ReusesResults() &&
        evidence_.IsCurrent(images_.Reference(index))) ||
       !images_.CanRefine(index)) {

@@ -17,9 +17,13 @@ namespace tsar {
 // are have been refined.
 class ObserveTask : public RefineTask {
  public:
-  // evidence must outlive this object.
-  ObserveTask(const RefineTaskInputs& inputs, EvidenceStore& evidence)
-      : RefineTask(inputs), evidence_(evidence) {}
+  // evidence must outlive this object. has_model: whether the planes of the
+  // scene are known already, so that only images that are to be refined and
+  // their sources have to be observed.
+  ObserveTask(const RefineTaskInputs& inputs,
+              EvidenceStore& evidence,
+              bool has_model)
+      : RefineTask(inputs), evidence_(evidence), has_model_(has_model) {}
 
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override {
@@ -33,6 +37,7 @@ class ObserveTask : public RefineTask {
 
  private:
   EvidenceStore& evidence_;
+  const bool has_model_;
 };
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/manifest_account.h"
 #include "colmap_tsar/controllers/memory_plan.h"
+#include "colmap_tsar/controllers/model_pass.h"
 #include "colmap_tsar/controllers/observe_task.h"
 #include "colmap_tsar/controllers/open_workspace.h"
 #include "colmap_tsar/controllers/shard_account.h"
@@ -14,6 +15,7 @@
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/store/output_workspace.h"
 
+#include <exception>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -78,6 +80,7 @@ RunSummary RefineController::Run() {
                          inputs,
                          options_hash,
                          NumEvidenceViews(overview_, devices_.workers.size()));
+  const SceneModelStore model(workspace_, inputs, options_hash);
   // Who observes is to see every image.
   ImageCatalogue catalogue(workspace_,
                            overview_.has_maps,
@@ -91,6 +94,7 @@ RunSummary RefineController::Run() {
                          devices_,
                          inputs,
                          evidence,
+                         model,
                          catalogue};
   std::unique_ptr<RunAccount> account;
   if (IsShard()) {
@@ -151,15 +155,15 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   if (options_.pass != RefinePass::kCompose) {
     account.BeforeObserving();
     const PipelineOutcome outcome =
-        Observe(run, inputs, pass_name("Pass 1 of 2:"), *cache);
+        Observe(run, inputs, pass_name("Pass 1 of 3:"), *cache);
     if (options_.pass == RefinePass::kObserve) {
       return outcome;
     }
-    if (!outcome.IsComplete()) {
-      // A view whose neighbours were not all observed would get another map.
-      PipelineOutcome none_refined(Images().size());
-      none_refined.failures = outcome.failures;
-      none_refined.first_failure = outcome.first_failure;
+    PipelineOutcome none_refined(Images().size());
+    none_refined.failures = outcome.failures;
+    none_refined.first_failure = outcome.first_failure;
+    // The planes of a scene of which some view was not observed are others.
+    if (!outcome.IsComplete() || !Model(run, &none_refined)) {
       return none_refined;
     }
   }
@@ -168,9 +172,12 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   }
   account.BeforeComposing();
   if (run.HasScenePlanes()) {
-    ComposeTask compose(
-        inputs, workspace_, run.evidence, devices_.finds_scenes_ahead);
-    return RunPass(compose, pass_name("Pass 2 of 2:"), *cache);
+    ComposeTask compose(inputs,
+                        workspace_,
+                        run.evidence,
+                        run.IsAnyNeeded() ? run.model.Read() : SceneModel(),
+                        devices_.finds_scenes_ahead);
+    return RunPass(compose, pass_name("Pass 3 of 3:"), *cache);
   }
   SingleViewTask refine(inputs);
   return RunPass(refine, pass_name(""), *cache);
@@ -188,8 +195,27 @@ PipelineOutcome RefineController::Observe(const RefineRun& run,
     outcome.reports.assign(Images().size(), nothing_to_do);
     return outcome;
   }
-  ObserveTask observe(inputs, run.evidence);
+  ObserveTask observe(inputs,
+                      run.evidence,
+                      run.catalogue.ReusesResults() && run.model.IsCurrent());
   return RunPass(observe, std::move(name), cache);
+}
+
+bool RefineController::Model(const RefineRun& run, PipelineOutcome* outcome) {
+  if (!run.HasScenePlanes() || !run.IsAnyNeeded() || run.model.IsCurrent()) {
+    return true;
+  }
+  try {
+    return ModelWorkspace(
+        {workspace_, run.catalogue, run.evidence, run.model, refine_options_},
+        devices_.model_threads,
+        "Pass 2 of 3, scene model,",
+        progress_,
+        should_stop_);
+  } catch (...) {
+    outcome->first_failure = std::current_exception();
+    return false;
+  }
 }
 
 PipelineOutcome RefineController::RunPass(RefineTask& task,

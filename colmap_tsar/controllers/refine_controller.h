@@ -52,6 +52,9 @@ class RefineController {
                           const RefineTaskInputs& inputs,
                           std::string name,
                           ViewCache& cache);
+  // Whether there is what composing needs of the whole scene; false where the
+  // user stopped or it failed, which the outcome then tells.
+  bool Model(const RefineRun& run, PipelineOutcome* outcome);
   PipelineOutcome RunPass(RefineTask& task, std::string name, ViewCache& cache);
   RunSummary Summarize(const RefineRun& run,
                        const PipelineOutcome& outcome) const;

@@ -101,7 +101,25 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
       budget, static_cast<int>(result.workers.size()), max_num_files_threads);
   result.sizes = sizes.pipeline;
   result.cache_num_bytes = sizes.view_bytes;
+  result.model_threads = PlanModelThreads(options, plan, machine_bytes);
   return result;
+}
+
+ModelThreads PlanModelThreads(const DeviceOptions& options,
+                              const MemoryPlan& plan,
+                              int64_t machine_bytes) {
+  const MemoryBudget budget(options.cache_size, machine_bytes);
+  ModelThreads threads;
+  threads.num_threads = NumThreads(options.num_threads);
+  const auto at_a_time = [&](int64_t bytes) {
+    return static_cast<int>(
+        std::clamp<int64_t>(budget.NumBytes() / std::max<int64_t>(bytes, 1),
+                            1,
+                            threads.num_threads));
+  };
+  threads.num_blocks = at_a_time(plan.model_block);
+  threads.num_views = at_a_time(plan.label_view);
+  return threads;
 }
 
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {

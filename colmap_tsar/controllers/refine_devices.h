@@ -9,6 +9,7 @@
 #include "colmap_tsar/controllers/gpu_workers.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/memory_plan.h"
+#include "colmap_tsar/controllers/model_scene.h"
 #include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/controllers/workspace_check.h"
 #include "colmap_tsar/device/device.h"
@@ -39,6 +40,8 @@ struct RefineDevices {
   PipelineSizes sizes;
   // See ComposeTask: the workers are GPUs.
   bool finds_scenes_ahead = false;
+  // For the planes of the scene.
+  ModelThreads model_threads;
   // Main memory for views.
   size_t cache_num_bytes = 0;
 };
@@ -63,6 +66,12 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   int num_images,
                                   const GpuSystem& gpus = GpuSystem::Cuda(),
                                   int64_t machine_bytes = MainMemoryBytes());
+
+// The threads of the pass that finds the planes of the scene: as many as memory
+// allows.
+ModelThreads PlanModelThreads(const DeviceOptions& options,
+                              const MemoryPlan& plan,
+                              int64_t machine_bytes = MainMemoryBytes());
 
 // The most that each GPU held so far; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);

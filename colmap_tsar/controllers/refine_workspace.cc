@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/controllers/merge_shards.h"
+#include "colmap_tsar/controllers/model_shards.h"
 #include "colmap_tsar/controllers/refine_controller.h"
 
 #include <string>
@@ -27,11 +28,13 @@ void WorkspaceRefineOptions::Check() const {
               ": a part of the images needs what is observed in the "
               "others; run " +
               OptionName("pass") +
-              " observe for all shards, then compose for "
-              "all, then merge");
-  require(pass != RefinePass::kMerge || shard.count == 1,
-          OptionName("shard") + ": " + OptionName("pass") +
-              " merge is for all shards together; "
+              " observe for all shards, then model, then "
+              "compose for all, then merge");
+  require((pass != RefinePass::kModel && pass != RefinePass::kMerge) ||
+              shard.count == 1,
+          OptionName("shard") + ": " + OptionName("pass") + " " +
+              ToString(pass) +
+              " is for all shards together; "
               "leave it out");
   require(
       pass == RefinePass::kAll || output_path.empty(),
@@ -47,6 +50,10 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            RefineObserver* observer) {
   workspace_options.Check();
   refine_options.Check();
+  if (workspace_options.pass == RefinePass::kModel) {
+    return ModelShards(
+        workspace_options, refine_options, progress, should_stop);
+  }
   if (workspace_options.pass == RefinePass::kMerge) {
     return MergeShards(workspace_options, refine_options);
   }

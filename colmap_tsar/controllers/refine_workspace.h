@@ -53,7 +53,8 @@ struct WorkspaceRefineOptions {
 //
 // kObserve and kCompose leave a record of the shard (see ShardAccount) instead
 // of the manifest. Before kCompose, all shards must have been observed with
-// these options, else kNotFound; kMerge: see MergeShards.
+// these options, and the planes of the scene must have been found, else
+// kNotFound; kModel: see ModelShards, kMerge: see MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,

@@ -10,9 +10,11 @@
 #include "colmap_tsar/controllers/pipeline_outcome.h"
 #include "colmap_tsar/controllers/refine_devices.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/store/workspace.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <string>
@@ -30,10 +32,17 @@ struct RefineRun {
   const RefineDevices& devices;
   InputFingerprints& inputs;
   EvidenceStore& evidence;
+  const SceneModelStore& model;
   ImageCatalogue& catalogue;
 
   const std::vector<size_t>& Images() const {
     return shards[static_cast<size_t>(options.shard.index)];
+  }
+  // Whether some image of the run has yet to be refined and can be.
+  bool IsAnyNeeded() const {
+    return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
+      return catalogue.CanRefine(index) && !catalogue.HasBeenRefined(index);
+    });
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };

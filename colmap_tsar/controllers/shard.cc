@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/controllers/neighbour_order.h"
 
 #include <algorithm>
 #include <array>
@@ -24,6 +25,7 @@ constexpr int kMaxShards = 100000;
 constexpr std::array kPassNames = {
     std::pair(RefinePass::kAll, "all"),
     std::pair(RefinePass::kObserve, "observe"),
+    std::pair(RefinePass::kModel, "model"),
     std::pair(RefinePass::kCompose, "compose"),
     std::pair(RefinePass::kMerge, "merge"),
 };
@@ -46,30 +48,6 @@ Error Refused(const std::string& what) {
                    "first of four parts");
 }
 
-// For each image of the run, those that it reads or that read it.
-std::vector<std::vector<size_t>> FindNeighbours(const Workspace& workspace) {
-  const std::vector<StereoProblem>& problems = workspace.Problems();
-  std::vector<int> index_of(workspace.Model().images.size(), -1);
-  for (size_t i = 0; i < problems.size(); ++i) {
-    index_of[static_cast<size_t>(problems[i].reference)] = static_cast<int>(i);
-  }
-  std::vector<std::vector<size_t>> neighbours(problems.size());
-  for (size_t i = 0; i < problems.size(); ++i) {
-    for (const int source : problems[i].sources) {
-      const int other = index_of[static_cast<size_t>(source)];
-      if (other >= 0 && other != static_cast<int>(i)) {
-        neighbours[i].push_back(static_cast<size_t>(other));
-        neighbours[static_cast<size_t>(other)].push_back(i);
-      }
-    }
-  }
-  for (std::vector<size_t>& images : neighbours) {
-    std::sort(images.begin(), images.end());
-    images.erase(std::unique(images.begin(), images.end()), images.end());
-  }
-  return neighbours;
-}
-
 // What an image takes: each source is compared with all its pixels.
 std::vector<int64_t> FindWork(const Workspace& workspace) {
   std::vector<int64_t> work;
@@ -81,75 +59,6 @@ std::vector<int64_t> FindWork(const Workspace& workspace) {
   }
   return work;
 }
-
-// An order of images in which neighbours are close to each other: that of
-// Cuthill and McKee, in which images far from the first come late and those
-// with few neighbours before others.
-class NeighbourOrder {
- public:
-  explicit NeighbourOrder(const Workspace& workspace)
-      : neighbours_(FindNeighbours(workspace)),
-        is_taken_(neighbours_.size(), false) {
-    for (const StereoProblem& problem : workspace.Problems()) {
-      names_.push_back(workspace.Model()
-                           .images[static_cast<size_t>(problem.reference)]
-                           .name);
-    }
-  }
-
-  std::vector<size_t> Find() {
-    std::vector<size_t> by_name(neighbours_.size());
-    for (size_t i = 0; i < by_name.size(); ++i) {
-      by_name[i] = i;
-    }
-    std::sort(by_name.begin(), by_name.end(), [&](size_t a, size_t b) {
-      return names_[a] < names_[b];
-    });
-    std::vector<size_t> order;
-    for (const size_t image : by_name) {
-      if (!is_taken_[image]) {
-        const std::vector<size_t> component = Walk(FindEnd(image));
-        order.insert(order.end(), component.begin(), component.end());
-        for (const size_t taken : component) {
-          is_taken_[taken] = true;
-        }
-      }
-    }
-    return order;
-  }
-
- private:
-  // All images that can be reached, the nearest first.
-  std::vector<size_t> Walk(size_t start) const {
-    std::vector<bool> is_seen = is_taken_;
-    std::vector<size_t> order = {start};
-    is_seen[start] = true;
-    for (size_t i = 0; i < order.size(); ++i) {
-      const size_t first_new = order.size();
-      for (const size_t other : neighbours_[order[i]]) {
-        if (!is_seen[other]) {
-          is_seen[other] = true;
-          order.push_back(other);
-        }
-      }
-      std::sort(order.begin() + static_cast<std::ptrdiff_t>(first_new),
-                order.end(),
-                [&](size_t a, size_t b) {
-                  return std::pair(neighbours_[a].size(), names_[a]) <
-                         std::pair(neighbours_[b].size(), names_[b]);
-                });
-    }
-    return order;
-  }
-
-  // An image at one end of all that can be reached: the farthest from the one
-  // that is farthest from any.
-  size_t FindEnd(size_t image) const { return Walk(Walk(image).back()).back(); }
-
-  const std::vector<std::vector<size_t>> neighbours_;
-  std::vector<std::string> names_;
-  std::vector<bool> is_taken_;
-};
 
 }  // namespace
 
@@ -199,7 +108,7 @@ RefinePass ParsePass(const std::string& text) {
   }
   throw Error(ErrorCode::kBadOption,
               OptionName("pass") + ": '" + text +
-                  "' is not known; give all, observe, compose or merge");
+                  "' is not known; give all, observe, model, compose or merge");
 }
 
 std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
@@ -217,7 +126,7 @@ std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
   }
   std::vector<std::vector<size_t>> shards(static_cast<size_t>(count));
   int64_t before = 0;
-  for (const size_t image : NeighbourOrder(workspace).Find()) {
+  for (const size_t image : OrderByNeighbours(workspace)) {
     // The part in which the middle of the image's work lies.
     const double middle =
         static_cast<double>(before) + 0.5 * static_cast<double>(work[image]);

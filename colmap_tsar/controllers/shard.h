@@ -32,11 +32,12 @@ Shard ParseShard(const std::string& text);
 enum class RefinePass {
   kAll,      // Everything, by one program.
   kObserve,  // Of a shard: what each image observes, for its neighbours.
-  kCompose,  // Of a shard: the maps, once all shards were observed.
+  kModel,    // Of all shards: the planes of the scene, once all were observed.
+  kCompose,  // Of a shard: the maps, once there are the planes.
   kMerge,    // What is left once all shards were composed.
 };
 
-// "all", "observe", "compose" or "merge".
+// "all", "observe", "model", "compose" or "merge".
 std::string ToString(RefinePass pass);
 // Throws kBadOption.
 RefinePass ParsePass(const std::string& text);

@@ -110,6 +110,18 @@ ShardRecord DescribeShard(const Workspace& workspace,
   return record;
 }
 
+int CountShards(const Workspace& workspace,
+                const RefineOptions& options,
+                RefinePass pass) {
+  int count = 0;
+  for (const auto& [path, record] : ListShardRecords(workspace.Root())) {
+    count = count == 0 ? record.count : count;
+    RequireSameWork(
+        DescribeShard(workspace, options, pass, {0, count}), record, path);
+  }
+  return count;
+}
+
 std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
                                                 const RefineDevices& devices) {
   std::map<std::string, std::string> runtime = RuntimeText(options, devices);

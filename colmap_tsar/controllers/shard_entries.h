@@ -30,6 +30,12 @@ ShardRecord DescribeShard(const Workspace& workspace,
                           RefinePass pass,
                           const Shard& shard);
 
+// How many shards the work has, by any of its records; 0 where there are none.
+// Throws what RequireSameWork throws, for a program in this pass.
+int CountShards(const Workspace& workspace,
+                const RefineOptions& options,
+                RefinePass pass);
+
 // What it is done with, and on which machine.
 std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
                                                 const RefineDevices& devices);

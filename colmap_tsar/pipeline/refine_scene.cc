@@ -11,14 +11,12 @@
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/pack_ratings.h"
+#include "colmap_tsar/pipeline/plane_map.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
-#include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
-#include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/plane_support.h"
 #include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
 #include "colmap_tsar/scene_planes/texture_measures.h"
@@ -27,6 +25,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 namespace tsar {
@@ -68,18 +67,6 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   return inputs;
 }
 
-// The candidates of all views, those of the reference first.
-std::vector<WorldPlane> CollectCandidates(
-    const std::vector<ObservedView>& views) {
-  std::vector<WorldPlane> candidates;
-  for (const ObservedView& view : views) {
-    for (const Plane& plane : view.evidence->candidates) {
-      candidates.push_back(ToWorldPlane(plane, view.camera));
-    }
-  }
-  return candidates;
-}
-
 // Keeps of the planes of superpixels those that the view as a whole needs:
 // most of the hundreds say the same, and every neighbour would have to look at
 // each of them.
@@ -119,6 +106,30 @@ std::vector<Plane> PlanesOfRegions(const ViewEvidence& evidence) {
   planes.insert(
       planes.end(), evidence.candidates.begin(), evidence.candidates.end());
   return planes;
+}
+
+// For MapPlanes(); numbers that do not fit into a plane map are left out.
+Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
+                             const FoundScene& found) {
+  std::vector<uint16_t> of_superpixel;
+  for (size_t k = 0; k < found.labeled.labels.size(); ++k) {
+    const int label = found.labeled.labels[k];
+    const bool is_curved =
+        !found.curved.labels.empty() && found.curved.labels[k] >= 0;
+    const int number = label >= 0 && !is_curved
+                           ? found.plane_numbers[static_cast<size_t>(label)] + 1
+                           : 0;
+    of_superpixel.push_back(number <= std::numeric_limits<uint16_t>::max()
+                                ? static_cast<uint16_t>(number)
+                                : uint16_t{0});
+  }
+  Image<uint16_t> numbers(superpixels.Width(), superpixels.Height());
+  std::transform(
+      superpixels.begin(),
+      superpixels.end(),
+      numbers.begin(),
+      [&](uint16_t superpixel) { return of_superpixel[superpixel]; });
+  return numbers;
 }
 
 // planes: of each label.
@@ -290,33 +301,6 @@ void MakeEvidence(const RefineOptions& options,
   timer.Finish("scene planes");
 }
 
-FoundScene FindScene(const std::vector<ObservedView>& views,
-                     const RefineOptions& options,
-                     Device& device) {
-  FoundScene found;
-  StageTimer timer(device, &found.seconds);
-  const SceneOptions scene = MakeSceneOptions(options, views);
-  const DiscoveredPlanes planes =
-      DiscoverPlanes(views, CollectCandidates(views), scene.discovery, device);
-  const PlaneSupport support = FindPlaneSupport(views, planes, scene.support);
-  timer.Finish("scene planes");
-  found.labeled = LabelView(views, planes, support, scene.labels, device);
-  timer.Finish("labels");
-  found.curved = options.curved_surfaces
-                     ? FindCurvedSurfaces(views, found.labeled, scene.surfaces)
-                     : CurvedView{{}, {}, found.labeled.evidence};
-  timer.Finish("curved surfaces");
-  return found;
-}
-
-RefineResult ComposeImage(const ViewData& reference,
-                          const std::vector<ObservedView>& views,
-                          const RefineOptions& options,
-                          Device& device) {
-  return ComposeImage(
-      reference, views, FindScene(views, options, device), options, device);
-}
-
 RefineResult ComposeImage(const ViewData& reference,
                           const std::vector<ObservedView>& views,
                           const FoundScene& found,
@@ -373,6 +357,13 @@ RefineResult ComposeImage(const ViewData& reference,
       RateSceneConfidence(composed, inputs, device);
   timer.Finish("composition");
   result.maps = Download(composed, confidence);
+  const DeviceImage<uint16_t> plane_numbers(device,
+                                            PlaneNumbers(superpixels, found));
+  result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),
+                                 view.OnMap(scene_planes),
+                                 plane_numbers.View(),
+                                 device)
+                           .ToHost();
   timer.Finish("download");
   ShowMaps(observer, result.maps);
   if (!HasDepth(result.maps.depth)) {

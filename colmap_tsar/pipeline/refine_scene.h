@@ -4,27 +4,24 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstdint>
-#include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace tsar {
 
-// The two steps by which an image is refined together with its neighbours. The
-// first takes it through the stages of a single view and keeps what these
-// found; the second needs that of the image and of its sources.
+// The first and the last of the steps by which an image is refined together
+// with all others. The first takes it through the stages of a single view and
+// keeps what these found. Of that, the steps of find_scene.h make the planes of
+// the scene, with which the last one composes its map.
 
 // The first step in two parts: the stages, for which the result holds what they
 // measured, and what makes evidence of that; the result then holds the evidence
@@ -42,34 +39,14 @@ void MakeEvidence(const RefineOptions& options,
                   Device& device,
                   RefineResult* result);
 
-// The planes of the scene around an image and where it shows them, and what is
-// curved.
-struct FoundScene {
-  LabeledView labeled;
-  CurvedView curved;
-  std::map<std::string, double> seconds;  // That it took, per stage.
-};
-
-// In the evidence of the views, the first of which is that of the reference.
-// The other views may be in any order, the same one for the same bits. For CPUs
-// as MakeEvidence().
-FoundScene FindScene(const std::vector<ObservedView>& views,
-                     const RefineOptions& options,
-                     Device& device);
-
-// Composes the reference's map of the planes that were found in these views.
-// The evidence of the reference has all its parts. observer: as in RefineImage.
+// Composes the reference's map of the planes and surfaces that were found in
+// it. The evidence of the reference has all its parts. observer: as in
+// RefineImage.
 RefineResult ComposeImage(const ViewData& reference,
                           const std::vector<ObservedView>& views,
                           const FoundScene& found,
                           const RefineOptions& options,
                           Device& device,
                           StageObserver* observer = nullptr);
-
-// Finds them, too.
-RefineResult ComposeImage(const ViewData& reference,
-                          const std::vector<ObservedView>& views,
-                          const RefineOptions& options,
-                          Device& device);
 
 }  // namespace tsar

@@ -33,7 +33,7 @@ struct RefinedMaps {
 
 inline int64_t RefinedMapsBytes(int64_t num_pixels) {
   constexpr size_t kBytesPerPixel =
-      2 * sizeof(float) + sizeof(Vec3f) + sizeof(uint8_t);
+      2 * sizeof(float) + sizeof(Vec3f) + sizeof(uint8_t) + sizeof(uint16_t);
   return num_pixels * static_cast<int64_t>(kBytesPerPixel);
 }
 

@@ -7,12 +7,14 @@
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
+#include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene_planes/label_votes.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
@@ -122,31 +124,16 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
       2 * BytesOf<Plane>(num_raster_pixels);
   const int64_t kinds = BytesOf<uint8_t>(num_raster_pixels);
   const int64_t provenance = BytesOf<uint8_t>(num_pixels);
+  const int64_t plane_maps = BytesOf<uint16_t>(num_raster_pixels + num_pixels);
   const int64_t composing =
       planes_of_scene_and_regions + kinds +
       std::max(ComposeSceneWorkingBytes(num_pixels),
                provenance + std::max(FillHolesWorkingBytes(options, num_pixels),
-                                     ConfidenceBytes(num_pixels)));
+                                     ConfidenceBytes(num_pixels) + plane_maps));
   const int64_t ratings = BytesOf<uint8_t>(num_pixels);
   return DeviceReferenceWorkingBytes(num_pixels) +
          std::max(LiftRatingsWorkingBytes(num_pixels, num_judged_pixels),
                   ratings + std::max(borders, composing));
-}
-
-int64_t FindSceneWorkingBytes(const RefineOptions& options,
-                              int64_t num_pixels,
-                              int num_views) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
-  return std::max(DiscoverPlanesWorkingBytes(
-                      SizeOfDiscovery(options, num_pixels, num_views), {}),
-                  ComputePlaneCostsWorkingBytes(
-                      num_views,
-                      num_raster_pixels,
-                      num_superpixels,
-                      MaxObservations(num_raster_pixels, num_superpixels, {}),
-                      DiscoverPlanesOptions().max_planes,
-                      {}));
 }
 
 int64_t MakeEvidenceMainBytes(const RefineOptions& options,
@@ -170,12 +157,33 @@ int64_t MakeEvidenceMainBytes(const RefineOptions& options,
                   DiscoverPlanesMainBytes(size, {})));
 }
 
-int64_t FindSceneMainBytes(const RefineOptions& options,
+int64_t ModelBlockMainBytes(const RefineOptions& options,
+                            int64_t num_pixels,
+                            int num_views) {
+  const DiscoverPlanesOptions discovery = BlockDiscoveryOptions({}, num_views);
+  const DiscoverySize size = SizeOfDiscovery(options, num_pixels, num_views);
+  return DiscoverPlanesWorkingBytes(size, discovery) +
+         DiscoverPlanesMainBytes(size, discovery);
+}
+
+int64_t LabelViewMainBytes(const RefineOptions& options,
                            int64_t num_pixels,
                            int num_views) {
-  return FindSceneWorkingBytes(options, num_pixels, num_views) +
-         DiscoverPlanesMainBytes(
-             SizeOfDiscovery(options, num_pixels, num_views), {});
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
+  // As many as one view can have, and as many more by its sources.
+  const int num_planes = 2 * DiscoverPlanesOptions().max_planes;
+  const int64_t graph = BytesOf<float>(num_superpixels * (num_planes + 1));
+  return std::max(
+      ComputePlaneCostsWorkingBytes(
+          num_views,
+          num_raster_pixels,
+          num_superpixels,
+          MaxObservations(num_raster_pixels, num_superpixels, {}),
+          num_planes,
+          {}),
+      graph + AddLabelVotesWorkingBytes(
+                  num_views, num_raster_pixels, num_superpixels, num_planes));
 }
 
 int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {

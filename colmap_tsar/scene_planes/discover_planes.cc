@@ -188,6 +188,17 @@ ObservedView MakeObservedView(const ViewEvidence& evidence,
   return view;
 }
 
+std::vector<WorldPlane> CollectCandidates(
+    const std::vector<ObservedView>& views) {
+  std::vector<WorldPlane> candidates;
+  for (const ObservedView& view : views) {
+    for (const Plane& plane : view.evidence->candidates) {
+      candidates.push_back(ToWorldPlane(plane, view.camera));
+    }
+  }
+  return candidates;
+}
+
 DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 const std::vector<WorldPlane>& candidates,
                                 const DiscoverPlanesOptions& options,

@@ -23,6 +23,10 @@ struct ObservedView {
 ObservedView MakeObservedView(const ViewEvidence& evidence,
                               const Camera& camera);
 
+// The candidates of all views, those of the first one first.
+std::vector<WorldPlane> CollectCandidates(
+    const std::vector<ObservedView>& views);
+
 struct DiscoverPlanesOptions {
   // How far a depth may be off a plane to speak for it at all, in relative
   // depths of one pixel of disparity (DepthResolution::RelativeDepthError).

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/border_costs.h"
+#include "colmap_tsar/scene_planes/label_votes.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 
 #include <cstddef>
@@ -17,7 +18,8 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
                       const DiscoveredPlanes& discovered,
                       const PlaneSupport& support,
                       const LabelOptions& options,
-                      Device& device) {
+                      Device& device,
+                      const std::vector<ViewLabels>& source_labels) {
   const ViewEvidence& evidence = *views[0].evidence;
   const int num_superpixels = evidence.NumSuperpixels();
   const int num_planes = static_cast<int>(discovered.planes.size());
@@ -31,8 +33,12 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   for (const ScenePlane& found : discovered.planes) {
     result.planes.push_back(ToCameraPlane(found.plane, views[0].camera));
   }
-  const Image<PlaneCost> costs =
+  Image<PlaneCost> costs =
       ComputePlaneCosts(views, result.planes, support, options, device);
+  if (!source_labels.empty()) {
+    AddLabelVotes(
+        views, result.planes, source_labels, options.votes, device, &costs);
+  }
   std::vector<float> num_pixels(static_cast<size_t>(num_superpixels), 0.f);
   for (const uint16_t label : evidence.superpixels) {
     ++num_pixels[label];

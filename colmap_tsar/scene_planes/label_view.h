@@ -14,6 +14,29 @@
 
 namespace tsar {
 
+// How much the labels of other views count. Costs are in pixels of the raster
+// for each view of full weight, gaps in relative depths of one pixel of
+// disparity.
+struct LabelVoteOptions {
+  // What a pixel gains by a view with the same plane there,
+  float gain_of_same = 0.1f;
+  // and costs by one with another plane that is this close at most. The cost
+  // grows with the gap, up to full_gap.
+  float cost_of_rival = 0.1f;
+  float max_gap = 6.f;
+  float full_gap = 0.5f;
+  // What it costs to lie further than that in front of a view's plane.
+  float cost_of_hiding = 0.1f;
+  // A label that was measured in its own view weighs 1; one that other views
+  // measured there, and one that only its neighbours in the image speak for,
+  // less.
+  float carried_weight = 0.6f;
+  float guessed_weight = 0.3f;
+  // More weight than this changes nothing; and no pixel costs more than this.
+  float max_same = 3.f;
+  float max_against = 3.f;
+};
+
 // Costs are in pixels of full confidence. Depth differences are in relative
 // depths of one pixel of disparity.
 struct LabelOptions {
@@ -45,6 +68,7 @@ struct LabelOptions {
   // The gap between two planes at a border from which the border costs its full
   // weight.
   float full_gap = 3.f;
+  LabelVoteOptions votes;
   ExpansionOptions expansion;
 };
 
@@ -54,6 +78,12 @@ enum class LabelEvidence : uint8_t {
   kGuessed = 1,   // By its neighbours in the image alone.
   kCarried = 2,   // Other views measured the plane there.
   kMeasured = 3,  // It lies in the superpixel's own observations.
+};
+
+// What each superpixel of a view was labelled with.
+struct ViewLabels {
+  std::vector<int> planes;  // Numbers of planes; -1: none.
+  std::vector<LabelEvidence> evidence;
 };
 
 struct LabeledView {
@@ -70,14 +100,19 @@ struct LabeledView {
 // - planes where they are not known well enough, or were not observed around;
 // - planes in front of what other views saw through them, less where other
 //   views confirm them;
+// - planes that are not those that other views were labelled with (see
+//   AddLabelVotes);
 // - neighbours with different planes, in proportion to the gap between these
 //   along the border, unless an edge of the image runs there: where two planes
 //   meet in space the change is free.
 // views: the reference, then the views that look at the same scene.
+// source_labels: of these others, in numbers of the discovered planes; or none,
+// where they have not been labelled.
 LabeledView LabelView(const std::vector<ObservedView>& views,
                       const DiscoveredPlanes& discovered,
                       const PlaneSupport& support,
                       const LabelOptions& options,
-                      Device& device);
+                      Device& device,
+                      const std::vector<ViewLabels>& source_labels = {});
 
 }  // namespace tsar

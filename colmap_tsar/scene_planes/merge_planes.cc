@@ -21,21 +21,28 @@ namespace {
 
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
+// The share of its support that the smaller of two planes may lose for the sake
+// of one plane: what views measure of a surface differs by errors that each of
+// them has in common with its neighbours, and two planes of one surface tear
+// the views apart.
+constexpr double kMaxMergeShare = 0.1;
 // Nor are two planes each of which is worth more than this many times the cost
 // of a plane where the other one stays: a joint plane hardly makes up for that.
 constexpr double kHopelessGains = 3.0;
-// Nor planes that are further apart, in tolerances, where each of them was
-// measured; this is told by some of the observations.
-constexpr double kMaxMergeDistance = 10.0;
+// By how many observations it is told how far planes are apart.
 constexpr size_t kNumMergeSamples = 100;
 
 // What to do to the planes, and what it costs.
 struct Change {
   int dropped = -1;
   double loss = 0.0;
+  double max_loss = 0.0;
   // What takes the place of the dropped plane and of another one.
   int replaced = -1;
   const ScoredPlane* joint = nullptr;
+
+  // Of what it may cost.
+  double Share() const { return loss / max_loss; }
 };
 
 // Fits to the superpixels of two planes, from either plane on; none where they
@@ -87,7 +94,7 @@ class PlaneMerger {
   }
 
  private:
-  // Nothing where no change costs less than a plane.
+  // In proportion to what it may cost; nothing where none is worth it.
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings =
         Rank(planes_, fitter_.Observations().Count());
@@ -104,22 +111,33 @@ class PlaneMerger {
             ranking.scores[1] - ranking.scores[2];
       }
     }
+    std::vector<double> supports(planes_.size(), 0.0);
+    for (const Ranking& ranking : rankings) {
+      if (ranking.planes[0] >= 0) {
+        supports[ranking.planes[0]] += ranking.scores[0];
+      }
+    }
     std::optional<Change> cheapest;
     const auto consider = [&](const Change& change) {
-      if (change.loss < (cheapest ? cheapest->loss : min_gain_)) {
+      if (change.Share() < (cheapest ? cheapest->Share() : 1.0)) {
         cheapest = change;
       }
     };
     for (int p = 0; p < num_planes; ++p) {
-      consider({p, losses.without[p], -1, nullptr});
+      consider({p, losses.without[p], min_gain_, -1, nullptr});
     }
     const std::vector<std::vector<int>> members =
         AssignedSuperpixels(rankings, planes_.size());
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
+        const double max_loss =
+            MaxMergeLoss(min_gain_, supports[a], supports[b]);
         if (std::min(losses.without[a], losses.without[b]) <=
-            kHopelessGains * min_gain_) {
-          consider(Merge(a, b, losses.WithoutBoth(a, b), members, rankings));
+            kHopelessGains * max_loss) {
+          Change change =
+              Merge(a, b, losses.WithoutBoth(a, b), members, rankings);
+          change.max_loss = max_loss;
+          consider(change);
         }
       }
     }
@@ -148,8 +166,7 @@ class PlaneMerger {
     Joint& joint = entry->second;
     const WorldPlane& plane_a = planes_[a].plane;
     const WorldPlane& plane_b = planes_[b].plane;
-    if (is_new &&
-        std::abs(plane_a.normal.dot(plane_b.normal)) >= kMinMergeCosine &&
+    if (is_new && MayBeMerged(plane_a, plane_b) &&
         (IsNear(plane_a, members[b]) || IsNear(plane_b, members[a]))) {
       std::vector<int> both;
       std::merge(members[a].begin(),
@@ -170,7 +187,7 @@ class PlaneMerger {
                double loss_without_both,
                const std::vector<std::vector<int>>& members,
                const std::vector<Ranking>& rankings) {
-    Change change{b, std::numeric_limits<double>::infinity(), a, nullptr};
+    Change change{b, std::numeric_limits<double>::infinity(), 0.0, a, nullptr};
     for (const ScoredPlane& fit : FindJoint(a, b, members)) {
       const double loss = loss_without_both - PlaneGain(fit, [&](int k) {
                             return rankings[k].BestWithout(a, b);
@@ -193,6 +210,14 @@ class PlaneMerger {
 };
 
 }  // namespace
+
+double MaxMergeLoss(double min_gain, double support_a, double support_b) {
+  return std::max(min_gain, kMaxMergeShare * std::min(support_a, support_b));
+}
+
+bool MayBeMerged(const WorldPlane& a, const WorldPlane& b) {
+  return std::abs(a.normal.dot(b.normal)) >= kMinMergeCosine;
+}
 
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
                         double min_gain,

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
 #include "colmap_tsar/scene_planes/superpixel_plane_fitter.h"
 
@@ -10,8 +11,19 @@
 
 namespace tsar {
 
-// Drops planes, and replaces pairs by a joint fit, as long as one of these
-// changes costs less than min_gain; the cheapest comes first. Returns whether
+// Planes are not merged that are further apart, in tolerances, where each of
+// them was measured.
+inline constexpr double kMaxMergeDistance = 10.0;
+
+// What merging two planes may cost of their supports together.
+double MaxMergeLoss(double min_gain, double support_a, double support_b);
+
+// Whether their directions are close enough at all.
+bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
+
+// Drops planes, which may cost min_gain each, and replaces pairs by a joint
+// fit, which may cost MaxMergeLoss(), as long as there is such a change; the
+// one that costs the smallest share of what it may comes first. Returns whether
 // there was any.
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
                         double min_gain,

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -194,6 +195,18 @@ void AddCells(const PlaneFrame& frame,
 }
 
 }  // namespace
+
+std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
+    const std::vector<ObservedView>& views,
+    const DiscoveredPlanes& discovered,
+    const PlaneSupportOptions& options) {
+  std::vector<std::vector<DepthObservation>> result;
+  for (PlaneObservations& observations :
+       CollectObservations(views, discovered, options)) {
+    result.push_back(std::move(observations.superpixels));
+  }
+  return result;
+}
 
 PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,
                               const DiscoveredPlanes& discovered,

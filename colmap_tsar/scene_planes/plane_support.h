@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/planes/depth_observation.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 
 #include <cmath>
@@ -69,6 +70,14 @@ struct PlaneSupport {
   // The side of a cell of each plane.
   std::vector<float> cell_sizes;
 };
+
+// What the views measured of each plane: one observation for each superpixel
+// that is assigned to it, in the world frame, with errors that are independent
+// of each other.
+std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
+    const std::vector<ObservedView>& views,
+    const DiscoveredPlanes& discovered,
+    const PlaneSupportOptions& options);
 
 // views: the first is the reference.
 PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,

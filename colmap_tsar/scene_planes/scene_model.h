@@ -34,12 +34,6 @@ struct ModelPlane {
   int axis = -1;
 };
 
-// What each superpixel of a view was labelled with.
-struct ViewLabels {
-  std::vector<int> planes;  // Numbers of the model's planes; -1: none.
-  std::vector<LabelEvidence> evidence;
-};
-
 // The planes of a whole scene, and what every view shows of them.
 struct SceneModel {
   std::vector<ModelPlane> planes;

@@ -10,8 +10,6 @@ namespace {
 
 // Fits work on evenly spaced observations where there are more.
 constexpr size_t kMaxFittedObservations = 2000;
-// The scale of Cauchy's loss as a share of the tolerance.
-constexpr double kCauchyShare = 0.5;
 
 }  // namespace
 

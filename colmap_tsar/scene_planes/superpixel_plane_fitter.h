@@ -13,6 +13,9 @@
 
 namespace tsar {
 
+// The scale of Cauchy's loss as a share of the tolerance.
+inline constexpr double kCauchyShare = 0.5;
+
 // Fits planes to what superpixels of several views observed. Keeps pointers.
 class SuperpixelPlaneFitter {
  public:

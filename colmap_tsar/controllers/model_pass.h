@@ -1,0 +1,37 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/controllers/image_catalogue.h"
+#include "colmap_tsar/controllers/model_scene.h"
+#include "colmap_tsar/controllers/scene_model_store.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <functional>
+#include <string>
+
+namespace tsar {
+
+// What the pass over all views at once works with. All outlive the call.
+struct ModelPassInputs {
+  const Workspace& workspace;
+  const ImageCatalogue& images;
+  EvidenceStore& evidence;
+  const SceneModelStore& store;
+  const RefineOptions& options;
+};
+
+// The second pass: finds the planes of the scene in the evidence of all views
+// that have any, labels the views, and writes the result. False, and nothing is
+// written, where should_stop returned true. pass: see ModelScene.
+bool ModelWorkspace(const ModelPassInputs& inputs,
+                    const ModelThreads& threads,
+                    const std::string& pass,
+                    Progress& progress,
+                    const std::function<bool()>& should_stop);
+
+}  // namespace tsar

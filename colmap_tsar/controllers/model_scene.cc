@@ -1,0 +1,267 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/model_scene.h"
+
+#include "colmap_tsar/controllers/view_blocks.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/device/thread_pool.h"
+#include "colmap_tsar/pipeline/find_scene.h"
+#include "colmap_tsar/scene_planes/join_planes.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+ViewGraph MakeGraph(const std::vector<SceneView>& views) {
+  ViewGraph neighbours(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (const size_t source : views[i].sources) {
+      if (source != i) {
+        neighbours[i].push_back(source);
+        neighbours[source].push_back(i);
+      }
+    }
+  }
+  for (std::vector<size_t>& of_view : neighbours) {
+    std::sort(of_view.begin(), of_view.end());
+    of_view.erase(std::unique(of_view.begin(), of_view.end()), of_view.end());
+  }
+  return neighbours;
+}
+
+// Calls function(i, device) for each i, some at a time.
+template <typename Function>
+void ForEach(size_t count,
+             int max_at_a_time,
+             int num_threads,
+             const Function& function) {
+  const int at_a_time = std::max(
+      1, std::min({max_at_a_time, num_threads, static_cast<int>(count)}));
+  ThreadPool pool(at_a_time);
+  pool.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
+    const std::unique_ptr<Device> device =
+        Device::CreateCpu(std::max(1, num_threads / at_a_time));
+    for (int64_t i = begin; i < end; ++i) {
+      function(static_cast<size_t>(i), *device);
+    }
+  });
+}
+
+class SceneModeler {
+ public:
+  SceneModeler(const std::vector<SceneView>& views,
+               const SceneEvidence& evidence,
+               const RefineOptions& refine_options,
+               const ModelSceneOptions& options,
+               const ModelThreads& threads,
+               const std::string& pass,
+               Progress& progress,
+               const std::function<bool()>& should_stop)
+      : views_(views),
+        evidence_(evidence),
+        refine_options_(refine_options),
+        options_(options),
+        threads_(threads),
+        pass_(pass),
+        progress_(progress),
+        should_stop_(should_stop),
+        neighbours_(MakeGraph(views)),
+        assignment_(views.size()) {}
+
+  std::optional<SceneModel> Run() {
+    std::vector<Block> blocks = DiscoverBlocks();
+    if (should_stop_()) {
+      return std::nullopt;
+    }
+    Join(std::move(blocks));
+    std::vector<ViewLabels> labels;
+    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+      labels = Sweep(sweep, labels);
+      if (should_stop_()) {
+        return std::nullopt;
+      }
+    }
+    for (size_t i = 0; i < labels.size(); ++i) {
+      model_.views[views_[i].image] = std::move(labels[i]);
+    }
+    return std::move(model_);
+  }
+
+ private:
+  struct Block {
+    std::vector<size_t> views;
+    BlockOfScene found;
+  };
+
+  ObservedView Observed(size_t view, const ViewEvidence& evidence) const {
+    return MakeObservedView(evidence, views_[view].camera);
+  }
+
+  std::vector<Block> DiscoverBlocks() {
+    const std::vector<std::vector<size_t>> parts =
+        SplitIntoBlocks(neighbours_, options_.max_block_views);
+    std::vector<std::vector<Block>> found(parts.size());
+    progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
+    ForEach(parts.size(),
+            threads_.num_blocks,
+            threads_.num_threads,
+            [&](size_t i, Device& device) {
+              Discover(parts[i], device, &found[i]);
+            });
+    progress_.Finish();
+    std::vector<Block> blocks;
+    for (std::vector<Block>& of_part : found) {
+      std::move(of_part.begin(), of_part.end(), std::back_inserter(blocks));
+    }
+    return blocks;
+  }
+
+  void Discover(const std::vector<size_t>& views,
+                Device& device,
+                std::vector<Block>* blocks) {
+    if (should_stop_()) {
+      return;
+    }
+    std::vector<std::shared_ptr<const ViewEvidence>> evidence;
+    std::vector<ObservedView> observed;
+    size_t num_superpixels = 0;
+    size_t num_candidates = 0;
+    for (const size_t view : views) {
+      evidence.push_back(evidence_.get(view));
+      observed.push_back(Observed(view, *evidence.back()));
+      num_superpixels += evidence.back()->weights.size();
+      num_candidates += evidence.back()->candidates.size();
+    }
+    if (views.size() > 1 &&
+        num_superpixels * num_candidates > kMaxBlockScores) {
+      // All candidates of fewer views rather than some of these.
+      evidence.clear();
+      const auto middle =
+          views.begin() + static_cast<std::ptrdiff_t>(views.size() / 2);
+      Discover({views.begin(), middle}, device, blocks);
+      Discover({middle, views.end()}, device, blocks);
+      return;
+    }
+    blocks->push_back({views, ModelBlock(observed, refine_options_, device)});
+    for (size_t i = 0; i < views.size(); ++i) {
+      progress_.Advance(/*was_work=*/true);
+    }
+  }
+
+  // Makes the planes of the model of those of the blocks.
+  void Join(std::vector<Block> blocks) {
+    std::vector<std::vector<size_t>> views;
+    for (const Block& block : blocks) {
+      views.push_back(block.views);
+    }
+    const std::vector<std::vector<int>> block_neighbours =
+        FindBlockNeighbours(neighbours_, views);
+    std::vector<PlaneBlock> planes;
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      planes.push_back(
+          {std::move(blocks[b].found.planes), block_neighbours[b]});
+    }
+    const JoinedPlanes joined =
+        JoinPlanes(std::move(planes),
+                   refine_options_.min_scene_plane,
+                   *Device::CreateCpu(threads_.num_threads));
+    for (const MeasuredScenePlane& plane : joined.planes) {
+      model_.planes.push_back(ToModelPlane(plane));
+    }
+    const std::vector<int> components = FindComponents(neighbours_);
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      for (const int place : joined.places[b]) {
+        model_.planes[static_cast<size_t>(place)].component =
+            components[blocks[b].views[0]];
+      }
+      for (size_t i = 0; i < blocks[b].views.size(); ++i) {
+        std::vector<int>& assignment = assignment_[blocks[b].views[i]];
+        assignment = std::move(blocks[b].found.assignment[i]);
+        for (int& plane : assignment) {
+          plane =
+              plane >= 0 ? joined.places[b][static_cast<size_t>(plane)] : -1;
+        }
+      }
+    }
+  }
+
+  // before: the labels of the sweep before; none in the first sweep.
+  std::vector<ViewLabels> Sweep(int sweep,
+                                const std::vector<ViewLabels>& before) {
+    std::vector<ViewLabels> labels(views_.size());
+    progress_.Start(static_cast<int>(views_.size()),
+                    pass_ + " labels " + std::to_string(sweep + 1) + " of " +
+                        std::to_string(options_.num_sweeps) + ":");
+    ForEach(views_.size(),
+            threads_.num_views,
+            threads_.num_threads,
+            [&](size_t view, Device& device) {
+              if (!should_stop_()) {
+                labels[view] = Label(view, before, device);
+                progress_.Advance(/*was_work=*/true);
+              }
+            });
+    progress_.Finish();
+    return labels;
+  }
+
+  ViewLabels Label(size_t view,
+                   const std::vector<ViewLabels>& before,
+                   Device& device) const {
+    const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
+      return ModelledView{Observed(i, evidence),
+                          &assignment_[i],
+                          before.empty() ? nullptr : &before[i]};
+    };
+    const ViewEvidence own = evidence_.read_all(view);
+    std::vector<std::shared_ptr<const ViewEvidence>> others;
+    std::vector<ModelledView> views = {modelled(view, own)};
+    for (const size_t source : views_[view].sources) {
+      if (source != view) {
+        others.push_back(evidence_.get(source));
+        views.push_back(modelled(source, *others.back()));
+      }
+    }
+    return LabelInModel(views, model_.planes, refine_options_, device);
+  }
+
+  const std::vector<SceneView>& views_;
+  const SceneEvidence& evidence_;
+  const RefineOptions& refine_options_;
+  const ModelSceneOptions options_;
+  const ModelThreads threads_;
+  const std::string pass_;
+  Progress& progress_;
+  const std::function<bool()>& should_stop_;
+  const ViewGraph neighbours_;
+  // By view and superpixel, the plane of the model that it measured, or -1.
+  std::vector<std::vector<int>> assignment_;
+  SceneModel model_;
+};
+
+}  // namespace
+
+std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
+                                     const SceneEvidence& evidence,
+                                     const RefineOptions& refine_options,
+                                     const ModelSceneOptions& options,
+                                     const ModelThreads& threads,
+                                     const std::string& pass,
+                                     Progress& progress,
+                                     const std::function<bool()>& should_stop) {
+  return SceneModeler(views,
+                      evidence,
+                      refine_options,
+                      options,
+                      threads,
+                      pass,
+                      progress,
+                      should_stop)
+      .Run();
+}
+
+}  // namespace tsar

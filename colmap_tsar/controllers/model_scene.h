@@ -1,0 +1,74 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// A view that was observed.
+struct SceneView {
+  int image = -1;  // The key of its labels.
+  Camera camera;   // Of the image, at any size.
+  // Other views, by their places among all.
+  std::vector<size_t> sources;
+};
+
+// The evidence of views, by their places; called from several threads.
+struct SceneEvidence {
+  // What neighbours need.
+  std::function<std::shared_ptr<const ViewEvidence>(size_t view)> get;
+  // All of it.
+  std::function<ViewEvidence(size_t view)> read_all;
+};
+
+struct ModelSceneOptions {
+  // Planes are looked for in this many views at a time, at most.
+  size_t max_block_views = 32;
+  // How often all views are labelled. In the first sweep each view is labelled
+  // by itself; in the others it hears what its sources were labelled with in
+  // the one before.
+  int num_sweeps = 3;
+};
+
+// Host threads, by what memory allows.
+struct ModelThreads {
+  int num_threads = 1;  // All together.
+  int num_blocks = 1;   // Blocks, and
+  int num_views = 1;    // views to be labelled, at a time.
+};
+
+// Finds the planes of a whole scene and labels its views with them:
+// - discovers planes in blocks of views that look at the same things;
+// - joins planes of different blocks that are one surface;
+// - labels all views in sweeps.
+// Time grows with the number of views; memory holds the evidence of the blocks
+// and views at work, samples of the planes, and two numbers per superpixel of
+// all views.
+//
+// views: in an order in which those that look at the same things are close to
+// each other (OrderByNeighbours); nothing else depends on it but the numbers of
+// the planes. Result: the same bits for any threads; nothing once should_stop
+// returned true. pass: what the progress begins with.
+std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
+                                     const SceneEvidence& evidence,
+                                     const RefineOptions& refine_options,
+                                     const ModelSceneOptions& options,
+                                     const ModelThreads& threads,
+                                     const std::string& pass,
+                                     Progress& progress,
+                                     const std::function<bool()>& should_stop);
+
+}  // namespace tsar

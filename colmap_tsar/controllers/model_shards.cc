@@ -1,0 +1,108 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/model_shards.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/opencv_threads.h"
+#include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/controllers/image_catalogue.h"
+#include "colmap_tsar/controllers/input_fingerprints.h"
+#include "colmap_tsar/controllers/memory_plan.h"
+#include "colmap_tsar/controllers/model_pass.h"
+#include "colmap_tsar/controllers/open_workspace.h"
+#include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/controllers/scene_model_store.h"
+#include "colmap_tsar/controllers/shard_entries.h"
+#include "colmap_tsar/controllers/workspace_check.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/store/workspace_lock.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace tsar {
+namespace {
+
+void Model(const WorkspaceRefineOptions& options,
+           const RefineOptions& refine_options,
+           const Workspace& workspace,
+           Progress& progress,
+           const std::function<bool()>& should_stop) {
+  // Without any record, the message names the first shard.
+  const Shard shards = {
+      0,
+      std::max(1, CountShards(workspace, refine_options, RefinePass::kModel))};
+  const ObservedShards observed = ReadObservedShards(
+      workspace,
+      DescribeShard(workspace, refine_options, RefinePass::kModel, shards),
+      SplitImages(workspace, shards.count));
+  if (!NeedsEvidence(refine_options)) {
+    return;
+  }
+  const WorkspaceOverview overview = CheckWorkspace(workspace);
+  const ModelThreads threads = PlanModelThreads(
+      options.devices, PlanRefinement(refine_options, overview));
+  const std::string options_hash = HashRefineOptions(refine_options);
+  InputFingerprints inputs(workspace, /*with_evidence=*/true);
+  inputs.Expect(observed.inputs, {});
+  ImageCatalogue catalogue(workspace,
+                           overview.has_maps,
+                           options_hash,
+                           inputs,
+                           /*reuses_results=*/true);
+  const SceneModelStore store(workspace, inputs, options_hash);
+  if (store.IsCurrent() || !catalogue.IsAnyNeeded()) {
+    return;
+  }
+  EvidenceStore evidence(
+      workspace,
+      inputs,
+      options_hash,
+      NumEvidenceViews(overview, static_cast<size_t>(threads.num_views)));
+  evidence.Expect(observed.with_evidence);
+  for (size_t index = 0; index < catalogue.NumImages(); ++index) {
+    RequireObserved(workspace, catalogue.Reference(index), observed);
+  }
+  if (!ModelWorkspace({workspace, catalogue, evidence, store, refine_options},
+                      threads,
+                      "Scene model,",
+                      progress,
+                      should_stop)) {
+    throw Error(ErrorCode::kInterrupted,
+                "interrupted before the planes of the scene were found; run "
+                "the same command again");
+  }
+}
+
+}  // namespace
+
+RunSummary ModelShards(const WorkspaceRefineOptions& options,
+                       const RefineOptions& refine_options,
+                       Progress& progress,
+                       const std::function<bool()>& should_stop) {
+  const auto start = std::chrono::steady_clock::now();
+  const OpenCvWithoutThreads opencv_without_threads;
+  const Workspace workspace = OpenWorkspace(options);
+  const WorkspaceLock lock(workspace.Root());
+  std::optional<WorkspaceLock> input_lock;
+  if (workspace.IsOutput()) {
+    input_lock.emplace(workspace.SourceRoot(),
+                       WorkspaceLock::Mode::kSharedIfThere);
+  }
+  Model(options, refine_options, workspace, progress, should_stop);
+  RunSummary summary;
+  summary.workspace_path = workspace.Root();
+  summary.type = workspace.Type();
+  summary.pass = RefinePass::kModel;
+  summary.num_images = static_cast<int>(workspace.Problems().size());
+  summary.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+          .count();
+  return summary;
+}
+
+}  // namespace tsar

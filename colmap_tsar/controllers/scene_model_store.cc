@@ -1,0 +1,71 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/scene_model_store.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/store/scene_model_file.h"
+
+#include <optional>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// Ends the fingerprint of a model that has labels.
+constexpr const char* kWithLabels = " labels";
+
+}  // namespace
+
+SceneModelStore::SceneModelStore(const Workspace& workspace,
+                                 InputFingerprints& inputs,
+                                 std::string options_hash)
+    : workspace_(workspace),
+      inputs_(inputs),
+      options_hash_(std::move(options_hash)) {}
+
+bool SceneModelStore::IsCurrent() const {
+  return ReadSceneModelHash(GetSceneModelPath(workspace_.Root())) ==
+         Fingerprint();
+}
+
+void SceneModelStore::Write(const SceneModel& model) const {
+  WriteSceneModel(GetSceneModelPath(workspace_.Root()), Fingerprint(), model);
+}
+
+SceneModel SceneModelStore::Read() const {
+  const ContainedPath path = GetSceneModelPath(workspace_.Root());
+  if (!IsCurrent()) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        path.string(),
+        "holds no planes that were found in these views with these options",
+        "run " + OptionName("pass") + " model first");
+  }
+  return ReadSceneModel(path);
+}
+
+void SceneModelStore::DropLabels(const Workspace& workspace) {
+  const ContainedPath path = GetSceneModelPath(workspace.Root());
+  const std::optional<std::string> hash = ReadSceneModelHash(path);
+  if (hash && hash->ends_with(kWithLabels)) {
+    WriteSceneModel(
+        path,
+        hash->substr(0, hash->size() - std::string(kWithLabels).size()),
+        ReadSceneModel(path, SceneModelParts::kWithoutLabels),
+        SceneModelParts::kWithoutLabels);
+  }
+}
+
+void SceneModelStore::Remove(const Workspace& workspace) {
+  RemoveFile(GetSceneModelPath(workspace.Root()));
+}
+
+std::string SceneModelStore::Fingerprint() const {
+  return options_hash_ + " " + ToString(workspace_.Type()) + " " +
+         inputs_.StateOfScene() + kWithLabels;
+}
+
+}  // namespace tsar

@@ -1,0 +1,156 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/find_scene.h"
+
+#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/plane_support.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// A plane must have been measured by this much in the views around, in pixels
+// of full confidence, for one of them to be labelled with it.
+constexpr double kMinMeasured = 50.0;
+// A block has this many planes more for each of its views, up to a limit: time
+// grows with its square.
+constexpr int kPlanesPerView = 8;
+constexpr int kMaxBlockPlanes = 400;
+
+// Numbers of the model's planes that the views measured, in ascending order.
+std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
+                                size_t num_planes,
+                                double max_weight) {
+  std::vector<double> measured(num_planes, 0.0);
+  for (const ModelledView& view : views) {
+    for (size_t s = 0; s < view.assignment->size(); ++s) {
+      const int plane = (*view.assignment)[s];
+      if (plane >= 0) {
+        measured[static_cast<size_t>(plane)] +=
+            std::min(max_weight,
+                     static_cast<double>(view.observed.evidence->weights[s]));
+      }
+    }
+  }
+  std::vector<int> numbers;
+  for (size_t p = 0; p < num_planes; ++p) {
+    if (measured[p] > kMinMeasured) {
+      numbers.push_back(static_cast<int>(p));
+    }
+  }
+  return numbers;
+}
+
+// From the numbers of the model to places in a list of them; -1 for others.
+std::vector<int> Translate(const std::vector<int>& planes,
+                           const std::vector<int>& places) {
+  std::vector<int> result;
+  for (const int plane : planes) {
+    result.push_back(plane >= 0 ? places[static_cast<size_t>(plane)] : -1);
+  }
+  return result;
+}
+
+std::vector<int> PlacesOf(const std::vector<int>& numbers, size_t num_planes) {
+  std::vector<int> places(num_planes, -1);
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    places[static_cast<size_t>(numbers[i])] = static_cast<int>(i);
+  }
+  return places;
+}
+
+}  // namespace
+
+DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
+                                            int num_views) {
+  discovery.max_planes = std::min(
+      discovery.max_planes + kPlanesPerView * num_views, kMaxBlockPlanes);
+  discovery.max_scores = kMaxBlockScores;
+  return discovery;
+}
+
+BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
+                        const RefineOptions& options,
+                        Device& device) {
+  const SceneOptions scene = MakeSceneOptions(options, views);
+  const DiscoverPlanesOptions discovery =
+      BlockDiscoveryOptions(scene.discovery, static_cast<int>(views.size()));
+  DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), discovery, device);
+  return {MeasureScenePlanes(views, discovered, discovery, scene.support),
+          std::move(discovered.assignment)};
+}
+
+ViewLabels LabelInModel(const std::vector<ModelledView>& views,
+                        const std::vector<ModelPlane>& planes,
+                        const RefineOptions& options,
+                        Device& device) {
+  std::vector<ObservedView> observed;
+  for (const ModelledView& view : views) {
+    observed.push_back(view.observed);
+  }
+  const SceneOptions scene = MakeSceneOptions(options, observed);
+  const std::vector<int> numbers =
+      MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
+  const std::vector<int> places = PlacesOf(numbers, planes.size());
+  DiscoveredPlanes near;
+  for (const int number : numbers) {
+    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+    near.planes.push_back({plane.plane, plane.support});
+  }
+  std::vector<ViewLabels> source_labels;
+  for (size_t i = 0; i < views.size(); ++i) {
+    near.assignment.push_back(Translate(*views[i].assignment, places));
+    if (i > 0 && views[i].labels != nullptr) {
+      source_labels.push_back({Translate(views[i].labels->planes, places),
+                               views[i].labels->evidence});
+    }
+  }
+  const PlaneSupport support = FindPlaneSupport(observed, near, scene.support);
+  LabeledView labeled =
+      LabelView(observed, near, support, scene.labels, device, source_labels);
+  for (int& label : labeled.labels) {
+    label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
+  }
+  return {std::move(labeled.labels), std::move(labeled.evidence)};
+}
+
+FoundScene FindScene(const std::vector<ObservedView>& views,
+                     const std::vector<ModelPlane>& planes,
+                     const ViewLabels& labels,
+                     const RefineOptions& options,
+                     Device& device) {
+  FoundScene found;
+  StageTimer timer(device, &found.seconds);
+  std::vector<int>& numbers = found.plane_numbers;
+  std::copy_if(labels.planes.begin(),
+               labels.planes.end(),
+               std::back_inserter(numbers),
+               [](int plane) { return plane >= 0; });
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  for (const int number : numbers) {
+    found.labeled.planes.push_back(ToCameraPlane(
+        planes[static_cast<size_t>(number)].plane, views[0].camera));
+  }
+  found.labeled.labels =
+      Translate(labels.planes, PlacesOf(numbers, planes.size()));
+  found.labeled.evidence = labels.evidence;
+  timer.Finish("labels");
+  found.curved =
+      options.curved_surfaces
+          ? FindCurvedSurfaces(
+                views, found.labeled, MakeSceneOptions(options, views).surfaces)
+          : CurvedView{{}, {}, found.labeled.evidence};
+  timer.Finish("curved surfaces");
+  return found;
+}
+
+}  // namespace tsar

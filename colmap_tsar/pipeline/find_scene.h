@@ -1,0 +1,76 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/scene_planes/curved_surfaces.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/measured_planes.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The steps from the evidence of views to the planes of the scene that they
+// share, and to what each view shows of these. All are for CPUs, as
+// MakeEvidence().
+
+// The planes that some views measured, and which of them each superpixel did.
+struct BlockOfScene {
+  std::vector<MeasuredScenePlane> planes;
+  // assignment[view][superpixel]: see DiscoveredPlanes.
+  std::vector<std::vector<int>> assignment;
+};
+
+// How many scores of a candidate for a superpixel a block may have. Beyond
+// that, some of the candidates would be left out.
+inline constexpr size_t kMaxBlockScores = size_t{1} << 27;
+
+// For a block of so many views.
+DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
+                                            int num_views);
+
+BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
+                        const RefineOptions& options,
+                        Device& device);
+
+// A view, and what the model of the scene says of it so far.
+struct ModelledView {
+  ObservedView observed;
+  // The plane of the model that each superpixel measured, or -1.
+  const std::vector<int>* assignment = nullptr;
+  // Null where no view has been labelled yet.
+  const ViewLabels* labels = nullptr;
+};
+
+// Labels the first view with planes of the model, of which those count that the
+// views measured. The evidence of the first view has all its parts.
+ViewLabels LabelInModel(const std::vector<ModelledView>& views,
+                        const std::vector<ModelPlane>& planes,
+                        const RefineOptions& options,
+                        Device& device);
+
+// The planes of the scene that an image shows and where, and what is curved.
+struct FoundScene {
+  LabeledView labeled;
+  std::vector<int> plane_numbers;  // In the model, of labeled.planes.
+  CurvedView curved;
+  std::map<std::string, double> seconds;  // That it took, per stage.
+};
+
+// views: that of the reference, whose labels these are, then those that look at
+// the same scene, in any order, the same one for the same bits.
+FoundScene FindScene(const std::vector<ObservedView>& views,
+                     const std::vector<ModelPlane>& planes,
+                     const ViewLabels& labels,
+                     const RefineOptions& options,
+                     Device& device);
+
+}  // namespace tsar

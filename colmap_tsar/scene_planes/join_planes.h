@@ -1,0 +1,40 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene_planes/measured_planes.h"
+
+#include <vector>
+
+namespace tsar {
+
+// The planes that were discovered in some of a scene's views.
+struct PlaneBlock {
+  std::vector<MeasuredScenePlane> planes;
+  // Other blocks of which some view looks at what a view of this one does, in
+  // ascending order; each is a neighbour of its neighbours.
+  std::vector<int> neighbours;
+};
+
+struct JoinedPlanes {
+  std::vector<MeasuredScenePlane> planes;  // By falling support.
+  // places[block][plane]: which of them a block's plane has become.
+  std::vector<std::vector<int>> places;
+};
+
+// Replaces planes of neighbouring blocks that are one surface by a joint fit:
+// as long as that costs at most MaxMergeLoss() of what was measured of both,
+// the cheapest first. A joint plane belongs to the blocks of both, so that a
+// wall along many blocks becomes one. Planes of one block are joined only as
+// parts of such a wall.
+//
+// min_gain: see DiscoverPlanesOptions. device: for its threads; the result does
+// not depend on their number. Time and memory grow with the number of blocks,
+// as long as each has few neighbours.
+JoinedPlanes JoinPlanes(std::vector<PlaneBlock> blocks,
+                        double min_gain,
+                        Device& device);
+
+}  // namespace tsar
