@@ -10,7 +10,9 @@
 #include "colmap_tsar/scene_planes/join_planes.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 namespace tsar {
@@ -120,12 +122,17 @@ class SceneModeler {
     return blocks;
   }
 
-  void Discover(const std::vector<size_t>& views,
+  void Discover(const std::vector<size_t>& part,
                 Device& device,
                 std::vector<Block>* blocks) {
     if (should_stop_()) {
       return;
     }
+    // Which planes are found depends a little on the order of the views.
+    std::vector<size_t> views = part;
+    std::sort(views.begin(), views.end(), [&](size_t a, size_t b) {
+      return views_[a].image < views_[b].image;
+    });
     std::vector<std::shared_ptr<const ViewEvidence>> evidence;
     std::vector<ObservedView> observed;
     size_t num_superpixels = 0;
@@ -136,14 +143,13 @@ class SceneModeler {
       num_superpixels += evidence.back()->weights.size();
       num_candidates += evidence.back()->candidates.size();
     }
-    if (views.size() > 1 &&
-        num_superpixels * num_candidates > kMaxBlockScores) {
+    if (part.size() > 1 && num_superpixels * num_candidates > kMaxBlockScores) {
       // All candidates of fewer views rather than some of these.
       evidence.clear();
       const auto middle =
-          views.begin() + static_cast<std::ptrdiff_t>(views.size() / 2);
-      Discover({views.begin(), middle}, device, blocks);
-      Discover({middle, views.end()}, device, blocks);
+          part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+      Discover({part.begin(), middle}, device, blocks);
+      Discover({middle, part.end()}, device, blocks);
       return;
     }
     blocks->push_back({views, ModelBlock(observed, refine_options_, device)});

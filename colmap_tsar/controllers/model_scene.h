@@ -59,9 +59,9 @@ struct ModelThreads {
 // all views.
 //
 // views: in an order in which those that look at the same things are close to
-// each other (OrderByNeighbours); nothing else depends on it but the numbers of
-// the planes. Result: the same bits for any threads; nothing once should_stop
-// returned true. pass: what the progress begins with.
+// each other (OrderByNeighbours): it decides which views share a block. Result:
+// the same bits for any threads; nothing once should_stop returned true. pass:
+// what the progress begins with.
 std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const SceneEvidence& evidence,
                                      const RefineOptions& refine_options,
