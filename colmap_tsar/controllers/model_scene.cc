@@ -80,7 +80,7 @@ class SceneModeler {
       return std::nullopt;
     }
     Join(std::move(blocks));
-    std::vector<ViewLabels> labels;
+    std::vector<LabelsInModel> labels;
     for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
       labels = Sweep(sweep, labels);
       if (should_stop_()) {
@@ -88,7 +88,7 @@ class SceneModeler {
       }
     }
     for (size_t i = 0; i < labels.size(); ++i) {
-      model_.views[views_[i].image] = std::move(labels[i]);
+      model_.views[views_[i].image] = std::move(labels[i].labels);
     }
     return std::move(model_);
   }
@@ -196,9 +196,9 @@ class SceneModeler {
   }
 
   // before: the labels of the sweep before; none in the first sweep.
-  std::vector<ViewLabels> Sweep(int sweep,
-                                const std::vector<ViewLabels>& before) {
-    std::vector<ViewLabels> labels(views_.size());
+  std::vector<LabelsInModel> Sweep(int sweep,
+                                   const std::vector<LabelsInModel>& before) {
+    std::vector<LabelsInModel> labels(views_.size());
     progress_.Start(static_cast<int>(views_.size()),
                     pass_ + " labels " + std::to_string(sweep + 1) + " of " +
                         std::to_string(options_.num_sweeps) + ":");
@@ -215,13 +215,13 @@ class SceneModeler {
     return labels;
   }
 
-  ViewLabels Label(size_t view,
-                   const std::vector<ViewLabels>& before,
-                   Device& device) const {
+  LabelsInModel Label(size_t view,
+                      const std::vector<LabelsInModel>& before,
+                      Device& device) const {
     const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
       return ModelledView{Observed(i, evidence),
                           &assignment_[i],
-                          before.empty() ? nullptr : &before[i]};
+                          before.empty() ? nullptr : &before[i].votes};
     };
     const ViewEvidence own = evidence_.read_all(view);
     std::vector<std::shared_ptr<const ViewEvidence>> others;

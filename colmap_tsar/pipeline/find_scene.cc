@@ -88,10 +88,10 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
           std::move(discovered.assignment)};
 }
 
-ViewLabels LabelInModel(const std::vector<ModelledView>& views,
-                        const std::vector<ModelPlane>& planes,
-                        const RefineOptions& options,
-                        Device& device) {
+LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
+                           const std::vector<ModelPlane>& planes,
+                           const RefineOptions& options,
+                           Device& device) {
   std::vector<ObservedView> observed;
   for (const ModelledView& view : views) {
     observed.push_back(view.observed);
@@ -105,12 +105,12 @@ ViewLabels LabelInModel(const std::vector<ModelledView>& views,
     const ModelPlane& plane = planes[static_cast<size_t>(number)];
     near.planes.push_back({plane.plane, plane.support});
   }
-  std::vector<ViewLabels> source_labels;
+  std::vector<VotingLabels> source_labels;
   for (size_t i = 0; i < views.size(); ++i) {
     near.assignment.push_back(Translate(*views[i].assignment, places));
     if (i > 0 && views[i].labels != nullptr) {
       source_labels.push_back({Translate(views[i].labels->planes, places),
-                               views[i].labels->evidence});
+                               views[i].labels->strengths});
     }
   }
   const PlaneSupport support = FindPlaneSupport(observed, near, scene.support);
@@ -119,7 +119,8 @@ ViewLabels LabelInModel(const std::vector<ModelledView>& views,
   for (int& label : labeled.labels) {
     label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
   }
-  return {std::move(labeled.labels), std::move(labeled.evidence)};
+  return {{labeled.labels, std::move(labeled.evidence)},
+          {labeled.labels, std::move(labeled.strengths)}};
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

@@ -47,15 +47,21 @@ struct ModelledView {
   // The plane of the model that each superpixel measured, or -1.
   const std::vector<int>* assignment = nullptr;
   // Null where no view has been labelled yet.
-  const ViewLabels* labels = nullptr;
+  const VotingLabels* labels = nullptr;
+};
+
+// What a view was labelled with: for itself, and for others.
+struct LabelsInModel {
+  ViewLabels labels;
+  VotingLabels votes;
 };
 
 // Labels the first view with planes of the model, of which those count that the
 // views measured. The evidence of the first view has all its parts.
-ViewLabels LabelInModel(const std::vector<ModelledView>& views,
-                        const std::vector<ModelPlane>& planes,
-                        const RefineOptions& options,
-                        Device& device);
+LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
+                           const std::vector<ModelPlane>& planes,
+                           const RefineOptions& options,
+                           Device& device);
 
 // The planes of the scene that an image shows and where, and what is curved.
 struct FoundScene {

@@ -50,13 +50,19 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
   // There are none without RefineOptions::superpixel_planes.
   inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
-  inputs.samples = SampleMeasurements(views.Hypotheses().depth,
-                                      surfaces.score.View(),
-                                      surfaces.trusted.View(),
-                                      views.MapIntrinsics(),
-                                      views.Raster(),
-                                      device)
-                       .ToHost();
+  const auto sample = [&](ImageView<const uint8_t> wanted) {
+    return SampleMeasurements(views.Hypotheses().depth,
+                              surfaces.score.View(),
+                              wanted,
+                              views.MapIntrinsics(),
+                              views.Raster(),
+                              device)
+        .ToHost();
+  };
+  inputs.samples = sample(surfaces.trusted.View());
+  if (!surfaces.confirmations.Empty()) {
+    inputs.confirmed_samples = sample(surfaces.confirmations.View());
+  }
   if (!surfaces.region_planes.Empty()) {
     inputs.region_planes = surfaces.region_planes.ToHost();
   }

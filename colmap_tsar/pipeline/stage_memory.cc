@@ -191,7 +191,8 @@ int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
   const int64_t superpixels =
       BytesOf<int>(num_raster_pixels) +
       BytesOf<Plane>(NumSuperpixels(options, num_pixels));
-  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
+  // The trusted ones and the confirmed ones.
+  const int64_t samples = 2 * BytesOf<RayDepth>(num_raster_pixels);
   const int64_t region_planes = BytesOf<Plane>(num_raster_pixels);
   const int64_t color = BytesOf<Rgb>(num_raster_pixels);
   const int64_t gray_texture_contrast = 3 * BytesOf<float>(num_raster_pixels);

@@ -85,14 +85,14 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
   }
 }
 
-// The pixels of each superpixel that have an observation, in raster order.
-std::vector<std::vector<int>> ObservedPixels(
-    const Image<int>& superpixels,
-    int num_superpixels,
-    const Image<Observation>& observations) {
+// The pixels i of each superpixel where is_wanted(i), in raster order.
+template <typename Function>
+std::vector<std::vector<int>> PixelsOfSuperpixels(const Image<int>& superpixels,
+                                                  int num_superpixels,
+                                                  const Function& is_wanted) {
   std::vector<std::vector<int>> pixels(static_cast<size_t>(num_superpixels));
   for (size_t i = 0; i < superpixels.NumPixels(); ++i) {
-    if (observations.Data()[i].confidence > 0.f) {
+    if (is_wanted(i)) {
       pixels[static_cast<size_t>(superpixels.Data()[i])].push_back(
           static_cast<int>(i));
     }
@@ -110,8 +110,10 @@ void AddObservations(const EvidenceInputs& inputs,
                      ViewEvidence* evidence) {
   const Image<Observation> observations =
       ObservePixels(inputs, options, evidence);
-  const std::vector<std::vector<int>> observed =
-      ObservedPixels(inputs.superpixels, inputs.num_superpixels, observations);
+  const std::vector<std::vector<int>> observed = PixelsOfSuperpixels(
+      inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
+        return observations.Data()[i].confidence > 0.f;
+      });
   evidence->first_observation.push_back(0);
   for (const std::vector<int>& pixels : observed) {
     float weight = 0.f;
@@ -123,11 +125,37 @@ void AddObservations(const EvidenceInputs& inputs,
         std::min(pixels.size(),
                  static_cast<size_t>(options.max_observations_per_superpixel));
     for (size_t i = 0; i < count; ++i) {
-      evidence->observations.push_back(
-          observations.Data()[pixels[Spaced(i, count, pixels.size())]]);
+      const int pixel = pixels[Spaced(i, count, pixels.size())];
+      evidence->observations.push_back(observations.Data()[pixel]);
+      evidence->is_measured.push_back(
+          IsMeasured(inputs.samples.Data()[pixel]) ? 1 : 0);
     }
     evidence->first_observation.push_back(
         static_cast<int>(evidence->observations.size()));
+  }
+}
+
+void AddConfirmed(const EvidenceInputs& inputs,
+                  const EvidenceOptions& options,
+                  ViewEvidence* evidence) {
+  const Image<RayDepth>& confirmed = inputs.confirmed_samples;
+  const std::vector<std::vector<int>> only_confirmed = PixelsOfSuperpixels(
+      inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
+        return !confirmed.Empty() && IsMeasured(confirmed.Data()[i]) &&
+               !IsMeasured(inputs.samples.Data()[i]);
+      });
+  evidence->first_confirmed.push_back(0);
+  for (const std::vector<int>& pixels : only_confirmed) {
+    const size_t count =
+        std::min(pixels.size(),
+                 static_cast<size_t>(options.max_confirmed_per_superpixel));
+    for (size_t i = 0; i < count; ++i) {
+      evidence->confirmed.push_back(
+          confirmed.Data()[pixels[Spaced(i, count, pixels.size())]]);
+    }
+    evidence->first_confirmed.push_back(
+        static_cast<int>(evidence->confirmed.size()));
+    evidence->confirmed_pixels.push_back(static_cast<int>(pixels.size()));
   }
 }
 
@@ -224,6 +252,7 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
             evidence.superpixels.begin());
   AddRegionPlanes(inputs.region_planes, &evidence);
   AddObservations(inputs, options, &evidence);
+  AddConfirmed(inputs, options, &evidence);
   AddBorders(inputs, options, &evidence);
   std::copy_if(inputs.superpixel_planes.begin(),
                inputs.superpixel_planes.end(),
@@ -250,7 +279,10 @@ int64_t EvidenceBytes(int64_t num_pixels,
   // Superpixels have six neighbours, each border of which counts once.
   constexpr int64_t kBordersPerSuperpixel = 3;
   return EvidenceForNeighboursBytes(num_pixels, num_superpixels, options) +
-         BytesOf<uint16_t>(num_pixels) +
+         BytesOf<uint8_t>(
+             MaxObservations(num_pixels, num_superpixels, options)) +
+         BytesOf<RayDepth>(MaxConfirmed(num_pixels, num_superpixels, options)) +
+         2 * BytesOf<int>(num_superpixels) + BytesOf<uint16_t>(num_pixels) +
          BytesOf<SuperpixelBorder>(kBordersPerSuperpixel * num_superpixels);
 }
 
@@ -263,6 +295,13 @@ int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
   return superpixels + confident_depth + weights_and_first +
          BytesOf<Observation>(
              MaxObservations(num_pixels, num_superpixels, options));
+}
+
+int64_t MaxConfirmed(int64_t num_pixels,
+                     int64_t num_superpixels,
+                     const EvidenceOptions& options) {
+  return std::min(num_pixels,
+                  num_superpixels * options.max_confirmed_per_superpixel);
 }
 
 int64_t MaxObservations(int64_t num_pixels,

@@ -29,6 +29,7 @@ struct EvidenceOptions {
   // further than this, as a multiple of RelativeDepthError().
   float max_region_plane_residual = 6.f;
   int max_observations_per_superpixel = 32;
+  int max_confirmed_per_superpixel = 12;
   // The weight of a pair of pixels across a border is
   // base + contrast exp(-edge / scale), edge in grey levels.
   float border_base = 0.05f;
@@ -42,7 +43,9 @@ struct EvidenceInputs {
   int num_superpixels = 0;               // At most 65536.
   std::vector<Plane> superpixel_planes;  // Invalid where there is none.
   Image<RayDepth> samples;               // Trusted measurements; z = 0: none.
-  Image<Plane> region_planes;            // Of each pixel; may be empty.
+  // Measurements that other views confirm, trusted or not; may be empty.
+  Image<RayDepth> confirmed_samples;
+  Image<Plane> region_planes;  // Of each pixel; may be empty.
   Image<float> texture;
   Image<float> contrast;
   Image<float> fattening_weight;  // May be empty: 1 everywhere.
@@ -66,7 +69,10 @@ int64_t EvidenceBytes(int64_t num_pixels,
 int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
                                    int64_t num_superpixels,
                                    const EvidenceOptions& options);
-// The sum over all superpixels.
+// The sums over all superpixels.
+int64_t MaxConfirmed(int64_t num_pixels,
+                     int64_t num_superpixels,
+                     const EvidenceOptions& options);
 int64_t MaxObservations(int64_t num_pixels,
                         int64_t num_superpixels,
                         const EvidenceOptions& options);

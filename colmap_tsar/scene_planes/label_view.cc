@@ -19,7 +19,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
                       const PlaneSupport& support,
                       const LabelOptions& options,
                       Device& device,
-                      const std::vector<ViewLabels>& source_labels) {
+                      const std::vector<VotingLabels>& source_labels) {
   const ViewEvidence& evidence = *views[0].evidence;
   const int num_superpixels = evidence.NumSuperpixels();
   const int num_planes = static_cast<int>(discovered.planes.size());
@@ -27,6 +27,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   result.labels.assign(static_cast<size_t>(num_superpixels), -1);
   result.evidence.assign(static_cast<size_t>(num_superpixels),
                          LabelEvidence::kNone);
+  result.strengths.assign(static_cast<size_t>(num_superpixels), 0.f);
   if (num_planes == 0 || num_superpixels == 0) {
     return result;
   }
@@ -72,6 +73,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
       continue;
     }
     result.labels[static_cast<size_t>(s)] = k;
+    result.strengths[static_cast<size_t>(s)] = costs(k, s).strength;
     result.evidence[static_cast<size_t>(s)] =
         costs(k, s).explained > 0.f   ? LabelEvidence::kMeasured
         : costs(k, s).confirmed > 0.f ? LabelEvidence::kCarried

@@ -27,11 +27,9 @@ struct LabelVoteOptions {
   float full_gap = 0.5f;
   // What it costs to lie further than that in front of a view's plane.
   float cost_of_hiding = 0.1f;
-  // A label that was measured in its own view weighs 1; one that other views
-  // measured there, and one that only its neighbours in the image speak for,
-  // less.
-  float carried_weight = 0.6f;
-  float guessed_weight = 0.3f;
+  // What a label weighs that nothing in its own view measured. One that all
+  // measurements agree on weighs 1 (LabeledView::strengths).
+  float guessed_weight = 0.2f;
   // More weight than this changes nothing; and no pixel costs more than this.
   float max_same = 3.f;
   float max_against = 3.f;
@@ -46,6 +44,13 @@ struct LabelOptions {
   // explains a superpixel's observations worse than this is none for it, unless
   // the neighbours outweigh that.
   float cost_of_unexplained = 0.6f;
+  // What a depth off its plane costs that other views confirm and the view did
+  // not trust: most of them are wrong on bare surfaces, but in numbers they
+  // tell a chest from the wall behind it.
+  float confirmed_weight = 0.2f;
+  // LabeledView::strengths is half of what it is with many measurements where
+  // they are this share of the pixels.
+  float strength_prior = 0.02f;
   // Per pixel without an observation: of having no plane, and of having one
   // whose depth there is unknown.
   float unlabelled_cost = 0.02f;
@@ -86,12 +91,21 @@ struct ViewLabels {
   std::vector<LabelEvidence> evidence;
 };
 
+// What a view was labelled with, for the views that look at the same.
+struct VotingLabels {
+  std::vector<int> planes;       // As in ViewLabels.
+  std::vector<float> strengths;  // See LabeledView.
+};
+
 struct LabeledView {
   // Planes of the scene, in the reference camera's frame.
   std::vector<Plane> planes;
   // Per superpixel of the reference: the number of its plane, or -1.
   std::vector<int> labels;
   std::vector<LabelEvidence> evidence;
+  // How firmly the superpixel's measurements place it on its plane, from 0 to 1
+  // (PlaneCost::strength).
+  std::vector<float> strengths;
 };
 
 // Gives each superpixel of the first view one of the planes or none, by the
@@ -113,6 +127,6 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
                       const PlaneSupport& support,
                       const LabelOptions& options,
                       Device& device,
-                      const std::vector<ViewLabels>& source_labels = {});
+                      const std::vector<VotingLabels>& source_labels = {});
 
 }  // namespace tsar

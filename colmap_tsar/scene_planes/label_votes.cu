@@ -124,22 +124,13 @@ struct LabelVoteKernel {
   }
 };
 
-float WeightOf(LabelEvidence evidence, const LabelVoteOptions& options) {
-  switch (evidence) {
-    case LabelEvidence::kMeasured:
-      return 1.f;
-    case LabelEvidence::kCarried:
-      return options.carried_weight;
-    default:
-      return options.guessed_weight;
-  }
-}
-
-std::vector<SourceLabel> MakeSourceLabels(const ViewLabels& labels,
+std::vector<SourceLabel> MakeSourceLabels(const VotingLabels& labels,
                                           const LabelVoteOptions& options) {
   std::vector<SourceLabel> result(labels.planes.size());
   for (size_t s = 0; s < result.size(); ++s) {
-    result[s] = {labels.planes[s], WeightOf(labels.evidence[s], options)};
+    result[s] = {labels.planes[s],
+                 options.guessed_weight +
+                     (1.f - options.guessed_weight) * labels.strengths[s]};
   }
   return result;
 }
@@ -169,7 +160,7 @@ PixelGroups GroupBySuperpixel(const ViewEvidence& evidence, Device& device) {
 
 void AddLabelVotes(const std::vector<ObservedView>& views,
                    const std::vector<Plane>& planes,
-                   const std::vector<ViewLabels>& labels,
+                   const std::vector<VotingLabels>& labels,
                    const LabelVoteOptions& options,
                    Device& device,
                    Image<PlaneCost>* costs) {

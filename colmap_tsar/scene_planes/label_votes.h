@@ -20,12 +20,12 @@ namespace tsar {
 // costs less for each view that has the same plane where it sees that pixel,
 // and more for each that has another plane nearby, or one behind it: a surface
 // that is within the errors of another one is that one, and what a view sees
-// through is not there. Labels count by their evidence (LabelVoteOptions).
-// views: see LabelView; planes: in the reference camera's frame. labels: of
-// views[1], views[2], ..., in numbers of these planes.
+// through is not there. Labels count by how firmly they were measured
+// (LabelVoteOptions). views: see LabelView; planes: in the reference camera's
+// frame. labels: of views[1], views[2], ..., in numbers of these planes.
 void AddLabelVotes(const std::vector<ObservedView>& views,
                    const std::vector<Plane>& planes,
-                   const std::vector<ViewLabels>& labels,
+                   const std::vector<VotingLabels>& labels,
                    const LabelVoteOptions& options,
                    Device& device,
                    Image<PlaneCost>* costs);

@@ -39,6 +39,9 @@ constexpr float kMinSlope = 0.02f;
 struct SuperpixelData {
   int first_observation = 0;
   int num_observations = 0;
+  int first_confirmed = 0;
+  int num_confirmed = 0;     // In the sample,
+  int confirmed_pixels = 0;  // and altogether.
   int first_pixel = 0;
   int num_pixels = 0;
   float weight = 0.f;
@@ -56,10 +59,22 @@ struct PlaneData {
   float cell_size = 0.f;
 };
 
+// The weights of measurements on a plane, and off it.
+struct Measurements {
+  float on = 0.f;
+  float off = 0.f;
+
+  TSAR_HD void Add(float residual_share, float weight) {
+    (residual_share < 1.f ? on : off) += weight;
+  }
+};
+
 struct CostKernel {
   const SuperpixelData* superpixels;
   const PlaneData* planes;
   const Observation* observations;
+  const uint8_t* is_measured;
+  const RayDepth* confirmed;
   const int* pixels;
   const PlanePoint* cells;
   const SourceDepths* sources;
@@ -96,25 +111,55 @@ struct CostKernel {
                                PlaneCost* result) const {
     float cost = 0.f;
     float explained = 0.f;
+    Measurements measured;
     for (int i = 0; i < superpixel.num_observations; ++i) {
-      const Observation& observation =
-          observations[superpixel.first_observation + i];
-      const RayDepth& sample = observation.sample;
-      const float depth = plane.Depth({sample.x, sample.y, 1.f});
-      float share = 1.f;
-      if (depth > 0.f) {
-        const float residual =
-            fabsf(depth - sample.z) /
-            (sample.z * resolution.RelativeDepthError(sample.z));
-        share = fminf(residual / options.tolerance, 1.f);
-      }
+      const int number = superpixel.first_observation + i;
+      const Observation& observation = observations[number];
+      const float share = ResidualShare(observation.sample, plane);
       cost += observation.confidence * share * share;
       explained += share < 1.f ? observation.confidence : 0.f;
+      if (is_measured[number] != 0) {
+        measured.Add(share, observation.confidence);
+      }
     }
     if (superpixel.confidence > 0.f) {
-      result->cost += cost * superpixel.weight / superpixel.confidence;
+      const float scale = superpixel.weight / superpixel.confidence;
+      result->cost += cost * scale;
       result->explained = explained / superpixel.confidence;
+      measured.on *= scale;
+      measured.off *= scale;
     }
+    AddConfirmed(superpixel, plane, &measured, result);
+    result->strength =
+        measured.on / (measured.on + measured.off +
+                       options.strength_prior * superpixel.num_pixels);
+  }
+
+  // Depths that other views confirm, though this one did not trust them.
+  TSAR_HD void AddConfirmed(const SuperpixelData& superpixel,
+                            const Plane& plane,
+                            Measurements* measured,
+                            PlaneCost* result) const {
+    const float weight = options.confirmed_weight *
+                         superpixel.confirmed_pixels / superpixel.num_confirmed;
+    for (int i = 0; i < superpixel.num_confirmed; ++i) {
+      const float share =
+          ResidualShare(confirmed[superpixel.first_confirmed + i], plane);
+      result->cost += weight * share * share;
+      measured->Add(share, weight);
+    }
+  }
+
+  // How far a depth lies off a plane, as a share of the tolerance, at most 1.
+  TSAR_HD float ResidualShare(const RayDepth& sample,
+                              const Plane& plane) const {
+    const float depth = plane.Depth({sample.x, sample.y, 1.f});
+    if (!(depth > 0.f)) {
+      return 1.f;
+    }
+    const float residual = fabsf(depth - sample.z) /
+                           (sample.z * resolution.RelativeDepthError(sample.z));
+    return fminf(residual / options.tolerance, 1.f);
   }
 
   TSAR_HD void AddOtherViews(const SuperpixelData& superpixel,
@@ -217,6 +262,12 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
     data.first_observation = evidence.first_observation[s];
     data.num_observations =
         evidence.first_observation[s + 1] - data.first_observation;
+    if (!evidence.first_confirmed.empty()) {
+      data.first_confirmed = evidence.first_confirmed[s];
+      data.num_confirmed =
+          evidence.first_confirmed[s + 1] - data.first_confirmed;
+      data.confirmed_pixels = evidence.confirmed_pixels[s];
+    }
     data.first_pixel = begin[s];
     data.num_pixels = begin[s + 1] - begin[s];
     data.weight = evidence.weights[s];
@@ -288,6 +339,8 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
   const Buffer<SourceDepths> device_sources(device, sources);
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
   const Buffer<Observation> observations(device, evidence.observations);
+  const Buffer<uint8_t> is_measured(device, evidence.is_measured);
+  const Buffer<RayDepth> confirmed(device, evidence.confirmed);
   const Buffer<PlanePoint> cells(device, support.cells);
   const auto [min_depth, max_depth] = DepthRange(evidence);
   DeviceImage<PlaneCost> costs(
@@ -298,6 +351,8 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
               CostKernel{superpixels.Data(),
                          device_planes.Data(),
                          observations.Data(),
+                         is_measured.Data(),
+                         confirmed.Data(),
                          groups.pixels.Data(),
                          cells.Data(),
                          device_sources.Data(),
@@ -342,7 +397,9 @@ int64_t ComputePlaneCostsWorkingBytes(int num_views,
   return std::max(labels + GroupPixelsWorkingBytes(num_pixels, num_superpixels),
                   PixelGroupsBytes(num_pixels, num_superpixels) + superpixels +
                       sources + planes +
-                      BytesOf<Observation>(num_observations) + costs);
+                      BytesOf<Observation>(num_observations) +
+                      BytesOf<uint8_t>(num_observations) +
+                      BytesOf<RayDepth>(num_pixels) + costs);
 }
 
 }  // namespace tsar

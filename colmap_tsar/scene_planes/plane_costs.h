@@ -20,6 +20,10 @@ struct PlaneCost {
   float cost = 0.f;
   // Observations on the plane, as a share of all.
   float explained = 0.f;
+  // How firmly measurements place the superpixel on the plane, from 0 to 1: the
+  // share of them that lie on it, less where there are few. Depths that come
+  // from the plane of a region are none.
+  float strength = 0.f;
   // Pixels that other views confirm, as a share of those tested.
   float confirmed = 0.f;
 };

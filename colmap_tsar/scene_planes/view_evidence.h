@@ -56,6 +56,18 @@ struct ViewEvidence {
   // a sample of its pixels. NumSuperpixels() + 1 entries.
   std::vector<int> first_observation;
   std::vector<Observation> observations;
+  // What tells which plane a superpixel lies on, and not which planes there
+  // are. For each observation: 1 where its pixel was measured, 0 where the
+  // depth is that of the plane of its region.
+  std::vector<uint8_t> is_measured;
+  // Depths that other views confirm and that the view itself did not trust.
+  // Those of superpixel k are first_confirmed[k] to first_confirmed[k + 1]: a
+  // sample of its pixels that have one, of which there are
+  // confirmed_pixels[k].
+  std::vector<int> first_confirmed;
+  std::vector<RayDepth> confirmed;
+  std::vector<int> confirmed_pixels;
+
   std::vector<SuperpixelBorder> borders;  // Sorted by (first, second).
 
   // Planes that the view found by itself: of regions, then of superpixels.

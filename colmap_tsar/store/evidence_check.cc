@@ -105,6 +105,28 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
       evidence.ratings.Empty()) {
     return "sizes that do not fit each other";
   }
+  const std::vector<int>& first_confirmed = evidence.first_confirmed;
+  if (evidence.is_measured.size() != evidence.observations.size() ||
+      first_confirmed.size() != first.size() ||
+      evidence.confirmed_pixels.size() != num_superpixels) {
+    return "sizes that do not fit each other";
+  }
+  if (!AllOf(evidence.is_measured, [](uint8_t flag) { return flag <= 1; })) {
+    return "an observation of an unknown kind";
+  }
+  if (first_confirmed.front() != 0 ||
+      !std::ranges::is_sorted(first_confirmed) ||
+      static_cast<size_t>(first_confirmed.back()) !=
+          evidence.confirmed.size() ||
+      !AllOf(evidence.confirmed_pixels, [](int count) { return count >= 0; })) {
+    return "confirmed depths that are not those of the superpixels";
+  }
+  if (!AllOf(evidence.confirmed, [](const RayDepth& sample) {
+        return IsFinite(sample.x) & IsFinite(sample.y) &
+               IsFinitePositive(sample.z);
+      })) {
+    return "an invalid confirmed depth";
+  }
   if (!BordersFit(evidence)) {
     return "borders that are not those of the superpixels";
   }

@@ -27,6 +27,7 @@ static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(int) == 4 && sizeof(float) == 4);
 static_assert(sizeof(Observation) == 16 &&
               std::is_trivially_copyable_v<Observation>);
+static_assert(sizeof(RayDepth) == 12 && std::is_trivially_copyable_v<RayDepth>);
 static_assert(sizeof(SuperpixelBorder) == 28 &&
               std::is_trivially_copyable_v<SuperpixelBorder>);
 static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
@@ -36,7 +37,7 @@ static_assert(sizeof(Intrinsics) == 16 &&
 
 constexpr std::array<char, 8> kMagic = {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'};
 // To be raised with every change of what the bytes mean, fingerprints included.
-constexpr uint32_t kFormatVersion = 4;
+constexpr uint32_t kFormatVersion = 5;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -51,6 +52,7 @@ struct Header {
   float noise = 0.f;
   uint64_t num_superpixels = 0;
   uint64_t num_observations = 0;
+  uint64_t num_confirmed = 0;
   uint64_t num_candidates = 0;
   uint64_t num_borders = 0;
   uint64_t neighbour_fingerprint = 0;
@@ -58,7 +60,7 @@ struct Header {
   // Of the header up to here and the options hash.
   uint64_t header_fingerprint = 0;
 };
-static_assert(sizeof(Header) == 112 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == 120 && std::is_trivially_copyable_v<Header>);
 
 uint64_t HeaderFingerprint(const Header& header,
                            const std::string& options_hash) {
@@ -92,7 +94,11 @@ auto NeighbourArrays(Evidence& evidence) {
 }
 template <typename Evidence>
 auto OwnArrays(Evidence& evidence) {
-  return std::array{BytesOf(evidence.borders),
+  return std::array{BytesOf(evidence.is_measured),
+                    BytesOf(evidence.first_confirmed),
+                    BytesOf(evidence.confirmed),
+                    BytesOf(evidence.confirmed_pixels),
+                    BytesOf(evidence.borders),
                     BytesOf(evidence.region_planes),
                     BytesOf(evidence.color),
                     BytesOf(evidence.ratings)};
@@ -218,6 +224,10 @@ class EvidenceReader {
            take(header_.num_superpixels, sizeof(int)) && take(1, sizeof(int)) &&
            take(header_.num_observations, sizeof(Observation)) &&
            take(header_.num_candidates, sizeof(Plane)) &&
+           take(header_.num_observations, sizeof(uint8_t)) &&
+           take(header_.num_superpixels, sizeof(int)) && take(1, sizeof(int)) &&
+           take(header_.num_confirmed, sizeof(RayDepth)) &&
+           take(header_.num_superpixels, sizeof(int)) &&
            take(header_.num_borders, sizeof(SuperpixelBorder)) &&
            take(num_pixels, sizeof(uint16_t)) &&
            take(num_pixels, sizeof(Rgb)) &&
@@ -281,6 +291,7 @@ void WriteEvidence(const ContainedPath& path,
   header.noise = evidence.noise;
   header.num_superpixels = evidence.weights.size();
   header.num_observations = evidence.observations.size();
+  header.num_confirmed = evidence.confirmed.size();
   header.num_candidates = evidence.candidates.size();
   header.num_borders = evidence.borders.size();
   header.neighbour_fingerprint = Fingerprint(NeighbourArrays(evidence));
@@ -320,6 +331,10 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.candidates.resize(header.num_candidates);
   reader.Read(NeighbourArrays(evidence), header.neighbour_fingerprint);
   if (parts == EvidenceParts::kAll) {
+    evidence.is_measured.resize(header.num_observations);
+    evidence.first_confirmed.resize(header.num_superpixels + 1);
+    evidence.confirmed.resize(header.num_confirmed);
+    evidence.confirmed_pixels.resize(header.num_superpixels);
     evidence.borders.resize(header.num_borders);
     evidence.region_planes = Image<uint16_t>::Uninitialized(width, height);
     evidence.color = Image<Rgb>::Uninitialized(width, height);

@@ -26,6 +26,8 @@ ViewEvidence EvidenceOf(int image) {
   evidence.color = Image<Rgb>(2, 1);
   evidence.weights = {1.f};
   evidence.first_observation = {0, 0};
+  evidence.first_confirmed = {0, 0};
+  evidence.confirmed_pixels = {0};
   evidence.ratings = Image<uint8_t>(4, 3, 7);
   return evidence;
 }

@@ -12,7 +12,7 @@ namespace tsar {
 namespace {
 
 // Of the header, see evidence_file.cc.
-constexpr size_t kHeaderSize = 112;
+constexpr size_t kHeaderSize = 120;
 constexpr size_t kNeighbourFingerprint = 88;
 constexpr size_t kOwnFingerprint = 96;
 constexpr size_t kHeaderFingerprint = 104;
@@ -86,6 +86,10 @@ std::vector<std::string> MakeSeeds() {
   evidence.observations.resize(1);
   evidence.observations[0].sample = {0.f, 0.f, 2.f};
   evidence.observations[0].confidence = 0.5f;
+  evidence.is_measured = {1};
+  evidence.first_confirmed = {0, 1, 1};
+  evidence.confirmed = {{0.f, 0.f, 2.f}};
+  evidence.confirmed_pixels = {3, 0};
   evidence.candidates.resize(1);
   evidence.candidates[0] = {Vec3f{0.f, 0.f, -1.f}, 2.f};
   evidence.borders.resize(1);

@@ -247,6 +247,9 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
                   static_cast<int64_t>(for_neighbours));
     const size_t all =
         for_neighbours + evidence.region_planes.NumPixels() * sizeof(uint16_t) +
+        evidence.is_measured.size() +
+        evidence.confirmed.size() * sizeof(RayDepth) +
+        2 * evidence.confirmed_pixels.size() * sizeof(int) +
         evidence.borders.size() * sizeof(SuperpixelBorder) +
         evidence.color.NumPixels() * sizeof(Rgb) + evidence.ratings.NumPixels();
     ExpectPlanned("all",

@@ -154,6 +154,55 @@ TEST_F(GatherEvidenceTest, MeasurementsSayNothingOfFillsElsewhere) {
   EXPECT_NEAR(Gather().weights[0], kNumPixels / 2 * 1.3f, 1e-3f);
 }
 
+TEST_F(GatherEvidenceTest, TellsMeasurementsFromDepthsOfTheRegionsPlane) {
+  DrawRegionPlane(3, plane_);
+  RayDepth* samples = inputs_.samples.Data();
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 3 * kSize; x < 4 * kSize; ++x) {
+      if (x % 2 == 0) {
+        samples[y * kWidth + x].z = 0.f;
+      }
+    }
+  }
+  const ViewEvidence evidence = Gather();
+  ASSERT_EQ(evidence.is_measured.size(), evidence.observations.size());
+  int num_filled = 0;
+  for (size_t i = 0; i < evidence.observations.size(); ++i) {
+    const bool is_filled = evidence.observations[i].confidence < 0.5f;
+    EXPECT_EQ(evidence.is_measured[i], is_filled ? 0 : 1);
+    num_filled += is_filled ? 1 : 0;
+  }
+  EXPECT_GT(num_filled, 5);
+}
+
+TEST_F(GatherEvidenceTest, KeepsConfirmedDepthsThatWereNotTrusted) {
+  inputs_.confirmed_samples = inputs_.samples;
+  Fill(&inputs_.samples, 2, RayDepth{});
+  RayDepth* samples = inputs_.samples.Data();
+  samples[0] = {};  // One pixel of the first superpixel.
+  const ViewEvidence evidence = Gather();
+  std::vector<int> counts(kNumSuperpixels, 0);
+  counts[0] = 1;
+  counts[2] = kNumPixels;
+  EXPECT_EQ(evidence.confirmed_pixels, counts);
+  ASSERT_EQ(evidence.first_confirmed.size(), counts.size() + 1);
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(evidence.first_confirmed[s + 1] - evidence.first_confirmed[s],
+              std::min(counts[s], options_.max_confirmed_per_superpixel));
+  }
+  for (const RayDepth& sample : evidence.confirmed) {
+    EXPECT_NEAR(plane_.Depth({sample.x, sample.y, 1.f}), sample.z, 1e-4f);
+  }
+  // They are no observations.
+  EXPECT_TRUE(ObservationsOf(evidence, 2).empty());
+}
+
+TEST_F(GatherEvidenceTest, WithoutConfirmationsThereAreNone) {
+  const ViewEvidence evidence = Gather();
+  EXPECT_TRUE(evidence.confirmed.empty());
+  EXPECT_EQ(evidence.confirmed_pixels, std::vector<int>(kNumSuperpixels, 0));
+}
+
 TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
   std::vector<int> count(kNumSuperpixels, 0);
   for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {

@@ -135,6 +135,43 @@ TEST_F(LabelViewTest, NeighborsMayOutvoteObservationsButDoNotMeasure) {
   EXPECT_EQ(view.evidence[wrong + 1], LabelEvidence::kMeasured);
 }
 
+// A chest before a wall: the wall was measured around, and on the chest there
+// are but depths that other views confirm.
+TEST_F(LabelViewTest, ConfirmedDepthsTellAPlaneFromTheOneBehindIt) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 5);
+  Measure(WallAt(4.f), 6, 7);
+  inputs_.confirmed_samples = inputs_.samples;
+  const int chest = 2 * kNumColumns + 7;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == chest) {
+      inputs_.samples.Data()[i] = {};
+    }
+  }
+  const std::vector<Plane> planes = {WallAt(5.f), WallAt(4.f)};
+  const LabeledView confirmed = Label(planes);
+  EXPECT_EQ(confirmed.labels[chest], 1);
+  EXPECT_GT(confirmed.strengths[chest], 0.8f);
+  // Without them, nothing measures the superpixel.
+  inputs_.confirmed_samples = {};
+  EXPECT_EQ(Label(planes).strengths[chest], 0.f);
+}
+
+TEST_F(LabelViewTest, StrengthIsTheShareOfMeasurementsOnThePlane) {
+  Measure(WallAt(5.f), 0, 7);
+  const int mixed = 2 * kNumColumns + 4;
+  int number = 0;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == mixed && number++ % 4 == 0) {
+      inputs_.samples.Data()[i].z = 4.f;
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  EXPECT_EQ(view.labels[mixed], 0);
+  EXPECT_NEAR(view.strengths[mixed], 0.75f, 0.1f);
+  EXPECT_GT(view.strengths[mixed + 1], 0.95f);
+}
+
 TEST_F(LabelViewTest, TakesThePlaneThatFitsBest) {
   DrawEdgesEverywhere();
   // One pixel of disparity is 0.025: the other two are near enough to speak

@@ -51,6 +51,8 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.superpixels = Image<uint16_t>(1, 2);
   nothing.weights = {0.f};
   nothing.first_observation = {0, 0};
+  nothing.first_confirmed = {0, 0};
+  nothing.confirmed_pixels = {0};
   nothing.region_planes = Image<uint16_t>(1, 2);
   nothing.confident_depth = Image<float>(1, 2);
   nothing.color = Image<Rgb>(1, 2);
@@ -134,8 +136,8 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    // The header's 112 bytes, the 16 of the options hash, the arrays.
-    ExpectCorruptAndNoHash(length < 112   ? "not complete"
+    // The header's 120 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 120   ? "not complete"
                            : length < 128 ? "cut off"
                                           : "not what the header says");
   }
@@ -194,6 +196,8 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
       [](auto* f) { f->num_observations = kMax; },
       [](auto* f) { f->num_observations = (kMax >> 4) + 1; },
       [](auto* f) { f->num_observations += kMax / 16 + 1; },
+      [](auto* f) { f->num_confirmed = kMax; },
+      [](auto* f) { f->num_confirmed = kMax / 12 + 1; },
       [](auto* f) { f->num_candidates = kMax / 16 + 1; },
       [](auto* f) { f->num_candidates = uint64_t{1} << 32; },
       [](auto* f) { f->num_borders = kMax; },

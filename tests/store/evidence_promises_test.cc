@@ -79,9 +79,23 @@ std::vector<Fault> NeighbourFaults() {
 
 std::vector<Fault> OwnFaults() {
   const std::string border = "borders that are not those of";
+  const std::string kind = "an observation of an unknown kind";
+  const std::string owners = "confirmed depths that are not those of";
+  const std::string confirmed = "an invalid confirmed depth";
   const std::string weight = "a border's invalid weight";
   const std::string region = "a region's plane";
   return {
+      {kind, [](auto* e) { e->is_measured[10] = 2; }},
+      {owners, [](auto* e) { e->first_confirmed[0] = 1; }},
+      {owners, [](auto* e) { e->first_confirmed[1] = -2; }},
+      {owners, [](auto* e) { e->first_confirmed[2] = 4; }},
+      {owners, [](auto* e) { e->first_confirmed[5] = 3; }},
+      {owners, [](auto* e) { e->first_confirmed[5] = 5; }},
+      {owners, [](auto* e) { e->confirmed_pixels[2] = -1; }},
+      {confirmed, [](auto* e) { e->confirmed[3].x = kNan; }},
+      {confirmed, [](auto* e) { e->confirmed[0].y = kInf; }},
+      {confirmed, [](auto* e) { e->confirmed[1].z = 0.f; }},
+      {confirmed, [](auto* e) { e->confirmed[1].z = kInf; }},
       {border, [](auto* e) { e->borders[0].first = -1; }},
       {border, [](auto* e) { e->borders[3].second = 5; }},
       {border, [](auto* e) { e->borders[1].second = 1; }},
@@ -127,6 +141,9 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({sizes, [](auto* e) { e->width = 0; }});
   faults.push_back({sizes, [](auto* e) { e->weights.pop_back(); }});
   faults.push_back({sizes, [](auto* e) { e->first_observation.clear(); }});
+  faults.push_back({sizes, [](auto* e) { e->is_measured.pop_back(); }});
+  faults.push_back({sizes, [](auto* e) { e->first_confirmed.clear(); }});
+  faults.push_back({sizes, [](auto* e) { e->confirmed_pixels.clear(); }});
   faults.push_back({sizes, [](auto* e) { std::swap(e->width, e->height); }});
   faults.push_back({sizes, [](auto* e) { e->superpixels = {}; }});
   faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});

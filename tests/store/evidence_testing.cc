@@ -53,6 +53,14 @@ ViewEvidence DrawEvidence() {
     evidence.observations.push_back(
         {{draw() - 0.5f, draw() - 0.5f, 10.f * draw()}, draw()});
   }
+  for (int i = 0; i < 11; ++i) {
+    evidence.is_measured.push_back(static_cast<uint8_t>(i % 3 == 0));
+  }
+  evidence.first_confirmed = {0, 2, 2, 3, 3, 4};
+  evidence.confirmed_pixels = {5, 0, 1, 0, 7};
+  for (int i = 0; i < 4; ++i) {
+    evidence.confirmed.push_back({draw() - 0.5f, draw() - 0.5f, 10.f * draw()});
+  }
   for (int k = 0; k < kNumSuperpixels; ++k) {
     evidence.weights.push_back(20.f * draw());
   }
@@ -99,6 +107,14 @@ std::string NeighbourBytes(const ViewEvidence& evidence) {
 
 std::string OwnBytes(const ViewEvidence& evidence) {
   std::string bytes;
+  AppendAll(evidence.is_measured, &bytes);
+  AppendAll(evidence.first_confirmed, &bytes);
+  for (const RayDepth& sample : evidence.confirmed) {
+    Append(sample.x, &bytes);
+    Append(sample.y, &bytes);
+    Append(sample.z, &bytes);
+  }
+  AppendAll(evidence.confirmed_pixels, &bytes);
   for (const SuperpixelBorder& border : evidence.borders) {
     Append(border.first, &bytes);
     Append(border.second, &bytes);
@@ -134,6 +150,7 @@ std::string FileBytes(const HeaderFields& fields,
   Append(evidence.noise, &bytes);
   Append(fields.num_superpixels, &bytes);
   Append(fields.num_observations, &bytes);
+  Append(fields.num_confirmed, &bytes);
   Append(fields.num_candidates, &bytes);
   Append(fields.num_borders, &bytes);
   Append(HashOf(neighbour_bytes), &bytes);

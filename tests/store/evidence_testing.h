@@ -31,6 +31,7 @@ struct HeaderFields {
         ratings_height(evidence.ratings.Height()),
         num_superpixels(evidence.weights.size()),
         num_observations(evidence.observations.size()),
+        num_confirmed(evidence.confirmed.size()),
         num_candidates(evidence.candidates.size()),
         num_borders(evidence.borders.size()) {}
 
@@ -43,6 +44,7 @@ struct HeaderFields {
   int32_t ratings_height;
   uint64_t num_superpixels;
   uint64_t num_observations;
+  uint64_t num_confirmed;
   uint64_t num_candidates;
   uint64_t num_borders;
 };
