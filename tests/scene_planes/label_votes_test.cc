@@ -42,14 +42,12 @@ class LabelVotesTest : public testing::Test {
   }
 
   // shift: of its place to the right.
-  void AddSource(int label,
-                 LabelEvidence evidence = LabelEvidence::kMeasured,
-                 double shift = 0.0) {
+  void AddSource(int label, float strength = 1.f, double shift = 0.0) {
     Camera camera = camera_;
     camera.translation.x() -= shift;
     views_.push_back({&evidence_, camera});
     labels_.push_back({std::vector<int>(kNumSuperpixels, label),
-                       std::vector<LabelEvidence>(kNumSuperpixels, evidence)});
+                       std::vector<float>(kNumSuperpixels, strength)});
   }
 
   // The vote on each pixel of a superpixel.
@@ -66,7 +64,7 @@ class LabelVotesTest : public testing::Test {
   ViewEvidence evidence_;
   Camera camera_;
   std::vector<ObservedView> views_;
-  std::vector<ViewLabels> labels_;
+  std::vector<VotingLabels> labels_;
   // The third is near the first, the others are far in front and behind.
   std::vector<Plane> planes_ = {WallAt(kDepth),
                                 WallAt(3.f),
@@ -101,19 +99,19 @@ TEST_F(LabelVotesTest, NothingIsInFrontOfWhatAViewSees) {
   EXPECT_EQ(Vote(3), 0.f);
 }
 
-TEST_F(LabelVotesTest, LabelsCountByTheirEvidence) {
-  AddSource(0, LabelEvidence::kCarried);
-  EXPECT_NEAR(Vote(0), -options_.carried_weight * options_.gain_of_same, 1e-5f);
-  EXPECT_NEAR(
-      Vote(1), options_.carried_weight * options_.cost_of_hiding, 1e-5f);
-  labels_[0].evidence.assign(kNumSuperpixels, LabelEvidence::kGuessed);
+TEST_F(LabelVotesTest, LabelsCountByHowFirmlyTheyWereMeasured) {
+  AddSource(0, 0.5f);
+  const float half = 0.5f + 0.5f * options_.guessed_weight;
+  EXPECT_NEAR(Vote(0), -half * options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(Vote(1), half * options_.cost_of_hiding, 1e-5f);
+  labels_[0].strengths.assign(kNumSuperpixels, 0.f);
   EXPECT_NEAR(Vote(0), -options_.guessed_weight * options_.gain_of_same, 1e-5f);
 }
 
 TEST_F(LabelVotesTest, ViewsWithoutAPlaneThereSayNothing) {
-  AddSource(-1, LabelEvidence::kNone);
+  AddSource(-1, 0.f);
   // Far to the right: nothing of the reference is in its image.
-  AddSource(0, LabelEvidence::kMeasured, 50.0);
+  AddSource(0, 1.f, 50.0);
   // Behind everything.
   AddSource(0);
   views_.back().camera.translation.z() -= 20.0;
@@ -124,7 +122,7 @@ TEST_F(LabelVotesTest, ViewsWithoutAPlaneThereSayNothing) {
 
 TEST_F(LabelVotesTest, LooksAtThePlaceWhereTheSourceSeesThePoint) {
   // At this depth the source sees a point one superpixel further left.
-  AddSource(3, LabelEvidence::kMeasured, kSize * kDepth / 40.0);
+  AddSource(3, 1.f, kSize * kDepth / 40.0);
   for (int row = 0; row < kHeight / kSize; ++row) {
     labels_[0].planes[static_cast<size_t>(row * kNumColumns + 1)] = 0;
   }
@@ -133,8 +131,8 @@ TEST_F(LabelVotesTest, LooksAtThePlaceWhereTheSourceSeesThePoint) {
 }
 
 TEST_F(LabelVotesTest, DoesNotDependOnTheNumberOfThreads) {
-  AddSource(0, LabelEvidence::kMeasured, 0.3);
-  AddSource(2, LabelEvidence::kGuessed, -0.4);
+  AddSource(0, 1.f, 0.3);
+  AddSource(2, 0.f, -0.4);
   for (int superpixel = 0; superpixel < kNumSuperpixels; ++superpixel) {
     for (int plane = 0; plane < 5; ++plane) {
       EXPECT_EQ(Vote(plane, superpixel, 3), Vote(plane, superpixel, 1));
