@@ -254,7 +254,12 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
     const size_t all =
         for_neighbours + evidence.region_planes.NumPixels() * sizeof(uint16_t) +
         evidence.is_measured.size() +
-        evidence.confirmed.size() * sizeof(RayDepth) +
+        // Hardly a depth of this scene is confirmed and not trusted.
+        static_cast<size_t>(
+            MaxConfirmed(static_cast<int64_t>(evidence.superpixels.NumPixels()),
+                         evidence.NumSuperpixels(),
+                         {})) *
+            sizeof(RayDepth) +
         2 * evidence.confirmed_pixels.size() * sizeof(int) +
         evidence.borders.size() * sizeof(SuperpixelBorder) +
         evidence.color.NumPixels() * sizeof(Rgb) + evidence.ratings.NumPixels();

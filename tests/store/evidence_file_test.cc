@@ -224,14 +224,15 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
 
 // Sizes that fill the file, but not with what belongs there.
 TEST_F(EvidenceFileTest, RefusesCountsThatOnlyFitTheLength) {
-  HeaderFields fields(evidence_);
-  fields.num_observations -= 1;
-  fields.num_candidates += 1;
-  WriteText(path_, FileBytes(fields, evidence_));
-  ExpectCorrupt("observations that are not those of the superpixels");
-  fields = HeaderFields(evidence_);
-  std::swap(fields.num_observations, fields.num_candidates);
-  WriteText(path_, FileBytes(fields, evidence_));
+  // Twelve observations take as many bytes as twelve planes, and what is kept
+  // of their kind as many as a confirmed depth.
+  ViewEvidence evidence = evidence_;
+  evidence.candidates.resize(15, evidence.candidates[0]);
+  HeaderFields fields(evidence);
+  fields.num_observations += 12;
+  fields.num_candidates -= 12;
+  fields.num_confirmed -= 1;
+  WriteText(path_, FileBytes(fields, evidence));
   ExpectCorrupt("observations that are not those of the superpixels");
 }
 

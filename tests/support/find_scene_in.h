@@ -22,21 +22,22 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
   for (const MeasuredScenePlane& plane : block.planes) {
     planes.push_back(ToModelPlane(plane));
   }
-  std::vector<ViewLabels> labels;
+  std::vector<LabelsInModel> labels;
   for (int sweep = 0; sweep < num_sweeps; ++sweep) {
-    std::vector<ViewLabels> next;
+    std::vector<LabelsInModel> next;
     for (size_t i = 0; i < views.size(); ++i) {
       std::vector<ModelledView> modelled;
       for (size_t j = 0; j < views.size(); ++j) {
-        modelled.push_back(
-            {views[j], &block.assignment[j], sweep > 0 ? &labels[j] : nullptr});
+        modelled.push_back({views[j],
+                            &block.assignment[j],
+                            sweep > 0 ? &labels[j].votes : nullptr});
       }
       std::swap(modelled[0], modelled[i]);
       next.push_back(LabelInModel(modelled, planes, options, device));
     }
     labels = std::move(next);
   }
-  return FindScene(views, planes, labels[0], options, device);
+  return FindScene(views, planes, labels[0].labels, options, device);
 }
 
 inline FoundScene FindSceneIn(const std::vector<ObservedView>& views,
