@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/cli/output_file.h"
 
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/store/input_folders.h"
 
@@ -18,6 +19,13 @@ void RequireWritableOutput(const std::string& workspace_path,
   const std::filesystem::path path = output_path;
   RequireOutsideInputs(workspace_path, path, "--output_path");
   std::error_code error;
+  const std::filesystem::path folder = UserPath(path).Root();
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "no such folder to write the " + kind + " into",
+                      "make it, or choose another --output_path");
+  }
   if (!std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
     return;
   }

@@ -8,7 +8,8 @@
 namespace tsar {
 
 // Before the work is done: whether a file may be written where --output_path of
-// a command says. Throws Error kUnsupported where it lies among the inputs of
+// a command says. Throws Error kNotFound where its folder is missing,
+// kUnsupported where it lies among the inputs of
 // the workspace, where something else than a file is there, and where a file is
 // there and is not to be overwritten. kind: what the file is, "picture".
 void RequireWritableOutput(const std::string& workspace_path,

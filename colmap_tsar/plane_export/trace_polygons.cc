@@ -27,6 +27,22 @@ struct Contours {
   std::vector<Contour> holes;
 };
 
+// Contours step over the corners that jut into what is outside.
+Contour WithCorners(const Contour& contour, const cv::Mat& nodes) {
+  Contour result;
+  for (size_t i = 0; i < contour.size(); ++i) {
+    const cv::Point from = contour[i];
+    const cv::Point to = contour[(i + 1) % contour.size()];
+    result.push_back(from);
+    if (std::abs(to.x - from.x) == 1 && std::abs(to.y - from.y) == 1) {
+      const cv::Point corner(from.x, to.y);
+      result.push_back(
+          nodes.at<uint8_t>(corner) != 0 ? corner : cv::Point(to.x, from.y));
+    }
+  }
+  return result;
+}
+
 // In nodes, of which a cell has three along each side, the outer two shared
 // with its neighbours: so a contour, which runs through the outermost points
 // that are inside, follows the cells' borders.
@@ -48,10 +64,10 @@ std::vector<Contours> FindContours(const Image<uint8_t>& support) {
   constexpr int kNext = 0;
   constexpr int kFirstChild = 2;
   for (int i = all.empty() ? -1 : 0; i >= 0; i = hierarchy[i][kNext]) {
-    contours.emplace_back().outline = all[i];
+    contours.emplace_back().outline = WithCorners(all[i], nodes);
     for (int hole = hierarchy[i][kFirstChild]; hole >= 0;
          hole = hierarchy[hole][kNext]) {
-      contours.back().holes.push_back(all[hole]);
+      contours.back().holes.push_back(WithCorners(all[hole], nodes));
     }
   }
   return contours;

@@ -28,7 +28,7 @@ const std::vector<std::string>& PlaneFormatNames();
 // kBadOption, which lists the formats.
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
 
-// In one step; Error kIo. The same planes give the same bytes.
+// In one step; errors as AtomicFile. The same planes give the same bytes.
 void WritePlanes(const ContainedPath& path,
                  PlaneFormat format,
                  const ExportedPlanes& planes);
