@@ -47,6 +47,9 @@ int RunTsarImport(int argc, char** argv);
 // Draws the depth before and after refinement.
 int RunTsarReport(int argc, char** argv);
 
+// Writes the planes of a refined workspace.
+int RunTsarPlanes(int argc, char** argv);
+
 // Scores depth maps or a point cloud against ground truth.
 int RunTsarEvaluate(int argc, char** argv);
 

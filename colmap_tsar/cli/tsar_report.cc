@@ -7,18 +7,17 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/report/comparison_picture.h"
 #include "colmap_tsar/report/png.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/report/write_page.h"
-#include "colmap_tsar/store/input_folders.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <filesystem>
 #include <iostream>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <unistd.h>
@@ -140,31 +139,11 @@ Workspace OpenWorkspace(const ReportCommand& command) {
   return takes_photometric ? photometric : geometric;
 }
 
-// Before the work is done.
-void CheckPicturePath(const ReportCommand& command) {
-  const std::filesystem::path path = command.output_path;
-  RequireOutsideInputs(command.workspace_path, path, "--output_path");
-  std::error_code error;
-  if (!std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
-    return;
-  }
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      path.string(),
-                      "is there already and is no picture",
-                      "choose another --output_path");
-  }
-  if (!command.page.overwrite) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      path.string(),
-                      "is there already",
-                      "give --overwrite 1 to replace it, or choose another "
-                      "--output_path");
-  }
-}
-
 void WritePicture(const Workspace& workspace, const ReportCommand& command) {
-  CheckPicturePath(command);
+  RequireWritableOutput(command.workspace_path,
+                        command.output_path,
+                        "picture",
+                        command.page.overwrite);
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
     throw Error::File(ErrorCode::kNotFound,

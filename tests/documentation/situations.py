@@ -192,6 +192,7 @@ SITUATIONS = {
     "There is nothing to restore": lambda: None,
     "The output folder is in use": lambda: write("refined/notes.txt", "mine\n"),
     "The report comes before the refinement": lambda: None,
+    "The planes come before the refinement": lambda: None,
     "The picture is there already": lambda: write("comparison.png", "mine\n"),
     "Something goes into the workspace's own folders": lambda: None,
     "The debug pictures lie among other files": lambda: write("debug/notes.txt", "mine\n"),

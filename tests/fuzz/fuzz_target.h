@@ -28,6 +28,7 @@ extern const FuzzTarget kConfigTarget;
 extern const FuzzTarget kImageListTarget;
 extern const FuzzTarget kProjectIniTarget;
 extern const FuzzTarget kEvidenceTarget;
+extern const FuzzTarget kSceneModelTarget;
 extern const FuzzTarget kRecordTarget;
 extern const FuzzTarget kImportRecordTarget;
 extern const FuzzTarget kShardRecordTarget;

@@ -18,8 +18,8 @@ void ReadDepthImage(std::span<const uint8_t> input) {
   Accepts([&] { ParseDepthImage(input, kName); });
 }
 
-void ReadProvenance(std::span<const uint8_t> input) {
-  const std::filesystem::path path = PutFile("provenance.png", input);
+void ReadGrayMap(std::span<const uint8_t> input) {
+  const std::filesystem::path path = PutFile("map.png", input);
   Accepts([&] { ReadGrayPng(path); });
   Accepts([&] { ReadGray16Png(path); });
 }
@@ -72,7 +72,8 @@ std::vector<std::string> MakeExrSeeds() {
 }
 
 std::vector<std::string> MakeGrayPngSeeds() {
-  return {Encoded(".png", cv::Mat(4, 5, CV_8UC1, cv::Scalar(4)))};
+  return {Encoded(".png", cv::Mat(4, 5, CV_8UC1, cv::Scalar(4))),
+          Encoded(".png", cv::Mat(4, 5, CV_16UC1, cv::Scalar(4)))};
 }
 
 constexpr char kNpyName[] = "depth.npy";
@@ -89,7 +90,6 @@ const FuzzTarget kPngTarget = {"png", &ReadDepthImage<kPngName>, &MakePngSeeds};
 const FuzzTarget kTiffTarget = {
     "tiff", &ReadDepthImage<kTiffName>, &MakeTiffSeeds};
 const FuzzTarget kExrTarget = {"exr", &ReadDepthImage<kExrName>, &MakeExrSeeds};
-const FuzzTarget kGrayPngTarget = {
-    "gray_png", &ReadProvenance, &MakeGrayPngSeeds};
+const FuzzTarget kGrayPngTarget = {"gray_png", &ReadGrayMap, &MakeGrayPngSeeds};
 
 }  // namespace tsar

@@ -38,7 +38,7 @@ constexpr const FuzzTarget* kTargets[] = {
     &kNpyTarget,         &kPfmTarget,          &kPngTarget,
     &kTiffTarget,        &kExrTarget,          &kGrayPngTarget,
     &kJpegTarget,        &kPhotoTarget,        &kPlyTarget,
-    &kMeshlabTarget};
+    &kMeshlabTarget,     &kSceneModelTarget};
 
 const FuzzTarget* current_target = nullptr;
 

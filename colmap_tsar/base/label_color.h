@@ -1,0 +1,13 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+
+namespace tsar {
+
+// A colour for each label, always the same one; black for negative labels.
+Rgb LabelColor(int label);
+
+}  // namespace tsar

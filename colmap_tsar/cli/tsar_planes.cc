@@ -1,0 +1,137 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/plane_export/export_planes.h"
+#include "colmap_tsar/plane_export/plane_view.h"
+#include "colmap_tsar/plane_export/write_planes.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <iostream>
+#include <limits>
+#include <string>
+
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+constexpr const char* kSummary =
+    "Writes the planes of a refined workspace to a file: walls, floors, "
+    "ceilings and other flat surfaces, each with its normal, how certain it "
+    "is, "
+    "its area, the images that see it, and its outlines with holes in the "
+    "world "
+    "frame. Walls and floors meet in the same lines. JSON holds everything; "
+    "PLY "
+    "and OBJ hold triangles for viewers, DXF triangles and outlines for CAD "
+    "programs. All lengths are in units of the sparse model.";
+
+struct PlanesCommand {
+  std::string workspace_path;
+  std::string output_path;
+  std::string format;
+  std::string input_type;
+  bool overwrite = false;
+  PlaneExportOptions options;
+};
+
+void AddOptions(PlanesCommand* command, OptionSet* options) {
+  options->AddRequired("workspace_path",
+                       &command->workspace_path,
+                       "The refined dense workspace.");
+  options->AddRequired("output_path",
+                       &command->output_path,
+                       "The file to write. One that is there is replaced with "
+                       "--overwrite 1 alone.");
+  options->AddChoice(
+      "format",
+      &command->format,
+      PlaneFormatNames(),
+      "What to write. If not given: what the name of the file ends in.");
+  options->AddChoice(
+      "input_type",
+      &command->input_type,
+      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
+      "The maps that were refined. If not given: geometric, or photometric "
+      "where only those have planes.");
+  options->Add("min_area",
+               &command->options.min_area,
+               "Planes of a smaller area are left out; in square units of the "
+               "sparse model.",
+               {0.0, std::numeric_limits<double>::max()});
+  options->Add(
+      "overwrite", &command->overwrite, "Replace a file that is there.");
+}
+
+Workspace OpenWorkspace(const PlanesCommand& command) {
+  Workspace geometric(command.workspace_path, MapType::kGeometric);
+  Workspace photometric(command.workspace_path, MapType::kPhotometric);
+  const bool takes_photometric =
+      command.input_type.empty()
+          ? FindPlaneViews(geometric).empty() &&
+                !FindPlaneViews(photometric).empty()
+          : command.input_type == ToString(MapType::kPhotometric);
+  return takes_photometric ? photometric : geometric;
+}
+
+void PrintPlanes(const ExportedPlanes& planes, const std::string& path) {
+  std::cout << "Wrote " << planes.planes.size()
+            << (planes.planes.size() == 1 ? " plane" : " planes") << " of "
+            << planes.num_images
+            << (planes.num_images == 1 ? " image" : " images") << " to "
+            << Printable(path) << "\n";
+  for (const PlaneClass plane_class : {PlaneClass::kFloor,
+                                       PlaneClass::kCeiling,
+                                       PlaneClass::kWall,
+                                       PlaneClass::kOther}) {
+    int count = 0;
+    double area = 0.0;
+    for (const ExportedPlane& plane : planes.planes) {
+      if (plane.plane_class == plane_class) {
+        ++count;
+        area += plane.area;
+      }
+    }
+    std::cout << "  " << ToString(plane_class) << ": " << count << ", area "
+              << area << "\n";
+  }
+  std::cout << std::flush;
+}
+
+}  // namespace
+
+int RunTsarPlanes(int argc, char** argv) {
+  PlanesCommand command;
+  OptionSet options("tsar_planes",
+                    kSummary,
+                    "tsar_planes --workspace_path dense --output_path "
+                    "planes.json");
+  AddOptions(&command, &options);
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  const PlaneFormat format =
+      ParsePlaneFormat(command.format, command.output_path);
+  const Workspace workspace = OpenWorkspace(command);
+  RequireWritableOutput(command.workspace_path,
+                        command.output_path,
+                        "file of planes",
+                        command.overwrite);
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  const ExportedPlanes planes =
+      ExportPlanes(workspace, command.options, progress, [&] {
+        return interruption.Requested();
+      });
+  WritePlanes(UserPath(command.output_path), format, planes);
+  PrintPlanes(planes, command.output_path);
+  return 0;
+}
+
+}  // namespace tsar

@@ -1,0 +1,159 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/plane_export/support_mask.h"
+
+#include <algorithm>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+constexpr uint8_t kInside = 255;
+constexpr float kMinCoverage = 0.5f;
+constexpr float kMinShareOfMedian = 0.1f;
+constexpr float kMinShareOfNeighbours = 0.5f;
+// Gaps of up to twice so many cells are closed.
+constexpr int kClosingRadius = 2;
+constexpr int kMinCells = 16;  // Of a hole or an island.
+// Of a support that ends at a crease, the most that lies beyond it.
+constexpr double kMaxShareBeyond = 0.05;
+// How far beyond its seen part, in cells, a crease clips.
+constexpr double kCreaseMargin = 4.0;
+
+static_assert(kClosingRadius < SupportGrid::kPadding);
+
+cv::Mat ToMat(Image<uint8_t>* image) {
+  return cv::Mat(image->Height(), image->Width(), CV_8UC1, image->Data());
+}
+
+float MedianOfCovered(const Image<float>& coverage) {
+  std::vector<float> covered;
+  std::copy_if(coverage.begin(),
+               coverage.end(),
+               std::back_inserter(covered),
+               [](float value) { return value > 0.f; });
+  if (covered.empty()) {
+    return 0.f;
+  }
+  const auto middle =
+      covered.begin() + static_cast<std::ptrdiff_t>(covered.size() / 2);
+  std::nth_element(covered.begin(), middle, covered.end());
+  return *middle;
+}
+
+Image<uint8_t> Threshold(const Image<float>& coverage) {
+  const float min_coverage =
+      std::max(kMinCoverage, kMinShareOfMedian * MedianOfCovered(coverage));
+  const cv::Mat values(coverage.Height(),
+                       coverage.Width(),
+                       CV_32FC1,
+                       const_cast<float*>(coverage.Data()));
+  cv::Mat largest;
+  cv::dilate(values, largest, cv::Mat::ones(3, 3, CV_8UC1));
+  Image<uint8_t> mask(coverage.Width(), coverage.Height());
+  for (int y = 0; y < mask.Height(); ++y) {
+    for (int x = 0; x < mask.Width(); ++x) {
+      const float value = coverage(x, y);
+      if (value >= min_coverage &&
+          value >= kMinShareOfNeighbours * largest.at<float>(y, x)) {
+        mask(x, y) = kInside;
+      }
+    }
+  }
+  return mask;
+}
+
+// Gives components of `value` that are too small the other value.
+void RemoveSmall(uint8_t value, Image<uint8_t>* mask) {
+  cv::Mat pixels = ToMat(mask);
+  const cv::Mat of_value = pixels == value;
+  cv::Mat labels;
+  cv::Mat statistics;
+  cv::Mat centroids;
+  // Cells that touch in a corner are parts of one gap, and of two islands.
+  cv::connectedComponentsWithStats(of_value,
+                                   labels,
+                                   statistics,
+                                   centroids,
+                                   value == kInside ? 4 : 8,
+                                   CV_32S);
+  for (int y = 0; y < pixels.rows; ++y) {
+    for (int x = 0; x < pixels.cols; ++x) {
+      const int label = labels.at<int>(y, x);
+      if (label > 0 &&
+          statistics.at<int>(label, cv::CC_STAT_AREA) < kMinCells) {
+        pixels.at<uint8_t>(y, x) = static_cast<uint8_t>(kInside - value);
+      }
+    }
+  }
+}
+
+// Where two cells touch in a corner alone, one of those between is added.
+void JoinCorners(Image<uint8_t>* mask) {
+  bool has_changed = true;
+  while (has_changed) {
+    has_changed = false;
+    for (int y = 0; y + 1 < mask->Height(); ++y) {
+      for (int x = 0; x + 1 < mask->Width(); ++x) {
+        uint8_t& a = (*mask)(x, y);
+        uint8_t& b = (*mask)(x + 1, y);
+        if (a == (*mask)(x + 1, y + 1) && b == (*mask)(x, y + 1) && a != b) {
+          a = b = kInside;
+          has_changed = true;
+        }
+      }
+    }
+  }
+}
+
+void ClipAtCrease(const SupportGrid& grid,
+                  const CreaseLine& crease,
+                  Image<uint8_t>* mask) {
+  double num_left = 0.0;
+  double num_right = 0.0;
+  for (int y = 0; y < mask->Height(); ++y) {
+    for (int x = 0; x < mask->Width(); ++x) {
+      if ((*mask)(x, y) != 0) {
+        (crease.Height(grid.Middle(x, y)) > 0.0 ? num_left : num_right) += 1.0;
+      }
+    }
+  }
+  if (std::min(num_left, num_right) >
+      kMaxShareBeyond * (num_left + num_right)) {
+    return;
+  }
+  const double kept_side = num_left > num_right ? 1.0 : -1.0;
+  for (int y = 0; y < mask->Height(); ++y) {
+    for (int x = 0; x < mask->Width(); ++x) {
+      const Eigen::Vector2d middle = grid.Middle(x, y);
+      if (kept_side * crease.Height(middle) < 0.0 &&
+          crease.IsBeside(middle, kCreaseMargin * grid.cell)) {
+        (*mask)(x, y) = 0;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Image<uint8_t> FindSupport(const SupportGrid& grid,
+                           const std::vector<CreaseLine>& creases) {
+  Image<uint8_t> mask = Threshold(grid.coverage);
+  RemoveSmall(kInside, &mask);
+  cv::Mat pixels = ToMat(&mask);
+  constexpr int kSide = 2 * kClosingRadius + 1;
+  cv::morphologyEx(
+      pixels, pixels, cv::MORPH_CLOSE, cv::Mat::ones(kSide, kSide, CV_8UC1));
+  for (const CreaseLine& crease : creases) {
+    ClipAtCrease(grid, crease, &mask);
+  }
+  RemoveSmall(0, &mask);
+  RemoveSmall(kInside, &mask);
+  JoinCorners(&mask);
+  return mask;
+}
+
+}  // namespace tsar

@@ -1,0 +1,99 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/store/scene_model_file.h"
+
+#include <filesystem>
+
+#include "tests/cli/captured_run.h"
+#include "tests/support/room_workspace.h"
+#include "tests/support/synthetic_workspace.h"
+#include "tests/support/test_workspace.h"
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TsarPlanesTest : public testing::Test {
+ protected:
+  Outcome Run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(),
+                     {"--workspace_path", room_.root.string()});
+    return RunCaptured("colmap", arguments, [](int argc, char** argv) {
+      return RunCommand(&RunTsarPlanes, argc, argv);
+    });
+  }
+  Outcome Write(const fs::path& path,
+                const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"--output_path", path.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Run(arguments);
+  }
+  // Expects exit code 1, one line with this text, and no file changed.
+  void ExpectFailure(const std::vector<std::string>& arguments,
+                     const std::string& text) const {
+    const auto before = ReadTree(folder_.Path());
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: "), 0u) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::HasSubstr(text));
+    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
+  }
+
+  TemporaryFolder folder_;
+  const RoomWorkspace room_{folder_.Path() / "dense"};
+  const fs::path json_ = folder_.Path() / "planes.json";
+};
+
+TEST_F(TsarPlanesTest, WritesThePlanes) {
+  room_.Write();
+  const auto workspace = ReadTree(room_.root);
+  const Outcome outcome = Write(json_);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              testing::StartsWith("Wrote 7 planes of 8 images to " +
+                                  json_.string() + "\n  floor: 1, area 20"));
+  EXPECT_THAT(outcome.out, testing::HasSubstr("\n  wall: 4, area "));
+  const auto json = nlohmann::json::parse(ReadText(json_));
+  EXPECT_EQ(json["planes"].size(), 7u);
+  EXPECT_TRUE(ReadTree(room_.root) == workspace);
+
+  ExpectFailure({"--output_path", json_.string()}, "--overwrite 1");
+  EXPECT_EQ(Write(json_, {"--overwrite", "1", "--min_area", "15"}).exit_code,
+            0);
+  EXPECT_EQ(nlohmann::json::parse(ReadText(json_))["planes"].size(), 2u);
+  for (const char* name : {"planes.ply", "planes.obj", "planes.dxf"}) {
+    EXPECT_EQ(Write(folder_.Path() / name).exit_code, 0);
+    EXPECT_TRUE(fs::is_regular_file(folder_.Path() / name));
+  }
+  const fs::path other = folder_.Path() / "planes.txt";
+  EXPECT_EQ(Write(other, {"--format", "obj"}).exit_code, 0);
+  EXPECT_EQ(ReadText(other), ReadText(folder_.Path() / "planes.obj"));
+}
+
+TEST_F(TsarPlanesTest, RefusesWhatCannotBe) {
+  room_.Write();
+  fs::create_directories(json_);
+  ExpectFailure({"--output_path", json_.string()}, "is no file of planes");
+  const std::string file = (folder_.Path() / "a.json").string();
+  ExpectFailure({"--output_path", (folder_.Path() / "planes").string()},
+                "does not tell the format");
+  ExpectFailure({"--output_path", file, "--format", "stl"}, "json");
+  ExpectFailure({"--output_path", file, "--min_area", "-1"}, "min_area");
+  ExpectFailure({"--output_path", (folder_.Path() / "none/a.json").string()},
+                "no such folder to write the file of planes into");
+  ExpectFailure({}, "output_path");
+  ExpectFailure({"--output_path", (room_.root / "stereo/a.json").string()},
+                "stereo");
+  ExpectFailure({"--output_path", file, "--input_type", "photometric"},
+                "no refined photometric maps");
+  fs::remove(GetSceneModelPath(room_.root).Path());
+  ExpectFailure({"--output_path", file}, "without keeping the planes");
+}
+
+}  // namespace
+}  // namespace tsar

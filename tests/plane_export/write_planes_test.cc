@@ -1,0 +1,300 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/plane_export/write_planes.h"
+
+#include "colmap_tsar/base/label_color.h"
+#include "colmap_tsar/evaluation/ply.h"
+
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include "tests/support/test_workspace.h"
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+using Json = nlohmann::json;
+using Triangle = std::array<Eigen::Vector3d, 3>;
+
+Eigen::Vector3d NormalOf(const Triangle& triangle) {
+  return 0.5 * (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+}
+
+// A floor with a hole, a wall in two parts, and a plane that nobody sees.
+ExportedPlanes MakePlanes() {
+  ExportedPlanes planes;
+  planes.type = "geometric";
+  planes.num_images = 2;
+  planes.vertical = {{0, 0, 1}, Vertical::Source::kFrame};
+  planes.frames = {Eigen::Matrix3d::Identity()};
+  ExportedPlane floor;
+  floor.id = 0;
+  floor.plane_class = PlaneClass::kFloor;
+  floor.coordinates.origin = {1000000.0, 0.25, 3};
+  floor.covariance.diagonal() << 1, 2, std::numeric_limits<double>::infinity();
+  floor.area = 15.0;
+  floor.num_pixels = 12;
+  floor.share_measured = 0.75;
+  floor.frame = 0;
+  floor.axis = 2;
+  floor.images = {{"left/a.png", 8}, {"b\xff.png", 4}};
+  floor.meets = {2};
+  floor.polygons = {
+      {{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, {{{1, 1}, {1, 2}, {2, 2}, {2, 1}}}}};
+  ExportedPlane unseen;
+  unseen.id = 1;
+  ExportedPlane wall;
+  wall.id = 2;
+  wall.plane_class = PlaneClass::kWall;
+  wall.coordinates = {{0, 5, 0}, {1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
+  wall.area = 3.5;
+  wall.polygons = {{{{0, 0}, {3, 0}, {3, 1}, {0, 1}}, {}},
+                   {{{9, 0}, {10, 0}, {10, 1}}, {}}};
+  planes.planes = {floor, unseen, wall};
+  return planes;
+}
+
+std::string Written(void (*put)(const ExportedPlanes&, std::ostream*),
+                    const ExportedPlanes& planes = MakePlanes()) {
+  std::ostringstream out;
+  put(planes, &out);
+  return out.str();
+}
+
+void ExpectTriangles(const std::vector<Triangle>& triangles,
+                     double area,
+                     const Eigen::Vector3d& normal) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Triangle& triangle : triangles) {
+    sum += NormalOf(triangle);
+    EXPECT_GT(NormalOf(triangle).dot(normal), 0.0);
+  }
+  EXPECT_NEAR((sum - area * normal).norm(), 0.0, 1e-6);
+}
+
+TEST(PlaneFormat, IsGivenOrReadFromTheName) {
+  EXPECT_EQ(ParsePlaneFormat("", "a/planes.JSON"), PlaneFormat::kJson);
+  EXPECT_EQ(ParsePlaneFormat("", "planes.ply"), PlaneFormat::kPly);
+  EXPECT_EQ(ParsePlaneFormat("", "planes.obj"), PlaneFormat::kObj);
+  EXPECT_EQ(ParsePlaneFormat("dxf", "planes.txt"), PlaneFormat::kDxf);
+  for (const char* path : {"planes", "planes.txt", "planes.", ".json"}) {
+    ExpectError(ErrorCode::kBadOption, {"output_path", path, ".json"}, [&] {
+      ParsePlaneFormat("", path);
+    });
+  }
+  ExpectError(ErrorCode::kBadOption, {"format", "'stl'", "dxf"}, [] {
+    ParsePlaneFormat("stl", "planes.stl");
+  });
+}
+
+TEST(PlanesJson, TellsEverything) {
+  const Json json = Json::parse(Written(&PutPlanesJson));
+  EXPECT_EQ(json["format"], "tsar_planes");
+  EXPECT_EQ(json["version"], 1);
+  EXPECT_EQ(json["maps"], "geometric");
+  EXPECT_EQ(json["num_images"], 2);
+  EXPECT_EQ(json["vertical"], Json({0, 0, 1}));
+  EXPECT_EQ(json["vertical_from"], "manhattan_frame");
+  EXPECT_EQ(json["frames"][0][1], Json({0, 1, 0}));
+  ASSERT_EQ(json["planes"].size(), 3u);
+  const Json& floor = json["planes"][0];
+  EXPECT_EQ(floor["id"], 0);
+  EXPECT_EQ(floor["class"], "floor");
+  EXPECT_EQ(floor["normal"], Json({0, 0, 1}));
+  EXPECT_EQ(floor["offset"], -3.0);
+  EXPECT_EQ(floor["covariance"], Json({{1, 0, 0}, {0, 2, 0}, {0, 0, nullptr}}));
+  EXPECT_EQ(floor["area"], 15.0);
+  EXPECT_EQ(floor["share_measured"], 0.75);
+  EXPECT_EQ(floor["frame"], 0);
+  EXPECT_EQ(floor["axis"], 2);
+  EXPECT_EQ(floor["meets"], Json({2}));
+  EXPECT_EQ(floor["images"][0],
+            Json({{"name", "left/a.png"}, {"num_pixels", 8}}));
+  EXPECT_EQ(floor["polygons"][0]["outline"][2], Json({1000004.0, 4.25, 3.0}));
+  EXPECT_EQ(floor["polygons"][0]["holes"][0].size(), 4u);
+  EXPECT_TRUE(json["planes"][1]["frame"].is_null());
+  EXPECT_TRUE(json["planes"][1]["polygons"].empty());
+  EXPECT_EQ(json["planes"][2]["polygons"].size(), 2u);
+}
+
+TEST(PlanesJson, KnowsNoVertical) {
+  ExportedPlanes planes;
+  const Json json = Json::parse(Written(&PutPlanesJson, planes));
+  EXPECT_TRUE(json["vertical"].is_null());
+  EXPECT_EQ(json["vertical_from"], "none");
+  EXPECT_TRUE(json["planes"].empty());
+}
+
+TEST(PlanesPly, HasColoredTriangles) {
+  std::istringstream in(Written(&PutPlanesPly));
+  std::string word;
+  size_t num_points = 0;
+  size_t num_faces = 0;
+  while (in >> word && word != "end_header") {
+    if (word == "vertex") {
+      in >> num_points;
+    } else if (word == "face") {
+      in >> num_faces;
+    }
+  }
+  ASSERT_EQ(num_points, 8u + 4u + 3u);
+  std::vector<Eigen::Vector3d> points(num_points);
+  for (size_t i = 0; i < num_points; ++i) {
+    int red = 0;
+    int green = 0;
+    int blue = 0;
+    in >> points[i].x() >> points[i].y() >> points[i].z() >> red >> green >>
+        blue;
+    const Rgb color = LabelColor(i < 8 ? 0 : 2);
+    EXPECT_EQ(red, color.r);
+    EXPECT_EQ(green, color.g);
+    EXPECT_EQ(blue, color.b);
+  }
+  std::map<int, std::vector<Triangle>> triangles;
+  for (size_t i = 0; i < num_faces; ++i) {
+    size_t count = 0;
+    size_t corners[3] = {};
+    int plane = -1;
+    in >> count >> corners[0] >> corners[1] >> corners[2] >> plane;
+    ASSERT_EQ(count, 3u);
+    triangles[plane].push_back(
+        {points.at(corners[0]), points.at(corners[1]), points.at(corners[2])});
+  }
+  EXPECT_TRUE(static_cast<bool>(in));
+  ASSERT_EQ(triangles.size(), 2u);
+  ExpectTriangles(triangles[0], 15.0, {0, 0, 1});
+  ExpectTriangles(triangles[2], 3.5, {0, -1, 0});
+}
+
+TEST(PlanesPly, IsReadAsACloud) {
+  TemporaryFolder folder;
+  const std::filesystem::path path = folder.Path() / "planes.ply";
+  WritePlanes(UserPath(path), PlaneFormat::kPly, MakePlanes());
+  const PlyCloud cloud = ReadPlyCloud(path, 100);
+  ASSERT_EQ(cloud.points.size(), 15u);
+  EXPECT_EQ(cloud.points[0], Eigen::Vector3d(1000000.0, 0.25, 3));
+  EXPECT_EQ(cloud.colors.size(), 15u);
+}
+
+TEST(PlanesObj, HasAGroupForEachPlane) {
+  std::istringstream in(Written(&PutPlanesObj));
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3d> normals;
+  std::map<std::string, std::vector<Triangle>> groups;
+  std::string group;
+  std::string line;
+  while (std::getline(in, line)) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "g") {
+      words >> group;
+    } else if (kind == "v" || kind == "vn") {
+      Eigen::Vector3d vector;
+      words >> vector.x() >> vector.y() >> vector.z();
+      (kind == "v" ? points : normals).push_back(vector);
+    } else if (kind == "f") {
+      Triangle triangle;
+      for (Eigen::Vector3d& corner : triangle) {
+        size_t point = 0;
+        size_t normal = 0;
+        char slash = '\0';
+        words >> point >> slash >> slash >> normal;
+        corner = points.at(point - 1);
+        EXPECT_EQ(normal, normals.size());
+      }
+      groups[group].push_back(triangle);
+    } else {
+      EXPECT_EQ(kind, "#");
+    }
+    EXPECT_FALSE(words.fail()) << line;
+  }
+  ASSERT_EQ(groups.size(), 2u);
+  ExpectTriangles(groups["plane_0_floor"], 15.0, {0, 0, 1});
+  ExpectTriangles(groups["plane_2_wall"], 3.5, {0, -1, 0});
+}
+
+// A DXF file as its pairs of code and value.
+std::vector<std::pair<int, std::string>> ReadDxf(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::pair<int, std::string>> pairs;
+  std::string code;
+  std::string value;
+  while (std::getline(in, code)) {
+    EXPECT_TRUE(static_cast<bool>(std::getline(in, value)));
+    EXPECT_EQ(code.size(), 3u);
+    pairs.emplace_back(std::stoi(code), value);
+  }
+  return pairs;
+}
+
+TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
+  const auto pairs = ReadDxf(Written(&PutPlanesDxf));
+  ASSERT_GT(pairs.size(), 10u);
+  EXPECT_EQ(pairs[3], std::pair(1, std::string("AC1009")));
+  EXPECT_EQ(pairs.back(), std::pair(0, std::string("EOF")));
+  int num_open_sections = 0;
+  std::vector<std::string> layers;
+  std::map<std::string, std::vector<Triangle>> faces;
+  std::map<std::string, std::vector<int>> outlines;  // Numbers of corners.
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs[i].first != 0) {
+      continue;
+    }
+    const std::string& kind = pairs[i].second;
+    std::map<int, std::string> values;
+    for (size_t j = i + 1; j < pairs.size() && pairs[j].first != 0; ++j) {
+      values[pairs[j].first] = pairs[j].second;
+    }
+    if (kind == "SECTION") {
+      ++num_open_sections;
+    } else if (kind == "ENDSEC") {
+      --num_open_sections;
+    } else if (kind == "LAYER") {
+      layers.push_back(values[2]);
+    } else if (kind == "3DFACE") {
+      const auto corner = [&](int number) {
+        return Eigen::Vector3d(std::stod(values.at(10 + number)),
+                               std::stod(values.at(20 + number)),
+                               std::stod(values.at(30 + number)));
+      };
+      EXPECT_EQ(corner(2), corner(3));
+      faces[values[8]].push_back({corner(0), corner(1), corner(2)});
+    } else if (kind == "POLYLINE") {
+      EXPECT_EQ(values[66], "1");
+      EXPECT_EQ(values[70], "9");
+      outlines[values[8]].push_back(0);
+    } else if (kind == "VERTEX") {
+      EXPECT_EQ(values[70], "32");
+      ++outlines.at(values[8]).back();
+    }
+  }
+  EXPECT_EQ(num_open_sections, 0);
+  EXPECT_EQ(layers,
+            (std::vector<std::string>{"FLOOR", "CEILING", "WALL", "OTHER"}));
+  EXPECT_EQ(faces.size(), 2u);
+  ExpectTriangles(faces["FLOOR"], 15.0, {0, 0, 1});
+  ExpectTriangles(faces["WALL"], 3.5, {0, -1, 0});
+  EXPECT_EQ(outlines["FLOOR"], (std::vector<int>{4, 4}));
+  EXPECT_EQ(outlines["WALL"], (std::vector<int>{4, 3}));
+}
+
+TEST(WritePlanes, WritesEmptyFilesOfAllFormats) {
+  TemporaryFolder folder;
+  for (const std::string& name : PlaneFormatNames()) {
+    const std::filesystem::path path = folder.Path() / ("planes." + name);
+    const PlaneFormat format = ParsePlaneFormat(name, path.string());
+    WritePlanes(UserPath(path), format, {});
+    const std::string empty = ReadText(path);
+    EXPECT_FALSE(empty.empty());
+    WritePlanes(UserPath(path), format, MakePlanes());
+    EXPECT_GT(ReadText(path).size(), empty.size());
+  }
+}
+
+}  // namespace
+}  // namespace tsar
