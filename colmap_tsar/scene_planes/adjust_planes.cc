@@ -25,7 +25,7 @@ namespace {
 
 // Radians, and shares of the scene's size: what moves by less stands still.
 constexpr double kStandstill = 1e-9;
-// Of a variance in these units, which without any evidence is 1.
+// In these units; without any evidence variances are far larger.
 constexpr double kUnknownVariance = 0.25;
 
 // The same in local lengths. Lists of measurements are long: they are taken one

@@ -13,6 +13,30 @@ namespace {
 // is seen from its edge.
 constexpr double kMinRelativeHeight = 1e-9;
 
+// What Cauchy's loss makes of normally distributed errors of variance 1.
+struct LossMoments {
+  double mean_weight = 1.0;
+  // Of an estimate from n observations, times n: above 1, which least squares
+  // attains.
+  double variance = 1.0;
+};
+
+LossMoments MomentsOf(double loss_scale) {
+  LossMoments moments;
+  const double a = loss_scale * loss_scale;
+  if (loss_scale > 20.0) {
+    return moments;
+  }
+  // The mean of 1 / (a + r^2), whose derivative by a gives that of its square.
+  const double mean = std::sqrt(M_PI / (2.0 * a)) * std::exp(0.5 * a) *
+                      std::erfc(std::sqrt(0.5 * a));
+  const double weight = a * mean;
+  const double square = 0.5 * a * (1.0 + mean * (1.0 - a));
+  moments.mean_weight = weight;
+  moments.variance = a * (weight - square) / std::pow(2.0 * square - weight, 2);
+  return moments;
+}
+
 void Check(const std::vector<DepthObservation>& observations,
            const MeasurePlaneOptions& options) {
   if (!(options.loss_scale > 0.0) || !(options.common_deviation >= 0.0)) {
@@ -85,8 +109,11 @@ PlaneMeasurement MeasurePlane(int index,
   measurement.foot = measurement.center + feet / measurement.information;
   // By the weights before the loss: otherwise a view that contradicts others
   // would keep its say.
+  const LossMoments moments = MomentsOf(options.loss_scale);
   const double share =
-      1.0 / (1.0 + weights * std::pow(options.common_deviation, 2));
+      1.0 /
+      (moments.mean_weight *
+       (moments.variance + weights * std::pow(options.common_deviation, 2)));
   measurement.form *= share;
   measurement.information *= share;
   return measurement;

@@ -31,9 +31,9 @@ struct MeasurePlaneOptions {
   // Where Cauchy's loss turns from squares to logarithms, in expected errors.
   double loss_scale = 1.0;
   // Errors of one view about one plane go together: they have a part in common,
-  // of this standard deviation in expected errors of a single observation. So n
-  // observations inform no better than (1 / n + common_deviation^2)^-1 of them
-  // would if their errors were independent. 0: they are independent.
+  // of this standard deviation in expected errors of a single observation. So
+  // the variance of what n of them tell is 1 / n, or what the loss makes of
+  // that, and the square of this. 0: they are independent.
   double common_deviation = 0.5;
 };
 

@@ -14,6 +14,9 @@ namespace {
 
 using Block = PlaneParameters::Block;
 
+// One over the standard deviation of the numbers that nothing tells of.
+constexpr double kStay = 1.0 / 32.0;
+
 // A residual as a function of the blocks of its planes, of which two planes of
 // one frame share one.
 class ResidualOfBlocks {
@@ -124,7 +127,7 @@ class ResidualCost : public ceres::CostFunction {
   ResidualOfBlocks residual_;
 };
 
-// Pulls the numbers of a block to 0.
+// Weakly pulls the numbers of a block to 0.
 class StayCost : public ceres::CostFunction {
  public:
   explicit StayCost(int size) {
@@ -136,10 +139,12 @@ class StayCost : public ceres::CostFunction {
                 double* residuals,
                 double** jacobians) const override {
     const int size = num_residuals();
-    std::copy_n(parameters[0], size, residuals);
+    for (int i = 0; i < size; ++i) {
+      residuals[i] = kStay * parameters[0][i];
+    }
     if (jacobians != nullptr && jacobians[0] != nullptr) {
       for (int i = 0; i < size * size; ++i) {
-        jacobians[0][i] = i % (size + 1) == 0 ? 1.0 : 0.0;
+        jacobians[0][i] = i % (size + 1) == 0 ? kStay : 0.0;
       }
     }
     return true;
@@ -217,7 +222,7 @@ Eigen::SparseMatrix<double> PlaneInformation(const PlaneParameters& parameters,
   const int size = parameters.Size();
   std::vector<Triplet> entries;
   for (int i = 0; i < size; ++i) {
-    entries.emplace_back(i, i, 1.0);
+    entries.emplace_back(i, i, kStay * kStay);
   }
   const double zeros[3] = {};
   const double* blocks[ResidualOfBlocks::kMaxBlocks] = {

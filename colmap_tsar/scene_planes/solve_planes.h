@@ -13,10 +13,9 @@
 
 namespace tsar {
 
-// What planes are adjusted to, in lengths of about 1 about the origin: the
-// standard deviations of the numbers that nothing tells of are then 1 as well.
-// So weak a pull to where they are makes the problem definite, and takes
-// nothing from what is known.
+// What planes are adjusted to. Lengths have to be about 1, and to be about the
+// origin: a pull to where planes are, of a standard deviation of 32 lengths and
+// radians, makes the problem definite and takes nothing from what is known.
 using PlaneResiduals = std::vector<std::unique_ptr<PlaneResidual>>;
 
 // The numbers of `parameters`, from 0 on, that agree best with the residuals; 0

@@ -100,11 +100,20 @@ TEST_F(LeaningWallTest, FrameKeepsTheSideOfNormals) {
   }
 }
 
-TEST_F(LeaningWallTest, StrongEvidenceOverrulesASoftPrior) {
-  // Not 10 but 14 expected errors; alone it leans well.
-  adjustment_.angles = {
+TEST(AdjustPlanes, StrongEvidenceOverrulesASoftPrior) {
+  // By 25 expected errors of the prior, it does lean.
+  Patch wall = kWall;
+  wall.half_width = At(0.0, std::cos(Radians(5.0)), std::sin(Radians(5.0)));
+  Observations observations = ObserveByAll(0, wall, {});
+  Append(ObserveByAll(1, kFloor, {}), &observations);
+  PlaneAdjustment adjustment;
+  adjustment.planes = {wall.Plane(), kFloor.Plane()};
+  adjustment.angles = {
       {PlaneAnglePrior::Kind::kOrthogonal, 0, 1, Radians(0.2)}};
-  EXPECT_GT(LeanOfWall(AdjustPlanes(adjustment_, Measure(observations_))), 2.0);
+  const AdjustedPlanes adjusted =
+      AdjustPlanes(adjustment, Measure(observations));
+  EXPECT_LT(AngleBetween(adjusted.planes[0].plane, wall.Plane()), 0.3);
+  EXPECT_LT(AngleBetween(adjusted.planes[1].plane, kFloor.Plane()), 0.3);
 }
 
 TEST_F(LeaningWallTest, SoftPriorDecidesWhereEvidenceIsWeak) {
