@@ -170,10 +170,11 @@ ceres::Solver::Options SolverOptions() {
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   }
   options.num_threads = 1;
-  options.max_num_iterations = 50;
-  options.function_tolerance = 1e-14;
-  options.gradient_tolerance = 1e-14;
-  options.parameter_tolerance = 1e-12;
+  // Planes are measured and adjusted again, so what is left is small.
+  options.max_num_iterations = 10;
+  options.function_tolerance = 1e-7;
+  options.gradient_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-9;
   options.logging_type = ceres::SILENT;
   return options;
 }
