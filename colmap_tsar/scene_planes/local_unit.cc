@@ -3,27 +3,45 @@
 
 #include "colmap_tsar/scene_planes/local_unit.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <stdexcept>
 
 namespace tsar {
 namespace {
+
+// The upper one of two; leaves the values in another order.
+double Median(std::vector<double>* values) {
+  const auto middle =
+      values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
 
 LocalUnit UnitOf(const std::vector<Eigen::Vector3d>& places) {
   LocalUnit unit;
   if (places.empty()) {
     return unit;
   }
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& place : places) {
-    sum += place - places.front();
+  std::vector<double> values(places.size());
+  for (int i = 0; i < 3; ++i) {
+    std::transform(places.begin(),
+                   places.end(),
+                   values.begin(),
+                   [&](const Eigen::Vector3d& place) { return place[i]; });
+    unit.origin[i] = Median(&values);
   }
-  const double count = static_cast<double>(places.size());
-  unit.origin = places.front() + sum / count;
-  double distances = 0.0;
-  for (const Eigen::Vector3d& place : places) {
-    distances += (place - unit.origin).norm();
+  double sum = 0.0;
+  for (size_t k = 0; k < places.size(); ++k) {
+    values[k] = (places[k] - unit.origin).norm();
+    sum += values[k];
   }
-  unit.size = distances / count;
+  unit.size = Median(&values);
+  // Most of them are one.
+  if (!(unit.size > 0.0)) {
+    unit.size = sum / static_cast<double>(places.size());
+  }
   return unit;
 }
 
@@ -81,6 +99,9 @@ LocalUnit LocalUnitOf(const PlaneAdjustment& adjustment,
   }
   if (!(unit.size > 0.0)) {
     unit.size = 1.0;
+  }
+  if (!std::isfinite(unit.size)) {
+    throw std::invalid_argument("AdjustPlanes: lengths are too large");
   }
   return unit;
 }

@@ -26,10 +26,11 @@ struct LocalUnit {
   WorldPlane ToWorld(const WorldPlane& plane) const;
 };
 
-// About the mean of the places where planes were measured, and from where, of
-// points and of the cameras that see creases; of the size of their mean
-// distance from it. Where there are no two places, planes count by their point
-// that is nearest to the origin.
+// Amid the places where planes were measured, and from where, of points and of
+// the cameras that see creases; of the size of their median distance from
+// there, so that few that are far away do not matter. Where there are no two
+// places, planes count by their point that is nearest to the origin. Throws
+// std::invalid_argument where lengths are too large to be squared.
 LocalUnit LocalUnitOf(const PlaneAdjustment& adjustment,
                       const std::vector<PlaneMeasurement>& measurements);
 

@@ -79,6 +79,11 @@ class ResidualOfBlocks {
         }
       }
     }
+    for (int i = 0; derivatives != nullptr && i < num_blocks_; ++i) {
+      if (!derivatives[i].allFinite()) {
+        return false;
+      }
+    }
     return residuals->allFinite();
   }
 

@@ -205,6 +205,33 @@ TEST(AdjustPlanesUnits, SameInputGivesSameBits) {
   EXPECT_EQ(a.frames[0], b.frames[0]);
 }
 
+TEST(AdjustPlanesUnits, OnePointFarAwayDoesNotMatter) {
+  const AdjustedPlanes a = Corner().Adjust();
+  Corner corner;
+  corner.adjustment.points.push_back({0, {1e12, 1e12, 1e12}, 0.02});
+  const AdjustedPlanes b = corner.Adjust();
+  for (int p = 0; p < 3; ++p) {
+    EXPECT_LT(SquaredError(b.planes[p], a.planes[p].plane), 0.01);
+    EXPECT_TRUE(b.planes[p].covariance.isApprox(a.planes[p].covariance, 0.01));
+  }
+}
+
+TEST(AdjustPlanesUnits, PrintsNothing) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Corner corner;
+  corner.Adjust();
+  // Where no step is possible, too.
+  corner.adjustment.planes[0] = PlaneThrough(Vector3d::UnitZ(), {0, 0, 1e-9});
+  corner.adjustment.points[0].sigma = 1e-250;
+  try {
+    corner.Adjust();
+  } catch (const std::invalid_argument&) {
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(AdjustPlanesUnits, UnitOfLengthDoesNotMatter) {
   const AdjustedPlanes a = Corner().Adjust();
   for (const double scale : {1.0 / 1024.0, 1024.0}) {
@@ -275,6 +302,12 @@ TEST(AdjustPlanesChecks, RefusesWhatIsNotFiniteOrOutOfRange) {
     EXPECT_THROW(AdjustPlanes(corner.adjustment, measure),
                  std::invalid_argument);
   }
+  EXPECT_THROW(
+      {
+        Corner huge(1e200);
+        huge.Adjust();
+      },
+      std::invalid_argument);
   EXPECT_THROW(AdjustPlanes({}, MeasureNothing, {.max_rounds = 0}),
                std::invalid_argument);
 }
