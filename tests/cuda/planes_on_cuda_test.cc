@@ -31,6 +31,7 @@ ViewEvidence ObserveInPart(const SyntheticRoom& room, size_t view) {
   inputs.num_superpixels = SyntheticRoom::kNumSuperpixels;
   inputs.superpixel_planes.resize(SyntheticRoom::kNumSuperpixels);
   inputs.samples = Image<RayDepth>(camera.width, camera.height);
+  inputs.confirmed_samples = Image<RayDepth>(camera.width, camera.height);
   inputs.texture = RandomImage(camera.width, camera.height, 4.f, 30 + seed);
   inputs.contrast = RandomImage(camera.width, camera.height, 20.f, 40 + seed);
   inputs.intrinsics = camera.GetIntrinsics();
@@ -45,12 +46,15 @@ ViewEvidence ObserveInPart(const SyntheticRoom& room, size_t view) {
       const int superpixel = y / kSize * kNumColumns + x / kSize;
       inputs.superpixels(x, y) = superpixel;
       const uint32_t choice = choices[static_cast<size_t>(superpixel)];
-      if (choice < 4) {
-        continue;
-      }
       const Vec3f ray = inputs.intrinsics.Ray(x, y);
       const float depth =
           static_cast<float>(room.Hit(camera, {ray.x, ray.y, 1.0}).second);
+      if (choice < 4) {
+        // Of these, some are confirmed by other views alone.
+        inputs.confirmed_samples(x, y) = {
+            ray.x, ray.y, choice < 2 ? depth * 1.001f : 0.f};
+        continue;
+      }
       const float noise = 2.f * random.NextFloat() - 1.f;
       inputs.samples(x, y) = {
           ray.x, ray.y, depth * (1.f + (choice == 4 ? 0.4f : 2e-3f) * noise)};
@@ -105,13 +109,12 @@ TEST_F(CudaTest, LabelView) {
     const std::vector<ObservedView> seen_by(
         views.begin(), views.begin() + static_cast<std::ptrdiff_t>(num_views));
     // The other views were labelled with what they measured.
-    std::vector<ViewLabels> source_labels;
+    std::vector<VotingLabels> source_labels;
     for (size_t i = 1; i < num_views; ++i) {
       source_labels.push_back(
           {discovered.assignment[i],
-           std::vector<LabelEvidence>(
-               discovered.assignment[i].size(),
-               i == 1 ? LabelEvidence::kMeasured : LabelEvidence::kCarried)});
+           std::vector<float>(discovered.assignment[i].size(),
+                              i == 1 ? 1.f : 0.4f)});
     }
     const auto run = [&](Device& device) {
       return LabelView(seen_by, discovered, support, {}, device, source_labels);
@@ -121,6 +124,7 @@ TEST_F(CudaTest, LabelView) {
       result.Add("planes", labeled.planes);
       result.Add("labels", labeled.labels);
       result.Add("evidence", labeled.evidence);
+      result.Add("strengths", labeled.strengths);
       return result;
     };
     const LabeledView on_cpu = run(*cpu_);
