@@ -171,13 +171,16 @@ void WriteReport(const Workspace& workspace, ReportCommand* command) {
   page.scans_path = command->scans_path;
   page.tolerances = ParseTolerances(command->tolerances);
   page.max_num_points = command->max_points;
+  // Before the page is there: from then on, memory may be short without the run
+  // having failed.
+  const std::string index =
+      Printable((page.report_path / "index.html").string());
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
   const int num_images = WritePage(
       workspace, page, progress, [&] { return interruption.Requested(); });
   std::cout << "Wrote a page about " << num_images
-            << (num_images == 1 ? " image" : " images") << "\nOpen "
-            << Printable((page.report_path / "index.html").string())
+            << (num_images == 1 ? " image" : " images") << "\nOpen " << index
             << " in a browser" << std::endl;
 }
 

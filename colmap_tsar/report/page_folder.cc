@@ -292,10 +292,15 @@ void PageFolder::Commit() {
     RenameFile(UserPath(temporary_), UserPath(path_));
   }
   RemoveFile(UserPath(path_) / kUnfinishedPageFile);
-  if (IsUnfinished(temporary_)) {
-    RemoveUnfinished(temporary_);
+  // The page is there: what fails from now on does not undo that.
+  try {
+    if (IsUnfinished(temporary_)) {
+      RemoveUnfinished(temporary_);
+    }
+    RemoveFormerPages(path_);
+  } catch (const std::exception&) {
+    // The next page in its place removes them.
   }
-  RemoveFormerPages(path_);
 }
 
 void PageFolder::ReplaceInTwoSteps() {
