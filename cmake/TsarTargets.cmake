@@ -20,7 +20,7 @@ target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
           JPEG::JPEG TIFF::TIFF ZLIB::ZLIB
-          Boost::program_options ColmapTsar::glog ColmapTsar::flann
+          Boost::program_options Ceres::ceres ColmapTsar::glog ColmapTsar::flann
           ColmapTsar::xxhash
           $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>
           $<$<BOOL:${TSAR_CUDA_ENABLED}>:CUDA::cudart_static>)

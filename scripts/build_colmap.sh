@@ -62,7 +62,6 @@ packages=(
   libboost-graph-dev
   libboost-system-dev
   libboost-test-dev
-  libceres-dev
   libcgal-dev
   libfreeimage-dev
   libglew-dev

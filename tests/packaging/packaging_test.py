@@ -131,7 +131,7 @@ def test_debian_packages():
     for needed in ("libc6 (>=", "libstdc++6", "libopencv-core", "libgoogle-glog",
                    "libboost-program-options"):
         check(any(d.startswith(needed) for d in depends), f"it depends on {needed}")
-    for needed in ("libopencv-dev", "libxxhash-dev"):
+    for needed in ("libopencv-dev", "libceres-dev", "libxxhash-dev"):
         check(needed in library["Depends"], f"the library depends on {needed}")
     check((program["Section"], library["Section"]) == ("science", "libdevel"), "sections")
     check(
