@@ -8,17 +8,10 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
-#include <optional>
+#include <cstddef>
 #include <utility>
 
 namespace tsar {
-namespace {
-
-// Ends the fingerprint of a model that has labels.
-constexpr const char* kWithLabels = " labels";
-
-}  // namespace
-
 SceneModelStore::SceneModelStore(const Workspace& workspace,
                                  InputFingerprints& inputs,
                                  std::string options_hash)
@@ -49,13 +42,13 @@ SceneModel SceneModelStore::Read() const {
 
 void SceneModelStore::DropLabels(const Workspace& workspace) {
   const ContainedPath path = GetSceneModelPath(workspace.Root());
-  const std::optional<std::string> hash = ReadSceneModelHash(path);
-  if (hash && hash->ends_with(kWithLabels)) {
-    WriteSceneModel(
-        path,
-        hash->substr(0, hash->size() - std::string(kWithLabels).size()),
-        ReadSceneModel(path, SceneModelParts::kWithoutLabels),
-        SceneModelParts::kWithoutLabels);
+  const std::string hash = ReadSceneModelHash(path).value_or("");
+  const size_t end = hash.find(' ');
+  if (end != std::string::npos) {
+    WriteSceneModel(path,
+                    hash.substr(0, end),
+                    ReadSceneModel(path, SceneModelParts::kWithoutLabels),
+                    SceneModelParts::kWithoutLabels);
   }
 }
 
@@ -65,7 +58,7 @@ void SceneModelStore::Remove(const Workspace& workspace) {
 
 std::string SceneModelStore::Fingerprint() const {
   return options_hash_ + " " + ToString(workspace_.Type()) + " " +
-         inputs_.StateOfScene() + kWithLabels;
+         inputs_.StateOfScene();
 }
 
 }  // namespace tsar

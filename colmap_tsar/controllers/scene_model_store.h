@@ -30,7 +30,8 @@ class SceneModelStore {
   // Throws kNotFound where none is current.
   SceneModel Read() const;
 
-  // Removes the labels, at the end of a complete run.
+  // Removes the labels, at the end of a complete run, and what tells of which
+  // files they were made: the same maps then give the same bytes.
   static void DropLabels(const Workspace& workspace);
   // Removes the model.
   static void Remove(const Workspace& workspace);

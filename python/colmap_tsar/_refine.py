@@ -143,7 +143,8 @@ def refine(
             at most four fifths of the machine's count.
         shard: For several machines with one file system: the part of the images to
             work on, "i/n" with i from 0 to n - 1 (docs/cluster.md). Empty: all.
-        pass_: What to do of it: "all", "observe", "compose" or "merge".
+        pass_: What to do of it: "all", "observe", "model", "compose" or
+            "merge".
         progress: True: a line for each image, or now and then, on sys.stderr.
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it

@@ -3,14 +3,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Has Slurm refine a dense workspace on several machines that share its file
-# system: an array job that observes the images, one that composes the maps once
-# all are observed, and a job that ends the work. Jobs that are killed are queued
+# system: an array job that observes the images, a job that finds the planes of
+# the scene once all are observed, an array job that composes the maps, and a job
+# that ends the work. Jobs that are killed are queued
 # again and go on where they were. docs/cluster.md tells more.
 #
 #   submit.sh WORKSPACE NUM_SHARDS [OPTION_OF_TSAR_REFINE...]
 #
 # The program is colmap_tsar on the path of the nodes, or TSAR_PROGRAM. What the
-# jobs need is for sbatch's own variables to say, which count for all three:
+# jobs need is for sbatch's own variables to say, which count for all:
 # SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT, SBATCH_GPUS_PER_TASK...
 set -euo pipefail
 
@@ -44,10 +45,13 @@ submit() {
 array=--array=0-$((num_shards - 1))
 observe=$(submit observe "$array" -- \
   "$folder/shard.sbatch" observe "$num_shards" "$workspace" "$@")
-compose=$(submit compose "$array" \
+model=$(submit model \
   --dependency="afterok:$observe" --kill-on-invalid-dep=yes -- \
+  "$folder/shard.sbatch" model "$num_shards" "$workspace" "$@")
+compose=$(submit compose "$array" \
+  --dependency="afterok:$model" --kill-on-invalid-dep=yes -- \
   "$folder/shard.sbatch" compose "$num_shards" "$workspace" "$@")
 merge=$(submit merge \
   --dependency="afterok:$compose" --kill-on-invalid-dep=yes -- \
   "$folder/merge.sbatch" "$workspace" "$@")
-echo "observe $observe, compose $compose, merge $merge"
+echo "observe $observe, model $model, compose $compose, merge $merge"

@@ -128,6 +128,13 @@ def test_planes_of_the_scene(scene):
         "a shard that observes goes on where it was killed",
     )
 
+    result = call(*scene.shard(workspace, "compose", 0))
+    check(
+        result.returncode == 1 and "pass model first" in result.stderr,
+        f"compose before the planes of the scene are found is refused: {result.stderr.strip()}",
+    )
+    run(*scene.command(workspace, "--TsarRefine.pass", "model"))
+    check_restore(scene, workspace, "after the planes of the scene were found")
     workspace = run_with_a_killed_shard(scene, workspace, "compose", 2)
     expect_refusal(
         workspace,
@@ -172,6 +179,7 @@ def test_images_by_themselves(scene):
             end(shard)
         if pass_name == "observe":
             check_restore(scene, workspace, "after the originals were stored")
+            run(*scene.command(workspace, "--TsarRefine.pass", "model", *options))
     run(*scene.command(workspace, "--TsarRefine.pass", "merge", *options))
     check(
         results(workspace) == results(expected),

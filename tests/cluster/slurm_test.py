@@ -57,8 +57,8 @@ def refine(slurm, scene, arguments, name):
         SBATCH_OUTPUT=str(scene.folder / f"{name}-%x-%a.txt"),
         SBATCH_CHDIR=str(scene.folder),
     )
-    observe, compose, merge = re.fullmatch(
-        r"observe (\d+), compose (\d+), merge (\d+)\n", output
+    observe, _, compose, merge = re.fullmatch(
+        r"observe (\d+), model (\d+), compose (\d+), merge (\d+)\n", output
     ).groups()
 
     def queue_again(process):

@@ -115,20 +115,22 @@ TEST_F(InputFingerprintsTest, NamesWhatHasChanged) {
                           "its neighbour a.png has changed"));
 }
 
-TEST_F(InputFingerprintsTest, NeighboursOfNeighboursCountWithEvidence) {
+TEST_F(InputFingerprintsTest, TheWholeSceneCountsWithEvidence) {
   const auto change = [&] { Touch(root_ / "images/d.png"); };
   EXPECT_THAT(Changes(change),
-              ElementsAre("",
-                          "the neighbours of c.png have changed",
+              ElementsAre("other images of the scene have changed",
+                          "other images of the scene have changed",
                           "its neighbour d.png has changed"));
   EXPECT_THAT(Changes(change, false),
               ElementsAre("", "", "its neighbour d.png has changed"));
-  // Those of images without evidence do not.
+  // Images that are neither references nor sources do not.
   WriteText(root_ / "stereo/patch-match.cfg",
-            "a.png\nleft/b.png\nleft/b.png\na.png, c.png\nd.png\na.png\n");
+            "a.png\nleft/b.png\nleft/b.png\na.png, c.png\n");
   const InputState before = Result(1);
   Touch(root_ / "images/d.png");
   EXPECT_EQ(Result(1), before);
+  Touch(root_ / "images/c.png");
+  EXPECT_NE(Result(0), Result(0, false));
 }
 
 TEST_F(InputFingerprintsTest, ListsOfSourcesCount) {
@@ -136,9 +138,9 @@ TEST_F(InputFingerprintsTest, ListsOfSourcesCount) {
                 Replace(
                     "stereo/patch-match.cfg", "a.png, c.png", "c.png, a.png");
               }),
-              ElementsAre("the neighbours of left/b.png have changed",
+              ElementsAre("other images of the scene have changed",
                           "its list of sources has changed",
-                          "the neighbours of left/b.png have changed"));
+                          "other images of the scene have changed"));
   EXPECT_THAT(
       Changes(
           [&] { Replace("stereo/patch-match.cfg", "c.png, a.png", "c.png"); },

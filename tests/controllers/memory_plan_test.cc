@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/controllers/counting_device.h"
+#include "tests/support/find_scene_in.h"
 #include "tests/support/observe_image.h"
 #include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
@@ -54,7 +55,8 @@ TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {
   const MemoryPlan larger = PlanRefinement({}, overview);
   EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
   EXPECT_EQ(larger.own_evidence, plan.own_evidence + 500000);
-  EXPECT_EQ(larger.find_scene, plan.find_scene);
+  EXPECT_EQ(larger.model_block, plan.model_block);
+  EXPECT_EQ(larger.label_view, plan.label_view + 500000);
 }
 
 TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
@@ -99,20 +101,27 @@ TEST(PlanRefinement, CountsNoEvidenceWhereEachImageIsAlone) {
     options.*option = false;
     const MemoryPlan plan = PlanRefinement(options, OverviewOf(1000000, 10));
     EXPECT_GT(plan.work, 0);
-    EXPECT_EQ(plan.find_scene + plan.make_evidence + EvidenceBytes(plan, 3), 0);
+    EXPECT_EQ(plan.model_block + plan.label_view + plan.make_evidence +
+                  EvidenceBytes(plan, 3),
+              0);
   }
 }
 
 TEST(PlanRefinement, BoundsTheScoresOfPlanes) {
   const MemoryPlan plan = PlanRefinement({}, OverviewOf(300000, 10));
-  EXPECT_LT(PlanRefinement({}, OverviewOf(300000, 5)).find_scene,
-            plan.find_scene);
+  // Blocks are as large for any number of sources; a view hears all of its own.
+  EXPECT_EQ(PlanRefinement({}, OverviewOf(300000, 5)).model_block,
+            plan.model_block);
+  EXPECT_LT(PlanRefinement({}, OverviewOf(300000, 5)).label_view,
+            plan.label_view);
   // Whatever the candidates.
-  const auto max_scores =
-      static_cast<int64_t>(DiscoverPlanesOptions().max_scores);
-  const MemoryPlan large = PlanRefinement({}, OverviewOf(10000000, 50));
-  EXPECT_GT(large.find_scene, 4 * max_scores);
-  EXPECT_LT(large.find_scene, 4 * max_scores + (int64_t{1} << 29));
+  const auto max_scores = static_cast<int64_t>(kMaxBlockScores);
+  RefineOptions small;
+  small.superpixel_size = 40;
+  const MemoryPlan large = PlanRefinement(small, OverviewOf(10000000, 50));
+  EXPECT_GT(large.model_block, 4 * max_scores);
+  EXPECT_LT(PlanRefinement({}, OverviewOf(10000000, 50)).model_block,
+            4 * max_scores + (int64_t{1} << 30));
 }
 
 TEST(PlanRefinement, CountsMoreForSmallSuperpixels) {
@@ -124,7 +133,8 @@ TEST(PlanRefinement, CountsMoreForSmallSuperpixels) {
     plans[i] = PlanRefinement(options, overview);
   }
   for (int i = 1; i < 3; ++i) {
-    EXPECT_GT(plans[i].find_scene, plans[i - 1].find_scene);
+    EXPECT_GT(plans[i].model_block, plans[i - 1].model_block);
+    EXPECT_GT(plans[i].label_view, plans[i - 1].label_view);
     EXPECT_GT(plans[i].neighbour_evidence, plans[i - 1].neighbour_evidence);
     EXPECT_GE(plans[i].work, plans[i - 1].work);
   }
@@ -149,7 +159,13 @@ int64_t PeakOfRefinement(const SyntheticViews& drawn,
   const ViewEvidence& evidence = *observed.evidence;
   const std::vector<ObservedView> views(
       drawn.views.size(), MakeObservedView(evidence, drawn.views[0].camera));
-  ComposeImage(drawn.views[0], views, options, device);
+  // The planes of the scene are found on the host.
+  const std::unique_ptr<Device> host = Device::CreateCpu(1);
+  ComposeImage(drawn.views[0],
+               views,
+               FindSceneIn(views, options, *host),
+               options,
+               device);
   return static_cast<int64_t>(device.PeakMemory());
 }
 

@@ -15,6 +15,7 @@ namespace {
 TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
   RunAll("observe", 2);
   for (int view = 0; view < 4; ++view) {
+    Run("model");
     const auto time = std::filesystem::last_write_time(Paths(view).depth);
     std::filesystem::last_write_time(Paths(view).depth,
                                      time + std::chrono::seconds(2));

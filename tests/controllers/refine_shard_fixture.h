@@ -66,9 +66,13 @@ class RefineShardTest : public testing::Test {
                  const RefineOptions& refine = {}) const {
     return Refine(Options(root_, pass, shard), refine);
   }
+  // All shards in a pass; finds the planes of the scene before composing.
   void RunAll(const std::string& pass,
               int count,
               const RefineOptions& refine = {}) const {
+    if (pass == "compose") {
+      Run("model", "", refine);
+    }
     for (int i = 0; i < count; ++i) {
       Run(pass, std::to_string(i) + "/" + std::to_string(count), refine);
     }

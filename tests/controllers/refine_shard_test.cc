@@ -42,6 +42,9 @@ TEST_F(RefineShardTest, ShardsSideBySideGiveTheSame) {
     const std::filesystem::path whole = Whole(refine);
     Redraw();
     for (const char* pass : {"observe", "compose"}) {
+      if (pass == std::string("compose")) {
+        Run("model", "", refine);
+      }
       {
         std::vector<std::jthread> shards;
         for (const char* shard : {"0/4", "1/4", "2/4", "3/4"}) {
@@ -71,8 +74,15 @@ TEST_F(RefineShardTest, TellsWhatItDid) {
   std::ostringstream text;
   PrintSummary(observed, text);
   EXPECT_THAT(text.str(), testing::HasSubstr("Shard 0 of 2, 2 images: 2 obs"));
-  EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass compose"));
+  EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass model"));
   Run("observe", "1/2");
+  const RunSummary modelled = Run("model");
+  text.str("");
+  PrintSummary(modelled, text);
+  EXPECT_THAT(text.str(),
+              testing::HasSubstr("4 images: the planes of the scene have been "
+                                 "found"));
+  EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass compose"));
   const RunSummary composed = Run("compose", "1/2");
   EXPECT_EQ(composed.num_refined, 2);
   text.str("");
@@ -99,8 +109,19 @@ TEST_F(RefineShardTest, ThePassesComeInTheirOrder) {
   ExpectRefusal(
       ErrorCode::kNotFound, {"0, 2 have", "observe"}, "compose", "1/3");
   ExpectRefusal(ErrorCode::kNotFound, {"0, 1, 2 have", "compose"}, "merge");
+  ExpectRefusal(ErrorCode::kNotFound, {"0, 2 have", "observe"}, "model");
   Run("observe", "0/3");
   Run("observe", "2/3");
+  const Tree maps = ReadTree(root_ / "stereo/depth_maps");
+  ExpectError(ErrorCode::kNotFound, {"planes.bin", "pass model first"}, [&] {
+    Run("compose", "2/3");
+  });
+  EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == maps);
+  Run("model");
+  // Once more, it has nothing to do.
+  const Tree modelled = ReadTree(root_);
+  Run("model");
+  EXPECT_TRUE(ReadTree(root_) == modelled);
   Run("compose", "2/3");
   ExpectRefusal(ErrorCode::kNotFound, {"0, 1 have", "compose"}, "merge");
   // What is observed anew has to be composed anew.
@@ -182,6 +203,7 @@ TEST_F(RefineShardTest, ListsOfOtherImagesAreSeen) {
 TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
   ExpectRefusal(ErrorCode::kBadOption, {"shard", "observe"}, "all", "0/2");
   ExpectRefusal(ErrorCode::kBadOption, {"shard"}, "merge", "0/2");
+  ExpectRefusal(ErrorCode::kBadOption, {"shard", "model"}, "model", "0/2");
   WorkspaceRefineOptions options = Options(root_, "observe", "0/2");
   options.output_path = folder_.Path() / "out";
   ExpectRefusal(ErrorCode::kBadOption, {"output_path", "cp -as"}, options);
@@ -202,6 +224,11 @@ TEST_F(RefineShardTest, GoesOnAfterAnInterruption) {
   stop_at(Evidence(1), "observe");
   ExpectRefusal(ErrorCode::kNotFound, {"1 shards, 0 has"}, "compose", "0/1");
   EXPECT_LT(Run("observe").num_observed, 4);
+  ExpectError(ErrorCode::kInterrupted, {"planes of the scene"}, [&] {
+    Refine(Options(root_, "model"), {}, [] { return true; });
+  });
+  EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar/planes.bin"));
+  Run("model");
   stop_at(Paths(1).record, "compose");
   ExpectRefusal(ErrorCode::kNotFound, {"1 shards, 0 has"}, "merge");
   const RunSummary summary = Run("compose");
@@ -235,6 +262,7 @@ TEST_F(RefineShardTest, SaysThatAnotherMachineHadBegun) {
 TEST_F(RefineShardTest, WholeRunsTakeOverWhatShardsLeft) {
   const std::filesystem::path whole = Whole();
   RunAll("observe", 3);
+  Run("model");
   Run("compose", "1/3");
   EXPECT_GT(Run("all").num_skipped, 0);
   EXPECT_FALSE(HasShards());
@@ -249,6 +277,7 @@ TEST_F(RefineShardTest, RestoresAtEveryPoint) {
     const std::function<void()> steps[] = {
         [&] { Run("observe", "0/2", refine); },
         [&] { Run("observe", "1/2", refine); },
+        [&] { Run("model", "", refine); },
         [&] { Run("compose", "1/2", refine); },
         [&] { Run("compose", "0/2", refine); },
         [&] { Run("merge", "", refine); }};
@@ -300,6 +329,7 @@ TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {
 
 TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
   RunAll("observe", 2);
+  Run("model");
   std::filesystem::create_directories(root_ / "stereo/confidence_maps");
   // Where the map would be written there is a folder.
   std::filesystem::create_directories(Paths(3).confidence / "in_the_way");
@@ -322,6 +352,7 @@ TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
 // As where the disk is full.
 TEST_F(RefineShardTest, AFailureThatCannotBeNotedIsToldStill) {
   Run("observe");
+  Run("model");
   const std::filesystem::path in_the_way = Paths(3).confidence / "in_the_way";
   std::filesystem::create_directories(in_the_way);
   const std::filesystem::path record = GetShardPath(root_, "compose", 0, 1);
@@ -347,6 +378,9 @@ TEST_F(RefineShardTest, WorksOnAnOutputWorkspaceInPlace) {
   others.confirmed_depths = false;
   for (const RefineOptions& refine : {others, RefineOptions()}) {
     for (const char* pass : {"observe", "compose"}) {
+      if (pass == std::string("compose")) {
+        Refine(Options(output, "model"), refine);
+      }
       for (const char* shard : {"0/2", "1/2"}) {
         Refine(Options(output, pass, shard), refine);
       }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/controllers/compose_task.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/controllers/model_pass.h"
 #include "colmap_tsar/controllers/observe_task.h"
 #include "colmap_tsar/controllers/single_view_task.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
@@ -74,14 +75,25 @@ class RefineTaskTest : public testing::Test {
     ViewCache cache(
         1 << 30, 1 << 20, [&](int image) { return images.Load(image); });
     if (scene_planes) {
-      ObserveTask observe(task_inputs, evidence);
+      const SceneModelStore model(
+          workspace, inputs, HashRefineOptions(options));
+      ObserveTask observe(task_inputs, evidence, model.IsCurrent());
       RunPipeline(observe, cache);
       observed_ = reports_;
       num_allocations_to_observe_ = counter.NumAllocations();
       if (FirstFailed() < 4) {
         return;
       }
-      ComposeTask compose(task_inputs, workspace, evidence, finds_scenes_ahead);
+      std::ostringstream text;
+      Progress progress(text, false);
+      EXPECT_TRUE(model.IsCurrent() ||
+                  ModelWorkspace({workspace, images, evidence, model, options},
+                                 {},
+                                 "",
+                                 progress,
+                                 [] { return false; }));
+      ComposeTask compose(
+          task_inputs, workspace, evidence, model.Read(), finds_scenes_ahead);
       RunPipeline(compose, cache);
     } else {
       SingleViewTask refine(task_inputs);
@@ -211,16 +223,13 @@ TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
   Run(true);
   ExpectAllRefined();
   const std::map<std::string, std::string> maps = ReadMaps();
-  const int num_allocations = num_allocations_;
   std::filesystem::remove_all(root_);
   MakeSyntheticWorkspace(root_);
   Run(true, true);
   ExpectAllRefined();
-  EXPECT_EQ(ReadMaps(), maps);
-  // The worker had less to do.
-  EXPECT_LT(num_allocations_, num_allocations);
+  EXPECT_TRUE(ReadMaps() == maps);
   for (const ImageReport& report : reports_) {
-    EXPECT_GT(report.seconds.count("scene planes"), 0u);
+    EXPECT_GT(report.seconds.count("curved surfaces"), 0u);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "tests/support/find_scene_in.h"
 #include "tests/support/observe_image.h"
 #include "tests/support/synthetic_views_test.h"
 #include "tests/support/test_workspace.h"
@@ -50,7 +51,11 @@ class RefineSceneTest : public SyntheticViewsTest {
     for (size_t i = 0; i < evidence.size(); ++i) {
       views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
     }
-    return ComposeImage(drawn_.views[0], views, options, *device_);
+    return ComposeImage(drawn_.views[0],
+                        views,
+                        FindSceneIn(views, options, *device_),
+                        options,
+                        *device_);
   }
   RefinedMaps RefineAll(const RefineOptions& options = {}) const {
     RefineResult result =

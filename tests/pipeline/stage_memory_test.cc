@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "tests/controllers/counting_device.h"
+#include "tests/support/find_scene_in.h"
 #include "tests/support/observe_image.h"
 #include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
@@ -104,12 +105,17 @@ class StageMemoryTest : public testing::Test {
     const std::vector<ObservedView> views(
         drawn_.views.size(),
         MakeObservedView(evidence, drawn_.views[0].camera));
+    const int num_views = static_cast<int>(views.size());
+    EXPECT_LE(
+        PeakOf([&](Device& device) { ModelBlock(views, options, device); }),
+        ModelBlockMainBytes(options, num_pixels_, num_views));
+    const std::unique_ptr<Device> block_device = Device::CreateCpu(1);
+    const BlockOfScene block = ModelBlock(views, options, *block_device);
     FoundScene found;
-    const int64_t finding = PeakOf(
-        [&](Device& device) { found = FindScene(views, options, device); });
-    EXPECT_LE(finding,
-              FindSceneWorkingBytes(
-                  options, num_pixels_, static_cast<int>(views.size())));
+    EXPECT_LE(PeakOf([&](Device& device) {
+                found = FindSceneOfBlock(views, block, options, device);
+              }),
+              LabelViewMainBytes(options, num_pixels_, num_views));
     ExpectPlanned("compose",
                   ComposeImageWorkingBytes(options, num_pixels_, num_pixels_),
                   PeakOf([&](Device& device) {
@@ -154,7 +160,7 @@ TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
     const ViewEvidence& evidence = *observed.evidence;
     const std::vector<ObservedView> views = {
         MakeObservedView(evidence, judged.camera)};
-    const FoundScene found = FindScene(views, options, *device);
+    const FoundScene found = FindSceneIn(views, options, *device);
     ExpectPlanned("compose",
                   ComposeImageWorkingBytes(options, num_pixels_, num_judged),
                   PeakOf([&](Device& counting) {

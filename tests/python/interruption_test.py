@@ -75,7 +75,7 @@ class InterruptionTest(SampleTest):
 
     def test_ends_in_order_and_goes_on(self):
         process = self.start(REFINE)
-        self.wait_for(process, "Pass 2 of 2: [1/8]")
+        self.wait_for(process, "Pass 3 of 3: [1/8]")
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate()
         # As Python ends whatever a KeyboardInterrupt ends.
@@ -85,7 +85,7 @@ class InterruptionTest(SampleTest):
 
     def test_a_second_one_does_no_harm(self):
         process = self.start(REFINE_AND_GO_ON)
-        self.wait_for(process, "Pass 2 of 2: [1/8]")
+        self.wait_for(process, "Pass 3 of 3: [1/8]")
         process.send_signal(signal.SIGINT)
         self.wait_for(process, "signal 1")
         process.send_signal(signal.SIGINT)

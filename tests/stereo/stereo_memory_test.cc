@@ -120,7 +120,9 @@ TEST(StereoMemory, CountsMapsAndNoEvidence) {
   const MemoryPlan plan = PlanStereo(options, overview);
   EXPECT_GT(plan.result, static_cast<int64_t>(map_bytes));
   EXPECT_EQ(plan.view, static_cast<int64_t>(drawn.views[0].NumBytes()));
-  EXPECT_EQ(plan.find_scene + plan.make_evidence + EvidenceBytes(plan, 3), 0);
+  EXPECT_EQ(plan.model_block + plan.label_view + plan.make_evidence +
+                EvidenceBytes(plan, 3),
+            0);
 }
 
 }  // namespace

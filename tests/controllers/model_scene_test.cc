@@ -1,0 +1,235 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/model_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <set>
+#include <sstream>
+
+#include "tests/support/synthetic_room.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kFirstImage = 10;
+
+class ModelSceneTest : public testing::Test {
+ protected:
+  ModelSceneTest() {
+    for (size_t i = 0; i < room_.evidence.size(); ++i) {
+      ViewEvidence& evidence = room_.evidence[i];
+      const Intrinsics intrinsics = room_.cameras[i].GetIntrinsics();
+      evidence.intrinsics = intrinsics;
+      evidence.noise = 0.15f;
+      evidence.superpixels =
+          Image<uint16_t>(SyntheticRoom::kWidth, SyntheticRoom::kHeight);
+      for (int y = 0; y < SyntheticRoom::kHeight; ++y) {
+        for (int x = 0; x < SyntheticRoom::kWidth; ++x) {
+          evidence.superpixels(x, y) = static_cast<uint16_t>(
+              y / SyntheticRoom::kSuperpixelSize * SyntheticRoom::kWidth /
+                  SyntheticRoom::kSuperpixelSize +
+              x / SyntheticRoom::kSuperpixelSize);
+        }
+      }
+      evidence.confident_depth =
+          Image<float>(SyntheticRoom::kWidth, SyntheticRoom::kHeight, 0.f);
+      for (const WorldPlane& plane : room_.Candidates()) {
+        evidence.candidates.push_back(ToCameraPlane(plane, room_.cameras[i]));
+      }
+      SceneView view;
+      view.image = kFirstImage + static_cast<int>(i);
+      view.camera = room_.cameras[i];
+      for (size_t j = 0; j < room_.evidence.size(); ++j) {
+        if (j != i) {
+          view.sources.push_back(j);
+        }
+      }
+      views_.push_back(view);
+    }
+  }
+
+  std::optional<SceneModel> Run(const std::function<bool()>& should_stop = [] {
+    return false;
+  }) {
+    const SceneEvidence evidence = {
+        [&](size_t view) {
+          return std::make_shared<const ViewEvidence>(room_.evidence[view]);
+        },
+        [&](size_t view) { return room_.evidence[view]; }};
+    text_.str("");
+    Progress progress(text_, false);
+    return ModelScene(views_,
+                      evidence,
+                      refine_options_,
+                      options_,
+                      threads_,
+                      "Model,",
+                      progress,
+                      should_stop);
+  }
+
+  // The number of the model's plane that is a surface's, or -1.
+  int Find(const DrawnSurface& surface, const SceneModel& model) const {
+    for (size_t i = 0; i < model.planes.size(); ++i) {
+      if (AngleBetween(model.planes[i].plane, surface.plane) < 0.2 &&
+          std::abs(model.planes[i].plane.Height(surface.middle)) < 0.004) {
+        return static_cast<int>(i);
+      }
+    }
+    return -1;
+  }
+
+  // Every superpixel on one surface is labelled with it, as measured.
+  void ExpectSurfaces(const SceneModel& model) const {
+    EXPECT_EQ(model.planes.size(), room_.surfaces.size());
+    ASSERT_EQ(model.views.size(), views_.size());
+    for (size_t view = 0; view < views_.size(); ++view) {
+      const ViewLabels& labels = model.views.at(views_[view].image);
+      ASSERT_EQ(labels.planes.size(), room_.seen[view].size());
+      for (size_t k = 0; k < room_.seen[view].size(); ++k) {
+        const int surface = room_.seen[view][k];
+        if (surface >= 0) {
+          EXPECT_EQ(labels.planes[k],
+                    Find(room_.surfaces[static_cast<size_t>(surface)], model))
+              << view << " " << k;
+          EXPECT_EQ(labels.evidence[k], LabelEvidence::kMeasured);
+        }
+      }
+    }
+  }
+
+  static void ExpectSame(const SceneModel& a, const SceneModel& b) {
+    ASSERT_EQ(a.planes.size(), b.planes.size());
+    for (size_t i = 0; i < a.planes.size(); ++i) {
+      EXPECT_EQ(a.planes[i].plane.normal, b.planes[i].plane.normal);
+      EXPECT_EQ(a.planes[i].plane.offset, b.planes[i].plane.offset);
+      EXPECT_EQ(a.planes[i].covariance, b.planes[i].covariance);
+    }
+    ASSERT_EQ(a.views.size(), b.views.size());
+    for (const auto& [image, labels] : a.views) {
+      EXPECT_EQ(labels.planes, b.views.at(image).planes);
+      EXPECT_EQ(labels.evidence, b.views.at(image).evidence);
+    }
+  }
+
+  SyntheticRoom room_;
+  std::vector<SceneView> views_;
+  RefineOptions refine_options_;
+  ModelSceneOptions options_;
+  ModelThreads threads_;
+  std::ostringstream text_;
+};
+
+TEST_F(ModelSceneTest, AllViewsShareThePlanesOfTheScene) {
+  const std::optional<SceneModel> model = Run();
+  ASSERT_TRUE(model);
+  ExpectSurfaces(*model);
+  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, planes: [3/3]"));
+  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, labels 3 of 3: [3/3]"));
+}
+
+TEST_F(ModelSceneTest, BlocksOfSingleViewsGiveThePlanesOfOneBlock) {
+  options_.max_block_views = 1;
+  ExpectSurfaces(*Run());
+}
+
+TEST_F(ModelSceneTest, DoesNotDependOnTheThreads) {
+  options_.max_block_views = 2;
+  const SceneModel one = *Run();
+  threads_ = {4, 2, 3};
+  ExpectSame(one, *Run());
+}
+
+TEST_F(ModelSceneTest, ViewsThatNothingConnectsShareNothing) {
+  for (SceneView& view : views_) {
+    view.sources.clear();
+  }
+  const SceneModel model = *Run();
+  std::set<int> components;
+  for (size_t view = 0; view < views_.size(); ++view) {
+    for (const int plane : model.views.at(views_[view].image).planes) {
+      if (plane >= 0) {
+        EXPECT_EQ(model.planes[static_cast<size_t>(plane)].component,
+                  static_cast<int>(view));
+        components.insert(static_cast<int>(view));
+      }
+    }
+  }
+  EXPECT_EQ(components.size(), 3u);
+}
+
+TEST_F(ModelSceneTest, AViewThatMeasuredNothingHearsItsSources) {
+  ViewEvidence& evidence = room_.evidence[1];
+  evidence.observations.clear();
+  std::fill(
+      evidence.first_observation.begin(), evidence.first_observation.end(), 0);
+  std::fill(evidence.weights.begin(), evidence.weights.end(), 0.f);
+  evidence.candidates.clear();
+  const SceneModel model = *Run();
+  EXPECT_EQ(model.planes.size(), room_.surfaces.size());
+  ASSERT_EQ(model.views.size(), 3u);
+  // It has no depths that could tell how far planes may be.
+  for (const int plane : model.views.at(kFirstImage + 1).planes) {
+    EXPECT_EQ(plane, -1);
+  }
+}
+
+TEST_F(ModelSceneTest, OneViewAloneAndNone) {
+  views_.resize(1);
+  views_[0].sources.clear();
+  const SceneModel alone = *Run();
+  EXPECT_GE(Find(room_.surfaces[0], alone), 0);
+  EXPECT_EQ(alone.views.size(), 1u);
+  views_.clear();
+  const std::optional<SceneModel> none = Run();
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->planes.empty());
+  EXPECT_TRUE(none->views.empty());
+}
+
+TEST_F(ModelSceneTest, StopsWhenAsked) {
+  EXPECT_FALSE(Run([] { return true; }));
+  int num_calls = 0;
+  std::mutex mutex;
+  EXPECT_FALSE(Run([&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return ++num_calls > 4;
+  }));
+}
+
+// The middle view measures a wall too near, as fattening by a frame would have
+// it, in a place where the others see the wall itself.
+TEST_F(ModelSceneTest, ViewsThatDifferAgreeInTheEnd) {
+  ViewEvidence& evidence = room_.evidence[0];
+  // Half of the observations of some superpixels of the back wall lie on the
+  // plane of the floor or nowhere.
+  std::vector<size_t> doubtful;
+  for (size_t k = 0; k < room_.seen[0].size(); k += 5) {
+    if (room_.seen[0][k] != 0) {
+      continue;
+    }
+    doubtful.push_back(k);
+    for (int i = evidence.first_observation[k];
+         i < evidence.first_observation[k + 1];
+         ++i) {
+      // 0.8 pixels of disparity in front of it.
+      float& z = evidence.observations[static_cast<size_t>(i)].sample.z;
+      z *= 1.f - 0.8f * evidence.resolution.RelativeDepthError(z);
+    }
+  }
+  ASSERT_GT(doubtful.size(), 3u);
+  const SceneModel model = *Run();
+  const int wall = Find(room_.surfaces[0], model);
+  ASSERT_GE(wall, 0);
+  for (const size_t k : doubtful) {
+    EXPECT_EQ(model.views.at(kFirstImage).planes[k], wall) << k;
+  }
+}
+
+}  // namespace
+}  // namespace tsar

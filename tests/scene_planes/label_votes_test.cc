@@ -1,0 +1,146 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/label_votes.h"
+
+#include <memory>
+
+#include "tests/support/synthetic_scene.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+constexpr int kSize = 10;  // Of a superpixel.
+constexpr int kNumColumns = kWidth / kSize;
+constexpr int kNumSuperpixels = kNumColumns * kHeight / kSize;
+constexpr float kPixels = kSize * kSize;
+// One pixel of disparity is 0.025 at this depth.
+constexpr float kDepth = 5.f;
+
+Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
+
+// A reference and sources that look at the same walls, each from its place.
+class LabelVotesTest : public testing::Test {
+ protected:
+  LabelVotesTest() {
+    evidence_.width = kWidth;
+    evidence_.height = kHeight;
+    evidence_.resolution.error_per_depth = 0.001f;
+    evidence_.weights.assign(kNumSuperpixels, 0.f);
+    evidence_.superpixels = Image<uint16_t>(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        evidence_.superpixels(x, y) =
+            static_cast<uint16_t>(y / kSize * kNumColumns + x / kSize);
+      }
+    }
+    camera_ = SyntheticCamera(kWidth, kHeight, 40.0);
+    views_.push_back({&evidence_, camera_});
+  }
+
+  // shift: of its place to the right.
+  void AddSource(int label,
+                 LabelEvidence evidence = LabelEvidence::kMeasured,
+                 double shift = 0.0) {
+    Camera camera = camera_;
+    camera.translation.x() -= shift;
+    views_.push_back({&evidence_, camera});
+    labels_.push_back({std::vector<int>(kNumSuperpixels, label),
+                       std::vector<LabelEvidence>(kNumSuperpixels, evidence)});
+  }
+
+  // The vote on each pixel of a superpixel.
+  float Vote(int plane, int superpixel = 5, int num_threads = 1) const {
+    Image<PlaneCost> costs(static_cast<int>(planes_.size()), kNumSuperpixels);
+    for (PlaneCost& cost : costs) {
+      cost.cost = 7.f;
+    }
+    const std::unique_ptr<Device> device = Device::CreateCpu(num_threads);
+    AddLabelVotes(views_, planes_, labels_, options_, *device, &costs);
+    return (costs(plane, superpixel).cost - 7.f) / kPixels;
+  }
+
+  ViewEvidence evidence_;
+  Camera camera_;
+  std::vector<ObservedView> views_;
+  std::vector<ViewLabels> labels_;
+  // The third is near the first, the others are far in front and behind.
+  std::vector<Plane> planes_ = {WallAt(kDepth),
+                                WallAt(3.f),
+                                WallAt(kDepth + 0.0075f),
+                                WallAt(8.f),
+                                WallAt(kDepth - 0.1f)};
+  LabelVoteOptions options_;
+};
+
+TEST_F(LabelVotesTest, TheSamePlaneGains) {
+  AddSource(0);
+  EXPECT_NEAR(Vote(0), -options_.gain_of_same, 1e-5f);
+  AddSource(0);
+  EXPECT_NEAR(Vote(0), -2.f * options_.gain_of_same, 1e-5f);
+  for (int i = 0; i < 5; ++i) {
+    AddSource(0);
+  }
+  EXPECT_NEAR(Vote(0), -options_.max_same * options_.gain_of_same, 1e-5f);
+}
+
+TEST_F(LabelVotesTest, AnotherPlaneNearbyIsARival) {
+  AddSource(0);
+  // 0.3 pixels of disparity, and more than max_gap lies between.
+  EXPECT_NEAR(Vote(2), 0.6f * options_.cost_of_rival, 1e-3f);
+  EXPECT_NEAR(Vote(4), options_.cost_of_rival, 1e-5f);
+}
+
+TEST_F(LabelVotesTest, NothingIsInFrontOfWhatAViewSees) {
+  AddSource(0);
+  EXPECT_NEAR(Vote(1), options_.cost_of_hiding, 1e-5f);
+  // What lies behind may be hidden from it.
+  EXPECT_EQ(Vote(3), 0.f);
+}
+
+TEST_F(LabelVotesTest, LabelsCountByTheirEvidence) {
+  AddSource(0, LabelEvidence::kCarried);
+  EXPECT_NEAR(Vote(0), -options_.carried_weight * options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(
+      Vote(1), options_.carried_weight * options_.cost_of_hiding, 1e-5f);
+  labels_[0].evidence.assign(kNumSuperpixels, LabelEvidence::kGuessed);
+  EXPECT_NEAR(Vote(0), -options_.guessed_weight * options_.gain_of_same, 1e-5f);
+}
+
+TEST_F(LabelVotesTest, ViewsWithoutAPlaneThereSayNothing) {
+  AddSource(-1, LabelEvidence::kNone);
+  // Far to the right: nothing of the reference is in its image.
+  AddSource(0, LabelEvidence::kMeasured, 50.0);
+  // Behind everything.
+  AddSource(0);
+  views_.back().camera.translation.z() -= 20.0;
+  for (int plane = 0; plane < 5; ++plane) {
+    EXPECT_EQ(Vote(plane), 0.f) << plane;
+  }
+}
+
+TEST_F(LabelVotesTest, LooksAtThePlaceWhereTheSourceSeesThePoint) {
+  // At this depth the source sees a point one superpixel further left.
+  AddSource(3, LabelEvidence::kMeasured, kSize * kDepth / 40.0);
+  for (int row = 0; row < kHeight / kSize; ++row) {
+    labels_[0].planes[static_cast<size_t>(row * kNumColumns + 1)] = 0;
+  }
+  EXPECT_NEAR(Vote(0, kNumColumns + 2), -options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(Vote(0, kNumColumns + 3), options_.cost_of_hiding, 1e-5f);
+}
+
+TEST_F(LabelVotesTest, DoesNotDependOnTheNumberOfThreads) {
+  AddSource(0, LabelEvidence::kMeasured, 0.3);
+  AddSource(2, LabelEvidence::kGuessed, -0.4);
+  for (int superpixel = 0; superpixel < kNumSuperpixels; ++superpixel) {
+    for (int plane = 0; plane < 5; ++plane) {
+      EXPECT_EQ(Vote(plane, superpixel, 3), Vote(plane, superpixel, 1));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar

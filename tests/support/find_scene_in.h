@@ -1,0 +1,49 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/pipeline/find_scene.h"
+
+#include <utility>
+#include <vector>
+
+namespace tsar {
+
+// The planes of a scene that fits into one block of views, and what the first
+// view shows of them, after so many sweeps. Each view is a source of all
+// others.
+inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
+                                   const BlockOfScene& block,
+                                   const RefineOptions& options,
+                                   Device& device,
+                                   int num_sweeps = 2) {
+  std::vector<ModelPlane> planes;
+  for (const MeasuredScenePlane& plane : block.planes) {
+    planes.push_back(ToModelPlane(plane));
+  }
+  std::vector<ViewLabels> labels;
+  for (int sweep = 0; sweep < num_sweeps; ++sweep) {
+    std::vector<ViewLabels> next;
+    for (size_t i = 0; i < views.size(); ++i) {
+      std::vector<ModelledView> modelled;
+      for (size_t j = 0; j < views.size(); ++j) {
+        modelled.push_back(
+            {views[j], &block.assignment[j], sweep > 0 ? &labels[j] : nullptr});
+      }
+      std::swap(modelled[0], modelled[i]);
+      next.push_back(LabelInModel(modelled, planes, options, device));
+    }
+    labels = std::move(next);
+  }
+  return FindScene(views, planes, labels[0], options, device);
+}
+
+inline FoundScene FindSceneIn(const std::vector<ObservedView>& views,
+                              const RefineOptions& options,
+                              Device& device) {
+  return FindSceneOfBlock(
+      views, ModelBlock(views, options, device), options, device);
+}
+
+}  // namespace tsar
