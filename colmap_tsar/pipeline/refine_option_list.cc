@@ -244,6 +244,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->manhattan_frame,
        "Make planes exactly parallel and at right angles where that agrees "
        "with what was measured."},
+      {"adjust_planes",
+       &options->adjust_planes,
+       "Adjust the planes of the scene together: each view counts by what it "
+       "can tell, and planes that are nearly parallel or at right angles help "
+       "each other."},
       {"free_space",
        &options->free_space,
        "Reject planes in front of what other views saw, and prefer those that "
