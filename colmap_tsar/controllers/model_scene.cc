@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <utility>
 
 namespace tsar {
@@ -84,11 +85,9 @@ class SceneModeler {
       return std::nullopt;
     }
     Join(std::move(blocks));
-    if (refine_options_.adjust_planes) {
-      Adjust();
-      if (should_stop_()) {
-        return std::nullopt;
-      }
+    Adjust();
+    if (should_stop_()) {
+      return std::nullopt;
     }
     std::vector<ViewLabels> labels;
     for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
@@ -213,13 +212,21 @@ class SceneModeler {
         }
       }
     }
-    if (refine_options_.adjust_planes) {
-      model_.frames = FindSceneFrames(frames, &model_.planes);
+    model_.frames = FindSceneFrames(frames, &model_.planes);
+    std::map<int, int> num_blocks;
+    for (const FrameOfBlock& frame : frames) {
+      ++num_blocks[frame.component];
+    }
+    for (const ModelPlane& plane : model_.planes) {
+      may_move_.push_back(refine_options_.adjust_planes &&
+                          num_blocks[plane.component] > 1);
     }
   }
 
-  // Adjusts the planes of the model together. Of the evidence only what views
-  // measured of planes is kept, one view at a time.
+  // Finds how well the planes of the model are known, and adjusts together
+  // those of views that were too many for one block: within a block they have
+  // been already, by a criterion that outliers move less. Of the evidence only
+  // what views measured of planes is kept, one view at a time.
   void Adjust() {
     int round = 0;
     AdjustModel(
@@ -245,6 +252,7 @@ class SceneModeler {
           }
           return measurements;
         },
+        may_move_,
         &model_);
   }
 
@@ -310,6 +318,7 @@ class SceneModeler {
   // By view and superpixel, the plane of the model that it measured, or -1.
   std::vector<std::vector<int>> assignment_;
   SceneModel model_;
+  std::vector<bool> may_move_;  // Per plane, in the adjustment.
 };
 
 }  // namespace

@@ -246,9 +246,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "with what was measured."},
       {"adjust_planes",
        &options->adjust_planes,
-       "Adjust the planes of the scene together: each view counts by what it "
-       "can tell, and planes that are nearly parallel or at right angles help "
-       "each other."},
+       "In scenes of more than 32 images, where planes are found in parts of "
+       "the scene, adjust the planes of all parts together."},
       {"free_space",
        &options->free_space,
        "Reject planes in front of what other views saw, and prefer those that "

@@ -203,8 +203,24 @@ TEST_F(ModelSceneTest, WithoutTheAdjustmentPlanesStayAsTheyWereJoined) {
   refine_options_.adjust_planes = false;
   const SceneModel model = *Run();
   EXPECT_GT(Lean(model), 1e-6);
-  EXPECT_TRUE(model.frames.empty());
-  EXPECT_THAT(text_.str(), testing::Not(testing::HasSubstr("adjustment")));
+  const int wall = Find(room_.surfaces[0], model);
+  ASSERT_GE(wall, 0);
+  EXPECT_EQ(model.planes[static_cast<size_t>(wall)].axis, -1);
+  for (const ModelPlane& plane : model.planes) {
+    EXPECT_TRUE(plane.covariance.allFinite());
+    EXPECT_LT(std::abs(plane.plane.Height(plane.center)), 1e-9);
+  }
+}
+
+TEST_F(ModelSceneTest, TheAdjustmentLeavesPlanesOfOneBlockAsTheyWereFound) {
+  LetTheWallLean();
+  const SceneModel adjusted = *Run();
+  for (const ModelPlane& plane : adjusted.planes) {
+    EXPECT_EQ(plane.frame, 0);
+    EXPECT_GE(plane.axis, 0);
+  }
+  refine_options_.adjust_planes = false;
+  ExpectSame(adjusted, *Run());
 }
 
 TEST_F(ModelSceneTest, BlocksHardlyChangeAdjustedPlanes) {
