@@ -239,6 +239,11 @@ TEST_F(TsarRefineTest, WrongShardsAreOneLine) {
 TEST_F(TsarRefineTest, RefinesInShards) {
   const auto before = ReadTree(root_);
   for (const char* pass : {"observe", "compose"}) {
+    if (pass == std::string("compose")) {
+      const Outcome outcome = Run({"--TsarRefine.pass", "model"});
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+      EXPECT_THAT(outcome.out, testing::HasSubstr("planes of the scene"));
+    }
     for (const char* shard : {"0/2", "1/2"}) {
       const Outcome outcome =
           Run({"--TsarRefine.pass", pass, "--TsarRefine.shard", shard});

@@ -104,8 +104,17 @@ TEST_F(CudaTest, LabelView) {
   for (size_t num_views = 1; num_views <= views.size(); ++num_views) {
     const std::vector<ObservedView> seen_by(
         views.begin(), views.begin() + static_cast<std::ptrdiff_t>(num_views));
+    // The other views were labelled with what they measured.
+    std::vector<ViewLabels> source_labels;
+    for (size_t i = 1; i < num_views; ++i) {
+      source_labels.push_back(
+          {discovered.assignment[i],
+           std::vector<LabelEvidence>(
+               discovered.assignment[i].size(),
+               i == 1 ? LabelEvidence::kMeasured : LabelEvidence::kCarried)});
+    }
     const auto run = [&](Device& device) {
-      return LabelView(seen_by, discovered, support, {}, device);
+      return LabelView(seen_by, discovered, support, {}, device, source_labels);
     };
     const auto numbers = [](const LabeledView& labeled) {
       StageResult result;

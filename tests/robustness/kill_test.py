@@ -54,6 +54,7 @@ def prepare():
         program.run("tsar_refine", work)
     elif args.command == "compose":
         program.run("tsar_refine", work, *SHARD, "observe")
+        program.run("tsar_refine", work, "--TsarRefine.pass", "model")
     elif args.command == "undo":
         program.run("tsar_import", work, *IMPORT)
     os.rename(work, before)

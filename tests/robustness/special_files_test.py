@@ -30,6 +30,9 @@ SHARD = [*REFINE, "--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 observed = os.path.join(folder.name, "observed")
 copy(start.mapped, observed)
 program.run("tsar_refine", observed, *SHARD[2:], "observe")
+program.run("tsar_refine", observed, "--TsarRefine.pass", "model")
+# Shards leave their lock's file.
+program.run("tsar_refine", observed, *SHARD[2:], "observe")
 program.run("tsar_refine", start.mapped, "--output_path", output)
 KEY = "v0.png.geometric"
 ini = os.path.join(work, "project.ini")
