@@ -7,12 +7,17 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/pipeline/find_scene.h"
+#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/scene_planes/adjust_model.h"
 #include "colmap_tsar/scene_planes/join_planes.h"
+#include "colmap_tsar/scene_planes/scene_frames.h"
+#include "colmap_tsar/scene_planes/view_measurements.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <utility>
 
 namespace tsar {
@@ -80,6 +85,10 @@ class SceneModeler {
       return std::nullopt;
     }
     Join(std::move(blocks));
+    Adjust();
+    if (should_stop_()) {
+      return std::nullopt;
+    }
     std::vector<LabelsInModel> labels;
     for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
       labels = Sweep(sweep, labels);
@@ -166,8 +175,18 @@ class SceneModeler {
     }
     const std::vector<std::vector<int>> block_neighbours =
         FindBlockNeighbours(neighbours_, views);
+    const std::vector<int> components = FindComponents(neighbours_);
     std::vector<PlaneBlock> planes;
+    std::vector<FrameOfBlock> frames;
     for (size_t b = 0; b < blocks.size(); ++b) {
+      FrameOfBlock frame;
+      frame.component = components[blocks[b].views[0]];
+      frame.rotation = blocks[b].found.frame;
+      for (const MeasuredScenePlane& plane : blocks[b].found.planes) {
+        frame.axes.push_back(plane.found.axis);
+        frame.supports.push_back(plane.found.support);
+      }
+      frames.push_back(std::move(frame));
       planes.push_back(
           {std::move(blocks[b].found.planes), block_neighbours[b]});
     }
@@ -178,11 +197,11 @@ class SceneModeler {
     for (const MeasuredScenePlane& plane : joined.planes) {
       model_.planes.push_back(ToModelPlane(plane));
     }
-    const std::vector<int> components = FindComponents(neighbours_);
     for (size_t b = 0; b < blocks.size(); ++b) {
+      frames[b].places = joined.places[b];
       for (const int place : joined.places[b]) {
         model_.planes[static_cast<size_t>(place)].component =
-            components[blocks[b].views[0]];
+            frames[b].component;
       }
       for (size_t i = 0; i < blocks[b].views.size(); ++i) {
         std::vector<int>& assignment = assignment_[blocks[b].views[i]];
@@ -193,6 +212,58 @@ class SceneModeler {
         }
       }
     }
+    model_.frames = FindSceneFrames(frames, &model_.planes);
+    std::map<int, int> num_blocks;
+    for (const FrameOfBlock& frame : frames) {
+      ++num_blocks[frame.component];
+    }
+    for (const ModelPlane& plane : model_.planes) {
+      may_move_.push_back(refine_options_.adjust_planes &&
+                          num_blocks[plane.component] > 1);
+    }
+  }
+
+  // Finds how well the planes of the model are known, and adjusts together
+  // those of views that were too many for one block: within a block they have
+  // been already, by a criterion that outliers move less. Of the evidence only
+  // what views measured of planes is kept, one view at a time.
+  void Adjust() {
+    int round = 0;
+    AdjustModel(
+        [&](const std::vector<WorldPlane>& planes) {
+          std::vector<std::vector<PlaneMeasurement>> of_views(views_.size());
+          progress_.Start(
+              static_cast<int>(views_.size()),
+              pass_ + " adjustment " + std::to_string(++round) + ":");
+          ForEach(views_.size(),
+                  threads_.num_views,
+                  threads_.num_threads,
+                  [&](size_t view, Device&) {
+                    if (!should_stop_()) {
+                      of_views[view] = Measure(view, planes);
+                      progress_.Advance(/*was_work=*/true);
+                    }
+                  });
+          progress_.Finish();
+          std::vector<PlaneMeasurement> measurements;
+          for (const std::vector<PlaneMeasurement>& of_view : of_views) {
+            measurements.insert(
+                measurements.end(), of_view.begin(), of_view.end());
+          }
+          return measurements;
+        },
+        may_move_,
+        &model_);
+  }
+
+  std::vector<PlaneMeasurement> Measure(
+      size_t view, const std::vector<WorldPlane>& planes) const {
+    const std::shared_ptr<const ViewEvidence> evidence = evidence_.get(view);
+    const ObservedView observed = Observed(view, *evidence);
+    return MeasureView(observed,
+                       assignment_[view],
+                       planes,
+                       MakeSceneOptions(refine_options_, {observed}).measuring);
   }
 
   // before: the labels of the sweep before; none in the first sweep.
@@ -247,6 +318,7 @@ class SceneModeler {
   // By view and superpixel, the plane of the model that it measured, or -1.
   std::vector<std::vector<int>> assignment_;
   SceneModel model_;
+  std::vector<bool> may_move_;  // Per plane, in the adjustment.
 };
 
 }  // namespace

@@ -52,7 +52,8 @@ struct ModelThreads {
 
 // Finds the planes of a whole scene and labels its views with them:
 // - discovers planes in blocks of views that look at the same things;
-// - joins planes of different blocks that are one surface;
+// - joins planes of different blocks that are one surface, and adjusts the
+//   planes of several blocks together (adjust_planes);
 // - labels all views in sweeps.
 // Time grows with the number of views; memory holds the evidence of the blocks
 // and views at work, samples of the planes, and two numbers per superpixel of

@@ -85,7 +85,8 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
   DiscoveredPlanes discovered =
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
   return {MeasureScenePlanes(views, discovered, discovery, scene.support),
-          std::move(discovered.assignment)};
+          std::move(discovered.assignment),
+          discovered.frame};
 }
 
 LabelsInModel LabelInModel(const std::vector<ModelledView>& views,

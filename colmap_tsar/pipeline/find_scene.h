@@ -13,8 +13,11 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace tsar {
 
@@ -25,8 +28,9 @@ namespace tsar {
 // The planes that some views measured, and which of them each superpixel did.
 struct BlockOfScene {
   std::vector<MeasuredScenePlane> planes;
-  // assignment[view][superpixel]: see DiscoveredPlanes.
+  // See DiscoveredPlanes.
   std::vector<std::vector<int>> assignment;
+  std::optional<Eigen::Matrix3d> frame;
 };
 
 // How many scores of a candidate for a superpixel a block may have. Beyond

@@ -244,6 +244,10 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->manhattan_frame,
        "Make planes exactly parallel and at right angles where that agrees "
        "with what was measured."},
+      {"adjust_planes",
+       &options->adjust_planes,
+       "In scenes of more than 32 images, where planes are found in parts of "
+       "the scene, adjust the planes of all parts together."},
       {"free_space",
        &options->free_space,
        "Reject planes in front of what other views saw, and prefer those that "

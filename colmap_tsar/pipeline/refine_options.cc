@@ -39,6 +39,7 @@ RefineOptions RefineOptions::Paper() {
   options.region_cores = false;
   options.max_region_planes = 1;
   options.scene_planes = false;
+  options.adjust_planes = false;
   options.pixel_borders = false;
   options.curved_surfaces = false;
   return options;

@@ -63,6 +63,7 @@ struct RefineOptions {
   bool scene_planes = true;
   bool foreground_fattening = true;
   bool manhattan_frame = true;
+  bool adjust_planes = true;
   bool free_space = true;
   bool bounded_planes = true;
   bool curved_surfaces = true;

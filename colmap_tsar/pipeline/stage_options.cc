@@ -134,6 +134,8 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.discovery.min_gain = options.min_scene_plane;
   scene.discovery.manhattan_frame = options.manhattan_frame;
   scene.support.tolerance = tolerance;
+  scene.measuring.tolerance = tolerance;
+  scene.measuring.max_weight = scene.discovery.max_weight;
   scene.labels.tolerance = static_cast<float>(tolerance);
   scene.labels.unlabelled_cost = static_cast<float>(options.unlabelled_cost);
   if (!options.free_space) {

@@ -11,6 +11,7 @@
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/scene_planes/view_measurements.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/superpixels/correlation.h"
@@ -47,6 +48,7 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
 struct SceneOptions {
   DiscoverPlanesOptions discovery;
   PlaneSupportOptions support;
+  MeasureViewOptions measuring;
   LabelOptions labels;
   BorderOptions borders;
   CurvedSurfaceOptions surfaces;

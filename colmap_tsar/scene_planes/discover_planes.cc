@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -53,6 +54,9 @@ class Discovery {
     }
     return std::move(planes_);
   }
+
+  // That the planes were aligned to.
+  const std::optional<ManhattanFrame>& Frame() const { return frame_; }
 
  private:
   void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
@@ -152,8 +156,8 @@ class Discovery {
       return loss <= std::max(options_.min_gain,
                               kMaxAlignmentLoss * measured[p].support);
     };
-    const std::vector<WorldPlane> aligned =
-        AlignToManhattanFrame(measured, fitter_.LossScale(), is_acceptable);
+    const std::vector<WorldPlane> aligned = AlignToManhattanFrame(
+        measured, fitter_.LossScale(), is_acceptable, &frame_);
     planes_ = fitter_.Score(aligned);
   }
 
@@ -163,6 +167,7 @@ class Discovery {
   PlaneScorer scorer_;
   SuperpixelPlaneFitter fitter_;
   std::vector<ScoredPlane> planes_;
+  std::optional<ManhattanFrame> frame_;
 };
 
 WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
@@ -220,8 +225,12 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   for (size_t i = 0; i < std::min(candidates.size(), max_candidates); ++i) {
     local_candidates.push_back(FromWorld(candidates[i], reference));
   }
-  const std::vector<ScoredPlane> planes =
-      Discovery(observations, options, device).Run(local_candidates);
+  Discovery discovery(observations, options, device);
+  const std::vector<ScoredPlane> planes = discovery.Run(local_candidates);
+  const std::optional<ManhattanFrame>& frame = discovery.Frame();
+  if (frame) {
+    result.frame = reference.rotation.transpose() * frame->rotation;
+  }
 
   const std::vector<Ranking> rankings = Rank(planes, observations.Count());
   std::vector<double> supports(planes.size(), 0.0);
@@ -238,8 +247,9 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   std::vector<int> places(planes.size());
   for (size_t i = 0; i < order.size(); ++i) {
     places[order[i]] = static_cast<int>(i);
-    result.planes.push_back(
-        {ToWorld(planes[order[i]].plane, reference), supports[order[i]]});
+    result.planes.push_back({ToWorld(planes[order[i]].plane, reference),
+                             supports[order[i]],
+                             frame ? frame->axes[order[i]] : -1});
   }
   int superpixel = 0;
   for (std::vector<int>& of_view : result.assignment) {

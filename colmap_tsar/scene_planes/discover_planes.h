@@ -10,7 +10,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace tsar {
 
@@ -50,6 +53,9 @@ struct ScenePlane {
   WorldPlane plane;
   // Sum of the scores of the superpixels that are assigned to it.
   double support = 0.0;
+  // Of the Manhattan frame, the column along which its normal lies exactly; -1:
+  // of none.
+  int axis = -1;
 };
 
 struct DiscoveredPlanes {
@@ -57,6 +63,9 @@ struct DiscoveredPlanes {
   // assignment[view][superpixel] is the index of the plane that explains the
   // superpixel's observations best, or -1 where none explains any.
   std::vector<std::vector<int>> assignment;
+  // A rotation whose columns are the axes, in the world frame, where planes
+  // were aligned to one.
+  std::optional<Eigen::Matrix3d> frame;
 };
 
 // The few planes that together explain best what a view and its neighbours

@@ -97,7 +97,11 @@ JointPlane Turned(const MeasuredPlane& measured,
 std::vector<WorldPlane> AlignToManhattanFrame(
     const std::vector<MeasuredPlane>& planes,
     double loss_scale,
-    const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable) {
+    const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable,
+    std::optional<ManhattanFrame>* frame_found) {
+  if (frame_found != nullptr) {
+    frame_found->reset();
+  }
   std::vector<WorldPlane> result;
   for (const MeasuredPlane& plane : planes) {
     result.push_back(plane.plane);
@@ -138,6 +142,13 @@ std::vector<WorldPlane> AlignToManhattanFrame(
     }
     changed = accepted.size() < along.size();
     along = std::move(accepted);
+  }
+  if (frame_found != nullptr) {
+    ManhattanFrame of_planes{frame, std::vector<int>(planes.size(), -1)};
+    for (const int p : along) {
+      of_planes.axes[p] = axes[p];
+    }
+    *frame_found = std::move(of_planes);
   }
   for (int p = 0; p < num_planes; ++p) {
     for (int axis = 0; axis < 3 && !is_regular[p]; ++axis) {

@@ -7,7 +7,10 @@
 #include "colmap_tsar/planes/world_plane.h"
 
 #include <functional>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace tsar {
 
@@ -16,6 +19,13 @@ struct MeasuredPlane {
   WorldPlane plane;
   double support = 0.0;  // How much that is.
   FitSamples samples;    // What measured it.
+};
+
+// Three directions at right angles.
+struct ManhattanFrame {
+  Eigen::Matrix3d rotation;  // Its columns are the directions.
+  // Per plane, the column along which its normal lies exactly, or -1.
+  std::vector<int> axes;
 };
 
 // What people build stands at right angles. A wall that only a band of posters
@@ -34,10 +44,12 @@ struct MeasuredPlane {
 // directions are fitted without it. Planes without samples turn about their
 // point that is nearest to the origin. Returns a plane for each of `planes`, in
 // their order; they are all unchanged where no two with a support are
-// orthogonal to within 10 degrees.
+// orthogonal to within 10 degrees. frame_found: where not null,
+// receives the directions, or nothing where planes are unchanged.
 std::vector<WorldPlane> AlignToManhattanFrame(
     const std::vector<MeasuredPlane>& planes,
     double loss_scale,
-    const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable);
+    const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable,
+    std::optional<ManhattanFrame>* frame_found = nullptr);
 
 }  // namespace tsar

@@ -109,12 +109,46 @@ class ModelSceneTest : public testing::Test {
       EXPECT_EQ(a.planes[i].plane.normal, b.planes[i].plane.normal);
       EXPECT_EQ(a.planes[i].plane.offset, b.planes[i].plane.offset);
       EXPECT_EQ(a.planes[i].covariance, b.planes[i].covariance);
+      EXPECT_EQ(a.planes[i].axis, b.planes[i].axis);
+    }
+    ASSERT_EQ(a.frames.size(), b.frames.size());
+    for (size_t i = 0; i < a.frames.size(); ++i) {
+      EXPECT_EQ(a.frames[i], b.frames[i]);
     }
     ASSERT_EQ(a.views.size(), b.views.size());
     for (const auto& [image, labels] : a.views) {
       EXPECT_EQ(labels.planes, b.views.at(image).planes);
       EXPECT_EQ(labels.evidence, b.views.at(image).evidence);
     }
+  }
+
+  // Above the horizon the first view measures the back wall too near, below it
+  // too far.
+  void LetTheWallLean() {
+    ViewEvidence& evidence = room_.evidence[0];
+    for (size_t k = 0; k < room_.seen[0].size(); ++k) {
+      for (int i = evidence.first_observation[k];
+           i < evidence.first_observation[k + 1] && room_.seen[0][k] == 0;
+           ++i) {
+        RayDepth& sample = evidence.observations[static_cast<size_t>(i)].sample;
+        sample.z *= 1.f + 1.2f * sample.y *
+                              evidence.resolution.RelativeDepthError(sample.z);
+      }
+    }
+  }
+
+  // How far the wall is from being at right angles to the floor.
+  double Lean(const SceneModel& model) const {
+    const int wall = Find(room_.surfaces[0], model);
+    const int floor = Find(room_.surfaces[2], model);
+    EXPECT_GE(wall, 0);
+    EXPECT_GE(floor, 0);
+    return wall < 0 || floor < 0
+               ? 1.0
+               : std::abs(
+                     model.planes[static_cast<size_t>(wall)].plane.normal.dot(
+                         model.planes[static_cast<size_t>(floor)]
+                             .plane.normal));
   }
 
   SyntheticRoom room_;
@@ -143,6 +177,66 @@ TEST_F(ModelSceneTest, DoesNotDependOnTheThreads) {
   const SceneModel one = *Run();
   threads_ = {4, 2, 3};
   ExpectSame(one, *Run());
+}
+
+TEST_F(ModelSceneTest, AWallThatLeansInOneViewIsUpright) {
+  LetTheWallLean();
+  options_.max_block_views = 1;
+  const SceneModel model = *Run();
+  EXPECT_LT(Lean(model), 1e-12);
+  ASSERT_EQ(model.frames.size(), 1u);
+  for (const ModelPlane& plane : model.planes) {
+    ASSERT_EQ(plane.frame, 0);
+    EXPECT_NEAR(
+        std::abs(model.frames[0].col(plane.axis).dot(plane.plane.normal)),
+        1.0,
+        1e-12);
+    EXPECT_LT(std::abs(plane.plane.Height(plane.center)), 1e-9);
+    EXPECT_TRUE(plane.covariance.allFinite());
+    EXPECT_GT(plane.covariance(2, 2), 0.0);
+  }
+}
+
+TEST_F(ModelSceneTest, WithoutTheAdjustmentPlanesStayAsTheyWereJoined) {
+  LetTheWallLean();
+  options_.max_block_views = 1;
+  refine_options_.adjust_planes = false;
+  const SceneModel model = *Run();
+  EXPECT_GT(Lean(model), 1e-6);
+  const int wall = Find(room_.surfaces[0], model);
+  ASSERT_GE(wall, 0);
+  EXPECT_EQ(model.planes[static_cast<size_t>(wall)].axis, -1);
+  for (const ModelPlane& plane : model.planes) {
+    EXPECT_TRUE(plane.covariance.allFinite());
+    EXPECT_LT(std::abs(plane.plane.Height(plane.center)), 1e-9);
+  }
+}
+
+TEST_F(ModelSceneTest, TheAdjustmentLeavesPlanesOfOneBlockAsTheyWereFound) {
+  LetTheWallLean();
+  const SceneModel adjusted = *Run();
+  for (const ModelPlane& plane : adjusted.planes) {
+    EXPECT_EQ(plane.frame, 0);
+    EXPECT_GE(plane.axis, 0);
+  }
+  refine_options_.adjust_planes = false;
+  ExpectSame(adjusted, *Run());
+}
+
+TEST_F(ModelSceneTest, BlocksHardlyChangeAdjustedPlanes) {
+  const SceneModel one = *Run();
+  options_.max_block_views = 1;
+  const SceneModel many = *Run();
+  for (const DrawnSurface& surface : room_.surfaces) {
+    const auto a = static_cast<size_t>(Find(surface, one));
+    const auto b = static_cast<size_t>(Find(surface, many));
+    ASSERT_LT(a, one.planes.size());
+    ASSERT_LT(b, many.planes.size());
+    EXPECT_LT(AngleBetween(one.planes[a].plane, many.planes[b].plane), 0.05);
+    EXPECT_LT(std::abs(one.planes[a].plane.Height(surface.middle) -
+                       many.planes[b].plane.Height(surface.middle)),
+              0.001);
+  }
 }
 
 TEST_F(ModelSceneTest, ViewsThatNothingConnectsShareNothing) {

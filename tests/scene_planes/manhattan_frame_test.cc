@@ -124,6 +124,30 @@ TEST_F(ManhattanFrameTest, WallsBecomeParallelInTheirOrder) {
   }
 }
 
+TEST_F(ManhattanFrameTest, TellsWhichPlanesLieAlongWhichDirection) {
+  std::optional<ManhattanFrame> frame;
+  const std::vector<WorldPlane> planes = AlignToManhattanFrame(
+      planes_,
+      kLossScale,
+      [](int p, const WorldPlane&) { return p != 3; },
+      &frame);
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->rotation.isUnitary(1e-12));
+  EXPECT_NEAR(frame->rotation.determinant(), 1.0, 1e-12);
+  ASSERT_EQ(frame->axes.size(), 4u);
+  EXPECT_EQ(frame->axes[0], frame->axes[2]);
+  EXPECT_EQ(frame->axes[3], -1);
+  for (int p = 0; p < 3; ++p) {
+    const auto i = static_cast<size_t>(p);
+    EXPECT_NEAR(
+        std::abs(frame->rotation.col(frame->axes[i]).dot(planes[i].normal)),
+        1.0,
+        1e-12);
+  }
+  AlignToManhattanFrame({planes_[0]}, kLossScale, AcceptAll, &frame);
+  EXPECT_FALSE(frame);
+}
+
 TEST_F(ManhattanFrameTest, ObliquePlanesStayAsTheyAre) {
   // At 20 degrees to the floor, and far from orthogonal to any direction.
   const Eigen::Vector3d up_the_roof = At(0.6, -0.25, 0.8);

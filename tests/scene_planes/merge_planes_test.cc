@@ -144,6 +144,27 @@ TEST_F(LeaningBoardTest, BecomesOrthogonalWhereItLeansByLittle) {
       EXPECT_LT(std::min(cosine, std::abs(1.0 - cosine)), 1e-9);
     }
   }
+  ASSERT_TRUE(found.frame);
+  for (const ScenePlane& plane : found.planes) {
+    ASSERT_GE(plane.axis, 0);
+    EXPECT_NEAR(std::abs(found.frame->col(plane.axis).dot(plane.plane.normal)),
+                1.0,
+                1e-12);
+  }
+}
+
+TEST_F(LeaningBoardTest, IsOfNoFrameWhereItLeansByMuch) {
+  const SyntheticRoom room = RoomWithBoard(3.0);
+  const DiscoveredPlanes found = Discover(room);
+  ASSERT_TRUE(found.frame);
+  for (const ScenePlane& plane : found.planes) {
+    const bool is_board =
+        AngleBetween(plane.plane, room.surfaces[kBoard].plane) < 1.0 &&
+        std::abs(plane.plane.Height(room.surfaces[kBoard].middle)) < 0.003;
+    EXPECT_EQ(plane.axis < 0, is_board);
+  }
+  options_.manhattan_frame = false;
+  EXPECT_FALSE(Discover(room).frame);
 }
 
 TEST_F(LeaningBoardTest, StaysWhereItLeansByMuch) {
