@@ -13,9 +13,9 @@ namespace {
 
 // Of the header, see evidence_file.cc.
 constexpr size_t kHeaderSize = 120;
-constexpr size_t kNeighbourFingerprint = 88;
-constexpr size_t kOwnFingerprint = 96;
-constexpr size_t kHeaderFingerprint = 104;
+constexpr size_t kNeighbourFingerprint = 96;
+constexpr size_t kOwnFingerprint = 104;
+constexpr size_t kHeaderFingerprint = 112;
 
 template <typename T>
 T ValueAt(const std::vector<uint8_t>& bytes, size_t offset) {
@@ -45,7 +45,7 @@ std::vector<uint8_t> Signed(std::span<const uint8_t> input) {
                             ValueAt<uint16_t>(bytes, 20);
   const size_t length = 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
                         16 * ValueAt<uint16_t>(bytes, 64) +
-                        16 * ValueAt<uint16_t>(bytes, 72);
+                        16 * ValueAt<uint16_t>(bytes, 80);
   const size_t end = std::min(begin + length, bytes.size());
   ContentHash neighbours;
   neighbours.Update(bytes.data() + begin, end - begin);
