@@ -8,28 +8,13 @@
 #include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
+#include "colmap_tsar/workspace/require_size.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
 namespace tsar {
-namespace {
-
-template <typename T>
-Image<T> RequireSizeOf(const Image<float>& depth,
-                       const std::filesystem::path& path,
-                       Image<T> map) {
-  if (!map.HasSizeOf(depth)) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "is of another size than the depth map",
-                      "refine the workspace again");
-  }
-  return map;
-}
-
-}  // namespace
 
 std::vector<int> FindPlaneViews(const Workspace& workspace) {
   std::vector<int> images;
@@ -56,10 +41,12 @@ PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes) {
                "refine the workspace again");
   view.camera =
       model_image.camera.Resized(view.depth.Width(), view.depth.Height());
-  view.provenance = RequireSizeOf(
-      view.depth, paths.provenance, ReadGrayPng(paths.provenance));
-  view.planes =
-      RequireSizeOf(view.depth, paths.planes, ReadGray16Png(paths.planes));
+  view.provenance = RequireSizeOf(view.depth,
+                                  "the depth map",
+                                  paths.provenance,
+                                  ReadGrayPng(paths.provenance));
+  view.planes = RequireSizeOf(
+      view.depth, "the depth map", paths.planes, ReadGray16Png(paths.planes));
   const int largest = *std::max_element(view.planes.begin(), view.planes.end());
   if (largest > num_planes) {
     throw Error::File(ErrorCode::kMismatch,

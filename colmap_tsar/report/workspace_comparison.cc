@@ -7,28 +7,13 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/require_size.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
 namespace tsar {
-namespace {
-
-template <typename T>
-Image<T> RequireSizeOf(const Image<float>& depth,
-                       const std::filesystem::path& path,
-                       Image<T> map) {
-  if (!map.HasSizeOf(depth)) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "is of another size than the map was before",
-                      "refine the workspace again");
-  }
-  return map;
-}
-
-}  // namespace
 
 std::vector<int> FindRefinedImages(const Workspace& workspace) {
   const MapType type = workspace.Type();
@@ -61,11 +46,16 @@ ComparisonRow ReadComparisonRow(const Workspace& workspace, int image) {
   row.before = std::move(original.depth);
   row.normals_before = std::move(original.normal);
   const MapPaths paths = workspace.Paths(image, type);
-  row.after = RequireSizeOf(row.before, paths.depth, ReadDepthMap(paths.depth));
-  row.normals_after =
-      RequireSizeOf(row.before, paths.normal, ReadNormalMap(paths.normal));
-  row.provenance = RequireSizeOf(
-      row.before, paths.provenance, ReadGrayPng(paths.provenance));
+  row.after = RequireSizeOf(
+      row.before, "the map was before", paths.depth, ReadDepthMap(paths.depth));
+  row.normals_after = RequireSizeOf(row.before,
+                                    "the map was before",
+                                    paths.normal,
+                                    ReadNormalMap(paths.normal));
+  row.provenance = RequireSizeOf(row.before,
+                                 "the map was before",
+                                 paths.provenance,
+                                 ReadGrayPng(paths.provenance));
   row.image =
       workspace.ReadImage(image, row.before.Width(), row.before.Height());
   return row;

@@ -1,63 +1,28 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/store/evidence_file.h"
 
-#include <cstring>
-
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/signed_file.h"
 
 namespace tsar {
 namespace {
 
 // Of the header, see evidence_file.cc.
 constexpr size_t kHeaderSize = 120;
-constexpr size_t kNeighbourFingerprint = 96;
-constexpr size_t kOwnFingerprint = 104;
-constexpr size_t kHeaderFingerprint = 112;
+constexpr SignedLayout kLayout = {kHeaderSize, 96, 104, 112};
 
-template <typename T>
-T ValueAt(const std::vector<uint8_t>& bytes, size_t offset) {
-  T value;
-  std::memcpy(&value, bytes.data() + offset, sizeof(T));
-  return value;
-}
-
-void PutFingerprint(const ContentHash& hash,
-                    size_t offset,
-                    std::vector<uint8_t>* bytes) {
-  const uint64_t value = hash.Value();
-  std::memcpy(bytes->data() + offset, &value, sizeof(value));
-}
-
-// Makes the fingerprints right, behind which no mutation would get otherwise.
-std::vector<uint8_t> Signed(std::span<const uint8_t> input) {
-  std::vector<uint8_t> bytes(input.begin(), input.end());
-  if (bytes.size() < kHeaderSize ||
-      ValueAt<uint32_t>(bytes, 12) > bytes.size() - kHeaderSize) {
-    return bytes;
-  }
-  const size_t begin = kHeaderSize + ValueAt<uint32_t>(bytes, 12);
-  // The arrays that neighbours read come first; where the numbers are absurd,
-  // any length will do.
-  const size_t num_pixels = static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
-                            ValueAt<uint16_t>(bytes, 20);
-  const size_t length = 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
-                        16 * ValueAt<uint16_t>(bytes, 64) +
-                        16 * ValueAt<uint16_t>(bytes, 80);
-  const size_t end = std::min(begin + length, bytes.size());
-  ContentHash neighbours;
-  neighbours.Update(bytes.data() + begin, end - begin);
-  PutFingerprint(neighbours, kNeighbourFingerprint, &bytes);
-  ContentHash own;
-  own.Update(bytes.data() + end, bytes.size() - end);
-  PutFingerprint(own, kOwnFingerprint, &bytes);
-  ContentHash header;
-  header.Update(bytes.data(), kHeaderFingerprint);
-  header.Update(bytes.data() + kHeaderSize, begin - kHeaderSize);
-  PutFingerprint(header, kHeaderFingerprint, &bytes);
-  return bytes;
+std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
+  // The arrays that neighbours read come first.
+  return Signed(input, kLayout, [](const std::vector<uint8_t>& bytes) {
+    const size_t num_pixels =
+        static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
+        ValueAt<uint16_t>(bytes, 20);
+    return 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
+           16 * ValueAt<uint16_t>(bytes, 64) +
+           16 * ValueAt<uint16_t>(bytes, 80);
+  });
 }
 
 bool ReadBoth(std::span<const uint8_t> input) {
@@ -69,7 +34,7 @@ bool ReadBoth(std::span<const uint8_t> input) {
 
 void Read(std::span<const uint8_t> input) {
   ReadBoth(input);
-  ReadBoth(Signed(input));
+  ReadBoth(SignedEvidence(input));
 }
 
 std::vector<std::string> MakeSeeds() {
@@ -103,7 +68,7 @@ std::vector<std::string> MakeSeeds() {
   // The layout above is that of the file, or this target would test nothing.
   std::string changed = seed;
   changed[kHeaderSize - 1] ^= 1;
-  if (!ReadBoth(Signed(BytesOf(changed)))) {
+  if (!ReadBoth(SignedEvidence(BytesOf(changed)))) {
     throw std::logic_error("evidence_fuzz.cc knows another layout");
   }
   return {seed};
