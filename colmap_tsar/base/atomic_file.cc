@@ -78,6 +78,9 @@ class DescriptorBuffer : public std::streambuf {
   }
 
   std::streamsize xsputn(const char* data, std::streamsize size) override {
+    if (size <= 0) {
+      return 0;  // The data of an empty vector may be a null pointer.
+    }
     if (size <= epptr() - pptr()) {
       std::memcpy(pptr(), data, static_cast<size_t>(size));
       pbump(static_cast<int>(size));
