@@ -117,6 +117,22 @@ struct ConfidenceKernel {
   }
 };
 
+struct DropKernel {
+  float min_confidence;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+  ImageView<float> confidence;
+  TSAR_HD void operator()(int x, int y) const {
+    if (confidence(x, y) < min_confidence) {
+      depth(x, y) = 0.f;
+      normal(x, y) = {};
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kNone);
+      confidence(x, y) = 0.f;
+    }
+  }
+};
+
 }  // namespace
 
 ComposedMap ComposeMap(DepthNormalImages own,
@@ -175,6 +191,23 @@ DeviceImage<float> RateConfidence(const ComposedMap& composed,
       score.height,
       ConfidenceKernel{composed.provenance.View(), score, confidence.View()});
   return confidence;
+}
+
+void DropDoubtful(float min_confidence,
+                  ComposedMap* composed,
+                  DeviceImage<float>* confidence,
+                  Device& device) {
+  if (!(min_confidence > 0.f)) {
+    return;
+  }
+  ParallelFor(device,
+              composed->map.depth.Width(),
+              composed->map.depth.Height(),
+              DropKernel{min_confidence,
+                         composed->map.depth.View(),
+                         composed->map.normal.View(),
+                         composed->provenance.View(),
+                         confidence->View()});
 }
 
 }  // namespace tsar

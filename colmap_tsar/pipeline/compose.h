@@ -86,4 +86,10 @@ DeviceImage<float> RateConfidence(const ComposedMap& composed,
                                   ImageView<const float> score,
                                   Device& device);
 
+// Empties the pixels whose depths are worth less than that.
+void DropDoubtful(float min_confidence,
+                  ComposedMap* composed,
+                  DeviceImage<float>* confidence,
+                  Device& device);
+
 }  // namespace tsar

@@ -21,14 +21,13 @@ TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
   return plane.Valid() ? plane.Depth(raster.intrinsics.Ray(x, y)) : 0.f;
 }
 
-// How the plane of the scene under a pixel of the map came there.
-TSAR_HD inline LabelEvidence EvidenceAt(const ComposeSceneInputs& inputs,
-                                        int x,
-                                        int y) {
-  const ImageView<const uint8_t>& evidence = inputs.label_evidence;
-  return static_cast<LabelEvidence>(evidence(
-      ReducedRaster::FromMap(x, inputs.ratings.width, evidence.width),
-      ReducedRaster::FromMap(y, inputs.ratings.height, evidence.height)));
+// Of the superpixel under a pixel of the map.
+TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
+    const ComposeSceneInputs& inputs, int x, int y) {
+  const ImageView<const uint16_t>& raster = inputs.superpixels;
+  return inputs.of_superpixel[raster(
+      ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
+      ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
 }
 
 // What becomes of the depth that a pixel measured.
@@ -103,7 +102,7 @@ struct ComposeSceneKernel {
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
     if (plane.Valid()) {
       source = own == kMoves ? Provenance::kMeasured
-               : EvidenceAt(inputs, x, y) == LabelEvidence::kMeasured
+               : SuperpixelAt(inputs, x, y).evidence == LabelEvidence::kMeasured
                    ? Provenance::kRegionPlane
                    : Provenance::kOtherViews;
     } else {
@@ -117,25 +116,40 @@ struct ComposeSceneKernel {
   }
 };
 
-// What a plane of the scene is worth where no view measured it.
-constexpr float kGuessConfidence = 0.3f;
-
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
+  ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    const auto source = static_cast<Provenance>(provenance(x, y));
-    float value = ConfidenceOfFilled(source);
-    if (source == Provenance::kMeasured) {
-      value =
-          fmaxf(MeasurementRating::Score(inputs.ratings(x, y)), kMinConfidence);
-    } else if (source == Provenance::kOtherViews &&
-               EvidenceAt(inputs, x, y) != LabelEvidence::kCarried) {
-      value = kGuessConfidence;
+    confidence(x, y) = Rate(static_cast<Provenance>(provenance(x, y)),
+                            depth(x, y),
+                            DepthOnPlane(inputs.scene_planes, x, y),
+                            inputs.ratings(x, y),
+                            SuperpixelAt(inputs, x, y).confidence);
+  }
+
+  TSAR_HD static float Rate(Provenance source,
+                            float depth,
+                            float plane,
+                            uint8_t rating,
+                            const SurfaceConfidence& surface) {
+    switch (source) {
+      case Provenance::kNone:
+        return 0.f;
+      case Provenance::kInterpolated:
+        return kConfidenceOfInterpolated;
+      case Provenance::kMeasured: {
+        const bool is_sure = MeasurementRating::IsTrusted(rating) ||
+                             MeasurementRating::IsConfirmedDistinctly(rating);
+        return depth == plane ? surface.moved
+               : is_sure      ? surface.standing
+                              : surface.standing_weakly;
+      }
+      default:
+        return depth == plane ? surface.filled : kConfidenceOfRegion;
     }
-    confidence(x, y) = value;
   }
 };
 
@@ -171,7 +185,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
   CountComponentPixels(device, blobs.View(), blob_sizes.Data());
   const double pixels_per_raster_pixel =
       static_cast<double>(num_pixels) /
-      static_cast<double>(inputs.label_evidence.NumPixels());
+      static_cast<double>(inputs.superpixels.NumPixels());
   ParallelFor(device,
               width,
               height,
@@ -195,8 +209,10 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
   ParallelFor(device,
               confidence.Width(),
               confidence.Height(),
-              SceneConfidenceKernel{
-                  inputs, composed.provenance.View(), confidence.View()});
+              SceneConfidenceKernel{inputs,
+                                    composed.map.depth.View(),
+                                    composed.provenance.View(),
+                                    confidence.View()});
   return confidence;
 }
 

@@ -7,6 +7,7 @@
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/planes/group_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/surface_confidence.h"
 #include "colmap_tsar/superpixels/samples.h"
 
 #include <cstdint>
@@ -32,11 +33,18 @@ struct ComposeSceneOptions {
   PlaneTolerance on_plane_weak{0.015f, 1.2f};
 };
 
+// How a superpixel came by its plane, and how likely its depths are right.
+struct ComposedSuperpixel {
+  LabelEvidence evidence = LabelEvidence::kNone;
+  SurfaceConfidence confidence;
+};
+
 struct ComposeSceneInputs {
   ImageView<const uint8_t> ratings;  // Of the map: see MeasurementRating.
   PlaneRaster scene_planes;          // Invalid where a superpixel has none.
-  // How each pixel of the raster came by its plane.
-  ImageView<const uint8_t> label_evidence;
+  // The superpixel of each pixel of the raster, and what is known of each.
+  ImageView<const uint16_t> superpixels;
+  const ComposedSuperpixel* of_superpixel = nullptr;
   // Used where the scene has no plane.
   PlaneRaster region_planes;
 };
@@ -51,8 +59,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneOptions& options,
                          Device& device);
 
-// How much each depth is worth, as RateConfidence does, but telling planes
-// that the view measured from those that others did, and from guesses.
+// The probability that each depth is right to 1 %; 0 where there is none.
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        Device& device);

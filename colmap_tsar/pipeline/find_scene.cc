@@ -120,7 +120,9 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
   for (int& label : labeled.labels) {
     label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
   }
-  return {{labeled.labels, std::move(labeled.evidence)},
+  return {{labeled.labels,
+           std::move(labeled.evidence),
+           std::move(labeled.qualities)},
           {labeled.labels, std::move(labeled.strengths)}};
 }
 
@@ -145,6 +147,7 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   found.labeled.labels =
       Translate(labels.planes, PlacesOf(numbers, planes.size()));
   found.labeled.evidence = labels.evidence;
+  found.labeled.qualities = labels.qualities;
   timer.Finish("labels");
   found.curved =
       options.curved_surfaces

@@ -49,8 +49,12 @@ RefineResult RefineImage(
   if (!options.fill_before_regions) {
     FillHoles(views.Color(), views.MapIntrinsics(), options, &composed, device);
   }
-  const DeviceImage<float> confidence =
+  DeviceImage<float> confidence =
       RateConfidence(composed, std::as_const(surfaces.score).View(), device);
+  DropDoubtful(static_cast<float>(options.min_confidence),
+               &composed,
+               &confidence,
+               device);
   timer.Finish("composition");
   result.maps = Download(composed, confidence);
   timer.Finish("download");

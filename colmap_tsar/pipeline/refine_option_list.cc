@@ -285,6 +285,13 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "that is not known there: the higher, the fewer holes.",
        0.0,
        1.0},
+      {"min_confidence",
+       &options->min_confidence,
+       "Leave depths out whose confidence, the probability of being right to "
+       "1 %, is less than this. 0 keeps all: fusion leaves out most of the "
+       "wrong ones itself. Without scene_planes, confidences are only ranks.",
+       0.0,
+       1.0},
       {"seed",
        &options->seed,
        "Another number gives other random draws, and so tells how much of a "

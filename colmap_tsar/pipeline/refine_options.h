@@ -73,6 +73,9 @@ struct RefineOptions {
   double min_scene_plane = 100.0;
   double unlabelled_cost = 0.02;
 
+  // Depths of less confidence are left out.
+  double min_confidence = 0.0;
+
   // Keys the random numbers of every RANSAC.
   int seed = 0;
 

@@ -223,6 +223,16 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
+std::vector<ComposedSuperpixel> RateSuperpixels(
+    const std::vector<LabelEvidence>& evidence,
+    const std::vector<LabelQuality>& qualities) {
+  std::vector<ComposedSuperpixel> result;
+  for (size_t k = 0; k < evidence.size(); ++k) {
+    result.push_back({evidence[k], RateSurface(evidence[k], qualities[k])});
+  }
+  return result;
+}
+
 // The surface of each superpixel, planes before curved ones.
 void ShowScene(StageObserver* observer,
                const ViewEvidence& evidence,
@@ -340,8 +350,9 @@ RefineResult ComposeImage(const ViewData& reference,
                           views[0].camera.GetIntrinsics(),
                           device,
                           &scene_planes);
-  const DeviceImage<uint8_t> kinds(
-      device, EvidenceRaster(superpixels, curved.evidence));
+  const DeviceImage<uint16_t> device_superpixels(device, superpixels);
+  const Buffer<ComposedSuperpixel> of_superpixel(
+      device, RateSuperpixels(curved.evidence, labeled.qualities));
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<Plane> region_planes =
@@ -349,7 +360,8 @@ RefineResult ComposeImage(const ViewData& reference,
   timer.Finish("upload");
   const ComposeSceneInputs inputs{std::as_const(ratings).View(),
                                   view.OnMap(scene_planes),
-                                  kinds.View(),
+                                  device_superpixels.View(),
+                                  of_superpixel.Data(),
                                   view.OnMap(region_planes)};
   ComposedMap composed = ComposeScene(std::move(view.hypotheses),
                                       inputs,
@@ -359,8 +371,11 @@ RefineResult ComposeImage(const ViewData& reference,
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   FillHoles(
       view.color.View(), view.MapIntrinsics(), options, &composed, device);
-  const DeviceImage<float> confidence =
-      RateSceneConfidence(composed, inputs, device);
+  DeviceImage<float> confidence = RateSceneConfidence(composed, inputs, device);
+  DropDoubtful(static_cast<float>(options.min_confidence),
+               &composed,
+               &confidence,
+               device);
   timer.Finish("composition");
   result.maps = Download(composed, confidence);
   const DeviceImage<uint16_t> plane_numbers(device,

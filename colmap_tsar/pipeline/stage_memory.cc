@@ -122,11 +122,11 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
           : 0;
   const int64_t planes_of_scene_and_regions =
       2 * BytesOf<Plane>(num_raster_pixels);
-  const int64_t kinds = BytesOf<uint8_t>(num_raster_pixels);
+  const int64_t of_superpixel = BytesOf<ComposedSuperpixel>(num_superpixels);
   const int64_t provenance = BytesOf<uint8_t>(num_pixels);
   const int64_t plane_maps = BytesOf<uint16_t>(num_raster_pixels + num_pixels);
   const int64_t composing =
-      planes_of_scene_and_regions + kinds +
+      planes_of_scene_and_regions + superpixels + of_superpixel +
       std::max(ComposeSceneWorkingBytes(num_pixels),
                provenance + std::max(FillHolesWorkingBytes(options, num_pixels),
                                      ConfidenceBytes(num_pixels) + plane_maps));

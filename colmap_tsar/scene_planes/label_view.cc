@@ -10,9 +10,36 @@
 #include "colmap_tsar/scene_planes/label_votes.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace tsar {
+namespace {
+
+// Of the superpixel with label k, which costs this much without a plane.
+LabelQuality RateLabel(const Image<PlaneCost>& costs,
+                       int superpixel,
+                       int k,
+                       float unlabelled_cost,
+                       float num_pixels) {
+  float next_best = unlabelled_cost;
+  for (int other = 0; other < costs.Width(); ++other) {
+    if (other != k) {
+      next_best = std::min(next_best, costs(other, superpixel).cost);
+    }
+  }
+  const PlaneCost& cost = costs(k, superpixel);
+  LabelQuality quality;
+  quality.explained = ByteOf<0, 1>(cost.explained);
+  quality.strength = ByteOf<0, 1>(cost.strength);
+  quality.confirmed = ByteOf<0, 1>(cost.confirmed);
+  quality.uncertainty = ByteOf<0, 1>(cost.uncertainty);
+  quality.margin =
+      ByteOf<-1, 2>((next_best - cost.cost) / std::max(num_pixels, 1.f));
+  return quality;
+}
+
+}  // namespace
 
 LabeledView LabelView(const std::vector<ObservedView>& views,
                       const DiscoveredPlanes& discovered,
@@ -27,6 +54,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   result.labels.assign(static_cast<size_t>(num_superpixels), -1);
   result.evidence.assign(static_cast<size_t>(num_superpixels),
                          LabelEvidence::kNone);
+  result.qualities.assign(static_cast<size_t>(num_superpixels), {});
   result.strengths.assign(static_cast<size_t>(num_superpixels), 0.f);
   if (num_planes == 0 || num_superpixels == 0) {
     return result;
@@ -72,12 +100,19 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
     if (k == num_planes) {
       continue;
     }
-    result.labels[static_cast<size_t>(s)] = k;
-    result.strengths[static_cast<size_t>(s)] = costs(k, s).strength;
-    result.evidence[static_cast<size_t>(s)] =
-        costs(k, s).explained > 0.f   ? LabelEvidence::kMeasured
-        : costs(k, s).confirmed > 0.f ? LabelEvidence::kCarried
-                                      : LabelEvidence::kGuessed;
+    const auto i = static_cast<size_t>(s);
+    result.labels[i] = k;
+    result.qualities[i] =
+        RateLabel(costs,
+                  s,
+                  k,
+                  UnlabelledCost(evidence.weights[i], num_pixels[i], options),
+                  num_pixels[i]);
+    result.strengths[i] = costs(k, s).strength;
+    result.evidence[i] = costs(k, s).explained > 0.f ? LabelEvidence::kMeasured
+                         : costs(k, s).confirmed > 0.f
+                             ? LabelEvidence::kCarried
+                             : LabelEvidence::kGuessed;
   }
   return result;
 }

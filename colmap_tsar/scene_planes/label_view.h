@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_graph.h"
+#include "colmap_tsar/scene_planes/label_quality.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 
 #include <cstdint>
@@ -89,6 +90,8 @@ enum class LabelEvidence : uint8_t {
 struct ViewLabels {
   std::vector<int> planes;  // Numbers of planes; -1: none.
   std::vector<LabelEvidence> evidence;
+  // Of those that have a plane; all 0 elsewhere.
+  std::vector<LabelQuality> qualities;
 };
 
 // What a view was labelled with, for the views that look at the same.
@@ -103,6 +106,7 @@ struct LabeledView {
   // Per superpixel of the reference: the number of its plane, or -1.
   std::vector<int> labels;
   std::vector<LabelEvidence> evidence;
+  std::vector<LabelQuality> qualities;  // See ViewLabels.
   // How firmly the superpixel's measurements place it on its plane, from 0 to 1
   // (PlaneCost::strength).
   std::vector<float> strengths;

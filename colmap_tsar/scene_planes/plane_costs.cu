@@ -97,8 +97,8 @@ struct CostKernel {
     AddOtherViews(superpixel, plane.plane, &result);
     const float unobserved =
         fmaxf(superpixel.num_pixels - superpixel.weight, 0.f);
-    result.cost += options.uncertainty_cost * unobserved *
-                   Uncertainty(superpixel.ray, plane);
+    result.uncertainty = Uncertainty(superpixel.ray, plane);
+    result.cost += options.uncertainty_cost * unobserved * result.uncertainty;
     costs(k, s) = result;
   }
 

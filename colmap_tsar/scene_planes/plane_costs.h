@@ -26,6 +26,9 @@ struct PlaneCost {
   float strength = 0.f;
   // Pixels that other views confirm, as a share of those tested.
   float confirmed = 0.f;
+  // How little is known of the plane's depth there, from 0 to 1: by the spread
+  // of its observations, and where it was observed on one side only.
+  float uncertainty = 0.f;
 };
 
 // The cost of each superpixel of the first view (row) on each plane (column),

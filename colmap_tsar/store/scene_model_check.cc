@@ -75,7 +75,8 @@ std::optional<std::string> FindSceneModelFault(const SceneModel& model) {
   }
   const auto num_planes = static_cast<int64_t>(model.planes.size());
   for (const auto& [image, view] : model.views) {
-    if (image < 0 || view.planes.size() != view.evidence.size()) {
+    if (image < 0 || view.planes.size() != view.evidence.size() ||
+        view.planes.size() != view.qualities.size()) {
       return "a view's labels that do not fit it";
     }
     if (!std::ranges::all_of(view.planes, [&](int plane) {

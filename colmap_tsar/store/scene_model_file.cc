@@ -26,7 +26,7 @@ static_assert(sizeof(int) == 4 && sizeof(double) == 8);
 
 constexpr std::array<char, 8> kMagic = {'T', 'S', 'A', 'R', 'P', 'L', 'A', 'N'};
 // To be raised with every change of what the bytes mean, fingerprints included.
-constexpr uint32_t kFormatVersion = 1;
+constexpr uint32_t kFormatVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -160,7 +160,8 @@ class SceneModelReader {
            take(header_.num_frames, sizeof(StoredFrame)) &&
            take(header_.num_views, sizeof(StoredView)) &&
            take(header_.num_labels, sizeof(int32_t)) &&
-           take(header_.num_labels, sizeof(LabelEvidence)) && rest == 0;
+           take(header_.num_labels, sizeof(LabelEvidence)) &&
+           take(header_.num_labels, sizeof(LabelQuality)) && rest == 0;
   }
 
   void ReadBytes(void* target, size_t num_bytes) {
@@ -236,6 +237,7 @@ SceneModel ReadSceneModel(const std::filesystem::path& path,
     labels.views.resize(header.num_views);
     labels.planes.resize(header.num_labels);
     labels.evidence.resize(header.num_labels);
+    labels.qualities.resize(header.num_labels);
     reader.Read(header.labels_fingerprint, &labels);
     auto views = FromLabelArrays(labels);
     if (!views) {

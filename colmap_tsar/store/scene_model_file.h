@@ -16,8 +16,8 @@ namespace tsar {
 // Little-endian, without padding: a header of fixed size (magic, format
 // version, all counts, fingerprints), the options hash, the planes, the frames,
 // then the labels: for each view its image and number of superpixels, the
-// planes of all superpixels, their evidence. Planes with their frames, and
-// labels, have a fingerprint each.
+// planes of all superpixels, their evidence, their qualities. Planes with their
+// frames, and labels, have a fingerprint each.
 
 enum class SceneModelParts {
   kAll,

@@ -71,6 +71,8 @@ LabelArrays ToLabelArrays(const SceneModel& model) {
         arrays.planes.end(), view.planes.begin(), view.planes.end());
     arrays.evidence.insert(
         arrays.evidence.end(), view.evidence.begin(), view.evidence.end());
+    arrays.qualities.insert(
+        arrays.qualities.end(), view.qualities.begin(), view.qualities.end());
   }
   return arrays;
 }
@@ -101,7 +103,8 @@ std::optional<std::map<int, ViewLabels>> FromLabelArrays(
     const auto last = static_cast<ptrdiff_t>(begin + view.num_labels);
     views[view.image] = {
         {arrays.planes.begin() + first, arrays.planes.begin() + last},
-        {arrays.evidence.begin() + first, arrays.evidence.begin() + last}};
+        {arrays.evidence.begin() + first, arrays.evidence.begin() + last},
+        {arrays.qualities.begin() + first, arrays.qualities.begin() + last}};
     begin += view.num_labels;
   }
   if (begin != arrays.planes.size()) {

@@ -17,6 +17,8 @@
 namespace tsar {
 
 static_assert(sizeof(LabelEvidence) == 1);
+static_assert(sizeof(LabelQuality) == 5 &&
+              std::is_trivially_copyable_v<LabelQuality>);
 
 // Matrices are stored column by column.
 struct StoredPlane {
@@ -59,12 +61,14 @@ struct LabelArrays {
   std::vector<StoredView> views;
   std::vector<int32_t> planes;
   std::vector<LabelEvidence> evidence;
+  std::vector<LabelQuality> qualities;
 
   template <typename Function>
   void ForEach(Function function) {
     function(views);
     function(planes);
     function(evidence);
+    function(qualities);
   }
 };
 

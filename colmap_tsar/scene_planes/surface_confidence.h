@@ -1,0 +1,31 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene_planes/label_quality.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+
+namespace tsar {
+
+// The probabilities that depths are right to 1 %, by how they came about: of
+// the pixels of one superpixel.
+struct SurfaceConfidence {
+  float moved = 0.f;   // Measured on its plane.
+  float filled = 0.f;  // Not measured: the depth of its plane.
+  // Measured off its plane, or where there is none. Weakly: nothing speaks for
+  // the depth but another view, on texture that is not distinct.
+  float standing = 0.f;
+  float standing_weakly = 0.f;
+};
+
+// By logistic regression (docs/method.md, "Confidence").
+SurfaceConfidence RateSurface(LabelEvidence evidence,
+                              const LabelQuality& quality);
+
+// Where the scene has no plane: of the plane of a region, and of what the
+// weighted median interpolated.
+inline constexpr float kConfidenceOfRegion = 0.47f;
+inline constexpr float kConfidenceOfInterpolated = 0.28f;
+
+}  // namespace tsar
