@@ -73,7 +73,7 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         // In squares: the wall; one off which the depths lie; none.
         Image<Plane> scene(raster.width, raster.height);
         Image<Plane> regions(raster.width, raster.height);
-        Image<uint8_t> evidence(raster.width, raster.height);
+        Image<uint16_t> superpixels(raster.width, raster.height);
         Philox random(22, 0, 0);
         for (int y = 0; y < raster.height; ++y) {
           for (int x = 0; x < raster.width; ++x) {
@@ -82,8 +82,13 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
                           : square % 3 == 1 ? nearer
                                             : Plane{};
             regions(x, y) = x % 3 == 0 ? nearer : Plane{};
-            evidence(x, y) = static_cast<uint8_t>(random.NextBelow(4));
+            superpixels(x, y) = static_cast<uint16_t>(random.NextBelow(40));
           }
+        }
+        std::vector<ComposedSuperpixel> of_superpixel;
+        for (int k = 0; k < 40; ++k) {
+          of_superpixel.push_back({static_cast<LabelEvidence>(k % 4),
+                                   {0.01f * k, 0.02f * k, 0.3f, 0.4f}});
         }
         // Three depths of four are trusted.
         Image<uint8_t> ratings(inputs.views.Width(), inputs.views.Height());
@@ -93,12 +98,15 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         const DeviceImage<uint8_t> device_ratings(device, ratings);
         const DeviceImage<Plane> scene_planes(device, scene);
-        const DeviceImage<uint8_t> kinds(device, evidence);
+        const DeviceImage<uint16_t> device_superpixels(device, superpixels);
+        const Buffer<ComposedSuperpixel> device_of_superpixel(device,
+                                                              of_superpixel);
         const DeviceImage<Plane> region_planes(device, regions);
         const ComposeSceneInputs scene_inputs{
             device_ratings.View(),
             inputs.views.OnMap(scene_planes),
-            kinds.View(),
+            device_superpixels.View(),
+            device_of_superpixel.Data(),
             inputs.views.OnMap(region_planes)};
         ComposedMap composed = ComposeScene(inputs.views.TakeHypotheses(),
                                             scene_inputs,
@@ -114,8 +122,12 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
           found.insert(static_cast<Provenance>(value));
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
-        result->Add("confidence of filled pixels",
-                    RateSceneConfidence(composed, scene_inputs, device));
+        DeviceImage<float> confidence =
+            RateSceneConfidence(composed, scene_inputs, device);
+        result->Add("confidence of filled pixels", confidence);
+        DropDoubtful(0.35f, &composed, &confidence, device);
+        result->Add("depth above a confidence", composed.map.depth);
+        result->Add("confidence above a limit", confidence);
       });
   EXPECT_EQ(found,
             (std::set<Provenance>{Provenance::kNone,

@@ -42,8 +42,11 @@ std::vector<std::string> MakeSeeds() {
   model.planes.resize(2);
   model.planes[1].frame = 0;
   model.planes[1].axis = 2;
-  model.views[0] = {{0, -1}, {LabelEvidence::kMeasured, LabelEvidence::kNone}};
-  model.views[4] = {{1}, {LabelEvidence::kGuessed}};
+  model.views[0] = {{0, -1},
+                    {LabelEvidence::kMeasured, LabelEvidence::kNone},
+                    std::vector<LabelQuality>(2)};
+  model.views[4] = {
+      {1}, {LabelEvidence::kGuessed}, std::vector<LabelQuality>(1)};
   WriteSceneModel(UserPath(FuzzFolder() / "planes.bin"), "options", model);
   const std::string seed = TakeFile("planes.bin");
   // The layout above is that of the file, or this target would test nothing.

@@ -7,7 +7,9 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -23,6 +25,9 @@ constexpr float kRegion = 7.f;
 
 // Off all planes by far.
 constexpr float kOff = 4.f;
+// Of every superpixel.
+constexpr SurfaceConfidence kConfidence = {
+    .moved = 0.9f, .filled = 0.6f, .standing = 0.7f, .standing_weakly = 0.2f};
 
 struct Result {
   Image<float> depth;
@@ -35,19 +40,22 @@ struct Result {
 // nothing measured. On a plane is what is less than 1 % off.
 class ComposeSceneTest : public testing::Test {
  protected:
-  ComposeSceneTest() { options_.on_plane = {0.01f, 0.f}; }
+  ComposeSceneTest() {
+    options_.on_plane = {0.01f, 0.f};
+    std::iota(superpixels_.begin(), superpixels_.end(), uint16_t{0});
+  }
 
   static Plane PlaneAt(float depth) { return {kPlaneNormal, depth}; }
   static Image<Plane> PlanesAt(float depth) {
     return Image<Plane>(kWidth, kHeight, PlaneAt(depth));
   }
-  static Image<uint8_t> AllOf(LabelEvidence evidence) {
-    return Image<uint8_t>(kWidth, kHeight, static_cast<uint8_t>(evidence));
+  void SetAllEvidence(LabelEvidence evidence) {
+    of_superpixel_.assign(of_superpixel_.size(), {evidence, kConfidence});
   }
 
-  void Measure(int x, int y, float depth, float score = 1.f) {
+  void Measure(int x, int y, float depth) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone, score);
+    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone, 1.f);
   }
   void MeasureWithoutTrust(int x,
                            int y,
@@ -64,7 +72,11 @@ class ComposeSceneTest : public testing::Test {
                          own_.Width(),
                          own_.Height()};
     };
-    return {ratings_.View(), on_map(scene_), evidence_.View(), on_map(region_)};
+    return {ratings_.View(),
+            on_map(scene_),
+            superpixels_.View(),
+            of_superpixel_.data(),
+            on_map(region_)};
   }
   ComposedMap ComposeOnDevice() const {
     Image<Vec3f> normal(own_.Width(), own_.Height());
@@ -97,8 +109,12 @@ class ComposeSceneTest : public testing::Test {
     EXPECT_EQ(result.provenance(x, y), static_cast<uint8_t>(provenance));
     EXPECT_FLOAT_EQ(result.confidence(x, y), confidence);
   }
-  static void ExpectMeasured(const Result& result, int x, int y, float depth) {
-    Expect(result, x, y, depth, kOwnNormal, Provenance::kMeasured, 1.f);
+  static void ExpectMeasured(const Result& result,
+                             int x,
+                             int y,
+                             float depth,
+                             float confidence = kConfidence.standing) {
+    Expect(result, x, y, depth, kOwnNormal, Provenance::kMeasured, confidence);
   }
 
   const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
@@ -107,7 +123,10 @@ class ComposeSceneTest : public testing::Test {
   Image<float> own_{kWidth, kHeight};
   Image<uint8_t> ratings_{kWidth, kHeight};
   Image<Plane> scene_{kWidth, kHeight};
-  Image<uint8_t> evidence_{kWidth, kHeight};
+  // Each pixel is one.
+  Image<uint16_t> superpixels_{kWidth, kHeight};
+  std::vector<ComposedSuperpixel> of_superpixel_{
+      kWidth * kHeight, {LabelEvidence::kNone, kConfidence}};
   Image<Plane> region_{kWidth, kHeight};
 };
 
@@ -126,30 +145,44 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabelled) {
   region_ = PlanesAt(kRegion);
   for (int x = 0; x < 4; ++x) {
     scene_(x, 0) = PlaneAt(kScene);
-    evidence_(x, 0) = static_cast<uint8_t>(x);
+    of_superpixel_[static_cast<size_t>(x)] = {
+        static_cast<LabelEvidence>(x),
+        {.moved = 0.1f * x, .filled = 0.11f * x}};
   }
   // As good as on the plane, and not trusted.
-  Measure(3, 0, 5.03f, 6.f / 31.f);
+  Measure(3, 0, 5.03f);
   MeasureWithoutTrust(1, 0, 5.03f);
   const Result result = Compose();
-  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.3f);
-  Expect(result, 2, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.4f);
-  Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 6.f / 31.f);
-  Expect(result, 4, 0, kRegion, kPlaneNormal, Provenance::kRegionPlane, 0.5f);
+  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.11f);
+  Expect(result, 2, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.22f);
+  Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 0.3f);
+  Expect(result,
+         4,
+         0,
+         kRegion,
+         kPlaneNormal,
+         Provenance::kRegionPlane,
+         kConfidenceOfRegion);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kGuessed), 1);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kCarried), 2);
 }
 
 TEST_F(ComposeSceneTest, WhatTheViewSeesItselfIsAPlaneOfARegion) {
   scene_ = PlanesAt(kScene);
-  evidence_ = AllOf(LabelEvidence::kMeasured);
-  Expect(Compose(), 5, 3, kScene, kPlaneNormal, Provenance::kRegionPlane, 0.5f);
+  SetAllEvidence(LabelEvidence::kMeasured);
+  Expect(Compose(),
+         5,
+         3,
+         kScene,
+         kPlaneNormal,
+         Provenance::kRegionPlane,
+         kConfidence.filled);
 }
 
 TEST_F(ComposeSceneTest, BlobsOffThePlaneStayAndSpecksYield) {
   options_.min_blob = 5;
   scene_ = PlanesAt(kScene);
-  evidence_ = AllOf(LabelEvidence::kCarried);
+  SetAllEvidence(LabelEvidence::kCarried);
   for (int x = 0; x < 5; ++x) {
     Measure(x, 0, kOff);
     if (x < 4) {
@@ -170,7 +203,7 @@ TEST_F(ComposeSceneTest, BlobsOffThePlaneStayAndSpecksYield) {
              kScene,
              kPlaneNormal,
              Provenance::kOtherViews,
-             0.4f);
+             kConfidence.filled);
     }
   }
 }
@@ -185,7 +218,7 @@ TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
   MeasureWithoutTrust(5, 2, kOff);
   Measure(10, 1, kOff);
   Result result = Compose();
-  ExpectMeasured(result, 2, 2, kOff);
+  ExpectMeasured(result, 2, 2, kOff, kConfidence.standing_weakly);
   ExpectMeasured(result, 8, 4, kOff);
   EXPECT_FLOAT_EQ(result.depth(5, 2), kScene);
   EXPECT_FLOAT_EQ(result.depth(10, 1), kScene);
@@ -220,8 +253,14 @@ TEST_F(ComposeSceneTest, WeakTextureHoldsADepthOffItsPlaneOnlyFromAfar) {
   own_(7, 2) = kNear;
   ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak, 1.f);
   Result result = Compose();
-  Expect(result, 1, 2, kScene, kPlaneNormal, Provenance::kMeasured, 1.f);
-  ExpectMeasured(result, 3, 2, kFar);
+  Expect(result,
+         1,
+         2,
+         kScene,
+         kPlaneNormal,
+         Provenance::kMeasured,
+         kConfidence.moved);
+  ExpectMeasured(result, 3, 2, kFar, kConfidence.standing_weakly);
   ExpectMeasured(result, 5, 2, kNear);
   EXPECT_FLOAT_EQ(result.depth(7, 2), kScene);
   // Depths may scatter more than that.
@@ -234,7 +273,7 @@ TEST_F(ComposeSceneTest, WeakTextureHoldsADepthOffItsPlaneOnlyFromAfar) {
 TEST_F(ComposeSceneTest, ABlobIsMeasuredOnTheRaster) {
   options_.min_blob = 3;
   // Two pixels of the map, in each direction, for one of the raster.
-  evidence_ = Image<uint8_t>(kWidth / 2, kHeight / 2);
+  superpixels_ = Image<uint16_t>(kWidth / 2, kHeight / 2);
   for (int x = 0; x < kWidth; ++x) {
     Measure(x, 0, kOff);
     if (x < kWidth - 1) {
@@ -250,7 +289,7 @@ TEST_F(ComposeSceneTest, ABlobIsMeasuredOnTheRaster) {
 
 TEST_F(ComposeSceneTest, NothingStandsOffThePlaneWhereThatIsNotAllowed) {
   options_.keep_off_plane = false;
-  evidence_ = AllOf(LabelEvidence::kMeasured);
+  SetAllEvidence(LabelEvidence::kMeasured);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       Measure(x, y, kOff);
@@ -260,8 +299,13 @@ TEST_F(ComposeSceneTest, NothingStandsOffThePlaneWhereThatIsNotAllowed) {
     }
   }
   const Result result = Compose();
-  Expect(
-      result, kWidth / 2, 2, kScene, kPlaneNormal, Provenance::kMeasured, 1.f);
+  Expect(result,
+         kWidth / 2,
+         2,
+         kScene,
+         kPlaneNormal,
+         Provenance::kMeasured,
+         kConfidence.moved);
   // Where there is no plane, none is off it.
   ExpectMeasured(result, kWidth / 2 - 1, 2, kOff);
 }
@@ -278,7 +322,13 @@ TEST_F(ComposeSceneTest, RegionsCountOnlyWhereTheSceneHasNoPlane) {
   EXPECT_FLOAT_EQ(result.depth(0, 0), kScene);
   ExpectMeasured(result, 4, 4, kOff);
   for (const int x : {1, 9}) {
-    Expect(result, x, 0, kRegion, kPlaneNormal, Provenance::kRegionPlane, 0.5f);
+    Expect(result,
+           x,
+           0,
+           kRegion,
+           kPlaneNormal,
+           Provenance::kRegionPlane,
+           kConfidenceOfRegion);
   }
 }
 
@@ -295,14 +345,14 @@ TEST_F(ComposeSceneTest, TheToleranceGrowsWithTheErrorOfADepth) {
   EXPECT_FLOAT_EQ(result.depth(6, 2), own_(6, 2));
 }
 
-TEST_F(ComposeSceneTest, InterpolatedDepthsAreWorthLeast) {
+TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
   Image<uint8_t> filled(kWidth, kHeight);
   filled(1, 1) = 1;
   ComposedMap composed = ComposeOnDevice();
   MarkInterpolated(std::as_const(filled).View(), &composed, *device_);
   const Image<float> confidence =
       RateSceneConfidence(composed, Inputs(), *device_).ToHost();
-  EXPECT_FLOAT_EQ(confidence(1, 1), 0.25f);
+  EXPECT_FLOAT_EQ(confidence(1, 1), kConfidenceOfInterpolated);
   EXPECT_EQ(confidence(0, 0), 0.f);
 }
 

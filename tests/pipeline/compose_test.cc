@@ -210,6 +210,33 @@ TEST_F(ComposeTest, FilledPixelsAreWorthLessThanTrustedOnes) {
       0.9f);
 }
 
+TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
+  constexpr float kValues[] = {0.2f, 0.29f, 0.3f, 0.9f};
+  constexpr int kCount = 4;
+  const Image<float> depth(kCount, 1, 5.f);
+  const Image<Vec3f> normal(kCount, 1, kOwnNormal);
+  const Image<uint8_t> provenance(
+      kCount, 1, static_cast<uint8_t>(Provenance::kMeasured));
+  Image<float> values(kCount, 1);
+  std::copy(std::begin(kValues), std::end(kValues), values.begin());
+  for (const float limit : {0.f, 0.3f, 1.f}) {
+    SCOPED_TRACE(limit);
+    ComposedMap map;
+    map.map.depth = DeviceImage<float>(*device_, depth);
+    map.map.normal = DeviceImage<Vec3f>(*device_, normal);
+    map.provenance = DeviceImage<uint8_t>(*device_, provenance);
+    DeviceImage<float> confidence(*device_, values);
+    DropDoubtful(limit, &map, &confidence, *device_);
+    for (int x = 0; x < kCount; ++x) {
+      const bool stays = kValues[x] >= limit;
+      EXPECT_EQ(map.map.depth.ToHost()(x, 0), stays ? 5.f : 0.f);
+      EXPECT_EQ(map.map.normal.ToHost()(x, 0), stays ? kOwnNormal : Vec3f{});
+      EXPECT_EQ(map.provenance.ToHost()(x, 0), stays ? provenance(x, 0) : 0);
+      EXPECT_EQ(confidence.ToHost()(x, 0), stays ? kValues[x] : 0.f);
+    }
+  }
+}
+
 TEST_F(ComposeTest, RegionsReplaceWhatTheyAreLaidOver) {
   const auto lay =
       [&](float own, bool trusted, float superpixel, float region) {

@@ -172,6 +172,31 @@ TEST_F(LabelViewTest, StrengthIsTheShareOfMeasurementsOnThePlane) {
   EXPECT_GT(view.strengths[mixed + 1], 0.95f);
 }
 
+TEST_F(LabelViewTest, QualityTellsClearLabelsFromDoubtfulOnes) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  const int unmeasured = 2 * kNumColumns + 4;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == unmeasured) {
+      inputs_.samples.Data()[i] = {};
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  const LabelQuality& clear = view.qualities[unmeasured + 1];
+  EXPECT_GT(clear.explained.Value(), 0.95f);
+  EXPECT_GT(clear.strength.Value(), 0.95f);
+  EXPECT_GT(clear.margin.Value(), 0.3f);
+  const LabelQuality& doubtful = view.qualities[unmeasured];
+  EXPECT_EQ(doubtful.explained.Value(), 0.f);
+  EXPECT_EQ(doubtful.strength.Value(), 0.f);
+  EXPECT_LT(doubtful.margin.Value(), 0.1f);
+  // A plane that says nearly the same takes the margin away.
+  EXPECT_LT(Label({WallAt(5.f), WallAt(5.001f)})
+                .qualities[unmeasured + 1]
+                .margin.Value(),
+            0.05f);
+}
+
 TEST_F(LabelViewTest, TakesThePlaneThatFitsBest) {
   DrawEdgesEverywhere();
   // One pixel of disparity is 0.025: the other two are near enough to speak

@@ -45,6 +45,11 @@ void ExpectSame(const SceneModel& a, const SceneModel& b) {
     ASSERT_TRUE(b.views.contains(image));
     EXPECT_EQ(view.planes, b.views.at(image).planes);
     EXPECT_EQ(view.evidence, b.views.at(image).evidence);
+    ASSERT_EQ(view.qualities.size(), b.views.at(image).qualities.size());
+    for (size_t k = 0; k < view.qualities.size(); ++k) {
+      EXPECT_EQ(view.qualities[k].margin.Value(),
+                b.views.at(image).qualities[k].margin.Value());
+    }
   }
 }
 
@@ -143,6 +148,7 @@ TEST_F(SceneModelFileTest, RefusesToWriteWhatItWouldNotRead) {
           {"no plane has", [](auto* m) { m->views[0].planes[0] = 3; }},
           {"no plane has", [](auto* m) { m->views[0].planes[0] = -2; }},
           {"do not fit", [](auto* m) { m->views[0].planes.pop_back(); }},
+          {"do not fit", [](auto* m) { m->views[0].qualities.pop_back(); }},
           {"do not fit", [](auto* m) { m->views[-1] = {}; }},
           {"unknown evidence", [](auto* m) {
              m->views[0].evidence[0] = static_cast<LabelEvidence>(4);
@@ -184,9 +190,9 @@ TEST_F(SceneModelFileTest, RefusesOtherFilesAndVersions) {
   WriteText(path_, std::string(300, 'x'));
   ExpectCorrupt("another kind of file");
   std::string bytes = GoodBytes();
-  bytes[8] = 2;
+  bytes[8] = 1;
   WriteText(path_, bytes);
-  ExpectCorrupt("version 2, this program reads version 1");
+  ExpectCorrupt("version 1, this program reads version 2");
 }
 
 TEST_F(SceneModelFileTest, RefusesFilesOfAnotherLength) {
@@ -233,7 +239,8 @@ TEST_F(SceneModelFileTest, RefusesAbsurdSizesBeforeAllocating) {
 TEST_F(SceneModelFileTest, RefusesLabelsOfNoView) {
   SceneModel model;
   model.views[1] = {std::vector<int>(8, -1),
-                    std::vector<LabelEvidence>(8, LabelEvidence::kNone)};
+                    std::vector<LabelEvidence>(8, LabelEvidence::kNone),
+                    std::vector<LabelQuality>(8)};
   WriteSceneModel(UserPath(path_), kOptionsHash, model);
   const std::string good = ReadText(path_);
   const size_t view_begin = kHeaderSize + 16;

@@ -36,12 +36,14 @@ inline SceneModel MakeSceneModel() {
   model.planes[0].component = 2;
   model.planes[1].frame = 0;
   model.planes[1].axis = 1;
-  model.views[0] = {{0, -1, 2},
-                    {LabelEvidence::kMeasured,
-                     LabelEvidence::kNone,
-                     LabelEvidence::kCarried}};
+  model.views[0] = {
+      {0, -1, 2},
+      {LabelEvidence::kMeasured, LabelEvidence::kNone, LabelEvidence::kCarried},
+      std::vector<LabelQuality>(3)};
+  model.views[0].qualities[2].margin = ByteOf<-1, 2>(0.5f);
   model.views[3] = {};
-  model.views[7] = {{1}, {LabelEvidence::kGuessed}};
+  model.views[7] = {
+      {1}, {LabelEvidence::kGuessed}, std::vector<LabelQuality>(1)};
   return model;
 }
 

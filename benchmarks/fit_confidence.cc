@@ -1,0 +1,277 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Finds the weights of RateSurface() (scene_planes/surface_confidence.cc) by
+// logistic regression of "the depth is right to 1 %" on what is known of the
+// label of its superpixel, with equal weight for each scene.
+//
+//   fit_confidence MODELLED=REFINED [MODELLED=REFINED ...]
+//
+// MODELLED: a workspace with ground_truth/depth after tsar_refine's passes
+// observe and model; REFINED: a copy of it after pass compose too.
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/plane_export/plane_view.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include "colmap_tsar/store/evidence_file.h"
+#include "colmap_tsar/store/scene_model_file.h"
+#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace tsar {
+namespace {
+
+constexpr float kRight = 0.01f;  // Of the depth.
+// Evenly spaced samples of a scene for each kind of depth, at most; a scene
+// with less than half as many counts less.
+constexpr size_t kMaxSamples = 4000;
+constexpr double kRegularization = 3e-4;
+constexpr int kNumIterations = 25;
+
+enum Kind {
+  kMoved,
+  kFilledByMeasured,
+  kFilledByOthers,
+  kStanding,
+  kStandingWeakly,
+  kRegion,
+  kInterpolated,
+  kNumKinds
+};
+constexpr const char* kKindNames[kNumKinds] = {"moved",
+                                               "filled, measured",
+                                               "filled, by others",
+                                               "standing",
+                                               "standing weakly",
+                                               "region",
+                                               "interpolated"};
+
+enum Measure {
+  kExplained,
+  kStrength,
+  kConfirmed,
+  kUncertainty,
+  kMargin,
+  kNumMeasures
+};
+constexpr const char* kMeasureNames[kNumMeasures] = {
+    "explained", "strength", "confirmed", "uncertainty", "margin"};
+
+const std::array<std::vector<int>, kNumKinds> kMeasuresOfKinds = {
+    std::vector<int>{kConfirmed, kUncertainty, kMargin},
+    {kConfirmed, kUncertainty, kMargin},
+    {kStrength, kConfirmed, kUncertainty, kMargin},
+    {kExplained, kMargin},
+    {kExplained, kMargin},
+    {},
+    {}};
+
+struct Sample {
+  std::array<float, kNumMeasures> measures;
+  bool is_right;
+};
+using SamplesOfScene = std::array<std::vector<Sample>, kNumKinds>;
+
+Kind KindOf(Provenance source,
+            bool is_on_plane,
+            LabelEvidence evidence,
+            uint8_t rating) {
+  if (source == Provenance::kInterpolated) {
+    return kInterpolated;
+  }
+  if (source == Provenance::kMeasured) {
+    return is_on_plane ? kMoved
+           : MeasurementRating::IsTrusted(rating) ||
+                   MeasurementRating::IsConfirmedDistinctly(rating)
+               ? kStanding
+               : kStandingWeakly;
+  }
+  return !is_on_plane                           ? kRegion
+         : evidence == LabelEvidence::kMeasured ? kFilledByMeasured
+                                                : kFilledByOthers;
+}
+
+// The pixel of an image of another size at the same place.
+template <typename T>
+const T& AtSamePlace(const Image<T>& image,
+                     int x,
+                     int y,
+                     const Image<float>& of) {
+  return image(x * image.Width() / of.Width(),
+               y * image.Height() / of.Height());
+}
+
+void CollectView(const PlaneView& view,
+                 const ViewEvidence& evidence,
+                 const ViewLabels& labels,
+                 const Image<float>& truth,
+                 SamplesOfScene* samples) {
+  for (int y = 0; y < view.depth.Height(); ++y) {
+    for (int x = 0; x < view.depth.Width(); ++x) {
+      const float depth = view.depth(x, y);
+      const float right = AtSamePlace(truth, x, y, view.depth);
+      if (!(depth > 0.f) || !(right > 0.f)) {
+        continue;
+      }
+      const size_t superpixel =
+          AtSamePlace(evidence.superpixels, x, y, view.depth);
+      const LabelQuality& quality = labels.qualities[superpixel];
+      const Kind kind = KindOf(static_cast<Provenance>(view.provenance(x, y)),
+                               view.planes(x, y) > 0,
+                               labels.evidence[superpixel],
+                               AtSamePlace(evidence.ratings, x, y, view.depth));
+      (*samples)[kind].push_back({{quality.explained.Value(),
+                                   quality.strength.Value(),
+                                   quality.confirmed.Value(),
+                                   quality.uncertainty.Value(),
+                                   quality.margin.Value()},
+                                  std::abs(depth - right) < kRight * right});
+    }
+  }
+}
+
+SamplesOfScene CollectScene(const std::string& modelled_root,
+                            const std::string& refined_root) {
+  const Workspace modelled(modelled_root, MapType::kGeometric);
+  const Workspace refined(refined_root, MapType::kGeometric);
+  const SceneModel model = ReadSceneModel(GetSceneModelPath(modelled.Root()));
+  SamplesOfScene samples;
+  for (const auto& [image, labels] : model.views) {
+    const std::string& name =
+        modelled.Model().images[static_cast<size_t>(image)].name;
+    CollectView(
+        ReadPlaneView(refined, image, static_cast<int>(model.planes.size())),
+        ReadEvidence(modelled.Root() / "stereo" / "tsar" / "evidence" /
+                     (name + ".geometric.bin")),
+        labels,
+        ReadDepthMap(modelled.SourceRoot() / "ground_truth" / "depth" /
+                     (name + ".bin")),
+        &samples);
+  }
+  return samples;
+}
+
+struct Regression {
+  Eigen::MatrixXd rows;  // A constant 1, then the measures.
+  Eigen::VectorXd rights;
+  Eigen::VectorXd weights;
+};
+
+Regression MakeRegression(const std::vector<SamplesOfScene>& scenes,
+                          Kind kind) {
+  const std::vector<int>& measures = kMeasuresOfKinds[kind];
+  std::vector<std::pair<Sample, double>> used;
+  for (const SamplesOfScene& scene : scenes) {
+    const std::vector<Sample>& samples = scene[kind];
+    const size_t count = std::min(samples.size(), kMaxSamples);
+    const double weight_of_scene =
+        std::min(1.0, 2.0 * static_cast<double>(count) / kMaxSamples);
+    for (size_t i = 0; i < count; ++i) {
+      used.emplace_back(samples[i * samples.size() / count],
+                        weight_of_scene / static_cast<double>(count));
+    }
+  }
+  const auto num_rows = static_cast<Eigen::Index>(used.size());
+  Regression regression;
+  regression.rows.setOnes(num_rows,
+                          1 + static_cast<Eigen::Index>(measures.size()));
+  regression.rights.resize(num_rows);
+  regression.weights.resize(num_rows);
+  for (Eigen::Index i = 0; i < num_rows; ++i) {
+    const auto& [sample, weight] = used[static_cast<size_t>(i)];
+    for (size_t j = 0; j < measures.size(); ++j) {
+      regression.rows(i, 1 + static_cast<Eigen::Index>(j)) =
+          sample.measures[static_cast<size_t>(measures[j])];
+    }
+    regression.rights(i) = sample.is_right ? 1.0 : 0.0;
+    regression.weights(i) = weight;
+  }
+  regression.weights /= std::max(regression.weights.sum(), 1e-12);
+  return regression;
+}
+
+// Newton's method on the regularized likelihood.
+Eigen::VectorXd Solve(const Regression& regression) {
+  const Eigen::MatrixXd& rows = regression.rows;
+  Eigen::VectorXd penalty =
+      Eigen::VectorXd::Constant(rows.cols(), kRegularization);
+  penalty(0) = 0.0;
+  Eigen::VectorXd solution = Eigen::VectorXd::Zero(rows.cols());
+  for (int i = 0; i < kNumIterations; ++i) {
+    const Eigen::ArrayXd probabilities =
+        1.0 / (1.0 + (-(rows * solution).array()).exp());
+    const Eigen::VectorXd gradient =
+        rows.transpose() * (regression.weights.array() *
+                            (regression.rights.array() - probabilities))
+                               .matrix() -
+        penalty.cwiseProduct(solution);
+    const Eigen::ArrayXd curvature =
+        regression.weights.array() * probabilities * (1.0 - probabilities);
+    Eigen::MatrixXd hessian =
+        rows.transpose() * curvature.matrix().asDiagonal() * rows;
+    hessian.diagonal() += penalty;
+    hessian.diagonal().array() += 1e-12;
+    solution += hessian.ldlt().solve(gradient);
+  }
+  return solution;
+}
+
+void Print(const std::vector<SamplesOfScene>& scenes, Kind kind) {
+  const Regression regression = MakeRegression(scenes, kind);
+  if (regression.rows.rows() == 0) {
+    return;
+  }
+  const Eigen::VectorXd solution = Solve(regression);
+  std::printf("%-18s %7lld samples, %.2f right: constant %.2f",
+              kKindNames[kind],
+              static_cast<long long>(regression.rows.rows()),
+              regression.weights.dot(regression.rights),
+              solution(0));
+  for (size_t j = 0; j < kMeasuresOfKinds[kind].size(); ++j) {
+    std::printf(", %s %.2f",
+                kMeasureNames[kMeasuresOfKinds[kind][j]],
+                solution(1 + static_cast<Eigen::Index>(j)));
+  }
+  std::printf("\n");
+}
+
+void Fit(int argc, char** argv) {
+  std::vector<SamplesOfScene> scenes;
+  for (int i = 1; i < argc; ++i) {
+    const std::string roots = argv[i];
+    const size_t equals = roots.find('=');
+    if (equals == std::string::npos) {
+      throw Error(ErrorCode::kBadOption,
+                  roots + ": is no MODELLED=REFINED; name two workspaces");
+    }
+    scenes.push_back(
+        CollectScene(roots.substr(0, equals), roots.substr(equals + 1)));
+  }
+  for (int kind = 0; kind < kNumKinds; ++kind) {
+    Print(scenes, static_cast<Kind>(kind));
+  }
+}
+
+}  // namespace
+}  // namespace tsar
+
+int main(int argc, char** argv) {
+  try {
+    tsar::Fit(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ERROR: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

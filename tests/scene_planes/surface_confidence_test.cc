@@ -1,0 +1,79 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/surface_confidence.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+std::array<float, 4> Values(const SurfaceConfidence& confidence) {
+  return {confidence.moved,
+          confidence.filled,
+          confidence.standing,
+          confidence.standing_weakly};
+}
+
+LabelQuality Quality(float margin, float uncertainty = 0.1f) {
+  LabelQuality quality;
+  quality.explained = ByteOf<0, 1>(0.9f);
+  quality.strength = ByteOf<0, 1>(0.9f);
+  quality.confirmed = ByteOf<0, 1>(0.5f);
+  quality.uncertainty = ByteOf<0, 1>(uncertainty);
+  quality.margin = ByteOf<-1, 2>(margin);
+  return quality;
+}
+
+TEST(ByteOfTest, KeepsItsRangeToOnePartIn510) {
+  EXPECT_EQ(ByteOf<-1, 2>().Value(), 0.f);
+  EXPECT_EQ((ByteOf<0, 1>(1.f).Value()), 1.f);
+  EXPECT_EQ((ByteOf<-1, 2>(-1.f).Value()), -1.f);
+  EXPECT_EQ((ByteOf<-1, 2>(7.f).Value()), 2.f);
+  EXPECT_EQ((ByteOf<0, 1>(-7.f).Value()), 0.f);
+  for (float value = -1.f; value <= 2.f; value += 0.001f) {
+    EXPECT_NEAR((ByteOf<-1, 2>(value).Value()), value, 3.01f / 510.f);
+  }
+}
+
+TEST(SurfaceConfidenceTest, ValuesAreProbabilities) {
+  for (const float margin : {-1.f, 0.f, 2.f}) {
+    for (const float uncertainty : {0.f, 1.f}) {
+      for (const float value : Values(RateSurface(
+               LabelEvidence::kGuessed, Quality(margin, uncertainty)))) {
+        EXPECT_GT(value, 0.f);
+        EXPECT_LT(value, 1.f);
+      }
+    }
+  }
+}
+
+TEST(SurfaceConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
+  for (const LabelEvidence evidence :
+       {LabelEvidence::kGuessed, LabelEvidence::kMeasured}) {
+    const SurfaceConfidence clear = RateSurface(evidence, Quality(0.5f));
+    const SurfaceConfidence close = RateSurface(evidence, Quality(0.02f));
+    EXPECT_GT(clear.moved, close.moved);
+    EXPECT_GT(clear.filled, close.filled);
+    const SurfaceConfidence unknown = RateSurface(evidence, Quality(0.5f, 1.f));
+    EXPECT_GT(clear.moved, unknown.moved);
+    EXPECT_GT(clear.filled, unknown.filled);
+  }
+}
+
+TEST(SurfaceConfidenceTest, WhatWasMeasuredIsWorthMoreThanAGuess) {
+  const SurfaceConfidence clear =
+      RateSurface(LabelEvidence::kMeasured, Quality(0.6f));
+  EXPECT_GT(clear.moved, 0.9f);
+  EXPECT_GT(clear.filled, 0.9f);
+  EXPECT_GT(clear.moved, clear.standing);
+  EXPECT_GT(clear.standing, clear.standing_weakly);
+  LabelQuality guessed = Quality(0.02f, 0.6f);
+  guessed.explained = guessed.strength = guessed.confirmed = ByteOf<0, 1>(0.f);
+  EXPECT_LT(RateSurface(LabelEvidence::kGuessed, guessed).filled, 0.3f);
+}
+
+}  // namespace
+}  // namespace tsar
