@@ -14,6 +14,7 @@
 #include "colmap_tsar/scene_planes/view_measurements.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -64,7 +65,7 @@ class SceneModeler {
                const SceneEvidence& evidence,
                const RefineOptions& refine_options,
                const ModelSceneOptions& options,
-               const ModelThreads& threads,
+               const ModelResources& resources,
                const std::string& pass,
                Progress& progress,
                const std::function<bool()>& should_stop)
@@ -72,12 +73,14 @@ class SceneModeler {
         evidence_(evidence),
         refine_options_(refine_options),
         options_(options),
-        threads_(threads),
+        resources_(resources),
+        gpus_(resources.gpus),
         pass_(pass),
         progress_(progress),
         should_stop_(should_stop),
         neighbours_(MakeGraph(views)),
-        assignment_(views.size()) {}
+        assignment_(views.size()),
+        costs_(views.size()) {}
 
   std::optional<SceneModel> Run() {
     std::vector<Block> blocks = DiscoverBlocks();
@@ -118,8 +121,8 @@ class SceneModeler {
     std::vector<std::vector<Block>> found(parts.size());
     progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
     ForEach(parts.size(),
-            threads_.num_blocks,
-            threads_.num_threads,
+            resources_.num_blocks,
+            resources_.num_threads,
             [&](size_t i, Device& device) {
               Discover(parts[i], device, &found[i]);
             });
@@ -193,7 +196,7 @@ class SceneModeler {
     const JoinedPlanes joined =
         JoinPlanes(std::move(planes),
                    refine_options_.min_scene_plane,
-                   *Device::CreateCpu(threads_.num_threads));
+                   *Device::CreateCpu(resources_.num_threads));
     for (const MeasuredScenePlane& plane : joined.planes) {
       model_.planes.push_back(ToModelPlane(plane));
     }
@@ -236,8 +239,8 @@ class SceneModeler {
               static_cast<int>(views_.size()),
               pass_ + " adjustment " + std::to_string(++round) + ":");
           ForEach(views_.size(),
-                  threads_.num_views,
-                  threads_.num_threads,
+                  resources_.num_views,
+                  resources_.num_threads,
                   [&](size_t view, Device&) {
                     if (!should_stop_()) {
                       of_views[view] = Measure(view, planes);
@@ -274,11 +277,12 @@ class SceneModeler {
                     pass_ + " labels " + std::to_string(sweep + 1) + " of " +
                         std::to_string(options_.num_sweeps) + ":");
     ForEach(views_.size(),
-            threads_.num_views,
-            threads_.num_threads,
+            resources_.num_views,
+            resources_.num_threads,
             [&](size_t view, Device& device) {
               if (!should_stop_()) {
-                labels[view] = Label(view, before, device);
+                labels[view] = LabelAndKeepCosts(
+                    view, sweep + 1 < options_.num_sweeps, before, device);
                 progress_.Advance(/*was_work=*/true);
               }
             });
@@ -286,13 +290,30 @@ class SceneModeler {
     return labels;
   }
 
+  // Neither planes nor evidence change between the sweeps. Costs for which
+  // there is no memory are computed again.
+  LabelsInModel LabelAndKeepCosts(size_t view,
+                                  bool are_needed_again,
+                                  const std::vector<LabelsInModel>& before,
+                                  Device& cpu) {
+    Image<PlaneCost> costs = std::move(costs_[view]);
+    const bool were_kept = !costs.Empty();
+    LabelsInModel labels = Label(view, before, cpu, &costs);
+    if (are_needed_again && (were_kept || ReserveMemory(costs))) {
+      costs_[view] = std::move(costs);
+    }
+    return labels;
+  }
+
+  // cpu: for what is not for GPUs.
   LabelsInModel Label(size_t view,
                       const std::vector<LabelsInModel>& before,
-                      Device& device) const {
+                      Device& cpu,
+                      Image<PlaneCost>* costs) {
     const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
       return ModelledView{Observed(i, evidence),
                           &assignment_[i],
-                          before.empty() ? nullptr : &before[i].votes};
+                          before.empty() ? nullptr : &before[i]};
     };
     const ViewEvidence own = evidence_.read_all(view);
     std::vector<std::shared_ptr<const ViewEvidence>> others;
@@ -303,20 +324,45 @@ class SceneModeler {
         views.push_back(modelled(source, *others.back()));
       }
     }
-    return LabelInModel(views, model_.planes, refine_options_, device);
+    const auto lend_device = [&](int64_t num_bytes,
+                                 const std::function<void(Device&)>& work) {
+      if (gpus_.Size() > 0 && num_bytes <= resources_.max_gpu_bytes) {
+        gpus_.Run(work);
+      } else {
+        work(cpu);
+      }
+    };
+    return LabelInModel(
+        views, model_.planes, refine_options_, lend_device, costs);
+  }
+
+  // Whether the costs may be kept.
+  bool ReserveMemory(const Image<PlaneCost>& costs) {
+    const auto num_bytes =
+        static_cast<int64_t>(costs.NumPixels() * sizeof(PlaneCost));
+    if (kept_bytes_.fetch_add(num_bytes) + num_bytes <=
+        resources_.max_kept_bytes) {
+      return true;
+    }
+    kept_bytes_ -= num_bytes;
+    return false;
   }
 
   const std::vector<SceneView>& views_;
   const SceneEvidence& evidence_;
   const RefineOptions& refine_options_;
   const ModelSceneOptions options_;
-  const ModelThreads threads_;
+  const ModelResources resources_;
+  DevicePool gpus_;
   const std::string pass_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const ViewGraph neighbours_;
   // By view and superpixel, the plane of the model that it measured, or -1.
   std::vector<std::vector<int>> assignment_;
+  // What labels cost in each view; empty where that is not known or not kept.
+  std::vector<Image<PlaneCost>> costs_;
+  std::atomic<int64_t> kept_bytes_ = 0;
   SceneModel model_;
   std::vector<bool> may_move_;  // Per plane, in the adjustment.
 };
@@ -327,7 +373,7 @@ std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const SceneEvidence& evidence,
                                      const RefineOptions& refine_options,
                                      const ModelSceneOptions& options,
-                                     const ModelThreads& threads,
+                                     const ModelResources& resources,
                                      const std::string& pass,
                                      Progress& progress,
                                      const std::function<bool()>& should_stop) {
@@ -335,7 +381,7 @@ std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                       evidence,
                       refine_options,
                       options,
-                      threads,
+                      resources,
                       pass,
                       progress,
                       should_stop)

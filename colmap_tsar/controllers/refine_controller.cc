@@ -208,7 +208,7 @@ bool RefineController::Model(const RefineRun& run, PipelineOutcome* outcome) {
   try {
     return ModelWorkspace(
         {workspace_, run.catalogue, run.evidence, run.model, refine_options_},
-        devices_.model_threads,
+        devices_.model,
         "Pass 2 of 3, scene model,",
         progress_,
         should_stop_);
