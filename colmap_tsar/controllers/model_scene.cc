@@ -145,15 +145,21 @@ class SceneModeler {
     std::sort(views.begin(), views.end(), [&](size_t a, size_t b) {
       return views_[a].image < views_[b].image;
     });
-    std::vector<std::shared_ptr<const ViewEvidence>> evidence;
+    std::vector<std::shared_ptr<const ViewEvidence>> evidence(views.size());
+    device.Threads().Run(static_cast<int64_t>(views.size()),
+                         [&](int64_t begin, int64_t end) {
+                           for (int64_t i = begin; i < end; ++i) {
+                             const auto place = static_cast<size_t>(i);
+                             evidence[place] = evidence_.get(views[place]);
+                           }
+                         });
     std::vector<ObservedView> observed;
     size_t num_superpixels = 0;
     size_t num_candidates = 0;
-    for (const size_t view : views) {
-      evidence.push_back(evidence_.get(view));
-      observed.push_back(Observed(view, *evidence.back()));
-      num_superpixels += evidence.back()->weights.size();
-      num_candidates += evidence.back()->candidates.size();
+    for (size_t i = 0; i < views.size(); ++i) {
+      observed.push_back(Observed(views[i], *evidence[i]));
+      num_superpixels += evidence[i]->weights.size();
+      num_candidates += evidence[i]->candidates.size();
     }
     if (part.size() > 1 && num_superpixels * num_candidates > kMaxBlockScores) {
       // All candidates of fewer views rather than some of these.
