@@ -3,9 +3,10 @@
 
 #include "colmap_tsar/controllers/model_scene.h"
 
+#include "colmap_tsar/controllers/for_each_view.h"
+#include "colmap_tsar/controllers/label_sweeps.h"
 #include "colmap_tsar/controllers/view_blocks.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/adjust_model.h"
@@ -14,7 +15,6 @@
 #include "colmap_tsar/scene_planes/view_measurements.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -41,24 +41,6 @@ ViewGraph MakeGraph(const std::vector<SceneView>& views) {
   return neighbours;
 }
 
-// Calls function(i, device) for each i, some at a time.
-template <typename Function>
-void ForEach(size_t count,
-             int max_at_a_time,
-             int num_threads,
-             const Function& function) {
-  const int at_a_time = std::max(
-      1, std::min({max_at_a_time, num_threads, static_cast<int>(count)}));
-  ThreadPool pool(at_a_time);
-  pool.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
-    const std::unique_ptr<Device> device =
-        Device::CreateCpu(std::max(1, num_threads / at_a_time));
-    for (int64_t i = begin; i < end; ++i) {
-      function(static_cast<size_t>(i), *device);
-    }
-  });
-}
-
 class SceneModeler {
  public:
   SceneModeler(const std::vector<SceneView>& views,
@@ -74,13 +56,11 @@ class SceneModeler {
         refine_options_(refine_options),
         options_(options),
         resources_(resources),
-        gpus_(resources.gpus),
         pass_(pass),
         progress_(progress),
         should_stop_(should_stop),
         neighbours_(MakeGraph(views)),
-        assignment_(views.size()),
-        costs_(views.size()) {}
+        assignment_(views.size()) {}
 
   std::optional<SceneModel> Run() {
     std::vector<Block> blocks = DiscoverBlocks();
@@ -92,15 +72,12 @@ class SceneModeler {
     if (should_stop_()) {
       return std::nullopt;
     }
-    std::vector<LabelsInModel> labels;
-    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
-      labels = Sweep(sweep, labels);
-      if (should_stop_()) {
-        return std::nullopt;
-      }
+    std::optional<std::vector<ViewLabels>> labels = Label();
+    if (!labels) {
+      return std::nullopt;
     }
-    for (size_t i = 0; i < labels.size(); ++i) {
-      model_.views[views_[i].image] = std::move(labels[i].labels);
+    for (size_t i = 0; i < views_.size(); ++i) {
+      model_.views[views_[i].image] = std::move((*labels)[i]);
     }
     return std::move(model_);
   }
@@ -120,12 +97,12 @@ class SceneModeler {
         SplitIntoBlocks(neighbours_, options_.max_block_views);
     std::vector<std::vector<Block>> found(parts.size());
     progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
-    ForEach(parts.size(),
-            resources_.num_blocks,
-            resources_.num_threads,
-            [&](size_t i, Device& device) {
-              Discover(parts[i], device, &found[i]);
-            });
+    ForEachView(parts.size(),
+                resources_.num_blocks,
+                resources_.num_threads,
+                [&](size_t i, Device& device) {
+                  Discover(parts[i], device, &found[i]);
+                });
     progress_.Finish();
     std::vector<Block> blocks;
     for (std::vector<Block>& of_part : found) {
@@ -244,15 +221,15 @@ class SceneModeler {
           progress_.Start(
               static_cast<int>(views_.size()),
               pass_ + " adjustment " + std::to_string(++round) + ":");
-          ForEach(views_.size(),
-                  resources_.num_views,
-                  resources_.num_threads,
-                  [&](size_t view, Device&) {
-                    if (!should_stop_()) {
-                      of_views[view] = Measure(view, planes);
-                      progress_.Advance(/*was_work=*/true);
-                    }
-                  });
+          ForEachView(views_.size(),
+                      resources_.num_views,
+                      resources_.num_threads,
+                      [&](size_t view, Device&) {
+                        if (!should_stop_()) {
+                          of_views[view] = Measure(view, planes);
+                          progress_.Advance(/*was_work=*/true);
+                        }
+                      });
           progress_.Finish();
           std::vector<PlaneMeasurement> measurements;
           for (const std::vector<PlaneMeasurement>& of_view : of_views) {
@@ -275,83 +252,25 @@ class SceneModeler {
                        MakeSceneOptions(refine_options_, {observed}).measuring);
   }
 
-  // before: the labels of the sweep before; none in the first sweep.
-  std::vector<LabelsInModel> Sweep(int sweep,
-                                   const std::vector<LabelsInModel>& before) {
-    std::vector<LabelsInModel> labels(views_.size());
-    progress_.Start(static_cast<int>(views_.size()),
-                    pass_ + " labels " + std::to_string(sweep + 1) + " of " +
-                        std::to_string(options_.num_sweeps) + ":");
-    ForEach(views_.size(),
-            resources_.num_views,
-            resources_.num_threads,
-            [&](size_t view, Device& device) {
-              if (!should_stop_()) {
-                labels[view] = LabelAndKeepCosts(
-                    view, sweep + 1 < options_.num_sweeps, before, device);
-                progress_.Advance(/*was_work=*/true);
-              }
-            });
-    progress_.Finish();
-    return labels;
-  }
-
-  // Neither planes nor evidence change between the sweeps. Costs for which
-  // there is no memory are computed again.
-  LabelsInModel LabelAndKeepCosts(size_t view,
-                                  bool are_needed_again,
-                                  const std::vector<LabelsInModel>& before,
-                                  Device& cpu) {
-    Image<PlaneCost> costs = std::move(costs_[view]);
-    const bool were_kept = !costs.Empty();
-    LabelsInModel labels = Label(view, before, cpu, &costs);
-    if (are_needed_again && (were_kept || ReserveMemory(costs))) {
-      costs_[view] = std::move(costs);
-    }
-    return labels;
-  }
-
-  // cpu: for what is not for GPUs.
-  LabelsInModel Label(size_t view,
-                      const std::vector<LabelsInModel>& before,
-                      Device& cpu,
-                      Image<PlaneCost>* costs) {
-    const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
-      return ModelledView{Observed(i, evidence),
-                          &assignment_[i],
-                          before.empty() ? nullptr : &before[i]};
-    };
-    const ViewEvidence own = evidence_.read_all(view);
-    std::vector<std::shared_ptr<const ViewEvidence>> others;
-    std::vector<ModelledView> views = {modelled(view, own)};
-    for (const size_t source : views_[view].sources) {
-      if (source != view) {
-        others.push_back(evidence_.get(source));
-        views.push_back(modelled(source, *others.back()));
+  // Nothing where the run is to stop.
+  std::optional<std::vector<ViewLabels>> Label() {
+    LabelSweeps sweeps({views_,
+                        evidence_,
+                        assignment_,
+                        model_.planes,
+                        refine_options_,
+                        resources_});
+    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+      progress_.Start(static_cast<int>(views_.size()),
+                      pass_ + " labels " + std::to_string(sweep + 1) + " of " +
+                          std::to_string(options_.num_sweeps) + ":");
+      sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
+      progress_.Finish();
+      if (should_stop_()) {
+        return std::nullopt;
       }
     }
-    const auto lend_device = [&](int64_t num_bytes,
-                                 const std::function<void(Device&)>& work) {
-      if (gpus_.Size() > 0 && num_bytes <= resources_.max_gpu_bytes) {
-        gpus_.Run(work);
-      } else {
-        work(cpu);
-      }
-    };
-    return LabelInModel(
-        views, model_.planes, refine_options_, lend_device, costs);
-  }
-
-  // Whether the costs may be kept.
-  bool ReserveMemory(const Image<PlaneCost>& costs) {
-    const auto num_bytes =
-        static_cast<int64_t>(costs.NumPixels() * sizeof(PlaneCost));
-    if (kept_bytes_.fetch_add(num_bytes) + num_bytes <=
-        resources_.max_kept_bytes) {
-      return true;
-    }
-    kept_bytes_ -= num_bytes;
-    return false;
+    return sweeps.TakeLabels();
   }
 
   const std::vector<SceneView>& views_;
@@ -359,16 +278,12 @@ class SceneModeler {
   const RefineOptions& refine_options_;
   const ModelSceneOptions options_;
   const ModelResources resources_;
-  DevicePool gpus_;
   const std::string pass_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const ViewGraph neighbours_;
   // By view and superpixel, the plane of the model that it measured, or -1.
   std::vector<std::vector<int>> assignment_;
-  // What labels cost in each view; empty where that is not known or not kept.
-  std::vector<Image<PlaneCost>> costs_;
-  std::atomic<int64_t> kept_bytes_ = 0;
   SceneModel model_;
   std::vector<bool> may_move_;  // Per plane, in the adjustment.
 };
