@@ -30,6 +30,8 @@ constexpr double kMaxMergeShare = 0.1;
 // Nor are two planes each of which is worth more than this many times the cost
 // of a plane where the other one stays: a joint plane hardly makes up for that.
 constexpr double kHopelessGains = 3.0;
+// About as many joint fits are scored at a time.
+constexpr size_t kScoredAtATime = 64;
 // By how many observations it is told how far planes are apart.
 constexpr size_t kNumMergeSamples = 100;
 
@@ -191,10 +193,26 @@ class PlaneMerger {
     std::vector<std::vector<WorldPlane>> fits(added.size());
     ForEach(added.size(),
             [&](size_t i) { fits[i] = FitBoth(added[i], members); });
-    for (size_t i = 0; i < added.size(); ++i) {
-      if (!fits[i].empty()) {
-        *joints[i] = fitter_.Score(fits[i]);
+    ScoreJoints(fits, joints);
+  }
+
+  // Several pairs at a time: single ones are too little work for many threads.
+  void ScoreJoints(const std::vector<std::vector<WorldPlane>>& fits,
+                   const std::vector<Joint*>& joints) const {
+    std::vector<WorldPlane> planes;
+    std::vector<Joint*> owners;
+    for (size_t i = 0; i < fits.size(); ++i) {
+      planes.insert(planes.end(), fits[i].begin(), fits[i].end());
+      owners.insert(owners.end(), fits[i].size(), joints[i]);
+      if (planes.size() < kScoredAtATime && i + 1 < fits.size()) {
+        continue;
       }
+      std::vector<ScoredPlane> scored = fitter_.Score(planes);
+      for (size_t k = 0; k < scored.size(); ++k) {
+        owners[k]->push_back(std::move(scored[k]));
+      }
+      planes.clear();
+      owners.clear();
     }
   }
 
