@@ -6,6 +6,7 @@
 #include "colmap_tsar/controllers/main_memory_division.h"
 
 #include <algorithm>
+#include <limits>
 #include <thread>
 #include <utility>
 
@@ -128,12 +129,18 @@ ModelResources PlanModelPass(const DeviceOptions& options,
 void AddGpus(const std::vector<GpuWorkers>& gpus,
              const MemoryPlan& plan,
              ModelResources* resources) {
+  resources->max_gpu_bytes = std::numeric_limits<int64_t>::max();
   for (const GpuWorkers& gpu : gpus) {
     for (const std::unique_ptr<Device>& device : gpu.devices) {
       resources->gpus.push_back({gpu.name, device.get()});
     }
+    // Of the views that were uploaded, none is in use meanwhile.
+    const auto num_devices = static_cast<int>(gpu.devices.size());
+    resources->max_gpu_bytes = std::min(
+        resources->max_gpu_bytes,
+        (DeviceBytes(plan, num_devices) - SharedViewBytes(plan, num_devices)) /
+            num_devices);
   }
-  resources->max_gpu_bytes = plan.work;
 }
 
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {

@@ -73,7 +73,8 @@ ModelResources PlanModelPass(const DeviceOptions& options,
                              const MemoryPlan& plan,
                              int64_t machine_bytes = MainMemoryBytes());
 
-// Has that pass use these GPUs, which must outlive it.
+// Has that pass use these GPUs, which must outlive it, and what the plan has
+// for them.
 void AddGpus(const std::vector<GpuWorkers>& gpus,
              const MemoryPlan& plan,
              ModelResources* resources);

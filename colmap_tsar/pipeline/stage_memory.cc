@@ -54,6 +54,20 @@ DiscoverySize SizeOfDiscovery(const RefineOptions& options,
   return size;
 }
 
+LabelingSize SizeOfLabeling(const RefineOptions& options,
+                            int64_t num_pixels,
+                            int num_views) {
+  LabelingSize size;
+  size.num_views = num_views;
+  size.num_pixels = MaxRasterPixels(num_pixels);
+  size.num_superpixels = NumSuperpixels(options, num_pixels);
+  size.num_observations =
+      MaxObservations(size.num_pixels, size.num_superpixels, {});
+  // As many as one view can have, and as many more by its sources.
+  size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
+  return size;
+}
+
 // The confidence of a composed map; its provenance is there by then.
 int64_t ConfidenceBytes(int64_t num_pixels) {
   return BytesOf<float>(num_pixels);
@@ -166,21 +180,21 @@ int64_t ModelBlockMainBytes(const RefineOptions& options,
          DiscoverPlanesMainBytes(size, discovery);
 }
 
+int64_t LabelViewWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views) {
+  return LabelInModelWorkingBytes(
+      SizeOfLabeling(options, num_pixels, num_views),
+      {/*confident_depth=*/true, /*superpixels=*/true});
+}
+
 int64_t LabelViewMainBytes(const RefineOptions& options,
                            int64_t num_pixels,
                            int num_views) {
-  LabelingSize size;
-  size.num_views = num_views;
-  size.num_pixels = MaxRasterPixels(num_pixels);
-  size.num_superpixels = NumSuperpixels(options, num_pixels);
-  size.num_observations =
-      MaxObservations(size.num_pixels, size.num_superpixels, {});
-  // As many as one view can have, and as many more by its sources.
-  size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
+  const LabelingSize size = SizeOfLabeling(options, num_pixels, num_views);
   const int64_t num_costs = size.num_superpixels * size.num_planes;
   return BytesOf<PlaneCost>(num_costs) + BytesOf<float>(num_costs) +
-         std::max(LabelInModelWorkingBytes(
-                      size, {/*confident_depth=*/true, /*superpixels=*/true}),
+         std::max(LabelViewWorkingBytes(options, num_pixels, num_views),
                   ChooseLabelsMainBytes(size.num_superpixels, size.num_planes));
 }
 
