@@ -1,44 +1,33 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/choose_labels.h"
 
-#include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/image.h"
-#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/border_costs.h"
-#include "colmap_tsar/scene_planes/label_votes.h"
-#include "colmap_tsar/scene_planes/plane_costs.h"
+#include "colmap_tsar/scene_planes/label_graph.h"
 
 #include <cstddef>
+#include <utility>
 
 namespace tsar {
 
-LabeledView LabelView(const std::vector<ObservedView>& views,
-                      const DiscoveredPlanes& discovered,
-                      const PlaneSupport& support,
-                      const LabelOptions& options,
-                      Device& device,
-                      const std::vector<VotingLabels>& source_labels) {
-  const ViewEvidence& evidence = *views[0].evidence;
+LabeledView ChooseLabels(const ObservedView& view,
+                         std::vector<Plane> planes,
+                         const Image<PlaneCost>& costs,
+                         const Image<float>& votes,
+                         const LabelOptions& options) {
+  const ViewEvidence& evidence = *view.evidence;
   const int num_superpixels = evidence.NumSuperpixels();
-  const int num_planes = static_cast<int>(discovered.planes.size());
+  const int num_planes = static_cast<int>(planes.size());
   LabeledView result;
+  result.planes = std::move(planes);
   result.labels.assign(static_cast<size_t>(num_superpixels), -1);
   result.evidence.assign(static_cast<size_t>(num_superpixels),
                          LabelEvidence::kNone);
   result.strengths.assign(static_cast<size_t>(num_superpixels), 0.f);
   if (num_planes == 0 || num_superpixels == 0) {
     return result;
-  }
-  for (const ScenePlane& found : discovered.planes) {
-    result.planes.push_back(ToCameraPlane(found.plane, views[0].camera));
-  }
-  Image<PlaneCost> costs =
-      ComputePlaneCosts(views, result.planes, support, options, device);
-  if (!source_labels.empty()) {
-    AddLabelVotes(
-        views, result.planes, source_labels, options.votes, device, &costs);
   }
   std::vector<float> num_pixels(static_cast<size_t>(num_superpixels), 0.f);
   for (const uint16_t label : evidence.superpixels) {
@@ -49,7 +38,8 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   graph.num_labels = num_planes + 1;
   for (int s = 0; s < num_superpixels; ++s) {
     for (int k = 0; k < num_planes; ++k) {
-      graph.unary.push_back(costs(k, s).cost);
+      const float vote = votes.Empty() ? 0.f : votes(k, s);
+      graph.unary.push_back(costs(k, s).cost + vote);
     }
     const auto i = static_cast<size_t>(s);
     graph.unary.push_back(
@@ -59,7 +49,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
     graph.edges.push_back({border.first, border.second});
   }
   const BorderCosts border_costs(evidence,
-                                 views[0].camera.GetIntrinsics(),
+                                 view.camera.GetIntrinsics(),
                                  evidence.resolution,
                                  result.planes,
                                  options.full_gap);
@@ -80,6 +70,15 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
                                       : LabelEvidence::kGuessed;
   }
   return result;
+}
+
+int64_t ChooseLabelsMainBytes(int64_t num_superpixels, int num_planes) {
+  constexpr int64_t kBordersPerSuperpixel = 3;
+  const int64_t costs = BytesOf<float>(num_superpixels * (num_planes + 1));
+  const int64_t depths_at_borders =
+      BytesOf<float>(kBordersPerSuperpixel * num_superpixels * num_planes *
+                     SuperpixelBorder::kNumPixels);
+  return costs + depths_at_borders;
 }
 
 }  // namespace tsar
