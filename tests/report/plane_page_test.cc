@@ -222,7 +222,7 @@ TEST_F(PlanesOnPageTest, APlaneHasOneColour) {
   std::set<int> seen;
   for (int y = 0; y < numbers.rows; ++y) {
     for (int x = 0; x < numbers.cols; ++x) {
-      const auto bgr = picture.at<cv::Vec3b>(y, x);
+      const auto& bgr = picture.at<cv::Vec3b>(y, x);
       const int number = numbers.at<uint16_t>(y, x);
       ASSERT_EQ(colors.at(number), ColorText({bgr[2], bgr[1], bgr[0]}));
       seen.insert(number);
