@@ -3,8 +3,8 @@
 """A workspace of many images: a small scene, copied beside itself.
 
 The copies share the scene's files by links and lie so far from each other that
-none sees another; what one copy's images give is what the scene's would. Needs
-numpy.
+none sees another; what one copy's images give is what the scene's would. Or they
+are the rooms of one large building, linked by some views. Needs numpy.
 """
 
 import math
@@ -132,16 +132,36 @@ class Scene:
             self.map_size = reduce_map(root / "stereo" / path, reduced / path,
                                        step)
 
-    def offset_of(self, copy, num_copies):
-        """Copies stand on a square grid, ten times the scene's size apart."""
-        spacing = 10 * np.linalg.norm(np.ptp(self.points.positions, axis=0))
-        row, column = divmod(copy, math.ceil(math.sqrt(num_copies)))
+    def offset_of(self, copy, grid):
+        spacing = grid.spacing * np.linalg.norm(
+            np.ptp(self.points.positions, axis=0))
+        row, column = grid.place_of(copy)
         return spacing * np.array([column, row, 0.0])
 
     def shifts_of(self, copy):
         """What is added to the ids of images and of points."""
         return (copy * (max(image.id for image in self.images) + 1),
                 copy * (int(self.points.ids.max()) + 1))
+
+
+class Grid:
+    """How copies stand: on a square, so many times the scene's size apart."""
+
+    def __init__(self, num_copies, sources):
+        self.num_copies = num_copies
+        self.side = math.ceil(math.sqrt(num_copies))
+        self.spacing = 1 if sources == "linked" else 10
+
+    def place_of(self, copy):
+        """Row and column."""
+        return divmod(copy, self.side)
+
+    def next_to(self, copy):
+        """The copies to the right and below."""
+        row, column = self.place_of(copy)
+        beside = [copy + 1] if column + 1 < self.side else []
+        return [other for other in beside + [copy + self.side]
+                if other < self.num_copies]
 
 
 def reduce_map(source, target, step):
@@ -172,8 +192,12 @@ def make_copies(scene, workspace, num_copies, sources):
     """Writes the workspace.
 
     sources: "listed" names each image's sources in patch-match.cfg, all others
-    of its copy; "auto" leaves them to be chosen by the points that they share.
+    of its copy; "linked" sets the copies side by side and names one image of the
+    copies to the right and below as well, so that the views are all connected and
+    walls and floors go on from copy to copy; "auto" leaves the sources to be
+    chosen by the points that they share.
     """
+    grid = Grid(num_copies, sources)
     images = workspace / "images"
     stereo = workspace / "stereo"
     sparse = workspace / "sparse"
@@ -186,19 +210,22 @@ def make_copies(scene, workspace, num_copies, sources):
         for path in scene.maps:
             link((scene.reduced / path).resolve(),
                  stereo / path.parent / copied_name(copy, path.name))
-    write_lists(scene, stereo, num_copies, sources)
+    write_lists(scene, stereo, grid, sources)
     write_cameras(scene, sparse / "cameras.bin")
-    write_images(scene, sparse / "images.bin", num_copies)
-    write_points(scene, sparse / "points3D.bin", num_copies)
+    write_images(scene, sparse / "images.bin", grid)
+    write_points(scene, sparse / "points3D.bin", grid)
 
 
-def write_lists(scene, stereo, num_copies, sources):
+def write_lists(scene, stereo, grid, sources):
     names = [image.name for image in scene.images]
     lines = []
-    for copy in range(num_copies):
+    for copy in range(grid.num_copies):
         for name in names:
             others = [copied_name(copy, other)
                       for other in names if other != name]
+            if sources == "linked":
+                others += [copied_name(other, name)
+                           for other in grid.next_to(copy)]
             lines += [copied_name(copy, name),
                       "__auto__, 20" if sources == "auto"
                       else ", ".join(others)]
@@ -218,11 +245,11 @@ def write_cameras(scene, path):
                                   "<f8").tobytes())
 
 
-def write_images(scene, path, num_copies):
+def write_images(scene, path, grid):
     with open(path, "wb") as file:
-        file.write(np.uint64(len(scene.images) * num_copies).tobytes())
-        for copy in range(num_copies):
-            offset = scene.offset_of(copy, num_copies)
+        file.write(np.uint64(len(scene.images) * grid.num_copies).tobytes())
+        for copy in range(grid.num_copies):
+            offset = scene.offset_of(copy, grid)
             image_shift, point_shift = scene.shifts_of(copy)
             for image in scene.images:
                 keypoints = image.keypoints.copy()
@@ -236,10 +263,10 @@ def write_images(scene, path, num_copies):
                            + keypoints.tobytes())
 
 
-def write_points(scene, path, num_copies):
+def write_points(scene, path, grid):
     with open(path, "wb") as file:
-        file.write(np.uint64(len(scene.points.ids) * num_copies).tobytes())
-        for copy in range(num_copies):
+        file.write(np.uint64(len(scene.points.ids) * grid.num_copies).tobytes())
+        for copy in range(grid.num_copies):
             image_shift, point_shift = scene.shifts_of(copy)
             file.write(scene.points.moved(
-                point_shift, image_shift, scene.offset_of(copy, num_copies)))
+                point_shift, image_shift, scene.offset_of(copy, grid)))

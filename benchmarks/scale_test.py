@@ -5,6 +5,7 @@
 copies have the sources and the maps of the scene. Its interrupted run is left
 out: so few images may be done before they are interrupted."""
 
+import json
 import shutil
 import subprocess
 import sys
@@ -54,6 +55,24 @@ def check_copies(program, folder):
           "every map of every copy is there")
     check(results["auto"] == results["listed"],
           "each image finds all others of its copy, and none of another")
+    make_copies(scene, folder / "linked", 4, "linked")
+    config = (folder / "linked" / "stereo" / "patch-match.cfg").read_text()
+    sources = dict(zip(*[iter(config.splitlines())] * 2))
+    names = [image.name for image in scene.images]
+    check([source.split("_")[0] for source
+           in sources[f"0000_{names[0]}"].split(", ")[-3:]]
+          == ["0000", "0001", "0002"],
+          "linked copies have sources to the right and below")
+    check(len(sources[f"0003_{names[0]}"].split(", ")) == len(names) - 1,
+          "the last one has none but its own")
+    refine(program, folder / "linked")
+    run([program, "tsar_planes", "--workspace_path", folder / "linked",
+         "--output_path", folder / "planes.json"])
+    planes = json.loads((folder / "planes.json").read_text())["planes"]
+    check({plane["component"] for plane in planes} == {0},
+          "all of their views are connected")
+    check(any(len(plane["images"]) > len(names) for plane in planes),
+          "a wall goes on from copy to copy")
     broken = folder / "broken"
     shutil.copytree(sample, broken)
     (broken / "sparse" / "cameras.txt").write_text(
@@ -93,6 +112,7 @@ def main():
     output = run([sys.executable, FOLDER / "scale", "--program",
                   program, "--device", "cpu", "--num_images", 24, 5,
                   "--folder", folder / "work", "--plot", folder / "scale.svg",
+                  "--passes",
                   "--also", "resume", "restore", "output"])
     print(output)
     lines = output.splitlines()
@@ -101,6 +121,13 @@ def main():
           "numbers of images are those of whole copies, in order")
     check(all(float(cell) > 0 for row in sizes for cell in row[1:6]),
           "times and memory are positive")
+    passes = table(
+        lines, "### Processor ms per image and peak memory (GB) by pass")
+    check([row[0] for row in passes] == ["8", "24"],
+          "passes are measured on the same numbers of images")
+    check(all(len(row) == 9 and float(cell) > 0
+              for row in passes for cell in row[1:]),
+          "each pass takes time and memory")
     others = table(lines, "### Other runs on 24 images")
     check([row[0] for row in others] == RUNS, "the other runs are all there")
     check((folder / "scale.svg").is_file(), "there is a picture")

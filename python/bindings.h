@@ -28,6 +28,9 @@ void BindRefine(pybind11::module_* module);
 // EvaluateDepthMaps and EvaluateCloudFile.
 void BindEvaluate(pybind11::module_* module);
 
+// ExportPlanes, and the maps of planes.
+void BindPlanes(pybind11::module_* module);
+
 // Text with names of files, which need not be UTF-8: as Python's own functions
 // write them.
 pybind11::str ToText(const std::string& text);

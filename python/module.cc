@@ -11,4 +11,5 @@ PYBIND11_MODULE(_core, module) {
   tsar::BindRefineOptions(&module);
   tsar::BindRefine(&module);
   tsar::BindEvaluate(&module);
+  tsar::BindPlanes(&module);
 }

@@ -8,12 +8,13 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/plane_export/export_planes.h"
-#include "colmap_tsar/plane_export/plane_view.h"
+#include "colmap_tsar/plane_export/open_workspace_with_planes.h"
 #include "colmap_tsar/plane_export/write_planes.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <iostream>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <unistd.h>
@@ -70,14 +71,13 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
 }
 
 Workspace OpenWorkspace(const PlanesCommand& command) {
-  Workspace geometric(command.workspace_path, MapType::kGeometric);
-  Workspace photometric(command.workspace_path, MapType::kPhotometric);
-  const bool takes_photometric =
-      command.input_type.empty()
-          ? FindPlaneViews(geometric).empty() &&
-                !FindPlaneViews(photometric).empty()
-          : command.input_type == ToString(MapType::kPhotometric);
-  return takes_photometric ? photometric : geometric;
+  std::optional<MapType> type;
+  if (!command.input_type.empty()) {
+    type = command.input_type == ToString(MapType::kPhotometric)
+               ? MapType::kPhotometric
+               : MapType::kGeometric;
+  }
+  return OpenWorkspaceWithPlanes(command.workspace_path, type);
 }
 
 void PrintPlanes(const ExportedPlanes& planes, const std::string& path) {

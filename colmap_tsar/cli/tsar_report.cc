@@ -29,7 +29,8 @@ constexpr const char* kSummary =
     "Writes a page about a refined workspace, to be opened in a browser from "
     "the disk: for every image depth and normals before and after, how sure "
     "each depth is and where it comes from; a 3D view of the points before and "
-    "after; and the gain, where there is ground truth. It is one folder that "
+    "after, and one of the planes of the scene with a list of them; and the "
+    "gain, where there is ground truth. It is one folder that "
     "can be moved and sent, and needs neither a server nor a network; open its "
     "index.html. With --output_path it draws one picture (PNG) of some images "
     "instead, or as well where --report_path is given.";

@@ -57,8 +57,9 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   const int64_t num_judged_pixels = NumJudgedPixels(overview);
   plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
   plan.work = std::max(
-      MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
-      ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels));
+      {MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
+       LabelViewWorkingBytes(options, num_pixels, num_sources + 1),
+       ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
   plan.result =
       std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
   plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);

@@ -43,7 +43,7 @@ std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
 }  // namespace
 
 bool ModelWorkspace(const ModelPassInputs& inputs,
-                    const ModelThreads& threads,
+                    const ModelResources& resources,
                     const std::string& pass,
                     Progress& progress,
                     const std::function<bool()>& should_stop) {
@@ -55,7 +55,7 @@ bool ModelWorkspace(const ModelPassInputs& inputs,
                                                      evidence,
                                                      inputs.options,
                                                      ModelSceneOptions(),
-                                                     threads,
+                                                     resources,
                                                      pass,
                                                      progress,
                                                      should_stop);

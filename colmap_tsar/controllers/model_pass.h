@@ -29,7 +29,7 @@ struct ModelPassInputs {
 // that have any, labels the views, and writes the result. False, and nothing is
 // written, where should_stop returned true. pass: see ModelScene.
 bool ModelWorkspace(const ModelPassInputs& inputs,
-                    const ModelThreads& threads,
+                    const ModelResources& resources,
                     const std::string& pass,
                     Progress& progress,
                     const std::function<bool()>& should_stop);

@@ -3,9 +3,10 @@
 
 #include "colmap_tsar/controllers/model_scene.h"
 
+#include "colmap_tsar/controllers/for_each_view.h"
+#include "colmap_tsar/controllers/label_sweeps.h"
 #include "colmap_tsar/controllers/view_blocks.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/adjust_model.h"
@@ -40,31 +41,13 @@ ViewGraph MakeGraph(const std::vector<SceneView>& views) {
   return neighbours;
 }
 
-// Calls function(i, device) for each i, some at a time.
-template <typename Function>
-void ForEach(size_t count,
-             int max_at_a_time,
-             int num_threads,
-             const Function& function) {
-  const int at_a_time = std::max(
-      1, std::min({max_at_a_time, num_threads, static_cast<int>(count)}));
-  ThreadPool pool(at_a_time);
-  pool.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
-    const std::unique_ptr<Device> device =
-        Device::CreateCpu(std::max(1, num_threads / at_a_time));
-    for (int64_t i = begin; i < end; ++i) {
-      function(static_cast<size_t>(i), *device);
-    }
-  });
-}
-
 class SceneModeler {
  public:
   SceneModeler(const std::vector<SceneView>& views,
                const SceneEvidence& evidence,
                const RefineOptions& refine_options,
                const ModelSceneOptions& options,
-               const ModelThreads& threads,
+               const ModelResources& resources,
                const std::string& pass,
                Progress& progress,
                const std::function<bool()>& should_stop)
@@ -72,7 +55,7 @@ class SceneModeler {
         evidence_(evidence),
         refine_options_(refine_options),
         options_(options),
-        threads_(threads),
+        resources_(resources),
         pass_(pass),
         progress_(progress),
         should_stop_(should_stop),
@@ -89,15 +72,12 @@ class SceneModeler {
     if (should_stop_()) {
       return std::nullopt;
     }
-    std::vector<LabelsInModel> labels;
-    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
-      labels = Sweep(sweep, labels);
-      if (should_stop_()) {
-        return std::nullopt;
-      }
+    std::optional<std::vector<ViewLabels>> labels = Label();
+    if (!labels) {
+      return std::nullopt;
     }
-    for (size_t i = 0; i < labels.size(); ++i) {
-      model_.views[views_[i].image] = std::move(labels[i].labels);
+    for (size_t i = 0; i < views_.size(); ++i) {
+      model_.views[views_[i].image] = std::move((*labels)[i]);
     }
     return std::move(model_);
   }
@@ -117,12 +97,12 @@ class SceneModeler {
         SplitIntoBlocks(neighbours_, options_.max_block_views);
     std::vector<std::vector<Block>> found(parts.size());
     progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
-    ForEach(parts.size(),
-            threads_.num_blocks,
-            threads_.num_threads,
-            [&](size_t i, Device& device) {
-              Discover(parts[i], device, &found[i]);
-            });
+    ForEachView(parts.size(),
+                resources_.num_blocks,
+                resources_.num_threads,
+                [&](size_t i, Device& device) {
+                  Discover(parts[i], device, &found[i]);
+                });
     progress_.Finish();
     std::vector<Block> blocks;
     for (std::vector<Block>& of_part : found) {
@@ -142,15 +122,21 @@ class SceneModeler {
     std::sort(views.begin(), views.end(), [&](size_t a, size_t b) {
       return views_[a].image < views_[b].image;
     });
-    std::vector<std::shared_ptr<const ViewEvidence>> evidence;
+    std::vector<std::shared_ptr<const ViewEvidence>> evidence(views.size());
+    device.Threads().Run(static_cast<int64_t>(views.size()),
+                         [&](int64_t begin, int64_t end) {
+                           for (int64_t i = begin; i < end; ++i) {
+                             const auto place = static_cast<size_t>(i);
+                             evidence[place] = evidence_.get(views[place]);
+                           }
+                         });
     std::vector<ObservedView> observed;
     size_t num_superpixels = 0;
     size_t num_candidates = 0;
-    for (const size_t view : views) {
-      evidence.push_back(evidence_.get(view));
-      observed.push_back(Observed(view, *evidence.back()));
-      num_superpixels += evidence.back()->weights.size();
-      num_candidates += evidence.back()->candidates.size();
+    for (size_t i = 0; i < views.size(); ++i) {
+      observed.push_back(Observed(views[i], *evidence[i]));
+      num_superpixels += evidence[i]->weights.size();
+      num_candidates += evidence[i]->candidates.size();
     }
     if (part.size() > 1 && num_superpixels * num_candidates > kMaxBlockScores) {
       // All candidates of fewer views rather than some of these.
@@ -193,7 +179,7 @@ class SceneModeler {
     const JoinedPlanes joined =
         JoinPlanes(std::move(planes),
                    refine_options_.min_scene_plane,
-                   *Device::CreateCpu(threads_.num_threads));
+                   *Device::CreateCpu(resources_.num_threads));
     for (const MeasuredScenePlane& plane : joined.planes) {
       model_.planes.push_back(ToModelPlane(plane));
     }
@@ -235,15 +221,15 @@ class SceneModeler {
           progress_.Start(
               static_cast<int>(views_.size()),
               pass_ + " adjustment " + std::to_string(++round) + ":");
-          ForEach(views_.size(),
-                  threads_.num_views,
-                  threads_.num_threads,
-                  [&](size_t view, Device&) {
-                    if (!should_stop_()) {
-                      of_views[view] = Measure(view, planes);
-                      progress_.Advance(/*was_work=*/true);
-                    }
-                  });
+          ForEachView(views_.size(),
+                      resources_.num_views,
+                      resources_.num_threads,
+                      [&](size_t view, Device&) {
+                        if (!should_stop_()) {
+                          of_views[view] = Measure(view, planes);
+                          progress_.Advance(/*was_work=*/true);
+                        }
+                      });
           progress_.Finish();
           std::vector<PlaneMeasurement> measurements;
           for (const std::vector<PlaneMeasurement>& of_view : of_views) {
@@ -266,51 +252,32 @@ class SceneModeler {
                        MakeSceneOptions(refine_options_, {observed}).measuring);
   }
 
-  // before: the labels of the sweep before; none in the first sweep.
-  std::vector<LabelsInModel> Sweep(int sweep,
-                                   const std::vector<LabelsInModel>& before) {
-    std::vector<LabelsInModel> labels(views_.size());
-    progress_.Start(static_cast<int>(views_.size()),
-                    pass_ + " labels " + std::to_string(sweep + 1) + " of " +
-                        std::to_string(options_.num_sweeps) + ":");
-    ForEach(views_.size(),
-            threads_.num_views,
-            threads_.num_threads,
-            [&](size_t view, Device& device) {
-              if (!should_stop_()) {
-                labels[view] = Label(view, before, device);
-                progress_.Advance(/*was_work=*/true);
-              }
-            });
-    progress_.Finish();
-    return labels;
-  }
-
-  LabelsInModel Label(size_t view,
-                      const std::vector<LabelsInModel>& before,
-                      Device& device) const {
-    const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
-      return ModelledView{Observed(i, evidence),
-                          &assignment_[i],
-                          before.empty() ? nullptr : &before[i].votes};
-    };
-    const ViewEvidence own = evidence_.read_all(view);
-    std::vector<std::shared_ptr<const ViewEvidence>> others;
-    std::vector<ModelledView> views = {modelled(view, own)};
-    for (const size_t source : views_[view].sources) {
-      if (source != view) {
-        others.push_back(evidence_.get(source));
-        views.push_back(modelled(source, *others.back()));
+  // Nothing where the run is to stop.
+  std::optional<std::vector<ViewLabels>> Label() {
+    LabelSweeps sweeps({views_,
+                        evidence_,
+                        assignment_,
+                        model_.planes,
+                        refine_options_,
+                        resources_});
+    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+      progress_.Start(static_cast<int>(views_.size()),
+                      pass_ + " labels " + std::to_string(sweep + 1) + " of " +
+                          std::to_string(options_.num_sweeps) + ":");
+      sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
+      progress_.Finish();
+      if (should_stop_()) {
+        return std::nullopt;
       }
     }
-    return LabelInModel(views, model_.planes, refine_options_, device);
+    return sweeps.TakeLabels();
   }
 
   const std::vector<SceneView>& views_;
   const SceneEvidence& evidence_;
   const RefineOptions& refine_options_;
   const ModelSceneOptions options_;
-  const ModelThreads threads_;
+  const ModelResources resources_;
   const std::string pass_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
@@ -327,7 +294,7 @@ std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const SceneEvidence& evidence,
                                      const RefineOptions& refine_options,
                                      const ModelSceneOptions& options,
-                                     const ModelThreads& threads,
+                                     const ModelResources& resources,
                                      const std::string& pass,
                                      Progress& progress,
                                      const std::function<bool()>& should_stop) {
@@ -335,7 +302,7 @@ std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                       evidence,
                       refine_options,
                       options,
-                      threads,
+                      resources,
                       pass,
                       progress,
                       should_stop)

@@ -5,11 +5,13 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/device_pool.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -43,11 +45,18 @@ struct ModelSceneOptions {
   int num_sweeps = 3;
 };
 
-// Host threads, by what memory allows.
-struct ModelThreads {
-  int num_threads = 1;  // All together.
+// What the pass works with, by what memory allows.
+struct ModelResources {
+  int num_threads = 1;  // Of the host, all together.
   int num_blocks = 1;   // Blocks, and
   int num_views = 1;    // views to be labelled, at a time.
+  // Main memory for what is kept from one sweep to the next.
+  int64_t max_kept_bytes = 0;
+  // GPUs on which labels are rated, each for one view at a time, and what a
+  // view may take of such a one's memory. The CPU rates those of larger views,
+  // and of all views where there are no GPUs.
+  std::vector<NamedDevice> gpus;
+  int64_t max_gpu_bytes = 0;
 };
 
 // Finds the planes of a whole scene and labels its views with them:
@@ -56,18 +65,18 @@ struct ModelThreads {
 //   planes of several blocks together (adjust_planes);
 // - labels all views in sweeps.
 // Time grows with the number of views; memory holds the evidence of the blocks
-// and views at work, samples of the planes, and two numbers per superpixel of
-// all views.
+// and views at work, samples of the planes, two numbers per superpixel of all
+// views, and as many of the costs of labels as max_kept_bytes allows.
 //
 // views: in an order in which those that look at the same things are close to
 // each other (OrderByNeighbours): it decides which views share a block. Result:
-// the same bits for any threads; nothing once should_stop returned true. pass:
-// what the progress begins with.
+// the same bits for any resources; nothing once should_stop returned true.
+// pass: what the progress begins with.
 std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const SceneEvidence& evidence,
                                      const RefineOptions& refine_options,
                                      const ModelSceneOptions& options,
-                                     const ModelThreads& threads,
+                                     const ModelResources& resources,
                                      const std::string& pass,
                                      Progress& progress,
                                      const std::function<bool()>& should_stop);

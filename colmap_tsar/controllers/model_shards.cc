@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/controllers/gpu_workers.h"
 #include "colmap_tsar/controllers/image_catalogue.h"
 #include "colmap_tsar/controllers/input_fingerprints.h"
 #include "colmap_tsar/controllers/memory_plan.h"
@@ -23,6 +24,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -44,8 +46,8 @@ void Model(const WorkspaceRefineOptions& options,
     return;
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
-  const ModelThreads threads = PlanModelThreads(
-      options.devices, PlanRefinement(refine_options, overview));
+  const MemoryPlan plan = PlanRefinement(refine_options, overview);
+  ModelResources resources = PlanModelPass(options.devices, plan);
   const std::string options_hash = HashRefineOptions(refine_options);
   InputFingerprints inputs(workspace, /*with_evidence=*/true);
   inputs.Expect(observed.inputs, {});
@@ -62,13 +64,19 @@ void Model(const WorkspaceRefineOptions& options,
       workspace,
       inputs,
       options_hash,
-      NumEvidenceViews(overview, static_cast<size_t>(threads.num_views)));
+      NumEvidenceViews(overview, static_cast<size_t>(resources.num_views)));
   evidence.Expect(observed.with_evidence);
   for (size_t index = 0; index < catalogue.NumImages(); ++index) {
     RequireObserved(workspace, catalogue.Reference(index), observed);
   }
+  const std::vector<GpuWorkers> gpus =
+      OpenGpus(options.devices,
+               plan,
+               static_cast<int>(catalogue.NumImages()),
+               GpuSystem::Cuda());
+  AddGpus(gpus, plan, &resources);
   if (!ModelWorkspace({workspace, catalogue, evidence, store, refine_options},
-                      threads,
+                      resources,
                       "Scene model,",
                       progress,
                       should_stop)) {

@@ -76,10 +76,16 @@ RunSummary RefineController::Run() {
   }
   const std::string options_hash = HashRefineOptions(refine_options_);
   InputFingerprints inputs(workspace_, NeedsEvidence(refine_options_));
+  // Those that are with workers, and those whose scenes are found ahead.
+  const size_t num_scenes =
+      devices_.workers.size() +
+      (devices_.finds_scenes_ahead
+           ? static_cast<size_t>(devices_.sizes.num_loaders)
+           : 0);
   EvidenceStore evidence(workspace_,
                          inputs,
                          options_hash,
-                         NumEvidenceViews(overview_, devices_.workers.size()));
+                         NumEvidenceViews(overview_, num_scenes));
   const SceneModelStore model(workspace_, inputs, options_hash);
   // Who observes is to see every image.
   ImageCatalogue catalogue(workspace_,
@@ -208,7 +214,7 @@ bool RefineController::Model(const RefineRun& run, PipelineOutcome* outcome) {
   try {
     return ModelWorkspace(
         {workspace_, run.catalogue, run.evidence, run.model, refine_options_},
-        devices_.model_threads,
+        devices_.model,
         "Pass 2 of 3, scene model,",
         progress_,
         should_stop_);

@@ -6,6 +6,7 @@
 #include "colmap_tsar/controllers/main_memory_division.h"
 
 #include <algorithm>
+#include <limits>
 #include <thread>
 #include <utility>
 
@@ -78,6 +79,8 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
   const MemoryPlan plan = planner(overview);
   RefineDevices result;
   std::vector<GpuWorkers> opened = OpenGpus(options, plan, num_images, gpus);
+  result.model = PlanModelPass(options, plan, machine_bytes);
+  AddGpus(opened, plan, &result.model);
   const MainMemoryDivision division(
       planner, overview, num_images, /*on_cpu=*/opened.empty());
   int max_num_files_threads = 0;
@@ -101,25 +104,43 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
       budget, static_cast<int>(result.workers.size()), max_num_files_threads);
   result.sizes = sizes.pipeline;
   result.cache_num_bytes = sizes.view_bytes;
-  result.model_threads = PlanModelThreads(options, plan, machine_bytes);
   return result;
 }
 
-ModelThreads PlanModelThreads(const DeviceOptions& options,
-                              const MemoryPlan& plan,
-                              int64_t machine_bytes) {
+ModelResources PlanModelPass(const DeviceOptions& options,
+                             const MemoryPlan& plan,
+                             int64_t machine_bytes) {
   const MemoryBudget budget(options.cache_size, machine_bytes);
-  ModelThreads threads;
-  threads.num_threads = NumThreads(options.num_threads);
+  ModelResources resources;
+  resources.num_threads = NumThreads(options.num_threads);
   const auto at_a_time = [&](int64_t bytes) {
     return static_cast<int>(
         std::clamp<int64_t>(budget.NumBytes() / std::max<int64_t>(bytes, 1),
                             1,
-                            threads.num_threads));
+                            resources.num_threads));
   };
-  threads.num_blocks = at_a_time(plan.model_block);
-  threads.num_views = at_a_time(plan.label_view);
-  return threads;
+  resources.num_blocks = at_a_time(plan.model_block);
+  resources.num_views = at_a_time(plan.label_view);
+  resources.max_kept_bytes = std::max<int64_t>(
+      budget.NumBytes() - resources.num_views * plan.label_view, 0);
+  return resources;
+}
+
+void AddGpus(const std::vector<GpuWorkers>& gpus,
+             const MemoryPlan& plan,
+             ModelResources* resources) {
+  resources->max_gpu_bytes = std::numeric_limits<int64_t>::max();
+  for (const GpuWorkers& gpu : gpus) {
+    for (const std::unique_ptr<Device>& device : gpu.devices) {
+      resources->gpus.push_back({gpu.name, device.get()});
+    }
+    // Of the views that were uploaded, none is in use meanwhile.
+    const auto num_devices = static_cast<int>(gpu.devices.size());
+    resources->max_gpu_bytes = std::min(
+        resources->max_gpu_bytes,
+        (DeviceBytes(plan, num_devices) - SharedViewBytes(plan, num_devices)) /
+            num_devices);
+  }
 }
 
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {

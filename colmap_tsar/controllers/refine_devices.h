@@ -41,7 +41,7 @@ struct RefineDevices {
   // See ComposeTask: the workers are GPUs.
   bool finds_scenes_ahead = false;
   // For the planes of the scene.
-  ModelThreads model_threads;
+  ModelResources model;
   // Main memory for views.
   size_t cache_num_bytes = 0;
 };
@@ -67,11 +67,17 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const GpuSystem& gpus = GpuSystem::Cuda(),
                                   int64_t machine_bytes = MainMemoryBytes());
 
-// The threads of the pass that finds the planes of the scene: as many as memory
-// allows.
-ModelThreads PlanModelThreads(const DeviceOptions& options,
-                              const MemoryPlan& plan,
-                              int64_t machine_bytes = MainMemoryBytes());
+// The threads of the pass that finds the planes of the scene, as many as memory
+// allows, and what they may keep of it; no GPUs.
+ModelResources PlanModelPass(const DeviceOptions& options,
+                             const MemoryPlan& plan,
+                             int64_t machine_bytes = MainMemoryBytes());
+
+// Has that pass use these GPUs, which must outlive it, and what the plan has
+// for them.
+void AddGpus(const std::vector<GpuWorkers>& gpus,
+             const MemoryPlan& plan,
+             ModelResources* resources);
 
 // The most that each GPU held so far; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);

@@ -6,6 +6,8 @@
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/choose_labels.h"
+#include "colmap_tsar/scene_planes/label_votes.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 
 #include <algorithm>
@@ -66,6 +68,25 @@ std::vector<int> PlacesOf(const std::vector<int>& numbers, size_t num_planes) {
   return places;
 }
 
+// Of the planes with these numbers.
+PlaneSupport FindSupport(const std::vector<ModelledView>& views,
+                         const std::vector<ModelPlane>& planes,
+                         const std::vector<int>& numbers,
+                         const std::vector<int>& places,
+                         const PlaneSupportOptions& options) {
+  DiscoveredPlanes near;
+  for (const int number : numbers) {
+    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+    near.planes.push_back({plane.plane, plane.support});
+  }
+  std::vector<ObservedView> observed;
+  for (const ModelledView& view : views) {
+    observed.push_back(view.observed);
+    near.assignment.push_back(Translate(*view.assignment, places));
+  }
+  return FindPlaneSupport(observed, near, options);
+}
+
 }  // namespace
 
 DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
@@ -92,7 +113,8 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
 LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
                            const std::vector<ModelPlane>& planes,
                            const RefineOptions& options,
-                           Device& device) {
+                           const DeviceLender& lend_device,
+                           Image<PlaneCost>* costs) {
   std::vector<ObservedView> observed;
   for (const ModelledView& view : views) {
     observed.push_back(view.observed);
@@ -101,29 +123,61 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
   const std::vector<int> numbers =
       MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
   const std::vector<int> places = PlacesOf(numbers, planes.size());
-  DiscoveredPlanes near;
+  std::vector<Plane> camera_planes;
   for (const int number : numbers) {
-    const ModelPlane& plane = planes[static_cast<size_t>(number)];
-    near.planes.push_back({plane.plane, plane.support});
+    camera_planes.push_back(ToCameraPlane(
+        planes[static_cast<size_t>(number)].plane, observed[0].camera));
   }
   std::vector<VotingLabels> source_labels;
-  for (size_t i = 0; i < views.size(); ++i) {
-    near.assignment.push_back(Translate(*views[i].assignment, places));
-    if (i > 0 && views[i].labels != nullptr) {
-      source_labels.push_back({Translate(views[i].labels->planes, places),
-                               views[i].labels->strengths});
-    }
+  for (size_t i = 1; i < views.size() && views[i].labels != nullptr; ++i) {
+    source_labels.push_back({Translate(views[i].labels->labels.planes, places),
+                             views[i].labels->strengths});
   }
-  const PlaneSupport support = FindPlaneSupport(observed, near, scene.support);
-  LabeledView labeled =
-      LabelView(observed, near, support, scene.labels, device, source_labels);
+  const LabelInputs::Rasters rasters = {/*confident_depth=*/costs->Empty(),
+                                        /*superpixels=*/!source_labels.empty()};
+  Image<float> votes;
+  if (!numbers.empty() && observed[0].evidence->NumSuperpixels() > 0 &&
+      (rasters.confident_depth || rasters.superpixels)) {
+    const PlaneSupport support =
+        rasters.confident_depth
+            ? FindSupport(views, planes, numbers, places, scene.support)
+            : PlaneSupport();
+    const auto compute = [&](Device& device) {
+      const LabelInputs inputs(observed, rasters, device);
+      if (rasters.confident_depth) {
+        *costs = ComputePlaneCosts(
+            inputs, camera_planes, support, scene.labels, device);
+      }
+      if (rasters.superpixels) {
+        votes = ComputeLabelVotes(
+            inputs, camera_planes, source_labels, scene.labels.votes, device);
+      }
+    };
+    lend_device(
+        LabelInModelWorkingBytes(
+            MeasureLabelingSize(observed, static_cast<int>(numbers.size())),
+            rasters),
+        compute);
+  }
+  LabeledView labeled = ChooseLabels(
+      observed[0], std::move(camera_planes), *costs, votes, scene.labels);
   for (int& label : labeled.labels) {
     label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
   }
-  return {{labeled.labels,
+  return {{std::move(labeled.labels),
            std::move(labeled.evidence),
            std::move(labeled.qualities)},
-          {labeled.labels, std::move(labeled.strengths)}};
+          std::move(labeled.strengths)};
+}
+
+int64_t LabelInModelWorkingBytes(const LabelingSize& size,
+                                 const LabelInputs::Rasters& rasters) {
+  const int64_t costs =
+      rasters.confident_depth ? ComputePlaneCostsWorkingBytes(size, {}) : 0;
+  const int64_t votes =
+      rasters.superpixels ? ComputeLabelVotesWorkingBytes(size) : 0;
+  return std::max(MakeLabelInputsWorkingBytes(size, rasters),
+                  LabelInputsBytes(size, rasters) + std::max(costs, votes));
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

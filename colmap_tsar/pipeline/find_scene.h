@@ -3,15 +3,20 @@
 
 #pragma once
 
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_inputs.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/measured_planes.h"
+#include "colmap_tsar/scene_planes/plane_costs.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,8 +27,8 @@
 namespace tsar {
 
 // The steps from the evidence of views to the planes of the scene that they
-// share, and to what each view shows of these. All are for CPUs, as
-// MakeEvidence().
+// share, and to what each view shows of these. All but the costs of labels are
+// for CPUs, as MakeEvidence().
 
 // The planes that some views measured, and which of them each superpixel did.
 struct BlockOfScene {
@@ -45,27 +50,40 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
                         const RefineOptions& options,
                         Device& device);
 
+// What a view was labelled with.
+struct LabelsInModel {
+  ViewLabels labels;
+  std::vector<float> strengths;  // See LabeledView.
+};
+
 // A view, and what the model of the scene says of it so far.
 struct ModelledView {
   ObservedView observed;
   // The plane of the model that each superpixel measured, or -1.
   const std::vector<int>* assignment = nullptr;
   // Null where no view has been labelled yet.
-  const VotingLabels* labels = nullptr;
+  const LabelsInModel* labels = nullptr;
 };
 
-// What a view was labelled with: for itself, and for others.
-struct LabelsInModel {
-  ViewLabels labels;
-  VotingLabels votes;
-};
+// Has the work done with a device that has so much memory left for it.
+using DeviceLender = std::function<void(
+    int64_t num_bytes, const std::function<void(Device&)>& work)>;
 
 // Labels the first view with planes of the model, of which those count that the
-// views measured. The evidence of the first view has all its parts.
+// views measured. The evidence of the first view has all its parts. costs: what
+// these planes cost there whatever the others are labelled with, as an earlier
+// call with the same views and planes left it; empty where there was none. The
+// result has the same bits on every device.
 LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
                            const std::vector<ModelPlane>& planes,
                            const RefineOptions& options,
-                           Device& device);
+                           const DeviceLender& lend_device,
+                           Image<PlaneCost>* costs);
+
+// Of the device that is lent. rasters: confident depths where there are no
+// costs, superpixels where the others have been labelled.
+int64_t LabelInModelWorkingBytes(const LabelingSize& size,
+                                 const LabelInputs::Rasters& rasters);
 
 // The planes of the scene that an image shows and where, and what is curved.
 struct FoundScene {

@@ -11,12 +11,12 @@
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/scene_planes/choose_labels.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
-#include "colmap_tsar/scene_planes/label_votes.h"
+#include "colmap_tsar/scene_planes/label_inputs.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
-#include "colmap_tsar/scene_planes/plane_support.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"
 #include "colmap_tsar/superpixels/slic.h"
 
@@ -51,6 +51,20 @@ DiscoverySize SizeOfDiscovery(const RefineOptions& options,
   size.num_candidates =
       int64_t{num_views} *
       (kCandidatesOfRegions + DiscoverPlanesOptions().max_planes);
+  return size;
+}
+
+LabelingSize SizeOfLabeling(const RefineOptions& options,
+                            int64_t num_pixels,
+                            int num_views) {
+  LabelingSize size;
+  size.num_views = num_views;
+  size.num_pixels = MaxRasterPixels(num_pixels);
+  size.num_superpixels = NumSuperpixels(options, num_pixels);
+  size.num_observations =
+      MaxObservations(size.num_pixels, size.num_superpixels, {});
+  // As many as one view can have, and as many more by its sources.
+  size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
   return size;
 }
 
@@ -166,24 +180,22 @@ int64_t ModelBlockMainBytes(const RefineOptions& options,
          DiscoverPlanesMainBytes(size, discovery);
 }
 
+int64_t LabelViewWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views) {
+  return LabelInModelWorkingBytes(
+      SizeOfLabeling(options, num_pixels, num_views),
+      {/*confident_depth=*/true, /*superpixels=*/true});
+}
+
 int64_t LabelViewMainBytes(const RefineOptions& options,
                            int64_t num_pixels,
                            int num_views) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
-  // As many as one view can have, and as many more by its sources.
-  const int num_planes = 2 * DiscoverPlanesOptions().max_planes;
-  const int64_t graph = BytesOf<float>(num_superpixels * (num_planes + 1));
-  return std::max(
-      ComputePlaneCostsWorkingBytes(
-          num_views,
-          num_raster_pixels,
-          num_superpixels,
-          MaxObservations(num_raster_pixels, num_superpixels, {}),
-          num_planes,
-          {}),
-      graph + AddLabelVotesWorkingBytes(
-                  num_views, num_raster_pixels, num_superpixels, num_planes));
+  const LabelingSize size = SizeOfLabeling(options, num_pixels, num_views);
+  const int64_t num_costs = size.num_superpixels * size.num_planes;
+  return BytesOf<PlaneCost>(num_costs) + BytesOf<float>(num_costs) +
+         std::max(LabelViewWorkingBytes(options, num_pixels, num_views),
+                  ChooseLabelsMainBytes(size.num_superpixels, size.num_planes));
 }
 
 int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {

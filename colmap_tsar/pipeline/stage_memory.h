@@ -25,13 +25,16 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
                                  int64_t num_judged_pixels);
+// num_views: the one that is labelled, and its sources.
+int64_t LabelViewWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views);
 // Of main memory, where these run on the CPU: with what they take of its memory
 // as a device, beside what they read.
 int64_t MakeEvidenceMainBytes(const RefineOptions& options, int64_t num_pixels);
 int64_t ModelBlockMainBytes(const RefineOptions& options,
                             int64_t num_pixels,
                             int num_views);
-// num_views: the one that is labelled, and its sources.
 int64_t LabelViewMainBytes(const RefineOptions& options,
                            int64_t num_pixels,
                            int num_views);

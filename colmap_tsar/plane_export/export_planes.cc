@@ -139,6 +139,11 @@ std::vector<Eigen::Vector3d> CentersOf(const PlaneStatistics& statistics,
 
 }  // namespace
 
+bool HasPlanes(const Workspace& workspace) {
+  return Exists(GetSceneModelPath(workspace.Root())) &&
+         !FindPlaneViews(workspace).empty();
+}
+
 ExportedPlanes ExportPlanes(const Workspace& workspace,
                             const PlaneExportOptions& options,
                             Progress& progress,
@@ -162,12 +167,12 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
 
   std::vector<PlaneStatistics> statistics(model.planes.size());
   CreaseFinder crease_finder(coordinates);
-  for_each_view("Pass 1 of 2:", [&](const PlaneView& view) {
+  for_each_view("Planes, pass 1 of 2:", [&](const PlaneView& view) {
     AddStatistics(view, coordinates, &statistics);
     crease_finder.Add(view);
   });
   std::vector<SupportGrid> grids = MakeSupportGrids(statistics);
-  for_each_view("Pass 2 of 2:", [&](const PlaneView& view) {
+  for_each_view("Planes, pass 2 of 2:", [&](const PlaneView& view) {
     AddCoverage(view, coordinates, &grids);
   });
 

@@ -17,11 +17,15 @@ struct PlaneExportOptions {
   double min_area = 0.0;
 };
 
+// Whether a workspace keeps the planes of its scene and maps of them: those
+// that an earlier version refined do not, nor those refined without planes.
+bool HasPlanes(const Workspace& workspace);
+
 // The planes of a refined workspace: what its stereo/tsar/planes.bin says of
 // each, and where the refined maps of its type show it. Holds the maps of one
 // image at a time, and reads them twice. is_stopped: asked before each image.
 //
-// Throws Error: kNotFound (the workspace is not refined, or without planes),
+// Throws Error: kNotFound (HasPlanes() is false),
 // kMismatch (maps, planes and model are not of one run), kInterrupted, and what
 // the readers throw.
 ExportedPlanes ExportPlanes(const Workspace& workspace,

@@ -30,25 +30,25 @@ struct SampleList {
 
 // The samples of all groups without the pixels that hold none.
 struct GroupedSamples {
-  const int* begin;       // Of each group's pixels.
+  PixelGroupsView pixels;
   const int* num_before;  // Samples before each grouped pixel.
   const RayDepth* samples;
 
   TSAR_HD SampleList operator[](int64_t group) const {
-    const int first = num_before[begin[group]];
-    return {samples + first, num_before[begin[group + 1]] - first};
+    const int first = num_before[pixels.begin[group]];
+    return {samples + first, num_before[pixels.begin[group + 1]] - first};
   }
 };
 
 struct MarkSamplesKernel {
-  const int* begin;
+  PixelGroupsView groups;
   int num_groups;
-  const int* pixels;
   const RayDepth* samples;
   int* marks;
 
   TSAR_HD void operator()(int64_t i) const {
-    marks[i] = i < begin[num_groups] && samples[pixels[i]].z > 0.f ? 1 : 0;
+    const bool is_in_group = i < groups.begin[num_groups];
+    marks[i] = is_in_group && samples[groups.pixels[i]].z > 0.f ? 1 : 0;
   }
 };
 
@@ -179,7 +179,7 @@ struct RefitKernel {
   TSAR_HD void operator()(const Team& team, int64_t group) const {
     const SampleList list = groups[group];
     GroupPlane result;
-    result.num_pixels = groups.begin[group + 1] - groups.begin[group];
+    result.num_pixels = groups.pixels.Count(group);
     result.num_samples = list.count;
     const DepthRange range = team.template Accumulate<DepthRange>(
         list.count, [&](int i, DepthRange* sum) {
@@ -265,13 +265,10 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
   const int num_groups = groups.NumGroups();
   const size_t num_pixels = groups.pixels.Size();
   Buffer<int> marks(device, num_pixels);
-  ParallelFor(device,
-              static_cast<int64_t>(num_pixels),
-              MarkSamplesKernel{groups.begin.Data(),
-                                num_groups,
-                                groups.pixels.Data(),
-                                samples.data,
-                                marks.Data()});
+  ParallelFor(
+      device,
+      static_cast<int64_t>(num_pixels),
+      MarkSamplesKernel{groups.View(), num_groups, samples.data, marks.Data()});
   const Buffer<int> num_before = ExclusiveSum(marks.Data(), num_pixels, device);
   Buffer<RayDepth> gathered(device, num_pixels);
   ParallelFor(device,
@@ -281,7 +278,7 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                            num_before.Data(),
                            gathered.Data()});
   const GroupedSamples grouped{
-      groups.begin.Data(), num_before.Data(), gathered.Data()};
+      groups.View(), num_before.Data(), gathered.Data()};
   Buffer<int> scores(device,
                      static_cast<size_t>(num_groups) * options.num_hypotheses);
   ParallelForTeams<32>(

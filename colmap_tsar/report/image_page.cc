@@ -5,7 +5,10 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/report/debug_pictures.h"
+#include "colmap_tsar/report/label_colors.h"
 #include "colmap_tsar/report/normal_colors.h"
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/pictures.h"
@@ -15,6 +18,7 @@
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/require_size.h"
 
 #include <algorithm>
 #include <array>
@@ -58,6 +62,17 @@ Image<float> ReadConfidence(const Workspace& workspace,
   }
   std::copy(map.values.begin(), map.values.end(), confidence.begin());
   return confidence;
+}
+
+// A colour for each plane of the scene; black where there is none.
+Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
+  const Image<uint16_t> numbers =
+      RequireSizeOf(depth, "the depth map", path, ReadGray16Png(path));
+  Image<int> ids(numbers.Width(), numbers.Height());
+  std::transform(numbers.begin(), numbers.end(), ids.begin(), [](int number) {
+    return number - 1;
+  });
+  return ColorizeLabels(ids);
 }
 
 }  // namespace
@@ -121,6 +136,11 @@ ImagePage WriteImagePage(const Workspace& workspace,
   write("normals_after", ColorizeNormals(row.normals_after));
   write("provenance", provenance);
   write("confidence", ColorizeValues(confidence, 1.f, &row.after));
+  const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
+  if (options.show_planes && Exists(plane_map)) {
+    write("planes", DrawPlanes(plane_map, row.after));
+    page.has_planes = true;
+  }
   WriteJpeg(
       pictures / "preview.jpg",
       JoinPictures({FitPicture(row.image, kPreviewSize, Scaling::kAverage),

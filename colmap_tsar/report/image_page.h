@@ -31,6 +31,7 @@ struct ImagePage {
   int64_t num_after = 0;
   std::vector<int64_t> num_by_provenance;  // As ProvenanceKinds().
   std::map<std::string, double> seconds;   // Per stage, where it is recorded.
+  bool has_planes = false;  // Whether there is a picture of its planes.
   // The pictures that exist of those that only some runs have.
   std::vector<std::string> stages;
   PointSample points_before;
@@ -41,6 +42,7 @@ struct ImagePageOptions {
   int max_picture_size = 1000;  // Of the longer side, in pixels.
   // What --TsarRefine.debug_path was when the maps were made; may be empty.
   std::filesystem::path debug_path;
+  bool show_planes = false;  // Of the images that have a plane map.
   // For the 3D view; 0 points for none.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   int64_t max_num_points = 0;
@@ -53,7 +55,8 @@ std::vector<RefineStage> FindStagePictures(
 
 // Writes the pictures of a refined image into a new folder in `folder`, named
 // by its number on the page. Throws Error: what ReadComparisonRow throws,
-// kCorrupt and kMismatch for a confidence map that is not one, kIo.
+// kCorrupt and kMismatch for a confidence map or a plane map that is not one,
+// kIo.
 ImagePage WriteImagePage(const Workspace& workspace,
                          int image,
                          int number,

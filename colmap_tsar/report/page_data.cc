@@ -3,12 +3,14 @@
 
 #include "colmap_tsar/report/page_data.h"
 
+#include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/report/depth_colors.h"
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/provenance_colors.h"
 #include "colmap_tsar/report/value_colors.h"
 
 #include <cstdio>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -64,6 +66,7 @@ Json ImageJson(const ImagePage& image) {
           {"after", image.num_after},
           {"provenance", image.num_by_provenance},
           {"seconds", image.seconds},
+          {"has_planes", image.has_planes},
           {"stages", image.stages}};
 }
 
@@ -106,6 +109,23 @@ Json PointsJson(const PointView& points) {
           {"up", VectorJson(points.up)}};
 }
 
+Json NumberOrNull(const std::optional<double>& number) {
+  return number ? Json(*number) : Json();
+}
+
+Json PlaneJson(const PlanePage::Plane& plane) {
+  return {{"id", plane.id},
+          {"class", ToString(plane.plane_class)},
+          {"color", ColorText(LabelColor(plane.id))},
+          {"area", plane.area},
+          {"tilt", NumberOrNull(plane.tilt)},
+          {"images", plane.num_images},
+          {"measured", plane.share_measured},
+          {"sigma", NumberOrNull(plane.sigma)},
+          {"first", plane.first_vertex},
+          {"count", plane.num_vertices}};
+}
+
 }  // namespace
 
 std::string PageDataScript(const PageData& data) {
@@ -122,6 +142,12 @@ std::string PageDataScript(const PageData& data) {
     json["kept"].push_back({{"name", image.name}, {"reason", image.reason}});
   }
   json["points"] = PointsJson(data.points);
+  if (data.planes) {
+    json["planes"] = Json::array();
+    for (const PlanePage::Plane& plane : data.planes->planes) {
+      json["planes"].push_back(PlaneJson(plane));
+    }
+  }
   json["gains"] = Json::object();
   if (data.gains.depth) {
     json["gains"]["depth"] = GainJson(*data.gains.depth);

@@ -5,8 +5,10 @@
 
 #include "colmap_tsar/report/gains.h"
 #include "colmap_tsar/report/image_page.h"
+#include "colmap_tsar/report/plane_page.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,7 @@ struct PageData {
   std::vector<ImagePage> images;  // Without their points.
   std::vector<KeptImage> kept;
   PointView points;
+  std::optional<PlanePage> planes;  // Without their mesh.
   Gains gains;
 };
 

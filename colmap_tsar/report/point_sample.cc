@@ -38,16 +38,14 @@ std::string EncodeBase64(const std::string& bytes) {
   return text;
 }
 
-void AddPoint(const Eigen::Vector3d& point,
-              const Rgb& color,
-              PointSample* sample) {
-  for (int axis = 0; axis < 3; ++axis) {
-    sample->positions.push_back(static_cast<float>(point[axis]));
-  }
-  sample->colors.push_back(color);
-}
-
 }  // namespace
+
+void PointSample::Add(const Eigen::Vector3d& point, const Rgb& color) {
+  for (int axis = 0; axis < 3; ++axis) {
+    positions.push_back(static_cast<float>(point[axis]));
+  }
+  colors.push_back(color);
+}
 
 void PointSample::Append(const PointSample& other) {
   positions.insert(
@@ -64,9 +62,8 @@ PointSample SampleCloud(const std::filesystem::path& path,
   PointSample sample;
   sample.num_all = static_cast<int64_t>(cloud.num_points_read);
   for (size_t i = 0; i < cloud.points.size(); ++i) {
-    AddPoint(cloud.points[i] - origin,
-             cloud.colors.empty() ? kWithoutColor : cloud.colors[i],
-             &sample);
+    sample.Add(cloud.points[i] - origin,
+               cloud.colors.empty() ? kWithoutColor : cloud.colors[i]);
   }
   return sample;
 }
@@ -99,10 +96,9 @@ PointSample SampleMap(const Image<float>& depth,
         const Eigen::Vector3d in_camera(z * (x - camera.cx) / camera.fx,
                                         z * (y - camera.cy) / camera.fy,
                                         z);
-        AddPoint(camera.rotation.transpose() * in_camera +
-                     (camera.Center() - origin),
-                 colors(x, y),
-                 &sample);
+        sample.Add(camera.rotation.transpose() * in_camera +
+                       (camera.Center() - origin),
+                   colors(x, y));
       }
     }
   }

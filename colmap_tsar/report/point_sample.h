@@ -23,6 +23,7 @@ struct PointSample {
   int64_t num_all = 0;           // Points that the sample stands for.
 
   size_t NumPoints() const { return colors.size(); }
+  void Add(const Eigen::Vector3d& point, const Rgb& color);
   void Append(const PointSample& other);
 };
 

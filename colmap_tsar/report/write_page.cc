@@ -8,10 +8,12 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/device/thread_pool.h"
+#include "colmap_tsar/plane_export/export_planes.h"
 #include "colmap_tsar/report/page_data.h"
 #include "colmap_tsar/report/page_files.h"
 #include "colmap_tsar/report/page_folder.h"
 #include "colmap_tsar/report/page_text.h"
+#include "colmap_tsar/report/plane_page.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/store/input_folders.h"
 #include "colmap_tsar/store/record.h"
@@ -32,6 +34,7 @@ namespace fs = std::filesystem;
 // In page/index.html, for the name of the workspace.
 constexpr std::string_view kTitle = "@TITLE@";
 constexpr std::string_view kPointNames[] = {"before", "after"};
+constexpr std::string_view kPlaneMeshName = "planes";
 
 void Check(const PageOptions& options) {
   if (options.before_path.empty() != options.after_path.empty()) {
@@ -53,6 +56,14 @@ void WriteText(const ContainedPath& path, std::string_view text) {
   AtomicFile file(path);
   file.Stream() << text;
   file.Commit();
+}
+
+void WritePoints(const fs::path& folder,
+                 std::string_view name,
+                 const PointSample& points) {
+  const std::string text(name);
+  WriteText({folder, fs::path("data") / ("points_" + text + ".js")},
+            PointScript(text, points));
 }
 
 void WriteStaticFiles(const std::string& title, const fs::path& folder) {
@@ -162,12 +173,14 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const fs::path& folder,
                                    const PageOptions& options,
                                    const Eigen::Vector3d& origin,
+                                   bool has_planes,
                                    Progress& progress,
                                    const std::function<bool()>& should_stop) {
   ImagePageOptions image_options;
   image_options.max_picture_size = options.max_picture_size;
   image_options.debug_path = options.debug_path;
   image_options.origin = origin;
+  image_options.show_planes = has_planes;
   if (options.after_path.empty()) {
     image_options.max_num_points = std::max<int64_t>(
         1, options.max_num_points / static_cast<int64_t>(refined.size()));
@@ -258,6 +271,11 @@ int WritePage(const Workspace& workspace,
     }
   }
   data.gains = Evaluate(workspace, options);
+  if (HasPlanes(workspace)) {
+    data.planes = MakePlanePage(
+        ExportPlanes(workspace, {}, progress, should_stop), origin);
+    WritePoints(root, kPlaneMeshName, data.planes->mesh);
+  }
   data.version = TSAR_VERSION;
   data.workspace = WorkspaceName(workspace);
   data.type = ToString(workspace.Type());
@@ -266,6 +284,7 @@ int WritePage(const Workspace& workspace,
                             root / "images",
                             options,
                             origin,
+                            data.planes.has_value(),
                             progress,
                             should_stop);
   data.kept = ListKept(workspace, refined);
@@ -274,11 +293,9 @@ int WritePage(const Workspace& workspace,
     samples = TakePoints(&data.images);
   }
   for (size_t i = 0; i < samples.size(); ++i) {
-    const std::string name(kPointNames[i]);
     data.points.num_shown[i] = static_cast<int64_t>(samples[i].NumPoints());
     data.points.num_all[i] = samples[i].num_all;
-    WriteText({root, fs::path("data") / ("points_" + name + ".js")},
-              PointScript(name, samples[i]));
+    WritePoints(root, kPointNames[i], samples[i]);
   }
   WriteText({root, kPageDataFile}, PageDataScript(data));
   WriteStaticFiles(EscapeHtml(data.workspace), root);

@@ -40,7 +40,7 @@ struct PageOptions {
 // debug_path), kBadOption (one cloud without the other; scans without clouds),
 // kInterrupted once should_stop returned true, what RequireOutsideInputs,
 // WorkspaceLock (shared: a program is changing the workspace), PageFolder,
-// WriteImagePage, SampleCloud and the evaluations throw.
+// WriteImagePage, SampleCloud, ExportPlanes and the evaluations throw.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
               Progress& progress,

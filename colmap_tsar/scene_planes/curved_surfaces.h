@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/curved_surface.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 
 #include <vector>
@@ -62,7 +63,8 @@ struct CurvedView {
 // six parameters and credits it with three for each plane that it replaces
 // altogether. Surfaces fill superpixels without measurements only where
 // measurements surround these and the fit is certain there.
-// views: as for LabelView, which gave `labeled`.
+// views: the reference, of which labeled tells, then those that look at the
+// same scene.
 CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
                               const LabeledView& labeled,
                               const CurvedSurfaceOptions& options);

@@ -48,7 +48,8 @@ class Discovery {
     ChooseCandidates(candidates);
     do {
       FitToAssigned();
-    } while (DropAndMergePlanes(fitter_, options_.min_gain, &planes_));
+    } while (DropAndMergePlanes(
+        fitter_, options_.min_gain, device_->Threads(), &planes_));
     if (options_.manhattan_frame) {
       AlignPlanes();
     }

@@ -4,11 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_graph.h"
 #include "colmap_tsar/scene_planes/label_quality.h"
-#include "colmap_tsar/scene_planes/plane_support.h"
 
 #include <cstdint>
 #include <vector>
@@ -111,26 +108,5 @@ struct LabeledView {
   // (PlaneCost::strength).
   std::vector<float> strengths;
 };
-
-// Gives each superpixel of the first view one of the planes or none, by the
-// smallest sum of the costs of
-// - observations that do not lie on their plane;
-// - planes where they are not known well enough, or were not observed around;
-// - planes in front of what other views saw through them, less where other
-//   views confirm them;
-// - planes that are not those that other views were labelled with (see
-//   AddLabelVotes);
-// - neighbours with different planes, in proportion to the gap between these
-//   along the border, unless an edge of the image runs there: where two planes
-//   meet in space the change is free.
-// views: the reference, then the views that look at the same scene.
-// source_labels: of these others, in numbers of the discovered planes; or none,
-// where they have not been labelled.
-LabeledView LabelView(const std::vector<ObservedView>& views,
-                      const DiscoveredPlanes& discovered,
-                      const PlaneSupport& support,
-                      const LabelOptions& options,
-                      Device& device,
-                      const std::vector<VotingLabels>& source_labels = {});
 
 }  // namespace tsar

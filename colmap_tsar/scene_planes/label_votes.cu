@@ -3,16 +3,12 @@
 
 #include "colmap_tsar/scene_planes/label_votes.h"
 
-#include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/visibility_votes.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -26,12 +22,8 @@ struct SourceLabel {
   float weight = 0.f;
 };
 
-// A view that votes.
-struct LabelSource {
-  Intrinsics intrinsics;
-  RelativePose from_reference;
-  DepthResolution resolution;
-  ImageView<const uint16_t> superpixels;
+// What a source view was labelled with.
+struct SourceLabels {
   const SourceLabel* labels;  // By superpixel.
   const Plane* planes;        // All of them, in this view's frame.
 };
@@ -43,25 +35,18 @@ struct LabelVotes {
 };
 
 // Adds the view's vote on a point of a plane, in the reference camera's frame.
-TSAR_HD inline void AddLabelVote(const LabelSource& source,
+TSAR_HD inline void AddLabelVote(const ObservedSource& source,
+                                 const SourceLabels& labels,
                                  int plane,
                                  const Vec3f& point,
                                  const LabelVoteOptions& options,
                                  LabelVotes* votes) {
-  const Vec3f seen = source.from_reference * point;
-  if (!(seen.z > 0.f)) {
+  SeenPoint seen;
+  if (!FindInSource(source, point, &seen)) {
     return;
   }
-  float x = 0.f;
-  float y = 0.f;
-  source.intrinsics.Project(seen, &x, &y);
-  // As floats, since far outside they do not fit into integers.
-  if (!(x >= 0.f && y >= 0.f && x < source.superpixels.width - 0.5f &&
-        y < source.superpixels.height - 0.5f)) {
-    return;
-  }
-  const SourceLabel label = source.labels[source.superpixels(
-      static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f))];
+  const SourceLabel label =
+      labels.labels[source.superpixels(seen.column, seen.row)];
   if (label.plane < 0) {
     return;
   }
@@ -70,11 +55,11 @@ TSAR_HD inline void AddLabelVote(const LabelSource& source,
     return;
   }
   const float labelled =
-      source.planes[label.plane].Depth(source.intrinsics.Ray(x, y));
+      labels.planes[label.plane].Depth(source.intrinsics.Ray(seen.x, seen.y));
   if (!(labelled > 0.f)) {
     return;
   }
-  const float gap = (seen.z - labelled) /
+  const float gap = (seen.depth - labelled) /
                     (labelled * source.resolution.RelativeDepthError(labelled));
   if (fabsf(gap) < options.max_gap) {
     votes->against += options.cost_of_rival * label.weight *
@@ -85,42 +70,45 @@ TSAR_HD inline void AddLabelVote(const LabelSource& source,
 }
 
 struct LabelVoteKernel {
-  const int* first_pixels;  // Of each superpixel, among `pixels`.
-  const int* pixels;
+  PixelGroupsView pixels;  // Of the superpixels.
   const Plane* planes;
-  const LabelSource* sources;
+  const ObservedSource* sources;
+  const SourceLabels* labels;
   int num_sources;
   VoteSampling sampling;
   LabelVoteOptions options;
   int raster_width;
   Intrinsics intrinsics;
-  ImageView<PlaneCost> costs;  // Column: plane, row: superpixel.
+  ImageView<float> votes;  // Column: plane, row: superpixel.
 
   TSAR_HD void operator()(int k, int s) const {
-    const int begin = first_pixels[s];
-    const int num_pixels = first_pixels[s + 1] - begin;
+    votes(k, s) = CostOfVotes(k, s);
+  }
+
+  TSAR_HD float CostOfVotes(int k, int s) const {
+    const int num_pixels = pixels.Count(s);
     if (num_pixels == 0) {
-      return;
+      return 0.f;
     }
     const int num_tests = sampling.NumTests(num_pixels);
     float sum = 0.f;
     for (int i = 0; i < num_tests; ++i) {
       const int pixel =
-          pixels[begin + VoteSampling::Pixel(i, num_tests, num_pixels)];
+          pixels.Pixel(s, VoteSampling::Pixel(i, num_tests, num_pixels));
       const Vec3f ray =
           intrinsics.Ray(pixel % raster_width, pixel / raster_width);
       const float depth = planes[k].Depth(ray);
       if (!(depth > 0.f)) {
         continue;
       }
-      LabelVotes votes;
+      LabelVotes at_pixel;
       for (int j = 0; j < num_sources; ++j) {
-        AddLabelVote(sources[j], k, ray * depth, options, &votes);
+        AddLabelVote(sources[j], labels[j], k, ray * depth, options, &at_pixel);
       }
-      sum += fminf(votes.against, options.max_against) -
-             options.gain_of_same * fminf(votes.same, options.max_same);
+      sum += fminf(at_pixel.against, options.max_against) -
+             options.gain_of_same * fminf(at_pixel.same, options.max_same);
     }
-    costs(k, s).cost += sum * num_pixels / num_tests;
+    return sum * num_pixels / num_tests;
   }
 };
 
@@ -146,76 +134,52 @@ std::vector<Plane> MovePlanes(const std::vector<Plane>& planes,
   return result;
 }
 
-PixelGroups GroupBySuperpixel(const ViewEvidence& evidence, Device& device) {
-  Image<int> labels =
-      Image<int>::Uninitialized(evidence.width, evidence.height);
-  std::copy(
-      evidence.superpixels.begin(), evidence.superpixels.end(), labels.begin());
-  return GroupPixels(DeviceImage<int>(device, labels).View(),
-                     evidence.NumSuperpixels(),
-                     device);
-}
-
 }  // namespace
 
-void AddLabelVotes(const std::vector<ObservedView>& views,
-                   const std::vector<Plane>& planes,
-                   const std::vector<VotingLabels>& labels,
-                   const LabelVoteOptions& options,
-                   Device& device,
-                   Image<PlaneCost>* costs) {
+Image<float> ComputeLabelVotes(const LabelInputs& inputs,
+                               const std::vector<Plane>& planes,
+                               const std::vector<VotingLabels>& labels,
+                               const LabelVoteOptions& options,
+                               Device& device) {
+  const std::vector<ObservedView>& views = inputs.Views();
   const ViewEvidence& evidence = *views[0].evidence;
-  const PixelGroups groups = GroupBySuperpixel(evidence, device);
   const Buffer<Plane> device_planes(device, planes);
-  std::vector<DeviceImage<uint16_t>> superpixels;
-  std::vector<Buffer<SourceLabel>> source_labels;
-  std::vector<Buffer<Plane>> source_planes;
-  std::vector<LabelSource> sources;
+  std::vector<Buffer<SourceLabel>> labels_of_sources;
+  std::vector<Buffer<Plane>> planes_of_sources;
+  std::vector<SourceLabels> of_sources;
   for (size_t j = 1; j < views.size(); ++j) {
-    superpixels.emplace_back(device, views[j].evidence->superpixels);
-    source_labels.emplace_back(device,
-                               MakeSourceLabels(labels[j - 1], options));
-    source_planes.emplace_back(
+    labels_of_sources.emplace_back(device,
+                                   MakeSourceLabels(labels[j - 1], options));
+    planes_of_sources.emplace_back(
         device, MovePlanes(planes, views[0].camera, views[j].camera));
-    sources.push_back({views[j].camera.GetIntrinsics(),
-                       ComputeRelativePose(views[0].camera, views[j].camera),
-                       views[j].evidence->resolution,
-                       std::as_const(superpixels.back()).View(),
-                       std::as_const(source_labels.back()).Data(),
-                       std::as_const(source_planes.back()).Data()});
+    of_sources.push_back({std::as_const(labels_of_sources.back()).Data(),
+                          std::as_const(planes_of_sources.back()).Data()});
   }
-  const Buffer<LabelSource> device_sources(device, sources);
-  DeviceImage<PlaneCost> device_costs(device, *costs);
+  const Buffer<SourceLabels> device_labels(device, of_sources);
+  DeviceImage<float> votes(
+      device, static_cast<int>(planes.size()), evidence.NumSuperpixels());
   ParallelFor(device,
-              costs->Width(),
-              costs->Height(),
-              LabelVoteKernel{groups.begin.Data(),
-                              groups.pixels.Data(),
+              votes.Width(),
+              votes.Height(),
+              LabelVoteKernel{inputs.Pixels(),
                               device_planes.Data(),
-                              device_sources.Data(),
-                              static_cast<int>(sources.size()),
+                              inputs.Sources(),
+                              device_labels.Data(),
+                              inputs.NumSources(),
                               kPlaneSampling,
                               options,
                               evidence.width,
                               views[0].camera.GetIntrinsics(),
-                              device_costs.View()});
-  *costs = device_costs.ToHost();
+                              votes.View()});
+  return votes.ToHost();
 }
 
-int64_t AddLabelVotesWorkingBytes(int num_views,
-                                  int64_t num_pixels,
-                                  int64_t num_superpixels,
-                                  int num_planes) {
-  const int64_t sources =
-      (num_views - 1) *
-      (BytesOf<LabelSource>(1) + BytesOf<uint16_t>(num_pixels) +
-       BytesOf<SourceLabel>(num_superpixels) + BytesOf<Plane>(num_planes));
-  const int64_t costs = BytesOf<PlaneCost>(num_superpixels * num_planes);
-  const int64_t grouping = BytesOf<int>(num_pixels) +
-                           GroupPixelsWorkingBytes(num_pixels, num_superpixels);
-  return std::max(grouping,
-                  PixelGroupsBytes(num_pixels, num_superpixels) + sources +
-                      BytesOf<Plane>(num_planes) + costs);
+int64_t ComputeLabelVotesWorkingBytes(const LabelingSize& size) {
+  const int64_t of_source = BytesOf<SourceLabels>(1) +
+                            BytesOf<SourceLabel>(size.num_superpixels) +
+                            BytesOf<Plane>(size.num_planes);
+  return (size.num_views - 1) * of_source + BytesOf<Plane>(size.num_planes) +
+         BytesOf<float>(size.num_superpixels * size.num_planes);
 }
 
 }  // namespace tsar

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -29,6 +30,8 @@ constexpr double kMaxMergeShare = 0.1;
 // Nor are two planes each of which is worth more than this many times the cost
 // of a plane where the other one stays: a joint plane hardly makes up for that.
 constexpr double kHopelessGains = 3.0;
+// About as many joint fits are scored at a time.
+constexpr size_t kScoredAtATime = 64;
 // By how many observations it is told how far planes are apart.
 constexpr size_t kNumMergeSamples = 100;
 
@@ -66,13 +69,22 @@ struct Losses {
   std::vector<std::vector<double>> more_without_both;
 };
 
+// Two planes that one might replace, and what that may cost.
+struct Pair {
+  int a = 0;
+  int b = 0;
+  double max_loss = 0.0;
+};
+
 class PlaneMerger {
  public:
   PlaneMerger(const SuperpixelPlaneFitter& fitter,
               double min_gain,
+              ThreadPool& threads,
               std::vector<ScoredPlane>* planes)
       : fitter_(fitter),
         min_gain_(min_gain),
+        threads_(threads),
         planes_(*planes),
         ids_(planes->size()) {
     std::iota(ids_.begin(), ids_.end(), 0);
@@ -128,18 +140,25 @@ class PlaneMerger {
     }
     const std::vector<std::vector<int>> members =
         AssignedSuperpixels(rankings, planes_.size());
+    std::vector<Pair> pairs;
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
         const double max_loss =
             MaxMergeLoss(min_gain_, supports[a], supports[b]);
         if (std::min(losses.without[a], losses.without[b]) <=
             kHopelessGains * max_loss) {
-          Change change =
-              Merge(a, b, losses.WithoutBoth(a, b), members, rankings);
-          change.max_loss = max_loss;
-          consider(change);
+          pairs.push_back({a, b, max_loss});
         }
       }
+    }
+    FindJoints(pairs, members);
+    std::vector<Change> merges(pairs.size());
+    ForEach(pairs.size(), [&](size_t i) {
+      merges[i] =
+          Merge(pairs[i], losses.WithoutBoth(pairs[i].a, pairs[i].b), rankings);
+    });
+    for (const Change& merge : merges) {
+      consider(merge);
     }
     return cheapest;
   }
@@ -159,38 +178,77 @@ class PlaneMerger {
   // The fits are kept until one of the planes changes, though both may win or
   // lose some superpixels: there are hundreds of pairs, and nearly all of them
   // are looked at again after each change.
-  const Joint& FindJoint(int a,
-                         int b,
-                         const std::vector<std::vector<int>>& members) {
-    const auto [entry, is_new] = joints_.try_emplace({ids_[a], ids_[b]});
-    Joint& joint = entry->second;
-    const WorldPlane& plane_a = planes_[a].plane;
-    const WorldPlane& plane_b = planes_[b].plane;
-    if (is_new && MayBeMerged(plane_a, plane_b) &&
-        (IsNear(plane_a, members[b]) || IsNear(plane_b, members[a]))) {
-      std::vector<int> both;
-      std::merge(members[a].begin(),
-                 members[a].end(),
-                 members[b].begin(),
-                 members[b].end(),
-                 std::back_inserter(both));
-      const FitSamples samples = fitter_.Sample(both);
-      joint = fitter_.Score(
-          {fitter_.Fit(plane_a, samples), fitter_.Fit(plane_b, samples)});
+  void FindJoints(const std::vector<Pair>& pairs,
+                  const std::vector<std::vector<int>>& members) {
+    std::vector<Pair> added;
+    std::vector<Joint*> joints;
+    for (const Pair& pair : pairs) {
+      const auto [entry, is_new] =
+          joints_.try_emplace({ids_[pair.a], ids_[pair.b]});
+      if (is_new) {
+        added.push_back(pair);
+        joints.push_back(&entry->second);
+      }
     }
-    return joint;
+    std::vector<std::vector<WorldPlane>> fits(added.size());
+    ForEach(added.size(),
+            [&](size_t i) { fits[i] = FitBoth(added[i], members); });
+    ScoreJoints(fits, joints);
+  }
+
+  // Several pairs at a time: single ones are too little work for many threads.
+  void ScoreJoints(const std::vector<std::vector<WorldPlane>>& fits,
+                   const std::vector<Joint*>& joints) const {
+    std::vector<WorldPlane> planes;
+    std::vector<Joint*> owners;
+    for (size_t i = 0; i < fits.size(); ++i) {
+      planes.insert(planes.end(), fits[i].begin(), fits[i].end());
+      owners.insert(owners.end(), fits[i].size(), joints[i]);
+      if (planes.size() < kScoredAtATime && i + 1 < fits.size()) {
+        continue;
+      }
+      std::vector<ScoredPlane> scored = fitter_.Score(planes);
+      for (size_t k = 0; k < scored.size(); ++k) {
+        owners[k]->push_back(std::move(scored[k]));
+      }
+      planes.clear();
+      owners.clear();
+    }
+  }
+
+  // None where the planes are too different.
+  std::vector<WorldPlane> FitBoth(
+      const Pair& pair, const std::vector<std::vector<int>>& members) const {
+    const WorldPlane& plane_a = planes_[pair.a].plane;
+    const WorldPlane& plane_b = planes_[pair.b].plane;
+    const std::vector<int>& members_a = members[pair.a];
+    const std::vector<int>& members_b = members[pair.b];
+    if (!MayBeMerged(plane_a, plane_b) ||
+        !(IsNear(plane_a, members_b) || IsNear(plane_b, members_a))) {
+      return {};
+    }
+    std::vector<int> both;
+    std::merge(members_a.begin(),
+               members_a.end(),
+               members_b.begin(),
+               members_b.end(),
+               std::back_inserter(both));
+    const FitSamples samples = fitter_.Sample(both);
+    return {fitter_.Fit(plane_a, samples), fitter_.Fit(plane_b, samples)};
   }
 
   // By the better one of the two fits.
-  Change Merge(int a,
-               int b,
+  Change Merge(const Pair& pair,
                double loss_without_both,
-               const std::vector<std::vector<int>>& members,
-               const std::vector<Ranking>& rankings) {
-    Change change{b, std::numeric_limits<double>::infinity(), 0.0, a, nullptr};
-    for (const ScoredPlane& fit : FindJoint(a, b, members)) {
+               const std::vector<Ranking>& rankings) const {
+    Change change{pair.b,
+                  std::numeric_limits<double>::infinity(),
+                  pair.max_loss,
+                  pair.a,
+                  nullptr};
+    for (const ScoredPlane& fit : joints_.at({ids_[pair.a], ids_[pair.b]})) {
       const double loss = loss_without_both - PlaneGain(fit, [&](int k) {
-                            return rankings[k].BestWithout(a, b);
+                            return rankings[k].BestWithout(pair.a, pair.b);
                           });
       if (loss < change.loss) {
         change.loss = loss;
@@ -200,8 +258,18 @@ class PlaneMerger {
     return change;
   }
 
+  template <typename Function>
+  void ForEach(size_t count, const Function& function) const {
+    threads_.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) {
+        function(static_cast<size_t>(i));
+      }
+    });
+  }
+
   const SuperpixelPlaneFitter& fitter_;
   double min_gain_;
+  ThreadPool& threads_;
   std::vector<ScoredPlane>& planes_;
   // A number for each plane, another one after each change of it, and the
   // joint fits by those of the two planes.
@@ -221,8 +289,9 @@ bool MayBeMerged(const WorldPlane& a, const WorldPlane& b) {
 
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
                         double min_gain,
+                        ThreadPool& threads,
                         std::vector<ScoredPlane>* planes) {
-  return PlaneMerger(fitter, min_gain, planes).Run();
+  return PlaneMerger(fitter, min_gain, threads, planes).Run();
 }
 
 }  // namespace tsar

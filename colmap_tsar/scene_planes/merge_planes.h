@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
 #include "colmap_tsar/scene_planes/superpixel_plane_fitter.h"
@@ -24,9 +25,10 @@ bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 // Drops planes, which may cost min_gain each, and replaces pairs by a joint
 // fit, which may cost MaxMergeLoss(), as long as there is such a change; the
 // one that costs the smallest share of what it may comes first. Returns whether
-// there was any.
+// there was any, which does not depend on the threads.
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
                         double min_gain,
+                        ThreadPool& threads,
                         std::vector<ScoredPlane>* planes);
 
 }  // namespace tsar

@@ -3,9 +3,6 @@
 
 #include "colmap_tsar/scene_planes/plane_costs.h"
 
-#include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/device/working_bytes.h"
@@ -42,7 +39,6 @@ struct SuperpixelData {
   int first_confirmed = 0;
   int num_confirmed = 0;     // In the sample,
   int confirmed_pixels = 0;  // and altogether.
-  int first_pixel = 0;
   int num_pixels = 0;
   float weight = 0.f;
   // Confidence of the observations together.
@@ -75,9 +71,9 @@ struct CostKernel {
   const Observation* observations;
   const uint8_t* is_measured;
   const RayDepth* confirmed;
-  const int* pixels;
+  PixelGroupsView pixels;  // Of the superpixels.
   const PlanePoint* cells;
-  const SourceDepths* sources;
+  const ObservedSource* sources;
   int num_sources;
   VoteSampling sampling;
   VoteLimits limits;
@@ -94,7 +90,7 @@ struct CostKernel {
     const PlaneData& plane = planes[k];
     PlaneCost result;
     AddObservations(superpixel, plane.plane, &result);
-    AddOtherViews(superpixel, plane.plane, &result);
+    AddOtherViews(s, plane.plane, &result);
     const float unobserved =
         fmaxf(superpixel.num_pixels - superpixel.weight, 0.f);
     result.uncertainty = Uncertainty(superpixel.ray, plane);
@@ -162,28 +158,29 @@ struct CostKernel {
     return fminf(residual / options.tolerance, 1.f);
   }
 
-  TSAR_HD void AddOtherViews(const SuperpixelData& superpixel,
+  TSAR_HD void AddOtherViews(int superpixel,
                              const Plane& plane,
                              PlaneCost* result) const {
-    if (superpixel.num_pixels == 0) {
+    const int num_pixels = pixels.Count(superpixel);
+    if (num_pixels == 0) {
       return;
     }
-    const SuperpixelVotes sum = CollectVotes(
-        superpixel.num_pixels,
-        sampling,
-        sources,
-        num_sources,
-        limits,
-        [&](int number, Vec3f* point) {
-          const int pixel = pixels[superpixel.first_pixel + number];
-          const Vec3f ray =
-              intrinsics.Ray(pixel % raster_width, pixel / raster_width);
-          const float depth = plane.Depth(ray);
-          *point = ray * depth;
-          return IsPossible(depth);
-        });
+    const SuperpixelVotes sum =
+        CollectVotes(num_pixels,
+                     sampling,
+                     sources,
+                     num_sources,
+                     limits,
+                     [&](int number, Vec3f* point) {
+                       const int pixel = pixels.Pixel(superpixel, number);
+                       const Vec3f ray = intrinsics.Ray(pixel % raster_width,
+                                                        pixel / raster_width);
+                       const float depth = plane.Depth(ray);
+                       *point = ray * depth;
+                       return IsPossible(depth);
+                     });
     const float pixels_per_test =
-        static_cast<float>(superpixel.num_pixels) / sum.num_tests;
+        static_cast<float>(num_pixels) / sum.num_tests;
     const float pixels_per_vote = pixels_per_test / kMaxVotes;
     result->cost +=
         kCostOfImpossible * pixels_per_test * sum.num_impossible +
@@ -251,11 +248,22 @@ std::vector<PlaneData> MakePlaneData(const std::vector<Plane>& planes,
   return result;
 }
 
-// groups: the pixels of the superpixels, in main memory.
 std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
-                                               const Intrinsics& intrinsics,
-                                               const std::vector<int>& begin,
-                                               const std::vector<int>& pixels) {
+                                               const Intrinsics& intrinsics) {
+  struct PixelSum {
+    int64_t x = 0;
+    int64_t y = 0;
+    int count = 0;
+  };
+  std::vector<PixelSum> sums(evidence.weights.size());
+  for (int y = 0; y < evidence.height; ++y) {
+    for (int x = 0; x < evidence.width; ++x) {
+      PixelSum& sum = sums[evidence.superpixels(x, y)];
+      sum.x += x;
+      sum.y += y;
+      ++sum.count;
+    }
+  }
   std::vector<SuperpixelData> superpixels;
   for (size_t s = 0; s < evidence.weights.size(); ++s) {
     SuperpixelData data;
@@ -268,23 +276,17 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
           evidence.first_confirmed[s + 1] - data.first_confirmed;
       data.confirmed_pixels = evidence.confirmed_pixels[s];
     }
-    data.first_pixel = begin[s];
-    data.num_pixels = begin[s + 1] - begin[s];
+    data.num_pixels = sums[s].count;
     data.weight = evidence.weights[s];
     for (int i = 0; i < data.num_observations; ++i) {
       data.confidence +=
           evidence.observations[static_cast<size_t>(data.first_observation + i)]
               .confidence;
     }
-    double x = 0.0;
-    double y = 0.0;
-    for (int i = begin[s]; i < begin[s + 1]; ++i) {
-      x += pixels[static_cast<size_t>(i)] % evidence.width;
-      y += pixels[static_cast<size_t>(i)] / evidence.width;
-    }
-    const int count = std::max(data.num_pixels, 1);
-    data.ray = intrinsics.Ray(static_cast<float>(x / count),
-                              static_cast<float>(y / count));
+    const double count = std::max(data.num_pixels, 1);
+    data.ray = intrinsics.Ray(
+        static_cast<float>(static_cast<double>(sums[s].x) / count),
+        static_cast<float>(static_cast<double>(sums[s].y) / count));
     superpixels.push_back(data);
   }
   return superpixels;
@@ -308,35 +310,16 @@ std::pair<float, float> DepthRange(const ViewEvidence& evidence) {
 
 }  // namespace
 
-Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
+Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                                    const std::vector<Plane>& planes,
                                    const PlaneSupport& support,
                                    const LabelOptions& options,
                                    Device& device) {
-  const ViewEvidence& evidence = *views[0].evidence;
-  const Intrinsics intrinsics = views[0].camera.GetIntrinsics();
-  Image<int> labels =
-      Image<int>::Uninitialized(evidence.width, evidence.height);
-  std::copy(
-      evidence.superpixels.begin(), evidence.superpixels.end(), labels.begin());
-  const PixelGroups groups =
-      GroupPixels(DeviceImage<int>(device, labels).View(),
-                  evidence.NumSuperpixels(),
-                  device);
+  const ObservedView& reference = inputs.Views()[0];
+  const ViewEvidence& evidence = *reference.evidence;
+  const Intrinsics intrinsics = reference.camera.GetIntrinsics();
   const Buffer<SuperpixelData> superpixels(
-      device,
-      MakeSuperpixelData(
-          evidence, intrinsics, groups.begin.ToHost(), groups.pixels.ToHost()));
-  std::vector<DeviceImage<float>> confident_depths;
-  std::vector<SourceDepths> sources;
-  for (size_t j = 1; j < views.size(); ++j) {
-    confident_depths.emplace_back(device, views[j].evidence->confident_depth);
-    sources.push_back({views[j].camera.GetIntrinsics(),
-                       ComputeRelativePose(views[0].camera, views[j].camera),
-                       views[j].evidence->resolution,
-                       std::as_const(confident_depths.back()).View()});
-  }
-  const Buffer<SourceDepths> device_sources(device, sources);
+      device, MakeSuperpixelData(evidence, intrinsics));
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
   const Buffer<Observation> observations(device, evidence.observations);
   const Buffer<uint8_t> is_measured(device, evidence.is_measured);
@@ -353,10 +336,10 @@ Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
                          observations.Data(),
                          is_measured.Data(),
                          confirmed.Data(),
-                         groups.pixels.Data(),
+                         inputs.Pixels(),
                          cells.Data(),
-                         device_sources.Data(),
-                         static_cast<int>(sources.size()),
+                         inputs.Sources(),
+                         inputs.NumSources(),
                          kPlaneSampling,
                          {options.confirmation_share * options.tolerance,
                           options.min_contradiction},
@@ -377,29 +360,18 @@ float UnlabelledCost(float weight,
          options.unlabelled_cost * std::max(num_pixels - weight, 0.f);
 }
 
-int64_t ComputePlaneCostsWorkingBytes(int num_views,
-                                      int64_t num_pixels,
-                                      int64_t num_superpixels,
-                                      int64_t num_observations,
-                                      int num_planes,
+int64_t ComputePlaneCostsWorkingBytes(const LabelingSize& size,
                                       const PlaneSupportOptions& support) {
-  const int64_t labels = BytesOf<int>(num_pixels);
-  const int64_t superpixels = BytesOf<SuperpixelData>(num_superpixels);
-  const int64_t sources =
-      (num_views - 1) * (BytesOf<SourceDepths>(1) + BytesOf<float>(num_pixels));
   // No cell is without an observation.
-  const int64_t max_cells =
-      std::min(num_views * num_observations,
-               int64_t{support.num_cells} * support.num_cells * num_planes);
-  const int64_t planes =
-      BytesOf<PlaneData>(num_planes) + BytesOf<PlanePoint>(max_cells);
-  const int64_t costs = BytesOf<PlaneCost>(num_superpixels * num_planes);
-  return std::max(labels + GroupPixelsWorkingBytes(num_pixels, num_superpixels),
-                  PixelGroupsBytes(num_pixels, num_superpixels) + superpixels +
-                      sources + planes +
-                      BytesOf<Observation>(num_observations) +
-                      BytesOf<uint8_t>(num_observations) +
-                      BytesOf<RayDepth>(num_pixels) + costs);
+  const int64_t max_cells = std::min(
+      size.num_views * size.num_observations,
+      int64_t{support.num_cells} * support.num_cells * size.num_planes);
+  return BytesOf<SuperpixelData>(size.num_superpixels) +
+         BytesOf<PlaneData>(size.num_planes) + BytesOf<PlanePoint>(max_cells) +
+         BytesOf<Observation>(size.num_observations) +
+         BytesOf<uint8_t>(size.num_observations) +
+         BytesOf<RayDepth>(size.num_pixels) +
+         BytesOf<PlaneCost>(size.num_superpixels * size.num_planes);
 }
 
 }  // namespace tsar

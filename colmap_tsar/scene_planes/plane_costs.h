@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/label_inputs.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 
@@ -31,10 +31,10 @@ struct PlaneCost {
   float uncertainty = 0.f;
 };
 
-// The cost of each superpixel of the first view (row) on each plane (column),
-// neighbours left aside. views: see LabelView; planes: in the reference
-// camera's frame, with their support.
-Image<PlaneCost> ComputePlaneCosts(const std::vector<ObservedView>& views,
+// The cost of each superpixel of the reference (row) on each plane (column),
+// neighbours and the labels of other views left aside. inputs: with confident
+// depths; planes: in the reference camera's frame, with their support.
+Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                                    const std::vector<Plane>& planes,
                                    const PlaneSupport& support,
                                    const LabelOptions& options,
@@ -45,13 +45,7 @@ float UnlabelledCost(float weight,
                      float num_pixels,
                      const LabelOptions& options);
 
-// num_pixels: of the raster of each view; superpixels and observations are
-// those of the first view.
-int64_t ComputePlaneCostsWorkingBytes(int num_views,
-                                      int64_t num_pixels,
-                                      int64_t num_superpixels,
-                                      int64_t num_observations,
-                                      int num_planes,
+int64_t ComputePlaneCostsWorkingBytes(const LabelingSize& size,
                                       const PlaneSupportOptions& support);
 
 }  // namespace tsar

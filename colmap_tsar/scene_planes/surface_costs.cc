@@ -25,10 +25,8 @@ SurfaceCosts::SurfaceCosts(const std::vector<ObservedView>& views,
       labeled_(labeled),
       options_(options) {
   for (size_t j = 1; j < views.size(); ++j) {
-    sources_.push_back({views[j].camera.GetIntrinsics(),
-                        ComputeRelativePose(views[0].camera, views[j].camera),
-                        views[j].evidence->resolution,
-                        views[j].evidence->confident_depth.View()});
+    sources_.push_back(MakeObservedSource(views[0], views[j]));
+    sources_.back().confident_depth = views[j].evidence->confident_depth.View();
   }
   MakeSuperpixels();
 }

@@ -91,7 +91,7 @@ class SurfaceCosts {
   DepthResolution resolution_;
   const LabeledView& labeled_;
   const CurvedSurfaceOptions& options_;
-  std::vector<SourceDepths> sources_;
+  std::vector<ObservedSource> sources_;
   std::vector<Superpixel> superpixels_;
 };
 

@@ -3,11 +3,9 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/scene_planes/observed_source.h"
 
 #include <cmath>
 #include <cstdint>
@@ -16,14 +14,6 @@
 // the same depth there confirms it, and one that saw through it, to a depth
 // that is as good as certain, contradicts it.
 namespace tsar {
-
-// A view that looks at the same scene, on its raster.
-struct SourceDepths {
-  Intrinsics intrinsics;
-  RelativePose from_reference;
-  DepthResolution resolution;
-  ImageView<const float> confident_depth;  // 0 where none is certain.
-};
 
 // Gaps between a surface and what another view measured, in relative depths of
 // one pixel of disparity.
@@ -41,28 +31,19 @@ struct Votes {
 };
 
 // Adds the view's vote on a point in the reference camera's frame.
-TSAR_HD inline void AddVote(const SourceDepths& source,
+TSAR_HD inline void AddVote(const ObservedSource& source,
                             const Vec3f& point,
                             const VoteLimits& limits,
                             Votes* votes) {
-  const Vec3f seen = source.from_reference * point;
-  if (!(seen.z > 0.f)) {
+  SeenPoint seen;
+  if (!FindInSource(source, point, &seen)) {
     return;
   }
-  float x = 0.f;
-  float y = 0.f;
-  source.intrinsics.Project(seen, &x, &y);
-  // As floats, since far outside they do not fit into integers.
-  if (!(x >= 0.f && y >= 0.f && x < source.confident_depth.width - 0.5f &&
-        y < source.confident_depth.height - 0.5f)) {
-    return;
-  }
-  const float measured = source.confident_depth(static_cast<int>(x + 0.5f),
-                                                static_cast<int>(y + 0.5f));
+  const float measured = source.confident_depth(seen.column, seen.row);
   if (!(measured > 0.f)) {
     return;
   }
-  const float gap = (seen.z - measured) /
+  const float gap = (seen.depth - measured) /
                     (measured * source.resolution.RelativeDepthError(measured));
   if (fabsf(gap) < limits.max_confirmed) {
     ++votes->confirmed;
@@ -110,7 +91,7 @@ struct SuperpixelVotes {
 template <typename PointAt>
 TSAR_HD SuperpixelVotes CollectVotes(int num_pixels,
                                      const VoteSampling& sampling,
-                                     const SourceDepths* sources,
+                                     const ObservedSource* sources,
                                      int num_sources,
                                      const VoteLimits& limits,
                                      const PointAt& point_at) {

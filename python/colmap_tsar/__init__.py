@@ -12,7 +12,8 @@ refine() fills the depth and normal maps of a dense workspace where walls, floor
 and facades have no texture, in COLMAP's own format and under the same names;
 restore() puts COLMAP's maps back. evaluate_depth() and evaluate_cloud() score the
 result against ground truth. RefineOptions explains every option, and Error what
-can go wrong. help() of each tells the rest.
+can go wrong. read_planes() and read_plane_map() give the planes of a refined
+scene as arrays of NumPy. help() of each tells the rest.
 
 has_cuda says whether this package was built for NVIDIA GPUs; without, everything
 is computed on the CPU, with the same results.
@@ -38,6 +39,7 @@ from ._evaluate import (
     evaluate_depth,
 )
 from ._options import RefineOptions
+from ._planes import Planes, Polygon, read_plane_map, read_planes
 from ._refine import RefineSummary, RestoreSummary, refine, restore
 
 __all__ = [
@@ -53,6 +55,8 @@ __all__ = [
     "MismatchError",
     "NotFoundError",
     "OutOfMemoryError",
+    "Planes",
+    "Polygon",
     "RefineOptions",
     "RefineSummary",
     "RestoreSummary",
@@ -61,6 +65,8 @@ __all__ = [
     "evaluate_cloud",
     "evaluate_depth",
     "has_cuda",
+    "read_plane_map",
+    "read_planes",
     "refine",
     "restore",
 ]

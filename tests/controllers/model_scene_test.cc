@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <mutex>
 #include <set>
 #include <sstream>
 
+#include "tests/controllers/counting_device.h"
 #include "tests/support/synthetic_room.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,7 +69,7 @@ class ModelSceneTest : public testing::Test {
                       evidence,
                       refine_options_,
                       options_,
-                      threads_,
+                      resources_,
                       "Model,",
                       progress,
                       should_stop);
@@ -155,7 +157,7 @@ class ModelSceneTest : public testing::Test {
   std::vector<SceneView> views_;
   RefineOptions refine_options_;
   ModelSceneOptions options_;
-  ModelThreads threads_;
+  ModelResources resources_;
   std::ostringstream text_;
 };
 
@@ -172,11 +174,50 @@ TEST_F(ModelSceneTest, BlocksOfSingleViewsGiveThePlanesOfOneBlock) {
   ExpectSurfaces(*Run());
 }
 
-TEST_F(ModelSceneTest, DoesNotDependOnTheThreads) {
+TEST_F(ModelSceneTest, DoesNotDependOnTheResources) {
   options_.max_block_views = 2;
   const SceneModel one = *Run();
-  threads_ = {4, 2, 3};
+  resources_.num_threads = 4;
+  resources_.num_blocks = 2;
+  resources_.num_views = 3;
   ExpectSame(one, *Run());
+  // Room for the costs of some views, and of all.
+  for (const int64_t max_kept_bytes : {int64_t{10000}, int64_t{1} << 30}) {
+    resources_.max_kept_bytes = max_kept_bytes;
+    ExpectSame(one, *Run());
+  }
+}
+
+TEST_F(ModelSceneTest, KeptCostsAreComputedOnce) {
+  CountingDevice gpu("first", SIZE_MAX);
+  resources_.gpus = {{"GPU", &gpu}};
+  resources_.max_gpu_bytes = INT64_MAX;
+  const SceneModel without = *Run();
+  const int num_allocations = gpu.NumAllocations();
+  EXPECT_GT(num_allocations, 0);
+  resources_.max_kept_bytes = int64_t{1} << 30;
+  ExpectSame(without, *Run());
+  EXPECT_LT(gpu.NumAllocations() - num_allocations, num_allocations);
+}
+
+TEST_F(ModelSceneTest, GpusGetTheViewsThatFit) {
+  const SceneModel on_cpu = *Run();
+  CountingDevice first("first", SIZE_MAX);
+  CountingDevice second("second", SIZE_MAX);
+  resources_.num_threads = 3;
+  resources_.num_views = 3;
+  resources_.gpus = {{"GPU 0", &first}, {"GPU 1", &second}};
+  // Too little for any view.
+  resources_.max_gpu_bytes = 1000;
+  ExpectSame(on_cpu, *Run());
+  EXPECT_EQ(first.NumAllocations() + second.NumAllocations(), 0);
+  resources_.max_gpu_bytes = 1 << 24;
+  ExpectSame(on_cpu, *Run());
+  for (CountingDevice* gpu : {&first, &second}) {
+    EXPECT_GT(gpu->NumAllocations(), 0);
+    EXPECT_LE(static_cast<int64_t>(gpu->PeakMemory()),
+              resources_.max_gpu_bytes);
+  }
 }
 
 TEST_F(ModelSceneTest, AWallThatLeansInOneViewIsUpright) {

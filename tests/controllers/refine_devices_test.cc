@@ -3,7 +3,10 @@
 
 #include "colmap_tsar/controllers/refine_devices.h"
 
+#include "colmap_tsar/pipeline/find_scene.h"
+
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,6 +39,50 @@ TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
   options_.choice = DeviceChoice::kCuda;
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 2);
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 0);
+}
+
+TEST_F(RefineDevicesTest, TheModelPassHasTheGpusOfTheWorkers) {
+  const RefineDevices devices = Create(2);
+  ASSERT_EQ(devices.model.gpus.size(), devices.workers.size());
+  for (size_t i = 0; i < devices.workers.size(); ++i) {
+    EXPECT_EQ(devices.model.gpus[i].name, devices.workers[i].name);
+    EXPECT_EQ(devices.model.gpus[i].device, devices.workers[i].device.get());
+  }
+  EXPECT_GE(devices.model.max_gpu_bytes, Plan().work);
+  EXPECT_EQ(Create(2, 2).model.max_gpu_bytes, Plan().work);
+  options_.choice = DeviceChoice::kCpu;
+  EXPECT_TRUE(Create(2).model.gpus.empty());
+}
+
+TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
+  options_.choice = DeviceChoice::kCpu;
+  const ModelResources model = Create(0).model;
+  EXPECT_EQ(model.num_views, 16);
+  EXPECT_EQ(model.max_kept_bytes + 16 * Plan().label_view,
+            static_cast<int64_t>(options_.cache_size * kGigabyte));
+  // No view is labelled beside another one, and nothing is left.
+  options_.cache_size = 0.001;
+  EXPECT_EQ(PlanModelPass(options_, Plan(), machine_bytes_).num_views, 1);
+  EXPECT_EQ(PlanModelPass(options_, Plan(), machine_bytes_).max_kept_bytes, 0);
+}
+
+TEST_F(RefineDevicesTest, GpusCanRateTheLabelsOfMostViews) {
+  for (const int64_t num_pixels : {300000, 1500000, 6400000}) {
+    for (const int num_sources : {10, 20}) {
+      overview_.max_num_pixels = num_pixels;
+      overview_.max_num_sources = num_sources;
+      LabelingSize size;
+      size.num_views = num_sources + 1;
+      size.num_pixels = std::min<int64_t>(num_pixels, 777 * 777);
+      size.num_superpixels = size.num_pixels / 350;
+      size.num_observations = 32 * size.num_superpixels;
+      size.num_planes = 80;
+      EXPECT_LE(LabelInModelWorkingBytes(
+                    size, {/*confident_depth=*/true, /*superpixels=*/true}),
+                Create(1).model.max_gpu_bytes)
+          << num_pixels << " " << num_sources;
+    }
+  }
 }
 
 TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {

@@ -33,7 +33,7 @@ HTMLCanvasElement.prototype.getContext = function (kind, options) {
 # The colours of a canvas: the share of pixels that differ from its corner, and
 # a number that changes with the picture.
 READ_CANVAS = """
-const canvas = document.querySelector("canvas");
+const canvas = document.querySelector(arguments[0]);
 const copy = document.createElement("canvas");
 copy.width = canvas.width;
 copy.height = canvas.height;
@@ -143,12 +143,13 @@ class Browser:
             "return document.documentElement.scrollWidth - window.innerWidth"
         )
 
-    def canvas(self):
+    def canvas(self, selector="canvas"):
         self.ask(
-            "document.querySelector('canvas').scrollIntoView({ behavior: 'instant' })"
+            "document.querySelector(arguments[0]).scrollIntoView({ behavior: 'instant' })",
+            selector,
         )
         time.sleep(0.5)  # A frame or two.
-        return self.ask(READ_CANVAS)
+        return self.ask(READ_CANVAS, selector)
 
     def errors(self):
         """What the console holds since the last call."""

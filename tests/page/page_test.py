@@ -130,6 +130,44 @@ def check_points(browser):
     check(browser.canvas()["share"] < turned["share"], "a key makes them smaller")
 
 
+def check_planes(browser, page):
+    browser.look(*DESKTOP)
+    browser.open(page)
+    section = "#planes"
+    browser.canvas(f"{section} canvas")
+    browser.wait(
+        f"return /^\\d+ planes/.test(document.querySelector('{section} .view p').textContent)",
+        "the planes are loaded",
+    )
+    num_shown = lambda: int(browser.find(f"{section} .view p")[0].text.split()[0])
+    whole = browser.canvas(f"{section} canvas")
+    check(whole["share"] > 0.2, f"the planes cover {whole['share']:.0%} of their view")
+    num_planes = num_shown()
+    rows = browser.find(f"{section} tbody tr")
+    check(len(rows) == min(num_planes, 20), f"{len(rows)} of {num_planes} planes are listed")
+    check(all(row.find_elements("css selector", ".swatch") for row in rows), "with colours")
+    areas = [float(row.find_elements("css selector", "td")[2].text) for row in rows]
+    check(areas == sorted(areas, reverse=True), "the largest first")
+    toggles = browser.find(f"{section} fieldset input")
+    labels = browser.find(f"{section} fieldset label")
+    counts = [int(label.text.split()[1]) for label in labels]
+    check(sum(counts) == num_planes, "each plane is of a class")
+    browser.find(f"{section} td button")[0].send_keys(Keys.ENTER)
+    picked = browser.canvas(f"{section} canvas")
+    check(picked["hash"] != whole["hash"], "a click picks a plane out")
+    browser.find(f"{section} td button")[0].send_keys(Keys.ENTER)
+    check(browser.canvas(f"{section} canvas") == whole, "and another lets it go")
+    browser.find(f"{section} canvas")[0].send_keys(Keys.ARROW_LEFT * 4)
+    turned = browser.canvas(f"{section} canvas")
+    check(turned["hash"] != whole["hash"], "keys turn the planes")
+    for toggle, count in zip(toggles, counts):
+        before = num_shown()
+        toggle.send_keys(Keys.SPACE)
+        check(num_shown() == before - count, f"{count} planes are hidden with their class")
+    check(browser.canvas(f"{section} canvas")["share"] == 0, "until none is left")
+    check(browser.errors() == [], "planes: the console is empty")
+
+
 def check_images(browser, page):
     browser.look(*DESKTOP)
     browser.open(page)
@@ -139,7 +177,7 @@ def check_images(browser, page):
     for figure in browser.find("figure:not(.overlay)"):
         check_slider(browser, figure)
     layers = browser.find("input[name=layer]")
-    check(len(layers) == 7, "there are two layers and five stages")
+    check(len(layers) == 8, "there are three layers and five stages")
     over = ".overlay .compare img + img"
     for layer in layers:
         layer.send_keys(Keys.SPACE)
@@ -216,6 +254,7 @@ try:
     browser.open(index)
     check_points(browser)
     check_nothing_is_missing(browser, "the overview")
+    check_planes(browser, index)
     check(len(browser.find("#gain tbody tr")) == 4, "the gain has a row for each measure")
     check_images(browser, index)
     check_themes(browser, index)

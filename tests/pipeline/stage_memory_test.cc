@@ -111,6 +111,7 @@ class StageMemoryTest : public testing::Test {
         ModelBlockMainBytes(options, num_pixels_, num_views));
     const std::unique_ptr<Device> block_device = Device::CreateCpu(1);
     const BlockOfScene block = ModelBlock(views, options, *block_device);
+    ExpectLabelsPlanned(views, block, options);
     FoundScene found;
     EXPECT_LE(PeakOf([&](Device& device) {
                 found = FindSceneOfBlock(views, block, options, device);
@@ -122,6 +123,33 @@ class StageMemoryTest : public testing::Test {
                     ComposeImage(
                         drawn_.views[0], views, found, options, device);
                   }));
+  }
+
+  // Of the device that is lent, without costs and with those of a former call.
+  void ExpectLabelsPlanned(const std::vector<ObservedView>& views,
+                           const BlockOfScene& block,
+                           const RefineOptions& options) {
+    std::vector<ModelPlane> planes;
+    for (const MeasuredScenePlane& plane : block.planes) {
+      planes.push_back(ToModelPlane(plane));
+    }
+    std::vector<ModelledView> modelled;
+    for (size_t i = 0; i < views.size(); ++i) {
+      modelled.push_back({views[i], &block.assignment[i]});
+    }
+    const DeviceLender lend_device =
+        [](int64_t planned, const std::function<void(Device&)>& work) {
+          EXPECT_LE(PeakOf(work), planned);
+        };
+    Image<PlaneCost> costs;
+    const LabelsInModel labels =
+        LabelInModel(modelled, planes, options, lend_device, &costs);
+    for (ModelledView& view : modelled) {
+      view.labels = &labels;
+    }
+    LabelInModel(modelled, planes, options, lend_device, &costs);
+    costs = {};
+    LabelInModel(modelled, planes, options, lend_device, &costs);
   }
 
   SyntheticViews drawn_;

@@ -6,13 +6,13 @@
 // A reference and other views of drawn planes, to be labelled.
 
 #include "colmap_tsar/scene_planes/gather_evidence.h"
-#include "colmap_tsar/scene_planes/label_view.h"
 
 #include <algorithm>
 #include <functional>
 #include <memory>
 #include <vector>
 
+#include "tests/support/label_view.h"
 #include "tests/support/synthetic_scene.h"
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

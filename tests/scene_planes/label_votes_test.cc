@@ -52,13 +52,12 @@ class LabelVotesTest : public testing::Test {
 
   // The vote on each pixel of a superpixel.
   float Vote(int plane, int superpixel = 5, int num_threads = 1) const {
-    Image<PlaneCost> costs(static_cast<int>(planes_.size()), kNumSuperpixels);
-    for (PlaneCost& cost : costs) {
-      cost.cost = 7.f;
-    }
     const std::unique_ptr<Device> device = Device::CreateCpu(num_threads);
-    AddLabelVotes(views_, planes_, labels_, options_, *device, &costs);
-    return (costs(plane, superpixel).cost - 7.f) / kPixels;
+    const LabelInputs inputs(
+        views_, {/*confident_depth=*/false, /*superpixels=*/true}, *device);
+    return ComputeLabelVotes(inputs, planes_, labels_, options_, *device)(
+               plane, superpixel) /
+           kPixels;
   }
 
   ViewEvidence evidence_;

@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/pipeline/find_scene.h"
 
+#include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -22,18 +24,21 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
   for (const MeasuredScenePlane& plane : block.planes) {
     planes.push_back(ToModelPlane(plane));
   }
+  const auto lend_device =
+      [&](int64_t, const std::function<void(Device&)>& work) { work(device); };
   std::vector<LabelsInModel> labels;
   for (int sweep = 0; sweep < num_sweeps; ++sweep) {
     std::vector<LabelsInModel> next;
     for (size_t i = 0; i < views.size(); ++i) {
       std::vector<ModelledView> modelled;
       for (size_t j = 0; j < views.size(); ++j) {
-        modelled.push_back({views[j],
-                            &block.assignment[j],
-                            sweep > 0 ? &labels[j].votes : nullptr});
+        modelled.push_back(
+            {views[j], &block.assignment[j], sweep > 0 ? &labels[j] : nullptr});
       }
       std::swap(modelled[0], modelled[i]);
-      next.push_back(LabelInModel(modelled, planes, options, device));
+      Image<PlaneCost> costs;
+      next.push_back(
+          LabelInModel(modelled, planes, options, lend_device, &costs));
     }
     labels = std::move(next);
   }

@@ -134,6 +134,20 @@ window.TsarDetail = (() => {
             h("li", {}, swatch("#000"), "no depth")
           ),
       ],
+      ...(image.has_planes
+        ? [
+            [
+              "planes",
+              "Planes",
+              () =>
+                h(
+                  "p",
+                  { class: "muted" },
+                  "The planes of the scene, each in the colour that it has in their list; black is none."
+                ),
+            ],
+          ]
+        : []),
       ...image.stages.map((stage) => [
         stage,
         STAGES[stage].title,

@@ -13,6 +13,7 @@
   const { h } = window.TsarElements;
   const { gainSection, keptSection, summarySection } = window.TsarSummary;
   const { pointsSection } = window.TsarPointSection;
+  const { planesSection } = window.TsarPlaneSection;
   const { imagesSection, listWith } = window.TsarImageGrid;
   const { showDetail } = window.TsarDetail;
 
@@ -78,6 +79,7 @@
       [summarySection(), "Summary"],
       [gainSection(), "Gain"],
       [pointsSection(), "3D view"],
+      [planesSection(), "Planes"],
       [imagesSection(), "Images"],
       [keptSection(), "Left as they were"],
     ].filter(([section]) => section);

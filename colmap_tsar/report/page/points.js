@@ -1,7 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A viewer of point clouds: turns about what is up, by mouse, touch and keys.
+// A viewer of point clouds and of meshes: turns about what is up, by mouse, touch
+// and keys.
 
 "use strict";
 
@@ -12,12 +13,13 @@ window.TsarPoints = (() => {
     uniform mat4 view;
     uniform mat4 projection;
     uniform float size;
+    uniform float brightness;
     varying vec3 shade;
     void main() {
       vec4 seen = view * vec4(position, 1.0);
       gl_Position = projection * seen;
       gl_PointSize = clamp(size / max(-seen.z, 1e-6), 1.0, 24.0);
-      shade = color;
+      shade = brightness * color;
     }`;
   const FRAGMENT = `
     precision mediump float;
@@ -90,6 +92,8 @@ window.TsarPoints = (() => {
       this.clouds = {};
       this.shown = null;
       this.pointSize = 1;
+      this.parts = null;
+      this.showsBacks = false;
       this.firstEye = eye;
       this.up = unit(up);
       this.pending = false;
@@ -98,7 +102,8 @@ window.TsarPoints = (() => {
     }
 
     // positions: Float32Array; colors: Uint8Array; three of each per point.
-    add(name, positions, colors) {
+    // framed: the positions that frame() goes by, if not all of these.
+    add(name, positions, colors, framed = positions) {
       const gl = this.gl;
       const buffer = (data) => {
         const made = gl.createBuffer();
@@ -110,7 +115,7 @@ window.TsarPoints = (() => {
         count: positions.length / 3,
         positions: buffer(positions),
         colors: buffer(colors),
-        extent: extent(positions),
+        extent: extent(framed),
       };
     }
 
@@ -122,6 +127,15 @@ window.TsarPoints = (() => {
 
     show(name) {
       this.shown = name;
+      this.request();
+    }
+
+    // Draws triangles instead of points, three vertices each: a list of
+    // { first, count, brightness }. showsBacks: also from the side from which they
+    // run clockwise; otherwise one looks through them there.
+    showTriangles(parts, showsBacks) {
+      this.parts = parts;
+      this.showsBacks = showsBacks;
       this.request();
     }
 
@@ -243,7 +257,16 @@ window.TsarPoints = (() => {
       gl.bindBuffer(gl.ARRAY_BUFFER, cloud.colors);
       gl.enableVertexAttribArray(1);
       gl.vertexAttribPointer(1, 3, gl.UNSIGNED_BYTE, true, 0, 0);
-      gl.drawArrays(gl.POINTS, 0, cloud.count);
+      gl.uniform1f(uniform("brightness"), 1);
+      if (!this.parts) {
+        gl.drawArrays(gl.POINTS, 0, cloud.count);
+        return;
+      }
+      (this.showsBacks ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
+      for (const { first, count, brightness } of this.parts) {
+        gl.uniform1f(uniform("brightness"), brightness);
+        gl.drawArrays(gl.TRIANGLES, first, count);
+      }
     }
 
     listen() {
@@ -306,7 +329,7 @@ window.TsarPoints = (() => {
           ArrowDown: () => this.rotate(0, turn),
           "+": () => this.zoom(0.9),
           "-": () => this.zoom(1.1),
-          Home: () => this.frame("after"),
+          Home: () => this.frame(this.shown),
         };
         if (actions[event.key] && this.target) {
           event.preventDefault();
@@ -330,10 +353,12 @@ window.TsarPoints = (() => {
     };
   }
 
-  // Loads data/points_NAME.js, which calls tsarPoints(). One at a time.
+  // Loads data/points_NAME.js, which calls tsarPoints(NAME, ...).
+  const loading = {};
+  window.tsarPoints = (name, text) => loading[name](decode(text));
   function load(name) {
     return new Promise((resolve, reject) => {
-      window.tsarPoints = (loaded, text) => resolve(decode(text));
+      loading[name] = resolve;
       const script = document.createElement("script");
       script.src = `data/points_${name}.js`;
       script.onerror = () => reject(new Error(`${script.src} is missing`));

@@ -1,56 +1,56 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/choose_labels.h"
 
-#include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/image.h"
-#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/border_costs.h"
-#include "colmap_tsar/scene_planes/label_votes.h"
-#include "colmap_tsar/scene_planes/plane_costs.h"
+#include "colmap_tsar/scene_planes/label_graph.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+#include <span>
+#include <utility>
 
 namespace tsar {
 namespace {
 
-// Of the superpixel with label k, which costs this much without a plane.
-LabelQuality RateLabel(const Image<PlaneCost>& costs,
-                       int superpixel,
-                       int k,
-                       float unlabelled_cost,
+// of_labels: what each label would cost the superpixel, the last one being
+// none; chosen: one of them.
+LabelQuality RateLabel(const PlaneCost& cost,
+                       std::span<const float> of_labels,
+                       int chosen,
                        float num_pixels) {
-  float next_best = unlabelled_cost;
-  for (int other = 0; other < costs.Width(); ++other) {
-    if (other != k) {
-      next_best = std::min(next_best, costs(other, superpixel).cost);
+  float next_best = std::numeric_limits<float>::infinity();
+  for (size_t k = 0; k < of_labels.size(); ++k) {
+    if (static_cast<int>(k) != chosen) {
+      next_best = std::min(next_best, of_labels[k]);
     }
   }
-  const PlaneCost& cost = costs(k, superpixel);
   LabelQuality quality;
   quality.explained = ByteOf<0, 1>(cost.explained);
   quality.strength = ByteOf<0, 1>(cost.strength);
   quality.confirmed = ByteOf<0, 1>(cost.confirmed);
   quality.uncertainty = ByteOf<0, 1>(cost.uncertainty);
   quality.margin =
-      ByteOf<-1, 2>((next_best - cost.cost) / std::max(num_pixels, 1.f));
+      ByteOf<-1, 2>((next_best - of_labels[static_cast<size_t>(chosen)]) /
+                    std::max(num_pixels, 1.f));
   return quality;
 }
 
 }  // namespace
 
-LabeledView LabelView(const std::vector<ObservedView>& views,
-                      const DiscoveredPlanes& discovered,
-                      const PlaneSupport& support,
-                      const LabelOptions& options,
-                      Device& device,
-                      const std::vector<VotingLabels>& source_labels) {
-  const ViewEvidence& evidence = *views[0].evidence;
+LabeledView ChooseLabels(const ObservedView& view,
+                         std::vector<Plane> planes,
+                         const Image<PlaneCost>& costs,
+                         const Image<float>& votes,
+                         const LabelOptions& options) {
+  const ViewEvidence& evidence = *view.evidence;
   const int num_superpixels = evidence.NumSuperpixels();
-  const int num_planes = static_cast<int>(discovered.planes.size());
+  const int num_planes = static_cast<int>(planes.size());
   LabeledView result;
+  result.planes = std::move(planes);
   result.labels.assign(static_cast<size_t>(num_superpixels), -1);
   result.evidence.assign(static_cast<size_t>(num_superpixels),
                          LabelEvidence::kNone);
@@ -58,15 +58,6 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   result.strengths.assign(static_cast<size_t>(num_superpixels), 0.f);
   if (num_planes == 0 || num_superpixels == 0) {
     return result;
-  }
-  for (const ScenePlane& found : discovered.planes) {
-    result.planes.push_back(ToCameraPlane(found.plane, views[0].camera));
-  }
-  Image<PlaneCost> costs =
-      ComputePlaneCosts(views, result.planes, support, options, device);
-  if (!source_labels.empty()) {
-    AddLabelVotes(
-        views, result.planes, source_labels, options.votes, device, &costs);
   }
   std::vector<float> num_pixels(static_cast<size_t>(num_superpixels), 0.f);
   for (const uint16_t label : evidence.superpixels) {
@@ -77,7 +68,8 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
   graph.num_labels = num_planes + 1;
   for (int s = 0; s < num_superpixels; ++s) {
     for (int k = 0; k < num_planes; ++k) {
-      graph.unary.push_back(costs(k, s).cost);
+      const float vote = votes.Empty() ? 0.f : votes(k, s);
+      graph.unary.push_back(costs(k, s).cost + vote);
     }
     const auto i = static_cast<size_t>(s);
     graph.unary.push_back(
@@ -87,7 +79,7 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
     graph.edges.push_back({border.first, border.second});
   }
   const BorderCosts border_costs(evidence,
-                                 views[0].camera.GetIntrinsics(),
+                                 view.camera.GetIntrinsics(),
                                  evidence.resolution,
                                  result.planes,
                                  options.full_gap);
@@ -102,11 +94,11 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
     }
     const auto i = static_cast<size_t>(s);
     result.labels[i] = k;
+    const auto num_labels = static_cast<size_t>(graph.num_labels);
     result.qualities[i] =
-        RateLabel(costs,
-                  s,
+        RateLabel(costs(k, s),
+                  {graph.unary.data() + i * num_labels, num_labels},
                   k,
-                  UnlabelledCost(evidence.weights[i], num_pixels[i], options),
                   num_pixels[i]);
     result.strengths[i] = costs(k, s).strength;
     result.evidence[i] = costs(k, s).explained > 0.f ? LabelEvidence::kMeasured
@@ -115,6 +107,15 @@ LabeledView LabelView(const std::vector<ObservedView>& views,
                              : LabelEvidence::kGuessed;
   }
   return result;
+}
+
+int64_t ChooseLabelsMainBytes(int64_t num_superpixels, int num_planes) {
+  constexpr int64_t kBordersPerSuperpixel = 3;
+  const int64_t costs = BytesOf<float>(num_superpixels * (num_planes + 1));
+  const int64_t depths_at_borders =
+      BytesOf<float>(kBordersPerSuperpixel * num_superpixels * num_planes *
+                     SuperpixelBorder::kNumPixels);
+  return costs + depths_at_borders;
 }
 
 }  // namespace tsar

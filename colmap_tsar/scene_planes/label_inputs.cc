@@ -1,0 +1,85 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/label_inputs.h"
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/working_bytes.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+PixelGroups GroupBySuperpixel(const ViewEvidence& evidence, Device& device) {
+  Image<int> labels =
+      Image<int>::Uninitialized(evidence.width, evidence.height);
+  std::copy(
+      evidence.superpixels.begin(), evidence.superpixels.end(), labels.begin());
+  return GroupPixels(DeviceImage<int>(device, labels).View(),
+                     evidence.NumSuperpixels(),
+                     device);
+}
+
+}  // namespace
+
+LabelInputs::LabelInputs(const std::vector<ObservedView>& views,
+                         const Rasters& rasters,
+                         Device& device)
+    : views_(views), pixels_(GroupBySuperpixel(*views[0].evidence, device)) {
+  std::vector<ObservedSource> sources;
+  for (size_t j = 1; j < views.size(); ++j) {
+    const ViewEvidence& evidence = *views[j].evidence;
+    sources.push_back(MakeObservedSource(views[0], views[j]));
+    if (rasters.confident_depth) {
+      confident_depths_.emplace_back(device, evidence.confident_depth);
+      sources.back().confident_depth =
+          std::as_const(confident_depths_.back()).View();
+    }
+    if (rasters.superpixels) {
+      superpixels_.emplace_back(device, evidence.superpixels);
+      sources.back().superpixels = std::as_const(superpixels_.back()).View();
+    }
+  }
+  sources_ = Buffer<ObservedSource>(device, sources);
+}
+
+LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
+                                 int num_planes) {
+  LabelingSize size;
+  size.num_views = static_cast<int>(views.size());
+  size.num_planes = num_planes;
+  for (const ObservedView& view : views) {
+    const ViewEvidence& evidence = *view.evidence;
+    size.num_pixels =
+        std::max(size.num_pixels, int64_t{evidence.width} * evidence.height);
+    size.num_superpixels =
+        std::max<int64_t>(size.num_superpixels, evidence.NumSuperpixels());
+    size.num_observations =
+        std::max(size.num_observations,
+                 static_cast<int64_t>(evidence.observations.size()));
+  }
+  return size;
+}
+
+int64_t MakeLabelInputsWorkingBytes(const LabelingSize& size,
+                                    const LabelInputs::Rasters& rasters) {
+  const int64_t grouping =
+      BytesOf<int>(size.num_pixels) +
+      GroupPixelsWorkingBytes(size.num_pixels, size.num_superpixels);
+  return std::max(grouping, LabelInputsBytes(size, rasters));
+}
+
+int64_t LabelInputsBytes(const LabelingSize& size,
+                         const LabelInputs::Rasters& rasters) {
+  const int64_t of_source =
+      BytesOf<ObservedSource>(1) +
+      (rasters.confident_depth ? BytesOf<float>(size.num_pixels) : 0) +
+      (rasters.superpixels ? BytesOf<uint16_t>(size.num_pixels) : 0);
+  return PixelGroupsBytes(size.num_pixels, size.num_superpixels) +
+         (size.num_views - 1) * of_source;
+}
+
+}  // namespace tsar

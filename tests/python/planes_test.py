@@ -1,0 +1,194 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""read_planes() and read_plane_map() give as arrays what tsar_planes writes.
+
+Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
+build folder. Skipped where it cannot be had."""
+import json
+import subprocess
+import sys
+import unittest
+from unittest import mock
+
+import colmap_tsar
+from sample_testing import digests
+from support import SKIPPED, WORK_FOLDER, SampleTest, run_program
+from virtual_environment import VirtualEnvironment
+
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
+try:
+    import numpy as np
+except ImportError:
+    np = None
+
+MAP = "stereo/plane_maps/v001.jpg.geometric.png"
+
+
+class PlanesTest(SampleTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        colmap_tsar.refine(cls.sample, device="cpu", progress=False)
+
+    def truncate(self, name, size=None):
+        path = self.workspace / name
+        content = path.read_bytes()
+        path.write_bytes(content[: len(content) * 2 // 3 if size is None else size])
+
+    def test_gives_what_the_program_writes(self):
+        before = digests(self.workspace)
+        planes = colmap_tsar.read_planes(self.workspace)
+        self.assertEqual(digests(self.workspace), before)
+        output = self.folder / "planes.json"
+        run_program(
+            *("tsar_planes", "--workspace_path", self.workspace),
+            *("--output_path", output),
+        )
+        expected = json.loads(output.read_text())
+        self.assertGreaterEqual(len(planes), 3)
+        self.assertEqual(len(planes), len(expected["planes"]))
+        self.assertEqual(planes.input_type, expected["maps"])
+        self.assertEqual(planes.num_images, expected["num_images"])
+        self.assertEqual(planes.vertical.tolist(), expected["vertical"])
+        self.assertEqual(planes.vertical_from, expected["vertical_from"])
+        self.assertEqual(planes.frames.tolist(), expected["frames"])
+        for name, key in (
+            ("ids", "id"),
+            ("normals", "normal"),
+            ("offsets", "offset"),
+            ("centers", "center"),
+            ("areas", "area"),
+            ("resolutions", "resolution"),
+            ("shares_measured", "share_measured"),
+            ("supports", "support"),
+            ("num_pixels", "num_pixels"),
+            ("components", "component"),
+        ):
+            with self.subTest(name=name):
+                self.assertEqual(
+                    getattr(planes, name).tolist(),
+                    [plane[key] for plane in expected["planes"]],
+                )
+        for i, plane in enumerate(expected["planes"]):
+            with self.subTest(plane=plane["id"]):
+                self.assertEqual(planes.classes[i], plane["class"])
+                self.assertEqual(planes.meets[i], plane["meets"])
+                self.assertEqual(
+                    planes.axes[i].tolist(), [plane["axis_s"], plane["axis_t"]]
+                )
+                covariance = [
+                    [np.inf if value is None else value for value in row]
+                    for row in plane["covariance"]
+                ]
+                self.assertEqual(planes.covariances[i].tolist(), covariance)
+                for numbers, key in (
+                    (planes.frame_ids, "frame"),
+                    (planes.frame_axes, "axis"),
+                ):
+                    value = -1 if plane[key] is None else plane[key]
+                    self.assertEqual(numbers[i], value)
+                self.assertEqual(
+                    planes.images[i],
+                    {image["name"]: image["num_pixels"] for image in plane["images"]},
+                )
+                self.assertEqual(len(planes.polygons[i]), len(plane["polygons"]))
+                for polygon, other in zip(planes.polygons[i], plane["polygons"]):
+                    self.assertEqual(polygon.outline.tolist(), other["outline"])
+                    self.assertEqual(
+                        [hole.tolist() for hole in polygon.holes], other["holes"]
+                    )
+
+    def test_shapes_hold_without_any_plane(self):
+        planes = colmap_tsar.read_planes(self.workspace, min_area=1e9)
+        self.assertEqual(len(planes), 0)
+        self.assertEqual(planes.normals.shape, (0, 3))
+        self.assertEqual(planes.covariances.shape, (0, 3, 3))
+        self.assertEqual(planes.ids.shape, (0,))
+
+    def test_small_planes_are_left_out(self):
+        planes = colmap_tsar.read_planes(self.workspace)
+        area = float(np.median(planes.areas))
+        large = colmap_tsar.read_planes(self.workspace, min_area=area)
+        kept = planes.areas >= area
+        self.assertLess(len(large), len(planes))
+        self.assertEqual(large.ids.tolist(), planes.ids[kept].tolist())
+        np.testing.assert_array_equal(large.normals, planes.normals[kept])
+
+    def test_maps_hold_the_ids(self):
+        planes = colmap_tsar.read_planes(self.workspace)
+        labels = colmap_tsar.read_plane_map(self.workspace / MAP)
+        self.assertEqual(labels.shape, (360, 480))
+        self.assertEqual(labels.dtype, np.int32)
+        self.assertTrue(set(np.unique(labels)) <= {-1, *planes.ids.tolist()})
+        for i, plane in enumerate(planes.ids):
+            count = planes.images[i].get("v001.jpg", 0)
+            # A few pixels may be too far off their plane to be counted.
+            self.assertLessEqual(abs((labels == plane).sum() - count), count * 0.01)
+        labels[:] = 0  # It is the caller's own.
+
+    def test_missing_and_damaged_files_are_named(self):
+        with self.assertRaisesRegex(FileNotFoundError, "nowhere.*no such"):
+            colmap_tsar.read_planes(self.folder / "nowhere")
+        with self.assertRaisesRegex(colmap_tsar.NotFoundError, "nowhere.png"):
+            colmap_tsar.read_plane_map(self.folder / "nowhere.png")
+        for name, size in (
+            ("stereo/tsar/planes.bin", None),
+            ("stereo/tsar/planes.bin", 0),
+            (MAP, None),
+            (MAP, 0),
+        ):
+            with self.subTest(name=name, size=size):
+                self.workspace = self.new_workspace(f"{len(name)} {size}")
+                self.truncate(name, size)
+                with self.assertRaisesRegex(
+                    colmap_tsar.CorruptError, name.split("/")[-1]
+                ):
+                    colmap_tsar.read_planes(self.workspace)
+                if name == MAP:
+                    with self.assertRaises(colmap_tsar.CorruptError):
+                        colmap_tsar.read_plane_map(self.workspace / MAP)
+        with self.assertRaisesRegex(colmap_tsar.CorruptError, "16 bits"):
+            colmap_tsar.read_plane_map(self.sample / "images" / "v000.jpg")
+
+    def test_planes_and_maps_of_different_runs_are_not_mixed(self):
+        labels = colmap_tsar.read_plane_map(self.workspace / MAP)
+        self.assertGreaterEqual(labels.max(), 0)
+        (self.workspace / "stereo/tsar/planes.bin").unlink()
+        with self.assertRaisesRegex(colmap_tsar.NotFoundError, "tsar_refine"):
+            colmap_tsar.read_planes(self.workspace)
+
+    def test_a_workspace_that_was_not_refined_has_none(self):
+        colmap_tsar.restore(self.workspace)
+        with self.assertRaisesRegex(
+            colmap_tsar.NotFoundError, "no refined geometric maps; run tsar_refine"
+        ):
+            colmap_tsar.read_planes(self.workspace)
+
+    def test_bad_arguments_are_named(self):
+        for area in (-1.0, float("nan"), float("inf")):
+            with self.assertRaisesRegex(ValueError, "^min_area: "):
+                colmap_tsar.read_planes(self.workspace, min_area=area)
+        with self.assertRaisesRegex(ValueError, "^input_type: 'best'"):
+            colmap_tsar.read_planes(self.workspace, input_type="best")
+        with self.assertRaisesRegex(colmap_tsar.NotFoundError, "photometric"):
+            colmap_tsar.read_planes(self.workspace, input_type="photometric")
+
+    def test_says_that_it_needs_numpy(self):
+        with mock.patch.dict(sys.modules, {"numpy": None}):
+            for read in (colmap_tsar.read_planes, colmap_tsar.read_plane_map):
+                with self.assertRaisesRegex(ImportError, "pip install numpy"):
+                    read(self.workspace)
+
+
+def run_in_environment():
+    environment = VirtualEnvironment(WORK_FOLDER / "numpy_environment")
+    if not environment.install("numpy"):
+        print("skipped: numpy cannot be had from the package index")
+        return SKIPPED
+    return subprocess.run([environment.python, __file__, "--inside"]).returncode
+
+
+if __name__ == "__main__":
+    if np is None and not IS_INSIDE:
+        sys.exit(run_in_environment())
+    unittest.main(argv=sys.argv[:1])
