@@ -11,6 +11,7 @@
 // observe and model; REFINED: a copy of it after pass compose too.
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/plane_export/plane_view.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 #include "colmap_tsar/store/evidence_file.h"
@@ -36,7 +37,7 @@ constexpr float kRight = 0.01f;  // Of the depth.
 // Evenly spaced samples of a scene for each kind of depth, at most; a scene
 // with less than half as many counts less.
 constexpr size_t kMaxSamples = 4000;
-constexpr double kRegularization = 3e-4;
+constexpr double kRegularization = 1e-6;
 constexpr int kNumIterations = 25;
 
 enum Kind {

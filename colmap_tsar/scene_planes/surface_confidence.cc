@@ -3,10 +3,14 @@
 
 #include "colmap_tsar/scene_planes/surface_confidence.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tsar {
 namespace {
+
+// Nothing is certain, and 0 stands for no depth.
+constexpr float kLeastConfidence = 0.01f;
 
 // The log-odds of a depth being right: a constant, and how much each measure of
 // the label counts. The margin of a label contains what it gains by the other
@@ -25,28 +29,30 @@ struct LogOdds {
                            confirmed * quality.confirmed.Value() +
                            uncertainty * quality.uncertainty.Value() +
                            margin * quality.margin.Value();
-    return 1.f / (1.f + std::exp(-log_odds));
+    return std::clamp(1.f / (1.f + std::exp(-log_odds)),
+                      kLeastConfidence,
+                      1.f - kLeastConfidence);
   }
 };
 
-constexpr LogOdds kMoved = {.constant = 1.05f,
-                            .confirmed = -1.06f,
-                            .uncertainty = -3.66f,
-                            .margin = 4.98f};
-constexpr LogOdds kFilledByMeasured = {.constant = 0.31f,
-                                       .confirmed = -3.74f,
-                                       .uncertainty = -5.12f,
-                                       .margin = 8.79f};
+constexpr LogOdds kMoved = {.constant = 0.90f,
+                            .confirmed = -1.26f,
+                            .uncertainty = -4.21f,
+                            .margin = 5.46f};
+constexpr LogOdds kFilledByMeasured = {.constant = 0.26f,
+                                       .confirmed = -4.34f,
+                                       .uncertainty = -4.35f,
+                                       .margin = 9.17f};
 // Planes that the view itself did not measure there.
-constexpr LogOdds kFilledByOthers = {.constant = -0.52f,
-                                     .strength = 3.21f,
-                                     .confirmed = -7.20f,
-                                     .uncertainty = -2.20f,
-                                     .margin = 11.22f};
+constexpr LogOdds kFilledByOthers = {.constant = -0.50f,
+                                     .strength = 3.62f,
+                                     .confirmed = -7.82f,
+                                     .uncertainty = -2.46f,
+                                     .margin = 11.45f};
 constexpr LogOdds kStanding = {
-    .constant = 0.16f, .explained = 0.23f, .margin = 0.56f};
+    .constant = -0.38f, .explained = -0.57f, .margin = 2.58f};
 constexpr LogOdds kStandingWeakly = {
-    .constant = -0.48f, .explained = -2.79f, .margin = 1.69f};
+    .constant = -0.60f, .explained = -1.78f, .margin = 0.21f};
 
 }  // namespace
 

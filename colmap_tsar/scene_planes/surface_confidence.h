@@ -19,13 +19,13 @@ struct SurfaceConfidence {
   float standing_weakly = 0.f;
 };
 
-// By logistic regression (docs/method.md, "Confidence").
+// By logistic regression (docs/method.md, "Confidence"); from 0.01 to 0.99.
 SurfaceConfidence RateSurface(LabelEvidence evidence,
                               const LabelQuality& quality);
 
 // Where the scene has no plane: of the plane of a region, and of what the
 // weighted median interpolated.
-inline constexpr float kConfidenceOfRegion = 0.47f;
-inline constexpr float kConfidenceOfInterpolated = 0.28f;
+inline constexpr float kConfidenceOfRegion = 0.54f;
+inline constexpr float kConfidenceOfInterpolated = 0.31f;
 
 }  // namespace tsar

@@ -27,14 +27,18 @@ LabelQuality Quality(float margin, float uncertainty = 0.1f) {
   return quality;
 }
 
-TEST(ByteOfTest, KeepsItsRangeToOnePartIn510) {
-  EXPECT_EQ(ByteOf<-1, 2>().Value(), 0.f);
-  EXPECT_EQ((ByteOf<0, 1>(1.f).Value()), 1.f);
-  EXPECT_EQ((ByteOf<-1, 2>(-1.f).Value()), -1.f);
-  EXPECT_EQ((ByteOf<-1, 2>(7.f).Value()), 2.f);
-  EXPECT_EQ((ByteOf<0, 1>(-7.f).Value()), 0.f);
-  for (float value = -1.f; value <= 2.f; value += 0.001f) {
-    EXPECT_NEAR((ByteOf<-1, 2>(value).Value()), value, 3.01f / 510.f);
+using Share = ByteOf<0, 1>;
+using Margin = ByteOf<-1, 2>;
+
+TEST(ByteOfTest, KeepsItsRangeToHalfAStep) {
+  EXPECT_EQ(Margin().Value(), 0.f);
+  EXPECT_EQ(Share(1.f).Value(), 1.f);
+  EXPECT_EQ(Share(-7.f).Value(), 0.f);
+  EXPECT_EQ(Margin(-1.f).Value(), -1.f);
+  EXPECT_EQ(Margin(7.f).Value(), 2.f);
+  for (int i = -1000; i <= 2000; ++i) {
+    const float value = 0.001f * static_cast<float>(i);
+    EXPECT_NEAR(Margin(value).Value(), value, 0.5001f * 3.f / 255.f);
   }
 }
 
@@ -43,8 +47,8 @@ TEST(SurfaceConfidenceTest, ValuesAreProbabilities) {
     for (const float uncertainty : {0.f, 1.f}) {
       for (const float value : Values(RateSurface(
                LabelEvidence::kGuessed, Quality(margin, uncertainty)))) {
-        EXPECT_GT(value, 0.f);
-        EXPECT_LT(value, 1.f);
+        EXPECT_GE(value, 0.01f);
+        EXPECT_LE(value, 0.99f);
       }
     }
   }
