@@ -48,6 +48,8 @@ enum Kind {
   kStandingWeakly,
   kRegion,
   kInterpolated,
+  kMovedToCurved,
+  kFilledByCurved,
   kNumKinds
 };
 constexpr const char* kKindNames[kNumKinds] = {"moved",
@@ -56,7 +58,9 @@ constexpr const char* kKindNames[kNumKinds] = {"moved",
                                                "standing",
                                                "standing weakly",
                                                "region",
-                                               "interpolated"};
+                                               "interpolated",
+                                               "moved to curved",
+                                               "filled by curved"};
 
 enum Measure {
   kExplained,
@@ -76,6 +80,8 @@ const std::array<std::vector<int>, kNumKinds> kMeasuresOfKinds = {
     {kExplained, kMargin},
     {kExplained, kMargin},
     {},
+    {},
+    {},
     {}};
 
 struct Sample {
@@ -84,23 +90,33 @@ struct Sample {
 };
 using SamplesOfScene = std::array<std::vector<Sample>, kNumKinds>;
 
-Kind KindOf(Provenance source,
-            bool is_on_plane,
-            LabelEvidence evidence,
-            uint8_t rating) {
-  if (source == Provenance::kInterpolated) {
+// What is known of a pixel with a depth.
+struct Pixel {
+  Provenance source;
+  bool is_on_plane;  // Of the scene.
+  bool keeps_depth;  // That was measured.
+  bool is_labelled;  // Its superpixel has a plane.
+  LabelEvidence evidence;
+  uint8_t rating;
+};
+
+// As RateSceneConfidence() tells them apart, but that depths on curved surfaces
+// are known here by what they are not.
+Kind KindOf(const Pixel& pixel) {
+  if (pixel.source == Provenance::kInterpolated) {
     return kInterpolated;
   }
-  if (source == Provenance::kMeasured) {
-    return is_on_plane ? kMoved
-           : MeasurementRating::IsTrusted(rating) ||
-                   MeasurementRating::IsConfirmedDistinctly(rating)
+  if (pixel.source == Provenance::kMeasured) {
+    return pixel.is_on_plane    ? kMoved
+           : !pixel.keeps_depth ? kMovedToCurved
+           : MeasurementRating::IsTrusted(pixel.rating) ||
+                   MeasurementRating::IsConfirmedDistinctly(pixel.rating)
                ? kStanding
                : kStandingWeakly;
   }
-  return !is_on_plane                           ? kRegion
-         : evidence == LabelEvidence::kMeasured ? kFilledByMeasured
-                                                : kFilledByOthers;
+  return !pixel.is_on_plane ? (pixel.is_labelled ? kFilledByCurved : kRegion)
+         : pixel.evidence == LabelEvidence::kMeasured ? kFilledByMeasured
+                                                      : kFilledByOthers;
 }
 
 // The pixel of an image of another size at the same place.
@@ -116,6 +132,7 @@ const T& AtSamePlace(const Image<T>& image,
 void CollectView(const PlaneView& view,
                  const ViewEvidence& evidence,
                  const ViewLabels& labels,
+                 const Image<float>& original,
                  const Image<float>& truth,
                  SamplesOfScene* samples) {
   for (int y = 0; y < view.depth.Height(); ++y) {
@@ -128,10 +145,13 @@ void CollectView(const PlaneView& view,
       const size_t superpixel =
           AtSamePlace(evidence.superpixels, x, y, view.depth);
       const LabelQuality& quality = labels.qualities[superpixel];
-      const Kind kind = KindOf(static_cast<Provenance>(view.provenance(x, y)),
-                               view.planes(x, y) > 0,
-                               labels.evidence[superpixel],
-                               AtSamePlace(evidence.ratings, x, y, view.depth));
+      const Kind kind =
+          KindOf({static_cast<Provenance>(view.provenance(x, y)),
+                  view.planes(x, y) > 0,
+                  depth == original(x, y),
+                  labels.planes[superpixel] >= 0,
+                  labels.evidence[superpixel],
+                  AtSamePlace(evidence.ratings, x, y, view.depth)});
       (*samples)[kind].push_back({{quality.explained.Value(),
                                    quality.strength.Value(),
                                    quality.confirmed.Value(),
@@ -156,6 +176,7 @@ SamplesOfScene CollectScene(const std::string& modelled_root,
         ReadEvidence(modelled.Root() / "stereo" / "tsar" / "evidence" /
                      (name + ".geometric.bin")),
         labels,
+        ReadDepthMap(modelled.DepthPath(image, MapType::kGeometric)),
         ReadDepthMap(modelled.SourceRoot() / "ground_truth" / "depth" /
                      (name + ".bin")),
         &samples);

@@ -5,33 +5,36 @@
 
 #include "colmap_tsar/base/error.h"
 
+#include <numeric>
 #include <utility>
 
 namespace tsar {
 
+DevicePool::DevicePool(std::vector<NamedDevice> devices)
+    : devices_(std::move(devices)), free_(devices_.size()) {
+  std::iota(free_.begin(), free_.end(), size_t{0});
+}
+
 void DevicePool::Run(const std::function<void(Device&)>& work) {
-  NamedDevice lent;
-  {
-    std::unique_lock<std::mutex> lock(mutex_);
-    is_free_.wait(lock, [this] { return !free_.empty(); });
-    lent = std::move(free_.front());
-    free_.pop_front();
-  }
-  const auto give_back = [&] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    free_.push_back(lent);
-    is_free_.notify_one();
-  };
+  const Loan loan(*this);
   try {
-    work(*lent.device);
+    work(*loan.Get().device);
   } catch (const Error& error) {
-    give_back();
-    throw Error(error.Code(), lent.name + ": " + error.what());
-  } catch (...) {
-    give_back();
-    throw;
+    throw Error(error.Code(), loan.Get().name + ": " + error.what());
   }
-  give_back();
+}
+
+DevicePool::Loan::Loan(DevicePool& pool) : pool_(pool) {
+  std::unique_lock<std::mutex> lock(pool_.mutex_);
+  pool_.is_free_.wait(lock, [this] { return !pool_.free_.empty(); });
+  index_ = pool_.free_.front();
+  pool_.free_.erase(pool_.free_.begin());
+}
+
+DevicePool::Loan::~Loan() {
+  const std::lock_guard<std::mutex> lock(pool_.mutex_);
+  pool_.free_.push_back(index_);
+  pool_.is_free_.notify_one();
 }
 
 }  // namespace tsar

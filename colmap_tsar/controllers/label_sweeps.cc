@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/label_sweeps.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/controllers/for_each_view.h"
 
 #include <memory>
@@ -72,10 +73,17 @@ LabelsInModel LabelSweeps::Label(size_t view,
   const auto lend_device = [&](int64_t num_bytes,
                                const std::function<void(Device&)>& work) {
     if (gpus_.Size() > 0 && num_bytes <= inputs_.resources.max_gpu_bytes) {
-      gpus_.Run(work);
-    } else {
-      work(cpu);
+      try {
+        return gpus_.Run(work);
+      } catch (const Error& error) {
+        // Other programs may have taken the GPU's memory. The CPU gives the
+        // same bits.
+        if (error.Code() != ErrorCode::kOutOfMemory) {
+          throw;
+        }
+      }
     }
+    work(cpu);
   };
   return LabelInModel(
       views, inputs_.planes, inputs_.options, lend_device, costs);

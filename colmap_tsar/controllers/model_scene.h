@@ -65,8 +65,8 @@ struct ModelResources {
 //   planes of several blocks together (adjust_planes);
 // - labels all views in sweeps.
 // Time grows with the number of views; memory holds the evidence of the blocks
-// and views at work, samples of the planes, two numbers per superpixel of all
-// views, and as many of the costs of labels as max_kept_bytes allows.
+// and views at work, samples of the planes, some twenty bytes per superpixel of
+// all views, and as many of the costs of labels as max_kept_bytes allows.
 //
 // views: in an order in which those that look at the same things are close to
 // each other (OrderByNeighbours): it decides which views share a block. Result:

@@ -165,6 +165,8 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
     if (options_.pass == RefinePass::kObserve) {
       return outcome;
     }
+    // The planes are found in the evidence alone, which needs the memory.
+    cache.reset();
     PipelineOutcome none_refined(Images().size());
     none_refined.failures = outcome.failures;
     none_refined.first_failure = outcome.first_failure;
@@ -173,7 +175,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
       return none_refined;
     }
   }
-  if (has_reduced_views) {
+  if (!cache) {
     make_cache(false);
   }
   account.BeforeComposing();

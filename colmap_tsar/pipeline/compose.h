@@ -86,7 +86,8 @@ DeviceImage<float> RateConfidence(const ComposedMap& composed,
                                   ImageView<const float> score,
                                   Device& device);
 
-// Empties the pixels whose depths are worth less than that.
+// Clears depth, normal, provenance and confidence where the confidence is less
+// than min_confidence, which is in [0, 1]; 0 changes nothing.
 void DropDoubtful(float min_confidence,
                   ComposedMap* composed,
                   DeviceImage<float>* confidence,

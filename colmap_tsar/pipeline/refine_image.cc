@@ -59,7 +59,8 @@ RefineResult RefineImage(
   result.maps = Download(composed, confidence);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
-  if (!HasDepth(result.maps.depth)) {
+  // With min_confidence an empty map is what was asked for.
+  if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
     result.reason_to_keep = kNothingReliable;
   }
   return result;

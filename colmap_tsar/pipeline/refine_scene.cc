@@ -223,12 +223,15 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
-std::vector<ComposedSuperpixel> RateSuperpixels(
-    const std::vector<LabelEvidence>& evidence,
-    const std::vector<LabelQuality>& qualities) {
+std::vector<ComposedSuperpixel> RateSuperpixels(const LabeledView& labeled,
+                                                const CurvedView& curved) {
   std::vector<ComposedSuperpixel> result;
-  for (size_t k = 0; k < evidence.size(); ++k) {
-    result.push_back({evidence[k], RateSurface(evidence[k], qualities[k])});
+  for (size_t k = 0; k < curved.evidence.size(); ++k) {
+    const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
+    result.push_back(
+        {curved.evidence[k],
+         is_curved ? kConfidenceOfCurved
+                   : RateSurface(curved.evidence[k], labeled.qualities[k])});
   }
   return result;
 }
@@ -352,7 +355,7 @@ RefineResult ComposeImage(const ViewData& reference,
                           &scene_planes);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
   const Buffer<ComposedSuperpixel> of_superpixel(
-      device, RateSuperpixels(curved.evidence, labeled.qualities));
+      device, RateSuperpixels(labeled, curved));
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<Plane> region_planes =
@@ -387,7 +390,8 @@ RefineResult ComposeImage(const ViewData& reference,
                            .ToHost();
   timer.Finish("download");
   ShowMaps(observer, result.maps);
-  if (!HasDepth(result.maps.depth)) {
+  // With min_confidence an empty map is what was asked for.
+  if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
     result.reason_to_keep = kNothingReliable;
   }
   return result;

@@ -17,8 +17,8 @@ struct PlaneExportOptions {
   double min_area = 0.0;
 };
 
-// Whether a workspace keeps the planes of its scene and maps of them: those
-// that an earlier version refined do not, nor those refined without planes.
+// Whether a workspace has files of the planes of its scene and maps of them;
+// those refined without scene planes have none.
 bool HasPlanes(const Workspace& workspace);
 
 // The planes of a refined workspace: what its stereo/tsar/planes.bin says of

@@ -275,6 +275,7 @@ int WritePage(const Workspace& workspace,
     data.planes = MakePlanePage(
         ExportPlanes(workspace, {}, progress, should_stop), origin);
     WritePoints(root, kPlaneMeshName, data.planes->mesh);
+    data.planes->mesh = {};
   }
   data.version = TSAR_VERSION;
   data.workspace = WorkspaceName(workspace);

@@ -275,7 +275,9 @@ int64_t DiscoverPlanesWorkingBytes(const DiscoverySize& size,
           size.num_views) +
       PlaneScorer::ScoreWorkingBytes(1, size.num_superpixels, size.num_views);
   const int64_t fitting = PlaneScorer::ScoreWorkingBytes(
-      options.max_planes, size.num_superpixels, size.num_views);
+      std::max(options.max_planes, kMaxJointFits),
+      size.num_superpixels,
+      size.num_views);
   return PlaneScorer::WorkingBytes(size.num_superpixels,
                                    size.num_observations) +
          std::max(choosing, fitting);
@@ -290,8 +292,9 @@ int64_t DiscoverPlanesMainBytes(const DiscoverySize& size,
   constexpr int64_t kScoresPerPlane = 5;
   const int64_t before_upload =
       PlaneScorer::WorkingBytes(size.num_superpixels, size.num_observations);
-  const int64_t scores = BytesOf<float>(kScoresPerPlane * options.max_planes) *
-                         size.num_superpixels;
+  const int64_t scores =
+      BytesOf<float>(kScoresPerPlane * options.max_planes + kMaxJointFits) *
+      size.num_superpixels;
   return kTableBytes * size.num_superpixels + std::max(before_upload, scores);
 }
 

@@ -9,19 +9,22 @@
 
 namespace tsar {
 
-// A number in a byte: the labels of all views of a scene are in memory at once.
+// A number from kMin to kMax in 255 equal steps: the labels of all views of a
+// scene are in memory at once.
 template <int kMin, int kMax>
 class ByteOf {
  public:
   static_assert(kMin <= 0 && kMax > kMin);
 
   ByteOf() : ByteOf(0.f) {}
-  // What lies outside the range is clamped.
+  // Rounds, and clamps what lies outside.
   explicit ByteOf(float value)
       : level_(static_cast<uint8_t>(std::lround(
             (std::clamp(value, float{kMin}, float{kMax}) - kMin) * kScale))) {}
 
   float Value() const { return level_ / kScale + kMin; }
+
+  friend bool operator==(const ByteOf&, const ByteOf&) = default;
 
  private:
   static constexpr float kScale = 255.f / (kMax - kMin);
@@ -30,13 +33,17 @@ class ByteOf {
 
 // How well the plane that a superpixel was labelled with is borne out there.
 struct LabelQuality {
-  ByteOf<0, 1> explained;    // See PlaneCost.
-  ByteOf<0, 1> strength;     // See PlaneCost.
-  ByteOf<0, 1> confirmed;    // See PlaneCost.
-  ByteOf<0, 1> uncertainty;  // See PlaneCost.
-  // How much more the next best plane, or none, would cost in each pixel,
-  // neighbours left aside; negative where the neighbours decided.
+  // What PlaneCost says of the superpixel on this plane.
+  ByteOf<0, 1> explained;
+  ByteOf<0, 1> strength;
+  ByteOf<0, 1> confirmed;
+  ByteOf<0, 1> uncertainty;
+  // How much more the next best plane, or none, would cost, neighbours left
+  // aside, in pixels of full confidence for each pixel of the superpixel;
+  // negative where the neighbours decided.
   ByteOf<-1, 2> margin;
+
+  friend bool operator==(const LabelQuality&, const LabelQuality&) = default;
 };
 
 }  // namespace tsar

@@ -30,8 +30,6 @@ constexpr double kMaxMergeShare = 0.1;
 // Nor are two planes each of which is worth more than this many times the cost
 // of a plane where the other one stays: a joint plane hardly makes up for that.
 constexpr double kHopelessGains = 3.0;
-// About as many joint fits are scored at a time.
-constexpr size_t kScoredAtATime = 64;
 // By how many observations it is told how far planes are apart.
 constexpr size_t kNumMergeSamples = 100;
 
@@ -204,7 +202,7 @@ class PlaneMerger {
     for (size_t i = 0; i < fits.size(); ++i) {
       planes.insert(planes.end(), fits[i].begin(), fits[i].end());
       owners.insert(owners.end(), fits[i].size(), joints[i]);
-      if (planes.size() < kScoredAtATime && i + 1 < fits.size()) {
+      if (planes.size() + 2 <= size_t{kMaxJointFits} && i + 1 < fits.size()) {
         continue;
       }
       std::vector<ScoredPlane> scored = fitter_.Score(planes);

@@ -16,6 +16,9 @@ namespace tsar {
 // them was measured.
 inline constexpr double kMaxMergeDistance = 10.0;
 
+// That many joint fits, of which a pair has two, are scored at a time at most.
+inline constexpr int kMaxJointFits = 64;
+
 // What merging two planes may cost of their supports together.
 double MaxMergeLoss(double min_gain, double support_a, double support_b);
 

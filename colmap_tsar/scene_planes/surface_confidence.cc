@@ -50,9 +50,9 @@ constexpr LogOdds kFilledByOthers = {.constant = -0.50f,
                                      .uncertainty = -2.46f,
                                      .margin = 11.45f};
 constexpr LogOdds kStanding = {
-    .constant = -0.38f, .explained = -0.57f, .margin = 2.58f};
+    .constant = -0.30f, .explained = -0.29f, .margin = 1.59f};
 constexpr LogOdds kStandingWeakly = {
-    .constant = -0.60f, .explained = -1.78f, .margin = 0.21f};
+    .constant = -0.68f, .explained = -2.04f, .margin = 0.11f};
 
 }  // namespace
 

@@ -23,9 +23,16 @@ struct SurfaceConfidence {
 SurfaceConfidence RateSurface(LabelEvidence evidence,
                               const LabelQuality& quality);
 
+// On curved surfaces, whose labels are not rated.
+inline constexpr SurfaceConfidence kConfidenceOfCurved = {
+    .moved = 0.76f,
+    .filled = 0.55f,
+    .standing = 0.43f,
+    .standing_weakly = 0.34f};
+
 // Where the scene has no plane: of the plane of a region, and of what the
 // weighted median interpolated.
-inline constexpr float kConfidenceOfRegion = 0.54f;
+inline constexpr float kConfidenceOfRegion = 0.47f;
 inline constexpr float kConfidenceOfInterpolated = 0.31f;
 
 }  // namespace tsar

@@ -61,7 +61,6 @@ TEST(AtomicFileTest, WritesMoreThanItsBuffer) {
   EXPECT_EQ(ReadText(path), text + large + "end");
 }
 
-// A killed program may have left its temporary, even as a link.
 // The data of an empty vector: the sanitizers see a null pointer copied from.
 TEST(AtomicFileTest, WritesNothingFromNowhere) {
   const TemporaryFolder folder;
@@ -74,6 +73,7 @@ TEST(AtomicFileTest, WritesNothingFromNowhere) {
   EXPECT_EQ(ReadText(path), "ab");
 }
 
+// A killed program may have left its temporary, even as a link.
 TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";

@@ -121,6 +121,7 @@ class ModelSceneTest : public testing::Test {
     for (const auto& [image, labels] : a.views) {
       EXPECT_EQ(labels.planes, b.views.at(image).planes);
       EXPECT_EQ(labels.evidence, b.views.at(image).evidence);
+      EXPECT_TRUE(labels.qualities == b.views.at(image).qualities);
     }
   }
 

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -79,6 +80,40 @@ TEST_F(RefineWorkspaceTest, RestoreRemovesWhatARunLeftThatChangedNoMap) {
   const WorkspaceLock lock(root_);
   ExpectError(
       ErrorCode::kNotFound, {"nothing to restore"}, [&] { Restore(root_); });
+}
+
+TEST_F(RefineWorkspaceTest, LeavesDoubtfulDepthsOut) {
+  RefineOptions options;
+  options.min_confidence = 0.6;
+  EXPECT_EQ(Refine(Options(root_), options).num_refined, 4);
+  size_t num_left = 0;
+  for (int view = 0; view < 4; ++view) {
+    const MapPaths paths = Paths(view);
+    const Image<float> depth = ReadDepthMap(paths.depth);
+    const Image<Vec3f> normal = ReadNormalMap(paths.normal);
+    const Image<float> confidence = ReadDepthMap(paths.confidence);
+    const Image<uint8_t> provenance = ReadGrayPng(paths.provenance);
+    const Image<uint16_t> planes = ReadGray16Png(paths.planes);
+    for (size_t i = 0; i < depth.NumPixels(); ++i) {
+      const bool is_left = confidence.Data()[i] > 0.f;
+      num_left += is_left ? 1 : 0;
+      ASSERT_TRUE(!is_left || confidence.Data()[i] >= 0.6f);
+      ASSERT_EQ(depth.Data()[i] > 0.f, is_left);
+      ASSERT_EQ(normal.Data()[i] == Vec3f{}, !is_left);
+      ASSERT_EQ(provenance.Data()[i] != 0, is_left);
+      ASSERT_TRUE(is_left || planes.Data()[i] == 0);
+    }
+  }
+  EXPECT_GT(num_left, 1000u);
+  // Nothing is certain: an empty map takes the place of the measured depths,
+  // all of which are doubtful.
+  options.min_confidence = 1.0;
+  const RunSummary summary = Refine(Options(root_), options);
+  EXPECT_EQ(summary.num_refined, 4);
+  EXPECT_TRUE(summary.kept.empty());
+  const Image<float> depth = ReadDepthMap(Paths(0).depth);
+  EXPECT_TRUE(std::all_of(
+      depth.begin(), depth.end(), [](float z) { return z == 0.f; }));
 }
 
 TEST_F(RefineWorkspaceTest, SkipsWhatIsDoneAndRedoesWithOtherOptions) {
