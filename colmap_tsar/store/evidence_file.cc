@@ -271,6 +271,16 @@ uint64_t Fingerprint(const Arrays& arrays) {
 
 }  // namespace
 
+ContainedPath GetEvidenceFolder(const std::filesystem::path& root) {
+  return GetTsarFolder(root) / "evidence";
+}
+
+ContainedPath GetEvidencePath(const std::filesystem::path& root,
+                              const std::string& image_name,
+                              MapType type) {
+  return GetEvidenceFolder(root) / (image_name + "." + ToString(type) + ".bin");
+}
+
 void WriteEvidence(const ContainedPath& path,
                    const std::string& options_hash,
                    const ViewEvidence& evidence) {
