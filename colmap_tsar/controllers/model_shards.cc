@@ -69,9 +69,10 @@ void Model(const WorkspaceRefineOptions& options,
   for (size_t index = 0; index < catalogue.NumImages(); ++index) {
     RequireObserved(workspace, catalogue.Reference(index), observed);
   }
+  // One on which no image could be observed or composed may do for this.
   const std::vector<GpuWorkers> gpus =
       OpenGpus(options.devices,
-               plan,
+               ForLabelsAlone(plan),
                static_cast<int>(catalogue.NumImages()),
                GpuSystem::Cuda());
   AddGpus(gpus, plan, &resources);
