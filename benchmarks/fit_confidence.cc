@@ -173,8 +173,7 @@ SamplesOfScene CollectScene(const std::string& modelled_root,
         modelled.Model().images[static_cast<size_t>(image)].name;
     CollectView(
         ReadPlaneView(refined, image, static_cast<int>(model.planes.size())),
-        ReadEvidence(modelled.Root() / "stereo" / "tsar" / "evidence" /
-                     (name + ".geometric.bin")),
+        ReadEvidence(GetEvidencePath(modelled.Root(), name, modelled.Type())),
         labels,
         ReadDepthMap(modelled.DepthPath(image, MapType::kGeometric)),
         ReadDepthMap(modelled.SourceRoot() / "ground_truth" / "depth" /

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/device_options.h"
 
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
@@ -57,14 +58,12 @@ void CheckGpuIndices(const std::vector<int>& indices) {
 }  // namespace
 
 std::string ToString(DeviceChoice choice) {
-  return kChoiceNames[static_cast<size_t>(choice)].second;
+  return EnumName(kChoiceNames, choice);
 }
 
 DeviceChoice ParseDeviceChoice(const std::string& text) {
-  for (const auto& [choice, name] : kChoiceNames) {
-    if (text == name) {
-      return choice;
-    }
+  if (const auto choice = FindEnumValue(kChoiceNames, text)) {
+    return *choice;
   }
   throw Error(ErrorCode::kBadOption,
               OptionName("device") + ": not known; give auto, cuda or cpu");

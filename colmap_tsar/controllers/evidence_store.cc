@@ -7,19 +7,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/store/evidence_file.h"
-#include "colmap_tsar/workspace/map_paths.h"
 
 #include <system_error>
 #include <utility>
 
 namespace tsar {
-namespace {
-
-ContainedPath EvidenceFolder(const Workspace& workspace) {
-  return GetTsarFolder(workspace.Root()) / "evidence";
-}
-
-}  // namespace
 
 bool NeedsEvidence(const RefineOptions& options) {
   return options.scene_planes && options.refine;
@@ -87,14 +79,14 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
 }
 
 void EvidenceStore::Clear(const Workspace& workspace) {
-  RemoveTree(EvidenceFolder(workspace));
+  RemoveTree(GetEvidenceFolder(workspace.Root()));
 }
 
 ContainedPath EvidenceStore::Path(int image) const {
-  const std::string& name =
-      workspace_.Model().images[static_cast<size_t>(image)].name;
-  return EvidenceFolder(workspace_) /
-         (name + "." + ToString(workspace_.Type()) + ".bin");
+  return GetEvidencePath(
+      workspace_.Root(),
+      workspace_.Model().images[static_cast<size_t>(image)].name,
+      workspace_.Type());
 }
 
 std::string EvidenceStore::Fingerprint(int image) {

@@ -22,6 +22,7 @@ constexpr int64_t kDriverBytes = int64_t{64} << 20;
 
 struct Gpu {
   GpuWorkers workers;
+  int64_t free_bytes = 0;
   int max_num_workers = 0;  // As many as its memory allows.
 };
 
@@ -82,10 +83,10 @@ class GpuOpener {
           "GPU " + std::to_string(index) + " (" + devices[0]->Name() + ")";
     };
     const auto plan = [&] {
-      const size_t free_bytes =
-          std::min(devices[0]->FreeMemory(), static_cast<size_t>(INT64_MAX));
-      gpu.max_num_workers = NumGpuWorkers(
-          plan_, static_cast<int64_t>(free_bytes), gpu.workers.name);
+      gpu.free_bytes = static_cast<int64_t>(
+          std::min(devices[0]->FreeMemory(), static_cast<size_t>(INT64_MAX)));
+      gpu.max_num_workers =
+          NumGpuWorkers(plan_, gpu.free_bytes, gpu.workers.name);
     };
     if (Keep(Attempt(open), &not_opened_) && Keep(Attempt(plan), &too_small_)) {
       opened_.push_back(std::move(gpu));
@@ -240,6 +241,9 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
   AddDevices(num_images, gpus, &opened);
   std::vector<GpuWorkers> workers;
   for (Gpu& gpu : opened) {
+    gpu.workers.bytes_per_device =
+        gpu.free_bytes / static_cast<int64_t>(gpu.workers.devices.size()) -
+        kDriverBytes;
     workers.push_back(std::move(gpu.workers));
   }
   return workers;

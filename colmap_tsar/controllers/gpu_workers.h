@@ -36,6 +36,8 @@ struct GpuWorkers {
   std::string name;  // "GPU 1 (NVIDIA H200)"
   int index = 0;
   std::vector<std::unique_ptr<Device>> devices;
+  // Each device's part of the memory that was free.
+  int64_t bytes_per_device = 0;
 };
 
 // How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws

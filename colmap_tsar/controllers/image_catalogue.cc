@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/image_catalogue.h"
 
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/controllers/load_view.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -18,8 +18,6 @@
 
 namespace tsar {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 int64_t CountDepths(const Image<float>& depth) {
   return std::count_if(
@@ -202,7 +200,7 @@ void ImageCatalogue::WriteRefined(size_t index,
   record.inputs = inputs_.OfResult(image);
   record.counts = report->counts;
   record.seconds = report->seconds;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch writing;
   WriteBack write_back(workspace_, image, std::move(record));
   write_back.PrepareFiles(maps);
   {
@@ -210,8 +208,7 @@ void ImageCatalogue::WriteRefined(size_t index,
         file_mutexes_[static_cast<size_t>(image)]);
     write_back.Commit();
   }
-  report->seconds["write"] =
-      std::chrono::duration<double>(Clock::now() - start).count();
+  report->seconds["write"] = writing.Seconds();
   report->outcome = ImageReport::Outcome::kDone;
 }
 

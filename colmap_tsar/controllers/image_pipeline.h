@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/start_thread.h"
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/controllers/bounded_queue.h"
 #include "colmap_tsar/controllers/image_report.h"
 #include "colmap_tsar/controllers/image_tasks.h"
@@ -12,7 +13,6 @@
 #include "colmap_tsar/controllers/view_cache.h"
 
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <exception>
 #include <functional>
@@ -160,13 +160,11 @@ void ImagePipeline<Result>::LoadOne(size_t place) {
     return;
   }
   image.views = cache_.Reserve(tasks_.Views(images_[place]));
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch reading;
   if (!image.views.Load(should_stop_)) {
     return;
   }
-  image.report.seconds["read"] +=
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-          .count();
+  image.report.seconds["read"] += reading.Seconds();
   tasks_.Prepare(images_[place], image.views);
   ready_.Push(std::move(image));
 }

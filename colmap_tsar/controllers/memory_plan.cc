@@ -56,9 +56,10 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   }
   const int64_t num_judged_pixels = NumJudgedPixels(overview);
   plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
+  plan.label_work = LabelViewWorkingBytes(options, num_pixels, num_sources + 1);
   plan.work = std::max(
       {MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
-       LabelViewWorkingBytes(options, num_pixels, num_sources + 1),
+       plan.label_work,
        ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
   plan.result =
       std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
@@ -117,6 +118,12 @@ int64_t BytesForViews(const MemoryPlan& plan) {
 int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers) {
   return plan.uploaded_view *
          (plan.num_sources + num_workers * kViewsPerWorker);
+}
+
+MemoryPlan ForLabelsAlone(MemoryPlan plan) {
+  plan.work = plan.label_work;
+  plan.uploaded_view = 0;
+  return plan;
 }
 
 int64_t DeviceBytes(const MemoryPlan& plan, int num_workers) {

@@ -22,6 +22,9 @@ struct MemoryPlan {
   // uploaded, and one of these.
   int64_t work = 0;
   int64_t uploaded_view = 0;
+  // Of a device's memory, for images that are refined together with their
+  // neighbours; otherwise 0. The part of work that labelling a view takes.
+  int64_t label_work = 0;
 
   // Parts of main memory. A view as it is used together with its sources, and,
   // where that is a reduced one, the whole view of an image that is composed,
@@ -70,6 +73,10 @@ int64_t BytesForViews(const MemoryPlan& plan);
 // What a DeviceViewCache may hold for this many workers: the sources of an
 // image, which those after it share for the most part.
 int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers);
+
+// The same plan where devices do nothing but label views, which takes no
+// uploaded ones.
+MemoryPlan ForLabelsAlone(MemoryPlan plan);
 
 // What this many workers that share a device's memory take of it.
 int64_t DeviceBytes(const MemoryPlan& plan, int num_workers);

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/open_workspace.h"
 #include "colmap_tsar/controllers/scene_model_store.h"
@@ -15,7 +16,6 @@
 #include "colmap_tsar/store/shard_record.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
-#include <chrono>
 #include <map>
 #include <string>
 #include <vector>
@@ -56,7 +56,7 @@ void RequireAllDone(const Workspace& workspace, const Manifest& manifest) {
 
 RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
                        const RefineOptions& refine_options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const Workspace workspace = OpenWorkspace(workspace_options);
   const WorkspaceLock lock(workspace.Root());
   std::vector<ShardRecord> shards;
@@ -95,9 +95,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   }
   summary.counts = manifest.counts;
   summary.seconds = manifest.seconds;
-  summary.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-          .count();
+  summary.wall_seconds = stopwatch.Seconds();
   return summary;
 }
 

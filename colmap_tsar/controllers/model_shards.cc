@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/gpu_workers.h"
 #include "colmap_tsar/controllers/image_catalogue.h"
@@ -20,7 +21,6 @@
 #include "colmap_tsar/store/workspace_lock.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -69,9 +69,10 @@ void Model(const WorkspaceRefineOptions& options,
   for (size_t index = 0; index < catalogue.NumImages(); ++index) {
     RequireObserved(workspace, catalogue.Reference(index), observed);
   }
+  // One on which no image could be observed or composed may do for this.
   const std::vector<GpuWorkers> gpus =
       OpenGpus(options.devices,
-               plan,
+               ForLabelsAlone(plan),
                static_cast<int>(catalogue.NumImages()),
                GpuSystem::Cuda());
   AddGpus(gpus, plan, &resources);
@@ -92,7 +93,7 @@ RunSummary ModelShards(const WorkspaceRefineOptions& options,
                        const RefineOptions& refine_options,
                        Progress& progress,
                        const std::function<bool()>& should_stop) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const OpenCvWithoutThreads opencv_without_threads;
   const Workspace workspace = OpenWorkspace(options);
   const WorkspaceLock lock(workspace.Root());
@@ -107,9 +108,7 @@ RunSummary ModelShards(const WorkspaceRefineOptions& options,
   summary.type = workspace.Type();
   summary.pass = RefinePass::kModel;
   summary.num_images = static_cast<int>(workspace.Problems().size());
-  summary.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-          .count();
+  summary.wall_seconds = stopwatch.Seconds();
   return summary;
 }
 

@@ -261,9 +261,7 @@ RunSummary RefineController::Summarize(const RefineRun& run,
     summary.num_observed = std::exchange(summary.num_refined, 0);
     summary.num_skipped = summary.num_images - summary.num_observed;
   }
-  summary.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
-          .count();
+  summary.wall_seconds = stopwatch_.Seconds();
   return summary;
 }
 

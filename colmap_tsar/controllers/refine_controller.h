@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/controllers/refine_devices.h"
 #include "colmap_tsar/controllers/refine_task.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
@@ -14,7 +15,6 @@
 #include "colmap_tsar/store/workspace.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -59,8 +59,7 @@ class RefineController {
   RunSummary Summarize(const RefineRun& run,
                        const PipelineOutcome& outcome) const;
 
-  const std::chrono::steady_clock::time_point start_ =
-      std::chrono::steady_clock::now();
+  const Stopwatch stopwatch_;
   const OpenCvWithoutThreads opencv_without_threads_;
   const WorkspaceRefineOptions& options_;
   const RefineOptions& refine_options_;

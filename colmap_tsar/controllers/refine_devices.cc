@@ -137,9 +137,10 @@ void AddGpus(const std::vector<GpuWorkers>& gpus,
     // Of the views that were uploaded, none is in use meanwhile.
     const auto num_devices = static_cast<int>(gpu.devices.size());
     resources->max_gpu_bytes = std::min(
-        resources->max_gpu_bytes,
-        (DeviceBytes(plan, num_devices) - SharedViewBytes(plan, num_devices)) /
-            num_devices);
+        {resources->max_gpu_bytes,
+         gpu.bytes_per_device,
+         (DeviceBytes(plan, num_devices) - SharedViewBytes(plan, num_devices)) /
+             num_devices});
   }
 }
 

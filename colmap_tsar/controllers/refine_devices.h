@@ -74,7 +74,7 @@ ModelResources PlanModelPass(const DeviceOptions& options,
                              int64_t machine_bytes = MainMemoryBytes());
 
 // Has that pass use these GPUs, which must outlive it, and what the plan has
-// for them.
+// for them, as far as they have it.
 void AddGpus(const std::vector<GpuWorkers>& gpus,
              const MemoryPlan& plan,
              ModelResources* resources);

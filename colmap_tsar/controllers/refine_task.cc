@@ -4,8 +4,8 @@
 #include "colmap_tsar/controllers/refine_task.h"
 
 #include "colmap_tsar/base/image_name_hash.h"
+#include "colmap_tsar/base/stopwatch.h"
 
-#include <chrono>
 #include <utility>
 
 namespace tsar {
@@ -14,13 +14,12 @@ RefineResult RefineTask::RunSingleView(size_t index,
                                        size_t worker_index,
                                        ViewCache::Lease* views,
                                        SingleViewStages stages) {
-  using Clock = std::chrono::steady_clock;
   const int image = images_.Reference(index);
   RefineWorker& worker = workers_[worker_index];
   const ViewData& reference = views->Get(image);
   const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
   try {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch uploading;
     // Nothing reads the sources before DeviceViews has them, which waits for
     // the device before it lets go of them, also where a stage fails.
     std::vector<DeviceViewCache::View> sources;
@@ -31,8 +30,7 @@ RefineResult RefineTask::RunSingleView(size_t index,
         views->Release(source);
       }
     }
-    const double upload_seconds =
-        std::chrono::duration<double>(Clock::now() - start).count();
+    const double upload_seconds = uploading.Seconds();
     RefineResult result = stages(reference,
                                  std::move(sources),
                                  HashImageName(images_.Name(image)),

@@ -6,12 +6,30 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/pipeline/plane_numbers.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
 #include <cstddef>
 #include <utility>
 
 namespace tsar {
+namespace {
+
+void WarnOfPlanesWithoutName(size_t num_planes) {
+  if (num_planes > size_t{kMaxPlanesOfMap}) {
+    Warn("the scene has " + std::to_string(num_planes) +
+         " planes, of which plane maps can name " +
+         std::to_string(kMaxPlanesOfMap) + ": the " +
+         std::to_string(num_planes - size_t{kMaxPlanesOfMap}) +
+         " that least was measured of are missing in stereo/plane_maps, and "
+         "tsar_planes gives them no outlines; depths and normals, and the "
+         "list of planes in stereo/tsar/planes.bin, are complete");
+  }
+}
+
+}  // namespace
+
 SceneModelStore::SceneModelStore(const Workspace& workspace,
                                  InputFingerprints& inputs,
                                  std::string options_hash)
@@ -25,6 +43,7 @@ bool SceneModelStore::IsCurrent() const {
 }
 
 void SceneModelStore::Write(const SceneModel& model) const {
+  WarnOfPlanesWithoutName(model.planes.size());
   WriteSceneModel(GetSceneModelPath(workspace_.Root()), Fingerprint(), model);
 }
 

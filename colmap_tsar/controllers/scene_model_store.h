@@ -26,6 +26,7 @@ class SceneModelStore {
   // views as they are.
   bool IsCurrent() const;
 
+  // A warning says so where the model has more planes than plane maps can name.
   void Write(const SceneModel& model) const;
   // Throws kNotFound where none is current.
   SceneModel Read() const;

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/shard.h"
 
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/controllers/neighbour_order.h"
@@ -96,15 +97,11 @@ void Shard::Check() const {
   }
 }
 
-std::string ToString(RefinePass pass) {
-  return kPassNames[static_cast<size_t>(pass)].second;
-}
+std::string ToString(RefinePass pass) { return EnumName(kPassNames, pass); }
 
 RefinePass ParsePass(const std::string& text) {
-  for (const auto& [pass, name] : kPassNames) {
-    if (text == name) {
-      return pass;
-    }
+  if (const auto pass = FindEnumValue(kPassNames, text)) {
+    return *pass;
   }
   throw Error(ErrorCode::kBadOption,
               OptionName("pass") + ": '" + text +

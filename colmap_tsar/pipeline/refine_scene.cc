@@ -12,6 +12,7 @@
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/pack_ratings.h"
 #include "colmap_tsar/pipeline/plane_map.h"
+#include "colmap_tsar/pipeline/plane_numbers.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
@@ -25,7 +26,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <utility>
 
 namespace tsar {
@@ -112,30 +112,6 @@ std::vector<Plane> PlanesOfRegions(const ViewEvidence& evidence) {
   planes.insert(
       planes.end(), evidence.candidates.begin(), evidence.candidates.end());
   return planes;
-}
-
-// For MapPlanes(); numbers that do not fit into a plane map are left out.
-Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
-                             const FoundScene& found) {
-  std::vector<uint16_t> of_superpixel;
-  for (size_t k = 0; k < found.labeled.labels.size(); ++k) {
-    const int label = found.labeled.labels[k];
-    const bool is_curved =
-        !found.curved.labels.empty() && found.curved.labels[k] >= 0;
-    const int number = label >= 0 && !is_curved
-                           ? found.plane_numbers[static_cast<size_t>(label)] + 1
-                           : 0;
-    of_superpixel.push_back(number <= std::numeric_limits<uint16_t>::max()
-                                ? static_cast<uint16_t>(number)
-                                : uint16_t{0});
-  }
-  Image<uint16_t> numbers(superpixels.Width(), superpixels.Height());
-  std::transform(
-      superpixels.begin(),
-      superpixels.end(),
-      numbers.begin(),
-      [&](uint16_t superpixel) { return of_superpixel[superpixel]; });
-  return numbers;
 }
 
 // planes: of each label.

@@ -44,15 +44,16 @@ bool IsRefined(const Workspace& workspace) {
                     "the scene");
 }
 
-// Shows all images to function, one after the other.
+// Reads what the images show of the planes and calls function with it, one
+// image after the other.
 template <typename Function>
-void ForEachView(const Workspace& workspace,
-                 const std::vector<int>& images,
-                 int num_planes,
-                 const std::string& pass,
-                 Progress& progress,
-                 const std::function<bool()>& is_stopped,
-                 Function function) {
+void VisitPlaneViews(const Workspace& workspace,
+                     const std::vector<int>& images,
+                     int num_planes,
+                     const std::string& pass,
+                     Progress& progress,
+                     const std::function<bool()>& is_stopped,
+                     Function function) {
   progress.Start(static_cast<int>(images.size()), pass);
   for (const int image : images) {
     if (is_stopped()) {
@@ -160,19 +161,19 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
   for (const ModelPlane& plane : model.planes) {
     coordinates.push_back(CoordinatesOf(plane));
   }
-  const auto for_each_view = [&](const char* pass, const auto& function) {
-    ForEachView(
+  const auto visit_views = [&](const char* pass, const auto& function) {
+    VisitPlaneViews(
         workspace, images, num_planes, pass, progress, is_stopped, function);
   };
 
   std::vector<PlaneStatistics> statistics(model.planes.size());
   CreaseFinder crease_finder(coordinates);
-  for_each_view("Planes, pass 1 of 2:", [&](const PlaneView& view) {
+  visit_views("Planes, pass 1 of 2:", [&](const PlaneView& view) {
     AddStatistics(view, coordinates, &statistics);
     crease_finder.Add(view);
   });
   std::vector<SupportGrid> grids = MakeSupportGrids(statistics);
-  for_each_view("Planes, pass 2 of 2:", [&](const PlaneView& view) {
+  visit_views("Planes, pass 2 of 2:", [&](const PlaneView& view) {
     AddCoverage(view, coordinates, &grids);
   });
 

@@ -31,8 +31,10 @@ struct JoinedPlanes {
 // parts of such a wall.
 //
 // min_gain: see DiscoverPlanesOptions. device: for its threads; the result does
-// not depend on their number. Time and memory grow with the number of blocks,
-// as long as each has few neighbours.
+// not depend on their number. Memory grows with the number of blocks, and time
+// about so, as long as each has few neighbours and no plane runs along more
+// than a thousand of them: whatever is joined into it is compared with all that
+// lies along it.
 JoinedPlanes JoinPlanes(std::vector<PlaneBlock> blocks,
                         double min_gain,
                         Device& device);

@@ -14,29 +14,36 @@
 
 namespace tsar {
 
-// A view that looks at the same scene as the reference.
+// A view that looks at the same scene as the reference. Lengths are in units of
+// the sparse model throughout.
 struct ObservedSource {
+  // Of its raster, in pixels of it.
   Intrinsics intrinsics;
+  // From the reference camera's frame into its own.
   RelativePose from_reference;
+  // Of its map, of which the raster may be a reduced one.
   DepthResolution resolution;
-  int width = 0;  // Of its raster, on which the following lie.
+  int width = 0;  // Of its raster, in pixels.
   int height = 0;
-  // As in ViewEvidence; each where it is asked for.
+  // As in ViewEvidence, of the size of the raster; each where it is asked for,
+  // otherwise empty. Depths along its optical axis, 0 where nothing is certain.
   ImageView<const float> confident_depth;
-  ImageView<const uint16_t> superpixels;
+  ImageView<const uint16_t> superpixels;  // The number of each pixel's.
 };
 
 // A point as a source view sees it.
 struct SeenPoint {
-  float depth = 0.f;
-  float x = 0.f;  // Its place on the raster,
+  float depth = 0.f;  // Along the source's optical axis.
+  float x = 0.f;      // Its place on the source's raster, in pixels,
   float y = 0.f;
   int column = 0;  // and the pixel there.
   int row = 0;
 };
 
-// Where a view sees a point in the reference camera's frame; false where it
-// does not: behind the camera or beside its image.
+// Where a source sees a point, which is in the reference camera's frame. False
+// where it does not see it, and `seen` is of no use then: behind the camera,
+// beside its image, or where a coordinate is NaN. Whether something hides the
+// point is not asked.
 TSAR_HD inline bool FindInSource(const ObservedSource& source,
                                  const Vec3f& point,
                                  SeenPoint* seen) {
@@ -56,7 +63,8 @@ TSAR_HD inline bool FindInSource(const ObservedSource& source,
   return true;
 }
 
-// The source without its rasters.
+// The source without its rasters. Both cameras are those of the views' rasters,
+// with poses from the world into their frames.
 ObservedSource MakeObservedSource(const ObservedView& reference,
                                   const ObservedView& source);
 

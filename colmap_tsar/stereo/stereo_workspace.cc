@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/memory_plan.h"
 #include "colmap_tsar/controllers/refine_devices.h"
@@ -20,7 +21,6 @@
 #include "colmap_tsar/workspace/photo.h"
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -133,7 +133,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const std::function<bool()>& should_stop) {
   device_options.Check();
   options.Check();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   const Workspace workspace = OpenForStereo(workspace_path);
   const WorkspaceLock lock(workspace.Root());
   const WorkspaceOverview overview = OverviewOf(workspace, options);
@@ -189,9 +189,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   }
   passes.RemoveFilesBetween();
   summary.peak_gpu_memory = PeakGpuMemory(devices);
-  summary.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-          .count();
+  summary.wall_seconds = stopwatch.Seconds();
   return summary;
 }
 

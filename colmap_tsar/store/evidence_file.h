@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
+#include "colmap_tsar/workspace/map_paths.h"
 
 #include <filesystem>
 #include <optional>
@@ -24,6 +25,13 @@ enum class EvidenceParts {
   // are not even read from the disk.
   kForNeighbours,
 };
+
+// stereo/tsar/evidence: the evidence of all views of the workspace at root.
+ContainedPath GetEvidenceFolder(const std::filesystem::path& root);
+// The file of one view in it. type: of the maps that were observed.
+ContainedPath GetEvidencePath(const std::filesystem::path& root,
+                              const std::string& image_name,
+                              MapType type);
 
 // In one step; creates the folder. The same evidence gives the same bytes.
 // options_hash: stands for everything that the evidence was computed from.

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/store/record.h"
 
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
@@ -61,19 +62,10 @@ std::vector<WrittenMap> WrittenFromJson(const nlohmann::json& list) {
   return maps;
 }
 
-ImageStatus StatusFromString(const std::string& text) {
-  for (const auto& [status, name] : kStatusNames) {
-    if (text == name) {
-      return status;
-    }
-  }
-  throw std::invalid_argument(text);
-}
-
 }  // namespace
 
 std::string ToString(ImageStatus status) {
-  return kStatusNames[static_cast<size_t>(status)].second;
+  return EnumName(kStatusNames, status);
 }
 
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
@@ -93,7 +85,8 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.version = json.at("version").get<std::string>();
     record.image = json.at("image").get<std::string>();
     record.type = json.at("type").get<std::string>();
-    record.status = StatusFromString(json.at("status").get<std::string>());
+    record.status =
+        EnumValue(kStatusNames, json.at("status").get<std::string>());
     record.options_hash = json.at("options_hash").get<std::string>();
     record.inputs = json.value("inputs", record.inputs);
     record.written_depth = WrittenFromJson(json.at("written_depth"));

@@ -50,26 +50,12 @@ static_assert(sizeof(StoredView) == 8 &&
 struct PlaneArrays {
   std::vector<StoredPlane> planes;
   std::vector<StoredFrame> frames;
-
-  template <typename Function>
-  void ForEach(Function function) {
-    function(planes);
-    function(frames);
-  }
 };
 struct LabelArrays {
   std::vector<StoredView> views;
   std::vector<int32_t> planes;
   std::vector<LabelEvidence> evidence;
   std::vector<LabelQuality> qualities;
-
-  template <typename Function>
-  void ForEach(Function function) {
-    function(views);
-    function(planes);
-    function(evidence);
-    function(qualities);
-  }
 };
 
 PlaneArrays ToPlaneArrays(const SceneModel& model);

@@ -4,6 +4,7 @@
 #include "colmap_tsar/store/shard_record.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
@@ -30,15 +31,6 @@ constexpr std::array kStateNames = {
     std::pair(State::kNotNeeded, "not_needed"),
     std::pair(State::kComposed, "composed"),
 };
-
-State StateFromString(const std::string& text) {
-  for (const auto& [state, name] : kStateNames) {
-    if (text == name) {
-      return state;
-    }
-  }
-  throw std::invalid_argument(text);
-}
 
 // What the first option that differs is, on both sides.
 std::string DifferenceOf(const std::map<std::string, std::string>& own,
@@ -101,7 +93,7 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
     for (const nlohmann::json& image : json.at("images")) {
       record.images.push_back(
           {image.at("image").get<std::string>(),
-           StateFromString(image.at("state")),
+           EnumValue(kStateNames, image.at("state").get<std::string>()),
            image.at("inputs").get<std::map<std::string, std::string>>(),
            image.at("note").get<std::string>()});
     }
@@ -125,11 +117,10 @@ void WriteShardRecord(const std::filesystem::path& root,
                       const ShardRecord& record) {
   nlohmann::json images = nlohmann::json::array();
   for (const ShardRecord::Entry& entry : record.images) {
-    images.push_back(
-        {{"image", entry.image},
-         {"state", kStateNames[static_cast<size_t>(entry.state)].second},
-         {"inputs", entry.inputs},
-         {"note", entry.note}});
+    images.push_back({{"image", entry.image},
+                      {"state", EnumName(kStateNames, entry.state)},
+                      {"inputs", entry.inputs},
+                      {"note", entry.note}});
   }
   const nlohmann::json json = {{"version", record.version},
                                {"type", record.type},

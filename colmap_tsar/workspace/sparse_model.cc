@@ -190,6 +190,15 @@ int NumCameraParams(const std::filesystem::path& path,
                     "undistort first with image_undistorter");
 }
 
+void RequireOpened(const std::filesystem::path& path, const InputFile& file) {
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be read (" + file.Reason() + ")",
+                      "check that it is a file and that you may read it");
+  }
+}
+
 void AddCamera(uint32_t id,
                SparseModelFiles::FileCamera camera,
                SparseModelFiles* files) {

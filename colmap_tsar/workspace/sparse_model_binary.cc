@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/workspace/sparse_model_fields.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
 #include <bit>
@@ -22,12 +23,7 @@ class BinaryReader {
  public:
   explicit BinaryReader(const std::filesystem::path& path)
       : path_(path), file_(path), num_left_(file_.Size()) {
-    if (!file_) {
-      throw Error::File(ErrorCode::kIo,
-                        path.string(),
-                        "cannot be read (" + file_.Reason() + ")",
-                        "check that it is a file and that you may read it");
-    }
+    RequireOpened(path_, file_);
   }
 
   template <typename T>
@@ -113,16 +109,7 @@ void ReadCameras(SparseModelFiles* files) {
   const uint64_t count = reader.ReadCount(48);
   for (uint64_t i = 0; i < count; ++i) {
     const uint32_t id = reader.Read<uint32_t>();
-    SparseModelFiles::FileCamera camera;
-    camera.model = CameraModelName(reader.Read<int32_t>());
-    camera.width = reader.Read<uint64_t>();
-    camera.height = reader.Read<uint64_t>();
-    camera.params.resize(static_cast<size_t>(
-        NumCameraParams(files->cameras_path, camera.model)));
-    for (double& param : camera.params) {
-      param = reader.Read<double>();
-    }
-    AddCamera(id, std::move(camera), files);
+    ReadCamera(id, CameraModelName(reader.Read<int32_t>()), &reader, files);
   }
 }
 
@@ -131,14 +118,7 @@ void ReadImages(SparseModelFiles* files) {
   const uint64_t count = reader.ReadCount(73);
   files->images.resize(count);
   for (SparseModelFiles::FileImage& image : files->images) {
-    image.id = reader.Read<uint32_t>();
-    for (double& value : image.quaternion) {
-      value = reader.Read<double>();
-    }
-    for (double& value : image.translation) {
-      value = reader.Read<double>();
-    }
-    image.camera_id = reader.Read<uint32_t>();
+    ReadPose(&reader, &image);
     image.name = reader.ReadName();
     // Keypoints: x, y and the point's id, which the tracks have too.
     constexpr uint64_t kKeypointBytes = 24;
@@ -159,10 +139,7 @@ void ReadPoints(SparseModelFiles* files) {
   files->points.resize(count);
   std::vector<TrackElement> track;
   for (SparseModelFiles::FilePoint& point : files->points) {
-    point.id = reader.Read<uint64_t>();
-    for (int i = 0; i < 3; ++i) {
-      point.position(i) = reader.Read<double>();
-    }
+    ReadPosition(&reader, &point);
     reader.Read<ColorAndError>();
     point.track_begin = files->track_image_ids.size();
     track.resize(reader.ReadCount(sizeof(TrackElement)));

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/input_file.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -55,6 +57,9 @@ void ReadSparseModelText(SparseModelFiles* files);
 // Error kUnsupported for the others.
 int NumCameraParams(const std::filesystem::path& path,
                     const std::string& model);
+
+// Throws Error kIo where the file at the path could not be opened.
+void RequireOpened(const std::filesystem::path& path, const InputFile& file);
 
 // Adds a camera; Error kCorrupt where the id is taken.
 void AddCamera(uint32_t id,

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/workspace/sparse_model_fields.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
 #include <charconv>
@@ -18,12 +19,7 @@ class TextReader {
  public:
   explicit TextReader(const std::filesystem::path& path)
       : path_(path), file_(path) {
-    if (!file_) {
-      throw Error::File(ErrorCode::kIo,
-                        path.string(),
-                        "cannot be read (" + file_.Reason() + ")",
-                        "check that it is a file and that you may read it");
-    }
+    RequireOpened(path_, file_);
   }
 
   bool NextLine() {
@@ -64,7 +60,7 @@ class TextReader {
   }
 
   template <typename T>
-  T Number() {
+  T Read() {
     const std::string_view word = Word();
     T value{};
     const auto [end, error] =
@@ -102,17 +98,8 @@ class TextReader {
 void ReadCameras(SparseModelFiles* files) {
   TextReader reader(files->cameras_path);
   while (reader.NextRecord()) {
-    const auto id = reader.Number<uint32_t>();
-    SparseModelFiles::FileCamera camera;
-    camera.model = std::string(reader.Word());
-    camera.width = reader.Number<uint64_t>();
-    camera.height = reader.Number<uint64_t>();
-    camera.params.resize(static_cast<size_t>(
-        NumCameraParams(files->cameras_path, camera.model)));
-    for (double& param : camera.params) {
-      param = reader.Number<double>();
-    }
-    AddCamera(id, std::move(camera), files);
+    const auto id = reader.Read<uint32_t>();
+    ReadCamera(id, std::string(reader.Word()), &reader, files);
   }
 }
 
@@ -120,14 +107,7 @@ void ReadImages(SparseModelFiles* files) {
   TextReader reader(files->images_path);
   while (reader.NextRecord()) {
     SparseModelFiles::FileImage image;
-    image.id = reader.Number<uint32_t>();
-    for (double& value : image.quaternion) {
-      value = reader.Number<double>();
-    }
-    for (double& value : image.translation) {
-      value = reader.Number<double>();
-    }
-    image.camera_id = reader.Number<uint32_t>();
+    ReadPose(&reader, &image);
     image.name = reader.Rest();
     files->images.push_back(std::move(image));
     // The keypoints have a line of their own, which may be blank.
@@ -139,17 +119,14 @@ void ReadPoints(SparseModelFiles* files) {
   TextReader reader(files->points_path);
   while (reader.NextRecord()) {
     SparseModelFiles::FilePoint point;
-    point.id = reader.Number<uint64_t>();
-    for (int i = 0; i < 3; ++i) {
-      point.position(i) = reader.Number<double>();
-    }
+    ReadPosition(&reader, &point);
     for (int i = 0; i < 4; ++i) {
       reader.Word();  // Colour and error.
     }
     point.track_begin = files->track_image_ids.size();
     while (!reader.AtEndOfLine()) {
-      files->track_image_ids.push_back(reader.Number<uint32_t>());
-      reader.Number<uint32_t>();  // The keypoint's index.
+      files->track_image_ids.push_back(reader.Read<uint32_t>());
+      reader.Read<uint32_t>();  // The keypoint's index.
     }
     point.track_end = files->track_image_ids.size();
     files->points.push_back(point);

@@ -55,6 +55,25 @@ TEST_F(GpuWorkersTest, SaysWhatAnImageNeedsWhereNoneFits) {
   ExpectRefusal(ErrorCode::kDevice, texts, 2);
 }
 
+TEST_F(GpuWorkersTest, LabelsAloneNeedLessThanImages) {
+  overview_.max_num_pixels = 23000000;
+  memory_[0] = kGigabyte;
+  ExpectRefusal(ErrorCode::kDevice, {"GPU 0 (Card)"}, 1);
+  const std::vector<GpuWorkers> gpus = OpenForLabels(1);
+  ASSERT_EQ(gpus.size(), 1u);
+  EXPECT_EQ(gpus[0].devices.size(), 2u);
+  // Neither more than there is nor less than the labels need.
+  ModelResources model;
+  AddGpus(gpus, Plan(), &model);
+  EXPECT_LT(model.max_gpu_bytes, static_cast<int64_t>(kGigabyte / 2));
+  EXPECT_GE(model.max_gpu_bytes, Plan().label_work);
+  // What is too small for that is refused.
+  memory_[0] = static_cast<size_t>(Plan().label_work);
+  ExpectError(ErrorCode::kDevice, {"GPU 0 (Card)", "of GPU memory"}, [&] {
+    OpenForLabels(1);
+  });
+}
+
 TEST_F(GpuWorkersTest, GoesOnWhereASecondWorkerCannotBeMade) {
   max_num_devices_ = 1;
   for (const std::vector<int>& gpu_indices :

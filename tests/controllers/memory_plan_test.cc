@@ -94,6 +94,18 @@ TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
   EXPECT_EQ(PlanRefinement(alone, overview).load, LoadBytes(overview));
 }
 
+TEST(PlanRefinement, CountsLabelsAsAPartOfTheWork) {
+  for (const int num_sources : {1, 10, 40}) {
+    const MemoryPlan plan = PlanRefinement({}, OverviewOf(300000, num_sources));
+    EXPECT_GT(plan.label_work, 0);
+    EXPECT_LE(plan.label_work, plan.work);
+    const MemoryPlan labels = ForLabelsAlone(plan);
+    EXPECT_EQ(DeviceBytes(labels, 2), 2 * plan.label_work);
+    EXPECT_EQ(SharedViewBytes(labels, 2), 0);
+    EXPECT_EQ(labels.label_view, plan.label_view);
+  }
+}
+
 TEST(PlanRefinement, CountsNoEvidenceWhereEachImageIsAlone) {
   for (bool RefineOptions::*option :
        {&RefineOptions::scene_planes, &RefineOptions::refine}) {
@@ -101,8 +113,8 @@ TEST(PlanRefinement, CountsNoEvidenceWhereEachImageIsAlone) {
     options.*option = false;
     const MemoryPlan plan = PlanRefinement(options, OverviewOf(1000000, 10));
     EXPECT_GT(plan.work, 0);
-    EXPECT_EQ(plan.model_block + plan.label_view + plan.make_evidence +
-                  EvidenceBytes(plan, 3),
+    EXPECT_EQ(plan.label_work + plan.model_block + plan.label_view +
+                  plan.make_evidence + EvidenceBytes(plan, 3),
               0);
   }
 }

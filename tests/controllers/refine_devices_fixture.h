@@ -64,6 +64,12 @@ class RefineDevicesTest : public testing::Test {
                                Gpus(num_gpus),
                                machine_bytes_);
   }
+  // Those of the pass that labels all views, where it runs by itself.
+  std::vector<GpuWorkers> OpenForLabels(int num_gpus) {
+    num_created_.clear();
+    return OpenGpus(
+        options_, ForLabelsAlone(Plan()), /*num_images=*/100, Gpus(num_gpus));
+  }
   void ExpectRefusal(ErrorCode code,
                      const std::vector<std::string>& texts,
                      int num_gpus) {

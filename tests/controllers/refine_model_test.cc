@@ -6,6 +6,7 @@
 
 #include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/pipeline/plane_numbers.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/scene_model_file.h"
@@ -15,6 +16,7 @@
 #include <set>
 
 #include "tests/controllers/refine_workspace_fixture.h"
+#include "tests/support/scene_model_testing.h"
 
 namespace tsar {
 namespace {
@@ -134,6 +136,32 @@ TEST_F(RefineModelTest, TheNumberOfThreadsDoesNotMatter) {
   options.devices.num_threads = 3;
   Refine(options);
   ExpectSameFiles(expected, MapsOf(root_));
+}
+
+TEST_F(RefineModelTest, WarnsOfPlanesThatPlaneMapsCannotName) {
+  const Workspace workspace(root_, MapType::kGeometric);
+  InputFingerprints inputs(workspace, /*with_evidence=*/true);
+  const SceneModelStore store(workspace, inputs, "options");
+  SceneModel model;
+  model.planes.assign(size_t{kMaxPlanesOfMap},
+                      MakeModelPlane({0, 0, -1}, {0, 0, 2}));
+  const auto warning_of = [&] {
+    testing::internal::CaptureStderr();
+    store.Write(model);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(warning_of(), "");
+  model.planes.resize(65538, model.planes[0]);
+  const std::string warning = warning_of();
+  for (const char* text : {"the scene has 65538 planes",
+                           "can name 65535",
+                           "the 3 that least",
+                           "stereo/plane_maps",
+                           "are complete"}) {
+    EXPECT_THAT(warning, testing::HasSubstr(text));
+  }
+  EXPECT_EQ(warning.find('\n', warning.find("the scene")), warning.size() - 1);
+  EXPECT_EQ(store.Read().planes.size(), 65538u);
 }
 
 // Two pairs that see nothing of each other.

@@ -22,6 +22,12 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
 }
 
+TEST_F(EvidenceFileTest, LiesInTheFolderOfThisProgram) {
+  EXPECT_EQ(
+      GetEvidencePath("dense", "left/1.jpg", MapType::kPhotometric).Path(),
+      "dense/stereo/tsar/evidence/left/1.jpg.photometric.bin");
+}
+
 TEST_F(EvidenceFileTest, ReadsWhatWasWritten) {
   WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   ExpectSame(ReadEvidence(path_), evidence_);
