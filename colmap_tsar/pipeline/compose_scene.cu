@@ -30,6 +30,18 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
       ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
 }
 
+// Of a plane of the scene that fills a pixel.
+TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
+  switch (evidence) {
+    case LabelEvidence::kMeasured:
+      return Provenance::kRegionPlane;
+    case LabelEvidence::kCarried:
+      return Provenance::kOtherViews;
+    default:
+      return Provenance::kGuessed;
+  }
+}
+
 // What becomes of the depth that a pixel measured.
 enum OwnDepth : uint8_t {
   kGivesWay = 0,       // To a plane, or because nothing speaks for it.
@@ -101,10 +113,9 @@ struct ComposeSceneKernel {
     Plane plane = inputs.scene_planes.At(x, y);
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
     if (plane.Valid()) {
-      source = own == kMoves ? Provenance::kMeasured
-               : SuperpixelAt(inputs, x, y).evidence == LabelEvidence::kMeasured
-                   ? Provenance::kRegionPlane
-                   : Provenance::kOtherViews;
+      source = own == kMoves
+                   ? Provenance::kMeasured
+                   : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence);
     } else {
       plane = inputs.region_planes.At(x, y);
       ray = inputs.region_planes.intrinsics.Ray(x, y);

@@ -17,7 +17,8 @@ enum class Provenance : uint8_t {
   kSuperpixelPlane = 2,
   kInterpolated = 3,
   kRegionPlane = 4,
-  kOtherViews = 5,
+  kOtherViews = 5,  // Their planes, where they measured these.
+  kGuessed = 6,     // Planes of the scene that no view measured there.
 };
 
 // The result for one image; all have the size of the original maps.

@@ -133,7 +133,8 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
             (std::set<Provenance>{Provenance::kNone,
                                   Provenance::kMeasured,
                                   Provenance::kRegionPlane,
-                                  Provenance::kOtherViews}));
+                                  Provenance::kOtherViews,
+                                  Provenance::kGuessed}));
 }
 
 TEST_F(CudaTest, LiftRatings) {

@@ -153,7 +153,7 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabelled) {
   Measure(3, 0, 5.03f);
   MeasureWithoutTrust(1, 0, 5.03f);
   const Result result = Compose();
-  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.11f);
+  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kGuessed, 0.11f);
   Expect(result, 2, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.22f);
   Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 0.3f);
   Expect(result,
