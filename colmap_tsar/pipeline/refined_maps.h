@@ -25,7 +25,7 @@ enum class Provenance : uint8_t {
 struct RefinedMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
-  Image<float> confidence;    // In [0, 1].
+  Image<float> confidence;    // In [0, 1]; see confidence_level.h.
   Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
   // 1 + the number of the plane of the scene (scene_model.h) that the pixel
   // lies on, 0 = none; empty where no model of the scene was made.

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/pipeline/confidence_level.h"
 #include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/report/label_colors.h"
 #include "colmap_tsar/report/normal_colors.h"
@@ -51,16 +52,11 @@ Image<float> ReadConfidence(const Workspace& workspace,
                             int image,
                             const Image<float>& depth) {
   const fs::path path = workspace.ConfidencePath(image, workspace.Type());
-  PlanarMap map = ReadPlanarMap(path);
+  const Image<uint8_t> levels =
+      RequireSizeOf(depth, "the depth map", path, ReadGrayPng(path));
   Image<float> confidence(depth.Width(), depth.Height());
-  if (map.channels != 1 || map.width != depth.Width() ||
-      map.height != depth.Height()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "it is not of the depth map's size",
-                      "refine the workspace again");
-  }
-  std::copy(map.values.begin(), map.values.end(), confidence.begin());
+  std::transform(
+      levels.begin(), levels.end(), confidence.begin(), &ConfidenceOfLevel);
   return confidence;
 }
 

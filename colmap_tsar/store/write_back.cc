@@ -7,11 +7,14 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/pipeline/confidence_level.h"
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/originals.h"
+#include "colmap_tsar/store/result_files.h"
 #include "colmap_tsar/store/superseded.h"
 #include "colmap_tsar/workspace/map_io.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -31,6 +34,13 @@ void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
                     ": the refined maps differ in size; this is a mistake "
                     "of the program, please report it");
   }
+}
+
+Image<uint8_t> ToLevels(const Image<float>& confidence) {
+  Image<uint8_t> levels(confidence.Width(), confidence.Height());
+  std::transform(
+      confidence.begin(), confidence.end(), levels.begin(), &ToConfidenceLevel);
+  return levels;
 }
 
 // One channel of as many bits as T has.
@@ -145,7 +155,7 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
                                PutDepthMap(maps.depth, &files_[0]));
   record_.written_normal.insert(record_.written_normal.begin(),
                                 PutNormalMap(maps.normal, &files_[1]));
-  PutDepthMap(maps.confidence, &files_[2]);
+  PutPicture(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
   PutPicture(maps.provenance, paths_.provenance, &files_[3]);
   if (has_planes_) {
     PutPicture(maps.planes, paths_.planes, &files_[4]);
@@ -188,6 +198,7 @@ void WriteBack::RenameFiles() {
   for (AtomicFile& file : files_) {
     file.Commit();
   }
+  RemoveFile(paths_.former_confidence);
 }
 
 void WriteBack::RecordDone() {
@@ -209,9 +220,7 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
     PutOriginalBack(
         originals.normal_state, paths.normal, paths.original_normal);
   }
-  RemoveFile(paths.confidence);
-  RemoveFile(paths.provenance);
-  RemoveFile(paths.planes);
+  RemoveResults(paths);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
   record.written_depth.clear();

@@ -239,8 +239,8 @@ TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
 }
 
 TEST_F(WritePageTest, DamagedMapsAreOneErrorAndNoPage) {
-  WriteText(root_ / "stereo/confidence_maps/a.png.geometric.bin", "4&3&");
-  ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.bin"});
+  WriteText(root_ / "stereo/confidence_maps/a.png.geometric.png", "no picture");
+  ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.png"});
 }
 
 TEST(WritePage, WantsARefinedWorkspace) {

@@ -81,7 +81,7 @@ def written(root):
     """What becomes another one when an image is done again."""
     found = {}
     for name in NAMES:
-        path = os.path.join(root, "stereo", "confidence_maps", name + ".geometric.bin")
+        path = os.path.join(root, "stereo", "confidence_maps", name + ".geometric.png")
         found[name] = os.stat(path).st_ino if os.path.exists(path) else None
     return found
 
