@@ -38,6 +38,11 @@ struct MeasurementRating {
     return (rating & BitsOf(Confirmation::kDistinct)) ==
            BitsOf(Confirmation::kDistinct);
   }
+  // Whether more speaks for the depth than one other view on texture that is
+  // not distinct.
+  TSAR_HD static bool IsSure(uint8_t rating) {
+    return IsTrusted(rating) || IsConfirmedDistinctly(rating);
+  }
   TSAR_HD static float Score(uint8_t rating) {
     return static_cast<float>(rating & kMaxScore) / kMaxScore;
   }

@@ -10,6 +10,7 @@ namespace tsar {
 void RemoveResults(const MapPaths& paths) {
   for (const ContainedPath* path : {&paths.confidence,
                                     &paths.former_confidence,
+                                    &paths.sigma,
                                     &paths.provenance,
                                     &paths.planes}) {
     RemoveFile(*path);

@@ -11,8 +11,8 @@ namespace tsar {
 
 // The folders of stereo in which a refinement leaves files of its own beside
 // the depth and normal maps.
-inline constexpr std::array<const char*, 3> kResultFolders = {
-    "confidence_maps", "provenance_maps", "plane_maps"};
+inline constexpr std::array<const char*, 4> kResultFolders = {
+    "confidence_maps", "sigma_maps", "provenance_maps", "plane_maps"};
 
 // Removes these files of one image, also those of earlier versions.
 void RemoveResults(const MapPaths& paths);

@@ -19,6 +19,7 @@ MapPaths GetMapPaths(const std::filesystem::path& root,
   paths.cost = stereo / "cost_maps" / (key + ".bin");
   paths.confidence = stereo / "confidence_maps" / (key + ".png");
   paths.former_confidence = stereo / "confidence_maps" / (key + ".bin");
+  paths.sigma = stereo / "sigma_maps" / (key + ".npy");
   paths.provenance = stereo / "provenance_maps" / (key + ".png");
   paths.planes = stereo / "plane_maps" / (key + ".png");
   paths.original_depth = original / "depth_maps" / (key + ".bin");

@@ -24,6 +24,7 @@ struct MapPaths {
   ContainedPath confidence;
   // In the format of depth maps, as earlier versions wrote it.
   ContainedPath former_confidence;
+  ContainedPath sigma;
   ContainedPath provenance;
   ContainedPath planes;  // Which plane of the scene a pixel lies on.
   ContainedPath original_depth;

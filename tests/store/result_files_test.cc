@@ -3,10 +3,12 @@
 
 #include "colmap_tsar/store/result_files.h"
 
+#include "colmap_tsar/base/half.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/write_back.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/sigma_map.h"
 
 #include <filesystem>
 
@@ -17,6 +19,37 @@
 
 namespace tsar {
 namespace {
+
+TEST_F(WriteBackTest, WritesSigmaWhereItIsAskedFor) {
+  const auto clean = Snapshot(root_);
+  const std::filesystem::path path =
+      workspace().SigmaPath(1, MapType::kGeometric);
+  EXPECT_EQ(path, root_ / "stereo/sigma_maps/left/b.png.geometric.npy");
+  RefinedMaps maps = MakeRefinedMaps(42.f);
+  maps.sigma = Image<uint16_t>(4, 3, ToPositiveHalf(0.25f));
+  WriteRefined(workspace(), 1, maps, Record());
+  EXPECT_EQ(ReadSigmaMap(path)(3, 2), 0.25f);
+  EXPECT_TRUE(IsDone(workspace(), 1, "options", {}));
+  // One that is gone is made again.
+  std::filesystem::remove(path);
+  EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
+  WriteRefined(workspace(), 1, maps, Record());
+  // That of an earlier refinement does not outlive it.
+  WriteRefined(workspace(), 1, MakeRefinedMaps(43.f), Record());
+  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_TRUE(IsDone(workspace(), 1, "options", {}));
+  maps.sigma = Image<uint16_t>(3, 4, 1);
+  ExpectError(ErrorCode::kMismatch, {"left/b.png", "differ in size"}, [&] {
+    WriteRefined(workspace(), 1, maps, Record());
+  });
+  maps.sigma = Image<uint16_t>(4, 3, 1);
+  WriteRefined(workspace(), 1, maps, Record());
+  KeepImage(workspace(), 1, Record());
+  EXPECT_FALSE(std::filesystem::exists(path));
+  WriteRefined(workspace(), 1, maps, Record());
+  Restore(root_);
+  EXPECT_EQ(Snapshot(root_), clean);
+}
 
 // A workspace that was refined by a version with another format of confidence
 // maps.
