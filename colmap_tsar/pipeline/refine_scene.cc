@@ -288,16 +288,14 @@ RefineResult MeasureImage(
                                          &timer,
                                          observer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
-  result.measured = std::make_unique<MeasuredImage>(
-      MeasuredImage{DownloadInputs(views, surfaces, gray.View(), device),
-                    views.DownloadRasterColor(),
-                    gray.ToHost(),
-                    PackRatings(surfaces.trusted.View(),
-                                surfaces.score.View(),
-                                surfaces.confirmations.View(),
-                                device)
-                        .ToHost(),
-                    views.ReferenceCamera()});
+  result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
+      DownloadInputs(views, surfaces, gray.View(), device),
+      views.DownloadRasterColor(),
+      gray.ToHost(),
+      PackRatings(
+          surfaces.trusted.View(), surfaces.confirmations.View(), device)
+          .ToHost(),
+      views.ReferenceCamera()});
   timer.Finish("download");
   return result;
 }

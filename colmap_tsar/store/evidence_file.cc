@@ -37,7 +37,7 @@ static_assert(sizeof(Intrinsics) == 16 &&
 
 constexpr std::array<char, 8> kMagic = {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'};
 // To be raised with every change of what the bytes mean, fingerprints included.
-constexpr uint32_t kFormatVersion = 5;
+constexpr uint32_t kFormatVersion = 6;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

@@ -55,14 +55,14 @@ class ComposeSceneTest : public testing::Test {
 
   void Measure(int x, int y, float depth) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone, 1.f);
+    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone);
   }
   void MeasureWithoutTrust(int x,
                            int y,
                            float depth,
                            Confirmation confirmation = Confirmation::kNone) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(false, confirmation, 1.f);
+    ratings_(x, y) = MeasurementRating::Pack(false, confirmation);
   }
 
   ComposeSceneInputs Inputs() const {
@@ -251,7 +251,7 @@ TEST_F(ComposeSceneTest, WeakTextureHoldsADepthOffItsPlaneOnlyFromAfar) {
   MeasureWithoutTrust(5, 2, kNear, Confirmation::kDistinct);
   // Trust does not change it.
   own_(7, 2) = kNear;
-  ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak, 1.f);
+  ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak);
   Result result = Compose();
   Expect(result,
          1,
