@@ -20,6 +20,7 @@
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/require_size.h"
+#include "colmap_tsar/workspace/sigma_map.h"
 
 #include <algorithm>
 #include <array>
@@ -58,6 +59,20 @@ Image<float> ReadConfidence(const Workspace& workspace,
   std::transform(
       levels.begin(), levels.end(), confidence.begin(), &ConfidenceOfLevel);
   return confidence;
+}
+
+// Shares of the depth. Up to so much: of what is right, nothing is further off.
+constexpr float kMaxSigma = 0.01f;
+Image<float> ReadRelativeSigma(const fs::path& path,
+                               const Image<float>& depth) {
+  Image<float> sigma =
+      RequireSizeOf(depth, "the depth map", path, ReadSigmaMap(path));
+  std::transform(sigma.begin(),
+                 sigma.end(),
+                 depth.begin(),
+                 sigma.begin(),
+                 [](float s, float z) { return z > 0.f ? s / z : 0.f; });
+  return sigma;
 }
 
 // A colour for each plane of the scene; black where there is none.
@@ -132,6 +147,13 @@ ImagePage WriteImagePage(const Workspace& workspace,
   write("normals_after", ColorizeNormals(row.normals_after));
   write("provenance", provenance);
   write("confidence", ColorizeValues(confidence, 1.f, &row.after));
+  const fs::path sigma_map = workspace.SigmaPath(image, workspace.Type());
+  if (Exists(sigma_map)) {
+    write("sigma",
+          ColorizeValues(
+              ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
+    page.has_sigma = true;
+  }
   const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
   if (options.show_planes && Exists(plane_map)) {
     write("planes", DrawPlanes(plane_map, row.after));
