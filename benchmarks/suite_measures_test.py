@@ -99,14 +99,16 @@ def check_harm(folder):
               np.kron(truth, np.ones((3, 3))))
     put(scene, "depth", NAME, old)
     put(refined, "depth", NAME, new)
-    confidence = np.full((10, 10), 0.95)
-    confidence[2:4] = 0.25
-    put(refined, "confidence", NAME, confidence)
+    confidence = np.full((10, 10), 238)
+    confidence[2:4] = 51
+    path = Maps(refined).path("confidence", NAME, "png")
+    path.parent.mkdir(parents=True)
+    write_grey_png(path, confidence)
     scores = measure_truth(scene, Maps(scene), Maps(refined))
     close = {"harm": 14 / 80, "harm_far": 6 / 80, "lost": 2 / 80,
-             # 8 of 20 are right at 0.25, and 48 of 58 at 0.95.
-             "calibration_error": (20 * 0.15 + 58 * (0.95 - 48 / 58)) / 78,
-             "calibration_gap": 0.15}
+             # 8 of 20 are right at 51 of 255, and 48 of 58 at 238.
+             "calibration_error": (20 * 0.2 + 58 * (238 / 255 - 48 / 58)) / 78,
+             "calibration_gap": 0.2}
     for key, value in close.items():
         check(abs(scores[key] - value) < 1e-6, f"{key} is {value:.4f}")
     check(scores["calibration_pixels"] == [0, 0, 20, 0, 0, 0, 0, 0, 0, 58],

@@ -43,7 +43,7 @@ def map_size(path):
 
 
 def read_grey_png(path):
-    """An 8-bit grey PNG without interlacing, as provenance maps are."""
+    """An 8-bit grey PNG without interlacing, as confidence and provenance maps are."""
     data = path.read_bytes()
     if data[:8] != PNG_SIGNATURE:
         raise CommandFailed(f"{path}: not a PNG")

@@ -41,6 +41,7 @@ void CountPixels(const RefinedMaps& maps,
   (*counts)["interpolated"] = from(Provenance::kInterpolated);
   (*counts)["region_plane"] = from(Provenance::kRegionPlane);
   (*counts)["other_views"] = from(Provenance::kOtherViews);
+  (*counts)["guessed"] = from(Provenance::kGuessed);
 }
 
 }  // namespace

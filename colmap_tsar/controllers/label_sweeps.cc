@@ -34,10 +34,9 @@ void LabelSweeps::Run(bool keeps_costs,
 
 void LabelSweeps::Bound(std::vector<BoundingCrease> creases) {
   creases_ = std::move(creases);
-  if (!creases_.empty()) {
-    costs_ = std::vector<Image<PlaneCost>>(costs_.size());
-    kept_bytes_ = 0;
-  }
+  labels_.clear();
+  costs_ = std::vector<Image<PlaneCost>>(costs_.size());
+  kept_bytes_ = 0;
 }
 
 std::vector<ViewLabels> LabelSweeps::TakeLabels() {

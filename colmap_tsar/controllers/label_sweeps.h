@@ -49,7 +49,8 @@ class LabelSweeps {
     return labels_[view].labels.planes;
   }
 
-  // From the next sweep on. The planes that begin there are in the model.
+  // Begins anew: the next sweep is a first one, and all respect the creases.
+  // The planes that begin there are in the model.
   void Bound(std::vector<BoundingCrease> creases);
 
   // By view, those of the last sweep.

@@ -19,7 +19,7 @@
 namespace tsar {
 namespace {
 
-// The picture of the provenance, in a buffer that grows.
+// Confidences in 8 bits, and a picture in a buffer that grows.
 constexpr int64_t kEncodingBytesPerPixel = 3;
 // Of an image that is worked on beside another, few sources are not the
 // other's.

@@ -267,18 +267,23 @@ class SceneModeler {
                         model_.planes,
                         refine_options_,
                         resources_});
-    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+    const auto run = [&](int sweep, const std::string& name) {
       progress_.Start(static_cast<int>(views_.size()),
-                      pass_ + " labels " + std::to_string(sweep + 1) + " of " +
-                          std::to_string(options_.num_sweeps) + ":");
+                      pass_ + " labels " + name + ":");
       sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
       progress_.Finish();
-      if (should_stop_()) {
+      return !should_stop_();
+    };
+    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+      if (!run(sweep,
+               std::to_string(sweep + 1) + " of " +
+                   std::to_string(options_.num_sweeps))) {
         return std::nullopt;
       }
+      // What views would tell each other is void beyond creases.
       if (sweep == 0 && refine_options_.bounding_creases &&
-          options_.num_sweeps > 1) {
-        FindCreases(&sweeps);
+          FindCreases(&sweeps) && !run(sweep, "within creases")) {
+        return std::nullopt;
       }
     }
     return sweeps.TakeLabels();
@@ -303,7 +308,7 @@ class SceneModeler {
     });
     const std::vector<SharedLine> lines = JoinPlaneLines(of_views, options);
     if (lines.empty() || should_stop_()) {
-      return;
+      return false;
     }
     std::vector<EvidenceOfLines> tested(views_.size());
     ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
@@ -316,8 +321,13 @@ class SceneModeler {
         evidence[line] += of_line;
       }
     }
-    sweeps->Bound(
-        FindBoundingCreases(lines, evidence, copies, options, &model_));
+    std::vector<BoundingCrease> creases =
+        FindBoundingCreases(lines, evidence, copies, options, &model_);
+    const bool has_creases = !creases.empty();
+    if (has_creases) {
+      sweeps->Bound(std::move(creases));
+    }
+    return has_creases;
   }
 
   void ForEachEvidence(

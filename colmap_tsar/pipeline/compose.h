@@ -58,18 +58,13 @@ void MarkInterpolated(ImageView<const uint8_t> filled,
                       ComposedMap* composed,
                       Device& device);
 
-// The least of a depth that was measured: 0 stands for no depth.
-constexpr float kMinConfidence = 0.01f;
-
 // What a depth is worth that was not measured in its pixel: about the share of
-// such pixels that are right to 2 cm on the scenes of docs/method.md. That of
-// kOtherViews holds where these measured the plane. 0 for all others.
+// such pixels that are right to 2 cm on the scenes of docs/method.md. 0 for all
+// others.
 TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
   switch (provenance) {
     case Provenance::kRegionPlane:
       return 0.5f;
-    case Provenance::kOtherViews:
-      return 0.4f;
     case Provenance::kSuperpixelPlane:
       return 0.3f;
     case Provenance::kInterpolated:

@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/pipeline/on_plane.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <cmath>
@@ -15,19 +16,16 @@
 namespace tsar {
 namespace {
 
-// The depth of a plane of a raster; 0 where it has none.
-TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
-  const Plane plane = raster.At(x, y);
-  return plane.Valid() ? plane.Depth(raster.intrinsics.Ray(x, y)) : 0.f;
-}
-
-// Of the superpixel under a pixel of the map.
-TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
-    const ComposeSceneInputs& inputs, int x, int y) {
-  const ImageView<const uint16_t>& raster = inputs.superpixels;
-  return inputs.of_superpixel[raster(
-      ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
-      ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
+// Of a plane of the scene that fills a pixel.
+TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
+  switch (evidence) {
+    case LabelEvidence::kMeasured:
+      return Provenance::kRegionPlane;
+    case LabelEvidence::kCarried:
+      return Provenance::kOtherViews;
+    default:
+      return Provenance::kGuessed;
+  }
 }
 
 // What becomes of the depth that a pixel measured.
@@ -101,10 +99,9 @@ struct ComposeSceneKernel {
     Plane plane = inputs.scene_planes.At(x, y);
     Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
     if (plane.Valid()) {
-      source = own == kMoves ? Provenance::kMeasured
-               : SuperpixelAt(inputs, x, y).evidence == LabelEvidence::kMeasured
-                   ? Provenance::kRegionPlane
-                   : Provenance::kOtherViews;
+      source = own == kMoves
+                   ? Provenance::kMeasured
+                   : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence);
     } else {
       plane = inputs.region_planes.At(x, y);
       ray = inputs.region_planes.intrinsics.Ray(x, y);
@@ -124,15 +121,13 @@ struct SceneConfidenceKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     confidence(x, y) = Rate(static_cast<Provenance>(provenance(x, y)),
-                            depth(x, y),
-                            DepthOnPlane(inputs.scene_planes, x, y),
+                            IsOnPlane(inputs.scene_planes, x, y, depth(x, y)),
                             inputs.ratings(x, y),
                             SuperpixelAt(inputs, x, y).confidence);
   }
 
   TSAR_HD static float Rate(Provenance source,
-                            float depth,
-                            float plane,
+                            bool is_on_plane,
                             uint8_t rating,
                             const SurfaceConfidence& surface) {
     switch (source) {
@@ -140,15 +135,12 @@ struct SceneConfidenceKernel {
         return 0.f;
       case Provenance::kInterpolated:
         return kConfidenceOfInterpolated;
-      case Provenance::kMeasured: {
-        const bool is_sure = MeasurementRating::IsTrusted(rating) ||
-                             MeasurementRating::IsConfirmedDistinctly(rating);
-        return depth == plane ? surface.moved
-               : is_sure      ? surface.standing
-                              : surface.standing_weakly;
-      }
+      case Provenance::kMeasured:
+        return is_on_plane                         ? surface.moved
+               : MeasurementRating::IsSure(rating) ? surface.standing
+                                                   : surface.standing_weakly;
       default:
-        return depth == plane ? surface.filled : kConfidenceOfRegion;
+        return is_on_plane ? surface.filled : kConfidenceOfRegion;
     }
   }
 };

@@ -4,8 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/planes/group_planes.h"
+#include "colmap_tsar/scene_planes/inverse_depth_error.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/surface_confidence.h"
 #include "colmap_tsar/superpixels/samples.h"
@@ -37,6 +39,9 @@ struct ComposeSceneOptions {
 struct ComposedSuperpixel {
   LabelEvidence evidence = LabelEvidence::kNone;
   SurfaceConfidence confidence;
+  InverseDepthError error{};  // Of its plane.
+  // Its surface is a curved one; then the error is not known.
+  bool is_curved = false;
 };
 
 struct ComposeSceneInputs {
@@ -48,6 +53,15 @@ struct ComposeSceneInputs {
   // Used where the scene has no plane.
   PlaneRaster region_planes;
 };
+
+// Of the superpixel under a pixel of the map.
+TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
+    const ComposeSceneInputs& inputs, int x, int y) {
+  const ImageView<const uint16_t>& raster = inputs.superpixels;
+  return inputs.of_superpixel[raster(
+      ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
+      ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
+}
 
 // One map from the planes of the scene and the view's own measurements: planes
 // where there are any, measurements that lie off them, and where the scene has

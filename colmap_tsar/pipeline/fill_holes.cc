@@ -47,14 +47,13 @@ void FillHoles(ImageView<const Rgb> color,
   MarkInterpolated(filled.View(), composed, device);
 }
 
-RefinedMaps Download(const ComposedMap& composed,
-                     const DeviceImage<float>& confidence) {
-  RefinedMaps maps;
-  maps.depth = composed.map.depth.ToHost();
-  maps.normal = composed.map.normal.ToHost();
-  maps.provenance = composed.provenance.ToHost();
-  maps.confidence = confidence.ToHost();
-  return maps;
+void Download(const ComposedMap& composed,
+              const DeviceImage<float>& confidence,
+              RefinedMaps* maps) {
+  maps->depth = composed.map.depth.ToHost();
+  maps->normal = composed.map.normal.ToHost();
+  maps->provenance = composed.provenance.ToHost();
+  maps->confidence = confidence.ToHost();
 }
 
 void ShowMaps(StageObserver* observer, const RefinedMaps& maps) {

@@ -20,8 +20,10 @@ void FillHoles(ImageView<const Rgb> color,
                ComposedMap* composed,
                Device& device);
 
-RefinedMaps Download(const ComposedMap& composed,
-                     const DeviceImage<float>& confidence);
+// Of all the maps those that are made in any case.
+void Download(const ComposedMap& composed,
+              const DeviceImage<float>& confidence,
+              RefinedMaps* maps);
 
 // Shows the result to an observer where there is one.
 void ShowMaps(StageObserver* observer, const RefinedMaps& maps);

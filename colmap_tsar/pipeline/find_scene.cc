@@ -234,8 +234,9 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   for (const int number : numbers) {
-    found.labeled.planes.push_back(ToCameraPlane(
-        planes[static_cast<size_t>(number)].plane, views[0].camera));
+    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+    found.labeled.planes.push_back(ToCameraPlane(plane.plane, views[0].camera));
+    found.plane_errors.push_back(ErrorInView(plane, views[0].camera));
   }
   found.labeled.labels =
       Translate(labels.planes, PlacesOf(numbers, planes.size()));

@@ -9,6 +9,7 @@
 #include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/inverse_depth_error.h"
 #include "colmap_tsar/scene_planes/label_inputs.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/measured_planes.h"
@@ -91,7 +92,9 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
 // The planes of the scene that an image shows and where, and what is curved.
 struct FoundScene {
   LabeledView labeled;
-  std::vector<int> plane_numbers;  // In the model, of labeled.planes.
+  // Of labeled.planes: in the model, and how well they are known here.
+  std::vector<int> plane_numbers;
+  std::vector<InverseDepthError> plane_errors;
   CurvedView curved;
   std::map<std::string, double> seconds;  // That it took, per stage.
 };

@@ -12,7 +12,6 @@ namespace {
 
 struct PackRatingsKernel {
   ImageView<const uint8_t> trusted;
-  ImageView<const float> score;
   ImageView<const uint8_t> confirmations;
   ImageView<uint8_t> ratings;
 
@@ -20,22 +19,20 @@ struct PackRatingsKernel {
     ratings(x, y) = MeasurementRating::Pack(
         trusted(x, y) != 0,
         confirmations.Empty() ? Confirmation::kNone
-                              : static_cast<Confirmation>(confirmations(x, y)),
-        score(x, y));
+                              : static_cast<Confirmation>(confirmations(x, y)));
   }
 };
 
 }  // namespace
 
 DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
-                                 ImageView<const float> score,
                                  ImageView<const uint8_t> confirmations,
                                  Device& device) {
   DeviceImage<uint8_t> ratings(device, trusted.width, trusted.height);
   ParallelFor(device,
               trusted.width,
               trusted.height,
-              PackRatingsKernel{trusted, score, confirmations, ratings.View()});
+              PackRatingsKernel{trusted, confirmations, ratings.View()});
   return ratings;
 }
 

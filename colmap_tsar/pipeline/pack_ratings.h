@@ -12,7 +12,6 @@ namespace tsar {
 // The MeasurementRating of each pixel. trusted: other than 0 where its depth is
 // trusted. confirmations: its Confirmation; may be empty.
 DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
-                                 ImageView<const float> score,
                                  ImageView<const uint8_t> confirmations,
                                  Device& device);
 

@@ -4,7 +4,7 @@
 #include "colmap_tsar/pipeline/plane_map.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/superpixels/samples.h"
+#include "colmap_tsar/pipeline/on_plane.h"
 
 namespace tsar {
 namespace {
@@ -16,12 +16,8 @@ struct PlaneMapKernel {
   ImageView<uint16_t> map;
 
   TSAR_HD void operator()(int x, int y) const {
-    const Plane plane = scene_planes.At(x, y);
-    const bool is_on_plane =
-        plane.Valid() && depth(x, y) > 0.f &&
-        depth(x, y) == plane.Depth(scene_planes.intrinsics.Ray(x, y));
     map(x, y) =
-        is_on_plane
+        IsOnPlane(scene_planes, x, y, depth(x, y))
             ? numbers(ReducedRaster::FromMap(x, depth.width, numbers.width),
                       ReducedRaster::FromMap(y, depth.height, numbers.height))
             : 0;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/compose_surfaces.h"
+#include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
@@ -55,8 +56,12 @@ RefineResult RefineImage(
                &composed,
                &confidence,
                device);
+  if (options.sigma_maps) {
+    result.maps.sigma =
+        ComputeSigma(composed, views.Scale(), {}, device).ToHost();
+  }
   timer.Finish("composition");
-  result.maps = Download(composed, confidence);
+  Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
   // With min_confidence an empty map is what was asked for.

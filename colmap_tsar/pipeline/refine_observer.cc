@@ -44,7 +44,7 @@ const std::vector<RefineStageInfo>& RefineStages() {
        "surfaces of the scene, a colour each"},
       {RefineStage::kLabelEvidence,
        "label_evidence",
-       "how a surface came there: grey measured, green by other views, yellow "
+       "how a surface came there: grey measured, green by other views, purple "
        "guessed"},
       {RefineStage::kScenePlanes,
        "scene_planes",

@@ -299,6 +299,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "wrong ones itself. Without scene_planes, confidences are only ranks.",
        0.0,
        1.0},
+      {"sigma_maps",
+       &options->sigma_maps,
+       "Write stereo/sigma_maps: how far each depth may be off, as a standard "
+       "deviation in the unit of the depth map, if its surface is the right "
+       "one. Arrays of NumPy, of 16-bit floats."},
       {"seed",
        &options->seed,
        "Another number gives other random draws, and so tells how much of a "

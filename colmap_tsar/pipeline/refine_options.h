@@ -77,6 +77,9 @@ struct RefineOptions {
   // Depths of less confidence are left out.
   double min_confidence = 0.0;
 
+  // Whether standard deviations of depths are written, too.
+  bool sigma_maps = true;
+
   // Keys the random numbers of every RANSAC.
   int seed = 0;
 

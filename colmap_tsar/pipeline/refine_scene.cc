@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
@@ -212,15 +213,20 @@ Image<uint16_t> RegionsWithinCreases(const ViewEvidence& evidence,
   return regions;
 }
 
-std::vector<ComposedSuperpixel> RateSuperpixels(const LabeledView& labeled,
-                                                const CurvedView& curved) {
+std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
+  const LabeledView& labeled = found.labeled;
+  const CurvedView& curved = found.curved;
   std::vector<ComposedSuperpixel> result;
   for (size_t k = 0; k < curved.evidence.size(); ++k) {
     const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
+    const int label = labeled.labels[k];
     result.push_back(
         {curved.evidence[k],
          is_curved ? kConfidenceOfCurved
-                   : RateSurface(curved.evidence[k], labeled.qualities[k])});
+                   : RateSurface(curved.evidence[k], labeled.qualities[k]),
+         label >= 0 ? found.plane_errors[static_cast<size_t>(label)]
+                    : InverseDepthError{},
+         is_curved});
   }
   return result;
 }
@@ -271,16 +277,14 @@ RefineResult MeasureImage(
                                          &timer,
                                          observer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
-  result.measured = std::make_unique<MeasuredImage>(
-      MeasuredImage{DownloadInputs(views, surfaces, gray.View(), device),
-                    views.DownloadRasterColor(),
-                    gray.ToHost(),
-                    PackRatings(surfaces.trusted.View(),
-                                surfaces.score.View(),
-                                surfaces.confirmations.View(),
-                                device)
-                        .ToHost(),
-                    views.ReferenceCamera()});
+  result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
+      DownloadInputs(views, surfaces, gray.View(), device),
+      views.DownloadRasterColor(),
+      gray.ToHost(),
+      PackRatings(
+          surfaces.trusted.View(), surfaces.confirmations.View(), device)
+          .ToHost(),
+      views.ReferenceCamera()});
   timer.Finish("download");
   return result;
 }
@@ -343,8 +347,8 @@ RefineResult ComposeImage(const ViewData& reference,
                           device,
                           &scene_planes);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
-  const Buffer<ComposedSuperpixel> of_superpixel(
-      device, RateSuperpixels(labeled, curved));
+  const Buffer<ComposedSuperpixel> of_superpixel(device,
+                                                 RateSuperpixels(found));
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<Plane> region_planes =
@@ -370,8 +374,14 @@ RefineResult ComposeImage(const ViewData& reference,
                &composed,
                &confidence,
                device);
+  if (options.sigma_maps) {
+    result.maps.sigma =
+        ComputeSceneSigma(
+            composed, inputs, evidence.resolution, evidence.noise, {}, device)
+            .ToHost();
+  }
   timer.Finish("composition");
-  result.maps = Download(composed, confidence);
+  Download(composed, confidence, &result.maps);
   const DeviceImage<uint16_t> plane_numbers(device,
                                             PlaneNumbers(superpixels, found));
   result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),

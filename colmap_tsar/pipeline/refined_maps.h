@@ -17,23 +17,28 @@ enum class Provenance : uint8_t {
   kSuperpixelPlane = 2,
   kInterpolated = 3,
   kRegionPlane = 4,
-  kOtherViews = 5,
+  kOtherViews = 5,  // Their planes, where they measured these.
+  kGuessed = 6,     // Planes of the scene that no view measured there.
 };
 
 // The result for one image; all have the size of the original maps.
 struct RefinedMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
-  Image<float> confidence;    // In [0, 1].
+  Image<float> confidence;    // In [0, 1]; see confidence_level.h.
   Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
   // 1 + the number of the plane of the scene (scene_model.h) that the pixel
   // lies on, 0 = none; empty where no model of the scene was made.
   Image<uint16_t> planes{};
+  // The standard deviation of each depth in the units of the map, provided that
+  // its surface is the right one, as a half (half.h); 0 = no depth. Empty where
+  // it was not asked for.
+  Image<uint16_t> sigma{};
 };
 
 inline int64_t RefinedMapsBytes(int64_t num_pixels) {
-  constexpr size_t kBytesPerPixel =
-      2 * sizeof(float) + sizeof(Vec3f) + sizeof(uint8_t) + sizeof(uint16_t);
+  constexpr size_t kBytesPerPixel = 2 * sizeof(float) + sizeof(Vec3f) +
+                                    sizeof(uint8_t) + 2 * sizeof(uint16_t);
   return num_pixels * static_cast<int64_t>(kBytesPerPixel);
 }
 

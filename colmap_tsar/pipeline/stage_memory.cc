@@ -68,9 +68,11 @@ LabelingSize SizeOfLabeling(const RefineOptions& options,
   return size;
 }
 
-// The confidence of a composed map; its provenance is there by then.
-int64_t ConfidenceBytes(int64_t num_pixels) {
-  return BytesOf<float>(num_pixels);
+// The confidence of a composed map and, before it is downloaded, the sigma of
+// its depths; the provenance is there by then.
+int64_t ConfidenceBytes(const RefineOptions& options, int64_t num_pixels) {
+  return BytesOf<float>(num_pixels) +
+         (options.sigma_maps ? BytesOf<uint16_t>(num_pixels) : 0);
 }
 
 }  // namespace
@@ -89,7 +91,7 @@ int64_t RefineImageWorkingBytes(const RefineOptions& options,
                                     FillHolesWorkingBytes(options, num_pixels);
   const int64_t rating =
       (options.fill_before_regions ? 0 : plane_image + provenance) +
-      ConfidenceBytes(num_pixels);
+      ConfidenceBytes(options, num_pixels);
   const int64_t composing = DeviceViewsBytesWithoutSources(num_pixels) +
                             SurfacesBytes(options, num_pixels) +
                             std::max(filling, rating);
@@ -142,8 +144,9 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
   const int64_t composing =
       planes_of_scene_and_regions + superpixels + of_superpixel +
       std::max(ComposeSceneWorkingBytes(num_pixels),
-               provenance + std::max(FillHolesWorkingBytes(options, num_pixels),
-                                     ConfidenceBytes(num_pixels) + plane_maps));
+               provenance +
+                   std::max(FillHolesWorkingBytes(options, num_pixels),
+                            ConfidenceBytes(options, num_pixels) + plane_maps));
   const int64_t ratings = BytesOf<uint8_t>(num_pixels);
   return DeviceReferenceWorkingBytes(num_pixels) +
          std::max(LiftRatingsWorkingBytes(num_pixels, num_judged_pixels),

@@ -104,7 +104,7 @@ Image<Rgb> ColorizeEvidence(const Image<uint8_t>& evidence) {
           case LabelEvidence::kCarried:
             return static_cast<uint8_t>(Provenance::kOtherViews);
           case LabelEvidence::kGuessed:
-            return static_cast<uint8_t>(Provenance::kInterpolated);
+            return static_cast<uint8_t>(Provenance::kGuessed);
           default:
             return static_cast<uint8_t>(Provenance::kNone);
         }

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/pipeline/confidence_level.h"
 #include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/report/label_colors.h"
 #include "colmap_tsar/report/normal_colors.h"
@@ -19,6 +20,7 @@
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/require_size.h"
+#include "colmap_tsar/workspace/sigma_map.h"
 
 #include <algorithm>
 #include <array>
@@ -51,17 +53,26 @@ Image<float> ReadConfidence(const Workspace& workspace,
                             int image,
                             const Image<float>& depth) {
   const fs::path path = workspace.ConfidencePath(image, workspace.Type());
-  PlanarMap map = ReadPlanarMap(path);
+  const Image<uint8_t> levels =
+      RequireSizeOf(depth, "the depth map", path, ReadGrayPng(path));
   Image<float> confidence(depth.Width(), depth.Height());
-  if (map.channels != 1 || map.width != depth.Width() ||
-      map.height != depth.Height()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "it is not of the depth map's size",
-                      "refine the workspace again");
-  }
-  std::copy(map.values.begin(), map.values.end(), confidence.begin());
+  std::transform(
+      levels.begin(), levels.end(), confidence.begin(), &ConfidenceOfLevel);
   return confidence;
+}
+
+// Shares of the depth. Up to so much: of what is right, nothing is further off.
+constexpr float kMaxSigma = 0.01f;
+Image<float> ReadRelativeSigma(const fs::path& path,
+                               const Image<float>& depth) {
+  Image<float> sigma =
+      RequireSizeOf(depth, "the depth map", path, ReadSigmaMap(path));
+  std::transform(sigma.begin(),
+                 sigma.end(),
+                 depth.begin(),
+                 sigma.begin(),
+                 [](float s, float z) { return z > 0.f ? s / z : 0.f; });
+  return sigma;
 }
 
 // A colour for each plane of the scene; black where there is none.
@@ -136,6 +147,13 @@ ImagePage WriteImagePage(const Workspace& workspace,
   write("normals_after", ColorizeNormals(row.normals_after));
   write("provenance", provenance);
   write("confidence", ColorizeValues(confidence, 1.f, &row.after));
+  const fs::path sigma_map = workspace.SigmaPath(image, workspace.Type());
+  if (Exists(sigma_map)) {
+    write("sigma",
+          ColorizeValues(
+              ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
+    page.has_sigma = true;
+  }
   const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
   if (options.show_planes && Exists(plane_map)) {
     write("planes", DrawPlanes(plane_map, row.after));

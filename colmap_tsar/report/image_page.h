@@ -31,6 +31,7 @@ struct ImagePage {
   int64_t num_after = 0;
   std::vector<int64_t> num_by_provenance;  // As ProvenanceKinds().
   std::map<std::string, double> seconds;   // Per stage, where it is recorded.
+  bool has_sigma = false;   // Whether there is a picture of its sigma map.
   bool has_planes = false;  // Whether there is a picture of its planes.
   // The pictures that exist of those that only some runs have.
   std::vector<std::string> stages;
@@ -55,7 +56,7 @@ std::vector<RefineStage> FindStagePictures(
 
 // Writes the pictures of a refined image into a new folder in `folder`, named
 // by its number on the page. Throws Error: what ReadComparisonRow throws,
-// kCorrupt and kMismatch for a confidence map or a plane map that is not one,
+// kCorrupt and kMismatch for a confidence, sigma or plane map that is not one,
 // kIo.
 ImagePage WriteImagePage(const Workspace& workspace,
                          int image,

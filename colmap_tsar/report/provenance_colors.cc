@@ -19,6 +19,7 @@ const std::vector<ProvenanceKind>& ProvenanceKinds() {
       {"interpolated", {240, 228, 66}},
       {"region plane", {213, 94, 0}},
       {"other views", {0, 158, 115}},
+      {"guessed", {204, 121, 167}},
   };
   return kinds;
 }

@@ -6,27 +6,21 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/filtering/confirmation.h"
 
-#include <cmath>
 #include <cstdint>
 
 namespace tsar {
 
 // What is known of the depth that a pixel measured, in one byte: whether it is
-// trusted (bit 7), whether another view confirms it (bit 6) on distinct texture
-// (bit 5), and its score (bits 0 to 4).
+// trusted (bit 7), and whether another view confirms it (bit 6) on distinct
+// texture (bit 5).
 struct MeasurementRating {
   static constexpr int kTrusted = 1 << 7;
   static constexpr int kConfirmed = 1 << 6;
   static constexpr int kDistinctTexture = 1 << 5;
-  static constexpr int kMaxScore = 31;
 
-  // score: in [0, 1]; what lies outside is clamped.
-  TSAR_HD static uint8_t Pack(bool is_trusted,
-                              Confirmation confirmation,
-                              float score) {
-    const float level = fminf(fmaxf(kMaxScore * score + 0.5f, 0.f), kMaxScore);
+  TSAR_HD static uint8_t Pack(bool is_trusted, Confirmation confirmation) {
     return static_cast<uint8_t>((is_trusted ? kTrusted : 0) |
-                                BitsOf(confirmation) | static_cast<int>(level));
+                                BitsOf(confirmation));
   }
   TSAR_HD static bool IsTrusted(uint8_t rating) {
     return (rating & kTrusted) != 0;
@@ -38,8 +32,10 @@ struct MeasurementRating {
     return (rating & BitsOf(Confirmation::kDistinct)) ==
            BitsOf(Confirmation::kDistinct);
   }
-  TSAR_HD static float Score(uint8_t rating) {
-    return static_cast<float>(rating & kMaxScore) / kMaxScore;
+  // Whether more speaks for the depth than one other view on texture that is
+  // not distinct.
+  TSAR_HD static bool IsSure(uint8_t rating) {
+    return IsTrusted(rating) || IsConfirmedDistinctly(rating);
   }
   TSAR_HD static uint8_t WithoutTrust(uint8_t rating) {
     return static_cast<uint8_t>(rating & ~kTrusted);

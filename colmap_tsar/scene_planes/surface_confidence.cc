@@ -9,9 +9,6 @@
 namespace tsar {
 namespace {
 
-// Nothing is certain, and 0 stands for no depth.
-constexpr float kLeastConfidence = 0.01f;
-
 // The log-odds of a depth being right: a constant, and how much each measure of
 // the label counts. The margin of a label contains what it gains by the other
 // views that confirm it, which is why these count against it beside the margin.
@@ -30,8 +27,8 @@ struct LogOdds {
                            uncertainty * quality.uncertainty.Value() +
                            margin * quality.margin.Value();
     return std::clamp(1.f / (1.f + std::exp(-log_odds)),
-                      kLeastConfidence,
-                      1.f - kLeastConfidence);
+                      kMinConfidence,
+                      1.f - kMinConfidence);
   }
 };
 

@@ -8,6 +8,9 @@
 
 namespace tsar {
 
+// The least confidence of a depth: 0 stands for no depth.
+inline constexpr float kMinConfidence = 0.01f;
+
 // The probabilities that depths are right to 1 %, by how they came about: of
 // the pixels of one superpixel.
 struct SurfaceConfidence {
@@ -19,7 +22,8 @@ struct SurfaceConfidence {
   float standing_weakly = 0.f;
 };
 
-// By logistic regression (docs/method.md, "Confidence"); from 0.01 to 0.99.
+// By logistic regression (docs/method.md, "Confidence"); from kMinConfidence
+// to as much below 1.
 SurfaceConfidence RateSurface(LabelEvidence evidence,
                               const LabelQuality& quality);
 

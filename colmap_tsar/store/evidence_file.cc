@@ -112,7 +112,7 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/5,
+    /*version=*/6,
     &MissingEvidence,
     &CorruptEvidence};
 

@@ -116,8 +116,9 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
 }
 
 void RequireNoStrayResults(const MapPaths& paths) {
-  for (const std::filesystem::path& result :
-       {paths.provenance.Path(), paths.confidence.Path()}) {
+  for (const std::filesystem::path& result : {paths.provenance.Path(),
+                                              paths.confidence.Path(),
+                                              paths.former_confidence.Path()}) {
     if (IsFile(result) && !Exists(paths.record) &&
         !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
       throw Error::File(

@@ -91,6 +91,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.inputs = json.value("inputs", record.inputs);
     record.written_depth = WrittenFromJson(json.at("written_depth"));
     record.written_normal = WrittenFromJson(json.at("written_normal"));
+    record.has_sigma = json.value("has_sigma", record.has_sigma);
     record.original_depth_hash =
         FromHex(json.at("original_depth_hash").get<std::string>());
     record.original_normal_hash =
@@ -117,6 +118,7 @@ void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
       {"inputs", record.inputs},
       {"written_depth", ToJson(record.written_depth)},
       {"written_normal", ToJson(record.written_normal)},
+      {"has_sigma", record.has_sigma},
       {"original_depth_hash", ToHex(record.original_depth_hash)},
       {"original_normal_hash", ToHex(record.original_normal_hash)},
       {"counts", record.counts},

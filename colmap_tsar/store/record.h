@@ -41,6 +41,7 @@ struct ImageRecord {
   // one only while maps are being replaced.
   std::vector<WrittenMap> written_depth;
   std::vector<WrittenMap> written_normal;
+  bool has_sigma = false;  // Whether a sigma map belongs to the maps.
   // Fingerprints of the originals; only in output workspaces, whose originals
   // can change without our knowing.
   uint64_t original_depth_hash = 0;

@@ -12,6 +12,7 @@
 #include "colmap_tsar/store/map_state.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/store/record.h"
+#include "colmap_tsar/store/result_files.h"
 #include "colmap_tsar/store/superseded.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_paths.h"
@@ -64,7 +65,7 @@ class ImageRestorer {
       return;
     }
     if (!depth_ && !normal_) {
-      RemoveResults();
+      RemoveResults(paths_);
       // Last: an interrupted restoration still needs it.
       RemoveFile(paths_.record);
       return;
@@ -137,7 +138,7 @@ class ImageRestorer {
     PutBack(normal_, paths_.normal, paths_.original_normal);
     PutBack(depth_, paths_.depth, paths_.original_depth);
     ++result_->num_restored;
-    RemoveResults();
+    RemoveResults(paths_);
     RemoveFile(paths_.record);
   }
 
@@ -157,14 +158,8 @@ class ImageRestorer {
 
   // Record and originals stay, so that the decision can be another one later.
   void Keep() {
-    RemoveResults();
+    RemoveResults(paths_);
     result_->kept.push_back(paths_.depth.Path());
-  }
-
-  void RemoveResults() {
-    RemoveFile(paths_.confidence);
-    RemoveFile(paths_.provenance);
-    RemoveFile(paths_.planes);
   }
 
   const MapPaths paths_;
@@ -268,8 +263,7 @@ RestoreResult Restore(const std::filesystem::path& root,
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     RemoveTemporaries(stereo / folder);
   }
-  for (const char* folder :
-       {"confidence_maps", "provenance_maps", "plane_maps"}) {
+  for (const char* folder : kResultFolders) {
     RemoveTemporaries(stereo / folder);
     RemoveEmptyFolders(stereo / folder);
   }

@@ -123,6 +123,10 @@ std::filesystem::path Workspace::ConfidencePath(int image, MapType type) const {
   return Paths(image, type).confidence;
 }
 
+std::filesystem::path Workspace::SigmaPath(int image, MapType type) const {
+  return Paths(image, type).sigma;
+}
+
 std::filesystem::path Workspace::ProvenancePath(int image, MapType type) const {
   return Paths(image, type).provenance;
 }

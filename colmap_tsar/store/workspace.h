@@ -50,6 +50,7 @@ class Workspace {
   std::filesystem::path DepthPath(int image, MapType type) const;
   std::filesystem::path CostPath(int image, MapType type) const;
   std::filesystem::path ConfidencePath(int image, MapType type) const;
+  std::filesystem::path SigmaPath(int image, MapType type) const;
   std::filesystem::path ProvenancePath(int image, MapType type) const;
   std::filesystem::path PlanesPath(int image, MapType type) const;
 

@@ -7,11 +7,15 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/pipeline/confidence_level.h"
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/originals.h"
+#include "colmap_tsar/store/result_files.h"
 #include "colmap_tsar/store/superseded.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/sigma_map.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -25,12 +29,20 @@ void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
   if (!maps.normal.HasSizeOf(maps.depth) ||
       !maps.confidence.HasSizeOf(maps.depth) ||
       !maps.provenance.HasSizeOf(maps.depth) ||
-      (!maps.planes.Empty() && !maps.planes.HasSizeOf(maps.depth))) {
+      (!maps.planes.Empty() && !maps.planes.HasSizeOf(maps.depth)) ||
+      (!maps.sigma.Empty() && !maps.sigma.HasSizeOf(maps.depth))) {
     throw Error(ErrorCode::kMismatch,
                 image +
                     ": the refined maps differ in size; this is a mistake "
                     "of the program, please report it");
   }
+}
+
+Image<uint8_t> ToLevels(const Image<float>& confidence) {
+  Image<uint8_t> levels(confidence.Width(), confidence.Height());
+  std::transform(
+      confidence.begin(), confidence.end(), levels.begin(), &ToConfidenceLevel);
+  return levels;
 }
 
 // One channel of as many bits as T has.
@@ -137,6 +149,10 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   if (has_planes_) {
     add_file(paths_.planes);
   }
+  record_.has_sigma = !maps.sigma.Empty();
+  if (record_.has_sigma) {
+    add_file(paths_.sigma);
+  }
   // An earlier refinement may still be in place until the files are renamed.
   const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
   record_.written_depth = earlier.written_depth;
@@ -145,10 +161,13 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
                                PutDepthMap(maps.depth, &files_[0]));
   record_.written_normal.insert(record_.written_normal.begin(),
                                 PutNormalMap(maps.normal, &files_[1]));
-  PutDepthMap(maps.confidence, &files_[2]);
+  PutPicture(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
   PutPicture(maps.provenance, paths_.provenance, &files_[3]);
   if (has_planes_) {
     PutPicture(maps.planes, paths_.planes, &files_[4]);
+  }
+  if (record_.has_sigma) {
+    PutSigmaMap(maps.sigma, &files_.back());
   }
   for (AtomicFile& file : files_) {
     file.Prepare();
@@ -181,13 +200,17 @@ void WriteBack::RecordWriting() {
 }
 
 void WriteBack::RenameFiles() {
+  // Those of an earlier refinement do not belong to these maps.
   if (!has_planes_) {
-    // That of an earlier refinement does not belong to these maps.
     RemoveFile(paths_.planes);
+  }
+  if (!record_.has_sigma) {
+    RemoveFile(paths_.sigma);
   }
   for (AtomicFile& file : files_) {
     file.Commit();
   }
+  RemoveFile(paths_.former_confidence);
 }
 
 void WriteBack::RecordDone() {
@@ -209,11 +232,10 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
     PutOriginalBack(
         originals.normal_state, paths.normal, paths.original_normal);
   }
-  RemoveFile(paths.confidence);
-  RemoveFile(paths.provenance);
-  RemoveFile(paths.planes);
+  RemoveResults(paths);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
+  record.has_sigma = false;
   record.written_depth.clear();
   record.written_normal.clear();
   WriteRecord(paths.record, record);
@@ -244,6 +266,7 @@ bool IsDone(const Workspace& workspace,
   }
   if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
       !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
+      (record->has_sigma && !IsFile(paths.sigma)) ||
       !IsAnyOf(paths.depth, record->written_depth) ||
       !IsAnyOf(paths.normal, record->written_normal)) {
     return false;

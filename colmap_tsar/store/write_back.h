@@ -60,6 +60,7 @@ class WriteBack {
   MapPaths paths_;
   ImageRecord record_;
   std::vector<AtomicFile> files_;
+  // Of the files, those that not every refinement has.
   bool has_planes_ = false;
 };
 

@@ -51,7 +51,7 @@ Image<float> ReadDepthMap(const std::filesystem::path& path,
 Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
                            int64_t* num_not_finite = nullptr);
 
-// A map with any number of channels (cost maps: 2, confidence maps: 1), with
+// A map with any number of channels (cost maps: 2), with
 // its values as they are in the file.
 PlanarMap ReadPlanarMap(const std::filesystem::path& path);
 

@@ -100,8 +100,11 @@ TEST_F(TsarRefineTest, WritesASecondWorkspace) {
 // What refinement writes for others to read.
 std::map<std::string, std::string> ReadMaps(const std::filesystem::path& root) {
   std::map<std::string, std::string> maps;
-  for (const char* folder :
-       {"depth_maps", "normal_maps", "confidence_maps", "provenance_maps"}) {
+  for (const char* folder : {"depth_maps",
+                             "normal_maps",
+                             "confidence_maps",
+                             "sigma_maps",
+                             "provenance_maps"}) {
     for (const auto& [path, content] : ReadTree(root / "stereo" / folder)) {
       maps[std::string(folder) + "/" + path] = content;
     }

@@ -24,6 +24,7 @@ inline Tree MapsOf(const std::filesystem::path& root) {
   for (const char* folder : {"stereo/depth_maps",
                              "stereo/normal_maps",
                              "stereo/confidence_maps",
+                             "stereo/sigma_maps",
                              "stereo/provenance_maps",
                              "stereo/plane_maps"}) {
     // Those of this program are not there from the beginning.

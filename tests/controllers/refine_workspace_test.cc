@@ -91,13 +91,13 @@ TEST_F(RefineWorkspaceTest, LeavesDoubtfulDepthsOut) {
     const MapPaths paths = Paths(view);
     const Image<float> depth = ReadDepthMap(paths.depth);
     const Image<Vec3f> normal = ReadNormalMap(paths.normal);
-    const Image<float> confidence = ReadDepthMap(paths.confidence);
+    const Image<uint8_t> confidence = ReadGrayPng(paths.confidence);
     const Image<uint8_t> provenance = ReadGrayPng(paths.provenance);
     const Image<uint16_t> planes = ReadGray16Png(paths.planes);
     for (size_t i = 0; i < depth.NumPixels(); ++i) {
-      const bool is_left = confidence.Data()[i] > 0.f;
+      const bool is_left = confidence.Data()[i] > 0;
       num_left += is_left ? 1 : 0;
-      ASSERT_TRUE(!is_left || confidence.Data()[i] >= 0.6f);
+      ASSERT_TRUE(!is_left || confidence.Data()[i] >= 153);
       ASSERT_EQ(depth.Data()[i] > 0.f, is_left);
       ASSERT_EQ(normal.Data()[i] == Vec3f{}, !is_left);
       ASSERT_EQ(provenance.Data()[i] != 0, is_left);

@@ -39,6 +39,7 @@ StageResult NumbersOf(const SceneModel& model) {
   for (const auto& [image, labels] : model.views) {
     result.Add("planes of view " + std::to_string(image), labels.planes);
     result.Add("evidence of view " + std::to_string(image), labels.evidence);
+    result.Add("qualities of view " + std::to_string(image), labels.qualities);
   }
   return result;
 }

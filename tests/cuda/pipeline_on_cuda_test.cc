@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_image.h"
@@ -24,7 +25,7 @@ std::vector<T> Pixels(const Image<T>& image) {
 
 TEST_F(CudaTest, ComposeMapAndRateConfidence) {
   ExpectAlike(
-      "ComposeMap, RateConfidence",
+      "ComposeMap, RateConfidence, ComputeSigma",
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
         // Two walls, the nearer one in every third column of the raster.
@@ -58,13 +59,15 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
         result->Add("provenance", composed.provenance);
         result->Add("confidence",
                     RateConfidence(composed, inputs.score.View(), device));
+        result->Add("sigma",
+                    ComputeSigma(composed, inputs.views.Scale(), {}, device));
       });
 }
 
 TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
   std::set<Provenance> found;
   ExpectAlike(
-      "ComposeScene, RateSceneConfidence",
+      "ComposeScene, RateSceneConfidence, ComputeSceneSigma",
       AllScenesAndWide(),
       [&](StageInputs& inputs, Device& device, StageResult* result) {
         const ReducedRaster& raster = inputs.views.Raster();
@@ -87,8 +90,11 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         std::vector<ComposedSuperpixel> of_superpixel;
         for (int k = 0; k < 40; ++k) {
-          of_superpixel.push_back({static_cast<LabelEvidence>(k % 4),
-                                   {0.01f * k, 0.02f * k, 0.3f, 0.4f}});
+          of_superpixel.push_back(
+              {static_cast<LabelEvidence>(k % 4),
+               {0.01f * k, 0.02f * k, 0.3f, 0.4f},
+               {1e-5f * k, 2e-6f, -3e-6f, 1e-6f * k, 4e-6f, 5e-6f},
+               k % 7 == 0});
         }
         // Three depths of four are trusted.
         Image<uint8_t> ratings(inputs.views.Width(), inputs.views.Height());
@@ -118,6 +124,11 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         result->Add("provenance", composed.provenance);
         result->Add("confidence",
                     RateSceneConfidence(composed, scene_inputs, device));
+        const auto sigma = [&] {
+          return ComputeSceneSigma(
+              composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
+        };
+        result->Add("sigma", sigma());
         for (const uint8_t value : composed.provenance.ToHost()) {
           found.insert(static_cast<Provenance>(value));
         }
@@ -128,12 +139,14 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         DropDoubtful(0.35f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);
         result->Add("confidence above a limit", confidence);
+        result->Add("sigma above a limit", sigma());
       });
   EXPECT_EQ(found,
             (std::set<Provenance>{Provenance::kNone,
                                   Provenance::kMeasured,
                                   Provenance::kRegionPlane,
-                                  Provenance::kOtherViews}));
+                                  Provenance::kOtherViews,
+                                  Provenance::kGuessed}));
 }
 
 TEST_F(CudaTest, LiftRatings) {
@@ -232,6 +245,7 @@ TEST_F(CudaTest, RefineImage) {
                   result->Add("depth", Pixels(refined.maps.depth));
                   result->Add("normal", Pixels(refined.maps.normal));
                   result->Add("confidence", Pixels(refined.maps.confidence));
+                  result->Add("sigma", Pixels(refined.maps.sigma));
                   result->Add("provenance", Pixels(refined.maps.provenance));
                 });
   }

@@ -72,6 +72,7 @@ TEST_F(CudaTest, LabelView) {
       result.Add("planes", labeled.planes);
       result.Add("labels", labeled.labels);
       result.Add("evidence", labeled.evidence);
+      result.Add("qualities", labeled.qualities);
       result.Add("strengths", labeled.strengths);
       return result;
     };

@@ -7,6 +7,7 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/scene_planes/label_quality.h"
 
 #include <cstdint>
 #include <string>
@@ -53,6 +54,14 @@ class StageResult {
   }
   static void Append(const Vec3f& value, std::vector<double>* values) {
     values->insert(values->end(), {value.x, value.y, value.z});
+  }
+  static void Append(const LabelQuality& value, std::vector<double>* values) {
+    values->insert(values->end(),
+                   {value.explained.Value(),
+                    value.strength.Value(),
+                    value.confirmed.Value(),
+                    value.uncertainty.Value(),
+                    value.margin.Value()});
   }
   static void Append(const Plane& value, std::vector<double>* values) {
     Append(value.normal, values);

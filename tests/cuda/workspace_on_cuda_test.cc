@@ -128,7 +128,8 @@ bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
                0;
   };
   return same(a.depth, b.depth) && same(a.normal, b.normal) &&
-         same(a.confidence, b.confidence) && same(a.provenance, b.provenance);
+         same(a.confidence, b.confidence) && same(a.sigma, b.sigma) &&
+         same(a.provenance, b.provenance);
 }
 
 TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
@@ -214,6 +215,7 @@ class WorkspaceOnCudaTest : public WorkersOnCudaTest {
     for (const char* name : {"depth_maps",
                              "normal_maps",
                              "confidence_maps",
+                             "sigma_maps",
                              "provenance_maps",
                              "cost_maps"}) {
       const std::filesystem::path path =

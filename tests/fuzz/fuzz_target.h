@@ -22,6 +22,7 @@ struct FuzzTarget {
 };
 
 extern const FuzzTarget kMapTarget;
+extern const FuzzTarget kSigmaMapTarget;
 extern const FuzzTarget kSparseBinaryTarget;
 extern const FuzzTarget kSparseTextTarget;
 extern const FuzzTarget kConfigTarget;

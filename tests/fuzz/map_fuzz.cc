@@ -1,7 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/base/half.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/sigma_map.h"
 
 #include "tests/fuzz/fuzz_target.h"
 
@@ -29,8 +31,21 @@ std::vector<std::string> MakeSeeds() {
   return seeds;
 }
 
+void ReadSigma(std::span<const uint8_t> input) {
+  const std::filesystem::path path = PutFile("sigma.npy", input);
+  Accepts([&] { ReadSigmaMap(path); });
+}
+
+std::vector<std::string> MakeSigmaSeeds() {
+  AtomicFile file(UserPath(FuzzFolder() / "sigma.npy"));
+  PutSigmaMap(Image<uint16_t>(4, 3, ToPositiveHalf(0.5f)), &file);
+  file.Commit();
+  return {TakeFile("sigma.npy")};
+}
+
 }  // namespace
 
 const FuzzTarget kMapTarget = {"map", &Read, &MakeSeeds};
+const FuzzTarget kSigmaMapTarget = {"sigma_map", &ReadSigma, &MakeSigmaSeeds};
 
 }  // namespace tsar

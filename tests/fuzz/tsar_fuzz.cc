@@ -30,15 +30,15 @@ namespace tsar {
 namespace {
 
 constexpr const FuzzTarget* kTargets[] = {
-    &kMapTarget,         &kSparseBinaryTarget, &kSparseTextTarget,
-    &kConfigTarget,      &kImageListTarget,    &kProjectIniTarget,
-    &kEvidenceTarget,    &kRecordTarget,       &kImportRecordTarget,
-    &kShardRecordTarget, &kOutputMarkerTarget, &kDmbTarget,
-    &kApdTarget,         &kDmapTarget,         &kStoredCameraTarget,
-    &kNpyTarget,         &kPfmTarget,          &kPngTarget,
-    &kTiffTarget,        &kExrTarget,          &kGrayPngTarget,
-    &kJpegTarget,        &kPhotoTarget,        &kPlyTarget,
-    &kMeshlabTarget,     &kSceneModelTarget};
+    &kMapTarget,          &kSigmaMapTarget,    &kSparseBinaryTarget,
+    &kSparseTextTarget,   &kConfigTarget,      &kImageListTarget,
+    &kProjectIniTarget,   &kEvidenceTarget,    &kRecordTarget,
+    &kImportRecordTarget, &kShardRecordTarget, &kOutputMarkerTarget,
+    &kDmbTarget,          &kApdTarget,         &kDmapTarget,
+    &kStoredCameraTarget, &kNpyTarget,         &kPfmTarget,
+    &kPngTarget,          &kTiffTarget,        &kExrTarget,
+    &kGrayPngTarget,      &kJpegTarget,        &kPhotoTarget,
+    &kPlyTarget,          &kMeshlabTarget,     &kSceneModelTarget};
 
 const FuzzTarget* current_target = nullptr;
 

@@ -177,7 +177,7 @@ def check_images(browser, page):
     for figure in browser.find("figure:not(.overlay)"):
         check_slider(browser, figure)
     layers = browser.find("input[name=layer]")
-    check(len(layers) == 8, "there are three layers and five stages")
+    check(len(layers) == 9, "there are four layers and five stages")
     over = ".overlay .compare img + img"
     for layer in layers:
         layer.send_keys(Keys.SPACE)

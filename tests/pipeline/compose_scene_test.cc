@@ -55,14 +55,14 @@ class ComposeSceneTest : public testing::Test {
 
   void Measure(int x, int y, float depth) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone, 1.f);
+    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone);
   }
   void MeasureWithoutTrust(int x,
                            int y,
                            float depth,
                            Confirmation confirmation = Confirmation::kNone) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(false, confirmation, 1.f);
+    ratings_(x, y) = MeasurementRating::Pack(false, confirmation);
   }
 
   ComposeSceneInputs Inputs() const {
@@ -153,7 +153,7 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabelled) {
   Measure(3, 0, 5.03f);
   MeasureWithoutTrust(1, 0, 5.03f);
   const Result result = Compose();
-  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.11f);
+  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kGuessed, 0.11f);
   Expect(result, 2, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.22f);
   Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 0.3f);
   Expect(result,
@@ -251,7 +251,7 @@ TEST_F(ComposeSceneTest, WeakTextureHoldsADepthOffItsPlaneOnlyFromAfar) {
   MeasureWithoutTrust(5, 2, kNear, Confirmation::kDistinct);
   // Trust does not change it.
   own_(7, 2) = kNear;
-  ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak, 1.f);
+  ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak);
   Result result = Compose();
   Expect(result,
          1,

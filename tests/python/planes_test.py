@@ -22,6 +22,7 @@ except ImportError:
     np = None
 
 MAP = "stereo/plane_maps/v001.jpg.geometric.png"
+SIGMA_MAP = "stereo/sigma_maps/v001.jpg.geometric.npy"
 
 
 class PlanesTest(SampleTest):
@@ -113,6 +114,13 @@ class PlanesTest(SampleTest):
         self.assertLess(len(large), len(planes))
         self.assertEqual(large.ids.tolist(), planes.ids[kept].tolist())
         np.testing.assert_array_equal(large.normals, planes.normals[kept])
+
+    def test_numpy_reads_sigma_maps(self):
+        sigma = np.load(self.workspace / SIGMA_MAP, allow_pickle=False)
+        labels = colmap_tsar.read_plane_map(self.workspace / MAP)
+        self.assertEqual(sigma.shape, labels.shape)
+        self.assertEqual(sigma.dtype, np.float16)
+        self.assertTrue((sigma[labels >= 0] > 0).all())
 
     def test_maps_hold_the_ids(self):
         planes = colmap_tsar.read_planes(self.workspace)

@@ -142,7 +142,7 @@ TEST(DrawComparison, RejectsWhatCannotBeCompared) {
   EXPECT_THROW(DrawComparison({no_image}), Error);
 
   ComparisonRow unknown = DrawnRow();
-  unknown.provenance(5, 5) = 6;
+  unknown.provenance(5, 5) = 7;
   EXPECT_THROW(DrawComparison({unknown}), Error);
 }
 

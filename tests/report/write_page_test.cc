@@ -4,7 +4,9 @@
 #include "colmap_tsar/report/write_page.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/half.h"
 #include "colmap_tsar/report/page_files.h"
+#include "colmap_tsar/report/value_colors.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/store/write_back.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -16,6 +18,7 @@
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
@@ -36,6 +39,7 @@ class WritePageTest : public testing::Test {
     maps.depth(0, 0) = 0.f;
     maps.provenance(0, 0) = 0;
     maps.provenance(1, 0) = 1;
+    maps.sigma = Image<uint16_t>(4, 3, ToPositiveHalf(0.045f));
     WriteRefined(workspace, 1, maps, record);
     record.note = "seen by nobody";
     KeepImage(workspace, 2, record);
@@ -81,7 +85,7 @@ TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
   EXPECT_EQ(image["width"], 4);
   EXPECT_EQ(image["before"], 12);
   EXPECT_EQ(image["after"], 11);
-  EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0}));
+  EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0, 0}));
   EXPECT_EQ(image["seconds"]["matching"], 1.5);
   ASSERT_EQ(data["kept"].size(), 1u);
   EXPECT_EQ(data["kept"][0]["name"], "c.png");
@@ -238,9 +242,29 @@ TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
   EXPECT_TRUE(ReadTree(root_) == before);
 }
 
+TEST_F(WritePageTest, ShowsSigmaOfImagesThatHaveIt) {
+  Write();
+  const nlohmann::json images = Data()["images"];
+  EXPECT_EQ(images[0]["has_sigma"], false);
+  EXPECT_EQ(images[1]["has_sigma"], true);
+  const fs::path pictures = options_.report_path / "images";
+  EXPECT_FALSE(fs::exists(pictures / "00000_a.png/sigma.png"));
+  const cv::Mat sigma =
+      cv::imread((pictures / "00001_left_b.png/sigma.png").string());
+  // 0.5 % of the depth is half of the scale; there is no depth at (0, 0).
+  const Rgb half = ColorizeValues(Image<float>(1, 1, 0.5f), 1.f)(0, 0);
+  EXPECT_NEAR(sigma.at<cv::Vec3b>(1, 1)[1], half.g, 2);
+  EXPECT_EQ(sigma.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
+}
+
 TEST_F(WritePageTest, DamagedMapsAreOneErrorAndNoPage) {
-  WriteText(root_ / "stereo/confidence_maps/a.png.geometric.bin", "4&3&");
-  ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.bin"});
+  const fs::path sigma = root_ / "stereo/sigma_maps/left/b.png.geometric.npy";
+  const std::string whole = ReadText(sigma);
+  WriteText(sigma, whole.substr(0, whole.size() - 1));
+  ExpectFailure(ErrorCode::kCorrupt, {"sigma_maps/left/b.png.geometric.npy"});
+  WriteText(sigma, whole);
+  WriteText(root_ / "stereo/confidence_maps/a.png.geometric.png", "no picture");
+  ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.png"});
 }
 
 TEST(WritePage, WantsARefinedWorkspace) {

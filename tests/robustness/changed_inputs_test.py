@@ -31,7 +31,8 @@ A, B, C, D = NAMES
 # Each sees the next: all are one scene, but D is a neighbour of C alone.
 CHAIN = {A: [B], B: [A, C], C: [B, D], D: [C]}
 THREE = {A: [B], B: [A, C], C: [B]}
-RESULTS = ("depth_maps", "normal_maps", "confidence_maps", "provenance_maps", "plane_maps")
+RESULTS = ("depth_maps", "normal_maps", "confidence_maps", "sigma_maps",
+           "provenance_maps", "plane_maps")
 OPTIONS = {"with the planes of the scene": [],
            "by themselves": ["--TsarRefine.scene_planes", 0]}
 # Of those by themselves, what the other modes are tried with, too.
@@ -81,7 +82,7 @@ def written(root):
     """What becomes another one when an image is done again."""
     found = {}
     for name in NAMES:
-        path = os.path.join(root, "stereo", "confidence_maps", name + ".geometric.bin")
+        path = os.path.join(root, "stereo", "confidence_maps", name + ".geometric.png")
         found[name] = os.stat(path).st_ino if os.path.exists(path) else None
     return found
 

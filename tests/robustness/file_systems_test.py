@@ -72,7 +72,7 @@ def check_work_and_undo(case, what):
 
 # Of every subset that somebody might move to another disk.
 MOUNTS = (("depth_maps",), ("normal_maps",), ("depth_maps", "normal_maps"),
-          ("tsar",), ("confidence_maps", "provenance_maps"), ("depth_maps/left",))
+          ("tsar",), ("confidence_maps", "sigma_maps", "provenance_maps"), ("depth_maps/left",))
 num_cases = 0
 for case in COMMANDS:
     for mounts in MOUNTS:

@@ -95,6 +95,7 @@ check_same(read_tree(os.path.join(work, "stereo", "depth_maps")), before, "maps 
 
 # Folders that are links to others, which hold what a command would replace.
 LINKS = ("stereo", "stereo/depth_maps", "stereo/normal_maps/left", "stereo/confidence_maps",
+         "stereo/sigma_maps/left",
          "stereo/provenance_maps/left", "stereo/cost_maps", "stereo/tsar", "stereo/tsar/records",
          "stereo/tsar/original", "stereo/tsar/original/depth_maps", "stereo/tsar_import",
          "stereo/tsar_import/former", "stereo/tsar_stereo")

@@ -152,8 +152,8 @@ def check_kept(tree, first, last, case):
     for path, content in maps_of(tree).items():
         check(content in (first.get(path), last.get(path)), f"{path} is not complete")
     for path in first.keys() - maps_of(first).keys():
-        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/provenance",
-                                 "stereo/plane_maps")):
+        if not path.startswith(("stereo/tsar", "stereo/confidence", "stereo/sigma",
+                                 "stereo/provenance", "stereo/plane_maps")):
             check(tree.get(path) == first[path], f"{path} changed")
 
 

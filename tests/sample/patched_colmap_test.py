@@ -93,7 +93,8 @@ def maps(workspace):
     stereo = os.path.join(workspace, "stereo")
     return {
         folder: digests(os.path.join(stereo, folder))
-        for folder in ("depth_maps", "normal_maps", "confidence_maps", "provenance_maps")
+        for folder in ("depth_maps", "normal_maps", "confidence_maps", "sigma_maps",
+                       "provenance_maps")
     }
 
 

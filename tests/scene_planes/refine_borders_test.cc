@@ -242,8 +242,7 @@ TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesAreNotFattened) {
 
 // What other views confirm stays known.
 TEST_F(RefineBordersTest, DistrustFattenedCoversTheMap) {
-  const uint8_t rating =
-      MeasurementRating::Pack(true, Confirmation::kDistinct, 0.5f);
+  const uint8_t rating = MeasurementRating::Pack(true, Confirmation::kDistinct);
   Image<uint8_t> fattened(4, 3);
   fattened(1, 2) = 1;
   DeviceImage<uint8_t> ratings(*device_, Image<uint8_t>(8, 6, rating));

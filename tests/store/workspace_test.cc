@@ -46,7 +46,7 @@ TEST_F(WorkspaceTest, ReadsModelAndProblems) {
   EXPECT_EQ(workspace.CostPath(0, kPhotometric),
             root_ / "stereo/cost_maps/a.png.photometric.bin");
   EXPECT_EQ(workspace.ConfidencePath(0, kPhotometric),
-            root_ / "stereo/confidence_maps/a.png.photometric.bin");
+            root_ / "stereo/confidence_maps/a.png.photometric.png");
   EXPECT_EQ(workspace.ProvenancePath(0, kPhotometric),
             root_ / "stereo/provenance_maps/a.png.photometric.png");
 }

@@ -28,10 +28,11 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
   EXPECT_EQ(CurrentDepth(1), 42.f);
   EXPECT_EQ(OriginalDepth(1), 4.f);
-  const PlanarMap confidence =
-      ReadPlanarMap(workspace().ConfidencePath(1, kGeometric));
-  EXPECT_EQ(confidence.channels, 1);
-  EXPECT_EQ(confidence.values, std::vector<float>(12, 0.5f));
+  const cv::Mat confidence = cv::imread(
+      workspace().ConfidencePath(1, kGeometric).string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(confidence.type(), CV_8UC1);
+  EXPECT_EQ(confidence.size(), cv::Size(4, 3));
+  EXPECT_EQ(confidence.at<uint8_t>(2, 3), 128);
   const cv::Mat provenance = cv::imread(
       workspace().ProvenancePath(1, kGeometric).string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(provenance.type(), CV_8UC1);

@@ -134,6 +134,21 @@ window.TsarDetail = (() => {
             h("li", {}, swatch("#000"), "no depth")
           ),
       ],
+      ...(image.has_sigma
+        ? [
+            [
+              "sigma",
+              "Standard deviation",
+              () =>
+                h(
+                  "ul",
+                  { class: "legend" },
+                  h("li", {}, "0", gradient(report.value_colors), "1 % of the depth"),
+                  h("li", {}, swatch("#000"), "no depth")
+                ),
+            ],
+          ]
+        : []),
       ...(image.has_planes
         ? [
             [

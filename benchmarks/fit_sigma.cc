@@ -1,0 +1,338 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+// How well sigma maps hold, and the constants of SceneSigmaOptions
+// (pipeline/depth_sigma.h) with which they would: of the depths that are right
+// to 1 %, the share whose error is less than one and than two standard
+// deviations, for each way in which depths come about. It should be 0.68 and
+// 0.95.
+//
+//   fit_sigma REFINED [REFINED ...]
+//
+// REFINED: a workspace with ground_truth/depth that tsar_refine has refined, or
+// an output workspace of one, all with scene_planes or all without. Prints a
+// table for a standard deviation of one pixel of disparity, one for the sigma
+// maps, and for each kind of depth the constant for which the median of the
+// scenes' first shares is 0.68.
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/pipeline/depth_sigma.h"
+#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/require_size.h"
+#include "colmap_tsar/workspace/sigma_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+constexpr float kRight = 0.01f;  // Of the depth.
+constexpr double kNormalShare = 0.6827;
+// Scenes with fewer depths of a kind say nothing of it.
+constexpr size_t kMinSamples = 500;
+
+enum Kind {
+  kMoved,
+  kFilledMeasured,
+  kFilledCarried,
+  kGuessed,
+  kStanding,
+  kNoPlane,
+  kMovedToCurved,
+  kInterpolated,
+  // Of images that were refined on their own.
+  kViewMeasured,
+  kViewSuperpixel,
+  kViewRegion,
+  kViewInterpolated,
+  kNumKinds
+};
+constexpr const char* kKindNames[kNumKinds] = {"measured, moved onto its plane",
+                                               "filled, measured",
+                                               "filled, other views",
+                                               "filled, guessed",
+                                               "measured, as it was",
+                                               "plane of a region, or curved",
+                                               "measured, moved to a curve",
+                                               "interpolated",
+                                               "measured",
+                                               "plane of a superpixel",
+                                               "plane of a region",
+                                               "interpolated"};
+
+float ConstantOf(Kind kind) {
+  const SceneSigmaOptions options;
+  const ViewSigmaOptions of_view;
+  return std::array<float, kNumKinds>{options.moved,
+                                      options.filled_measured,
+                                      options.filled_carried,
+                                      options.filled_guessed,
+                                      options.standing,
+                                      options.no_plane,
+                                      options.moved_to_curved,
+                                      options.interpolated,
+                                      of_view.measured,
+                                      of_view.superpixel_plane,
+                                      of_view.region_plane,
+                                      of_view.interpolated}[kind];
+}
+
+// Of a depth, all as shares of it.
+struct Sample {
+  float error;
+  float sigma;
+  float unit;  // One pixel of disparity.
+
+  // With another constant. That of a plane's error stays as it is.
+  double SigmaWith(Kind kind, double constant) const {
+    const double old_constant = ConstantOf(kind);
+    if (kind == kStanding) {
+      return sigma * constant / old_constant;
+    }
+    const double old_part = old_constant * unit;
+    const double plane = std::max(0.0, sigma * sigma - old_part * old_part);
+    return std::sqrt(plane + constant * constant * unit * unit);
+  }
+};
+struct Scene {
+  std::string name;
+  std::array<std::vector<Sample>, kNumKinds> samples;
+};
+
+Kind KindOf(Provenance source, bool is_on_plane, bool is_as_measured) {
+  switch (source) {
+    case Provenance::kInterpolated:
+      return kInterpolated;
+    case Provenance::kMeasured:
+      return is_on_plane ? kMoved : is_as_measured ? kStanding : kMovedToCurved;
+    case Provenance::kOtherViews:
+      return is_on_plane ? kFilledCarried : kNoPlane;
+    case Provenance::kGuessed:
+      return is_on_plane ? kGuessed : kNoPlane;
+    default:
+      return is_on_plane ? kFilledMeasured : kNoPlane;
+  }
+}
+
+Kind KindInView(Provenance source) {
+  switch (source) {
+    case Provenance::kMeasured:
+      return kViewMeasured;
+    case Provenance::kSuperpixelPlane:
+      return kViewSuperpixel;
+    case Provenance::kInterpolated:
+      return kViewInterpolated;
+    default:
+      return kViewRegion;
+  }
+}
+
+DepthResolution ResolutionOf(const Workspace& workspace,
+                             int image,
+                             const Camera& camera) {
+  std::vector<Camera> sources;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    if (problem.reference == image) {
+      for (const int source : problem.sources) {
+        sources.push_back(
+            workspace.Model().images[static_cast<size_t>(source)].camera);
+      }
+    }
+  }
+  return ComputeDisparityScale(camera, sources);
+}
+
+void CollectView(const Workspace& workspace, int image, Scene* scene) {
+  const SparseModel::ModelImage& model_image =
+      workspace.Model().images[static_cast<size_t>(image)];
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const Image<float> depths = ReadDepthMap(paths.depth);
+  const auto require_size = [&](const ContainedPath& path, auto map) {
+    return RequireSizeOf(depths, "the depth map", path, std::move(map));
+  };
+  const Image<float> sigma =
+      require_size(paths.sigma, ReadSigmaMap(paths.sigma));
+  const Image<uint8_t> provenance =
+      require_size(paths.provenance, ReadGrayPng(paths.provenance));
+  const bool is_of_scene = Exists(paths.planes);
+  const Image<uint16_t> planes =
+      is_of_scene ? require_size(paths.planes, ReadGray16Png(paths.planes))
+                  : Image<uint16_t>();
+  const Image<float> original =
+      workspace.ReadOriginalMaps(image, workspace.Type()).depth;
+  const Image<float> truth =
+      ReadDepthMap(workspace.SourceRoot() / "ground_truth" / "depth" /
+                   (model_image.name + ".bin"));
+  const int width = depths.Width();
+  const int height = depths.Height();
+  const DepthResolution resolution =
+      ResolutionOf(workspace, image, model_image.camera.Resized(width, height));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float depth = depths(x, y);
+      const float right =
+          truth(x * truth.Width() / width, y * truth.Height() / height);
+      const float error = std::abs(depth - right);
+      if (depth > 0.f && right > 0.f && error < kRight * right) {
+        const auto source = static_cast<Provenance>(provenance(x, y));
+        const Kind kind =
+            is_of_scene
+                ? KindOf(source, planes(x, y) > 0, depth == original(x, y))
+                : KindInView(source);
+        scene->samples[kind].push_back({error / depth,
+                                        sigma(x, y) / depth,
+                                        resolution.RelativeDepthError(depth)});
+      }
+    }
+  }
+}
+
+Scene CollectScene(const std::string& root) {
+  const Workspace workspace(root, MapType::kGeometric);
+  Scene scene;
+  scene.name = std::filesystem::path(root).lexically_normal().filename();
+  const int num_images = static_cast<int>(workspace.Model().images.size());
+  for (int image = 0; image < num_images; ++image) {
+    if (Exists(workspace.SigmaPath(image, workspace.Type()))) {
+      CollectView(workspace, image, &scene);
+    }
+  }
+  return scene;
+}
+
+// Of the errors, the share below so many standard deviations.
+template <typename Sigma>
+double ShareBelow(const std::vector<Sample>& samples,
+                  double num_sigmas,
+                  Sigma sigma_of) {
+  const auto num_below =
+      std::count_if(samples.begin(), samples.end(), [&](const Sample& sample) {
+        return sample.error < num_sigmas * sigma_of(sample);
+      });
+  return static_cast<double>(num_below) / static_cast<double>(samples.size());
+}
+
+// The median over the scenes that have enough such depths, of which there is
+// one.
+template <typename Sigma>
+double MedianShare(const std::vector<Scene>& scenes,
+                   Kind kind,
+                   double num_sigmas,
+                   Sigma sigma_of) {
+  std::vector<double> shares;
+  for (const Scene& scene : scenes) {
+    if (scene.samples[kind].size() >= kMinSamples) {
+      shares.push_back(ShareBelow(scene.samples[kind], num_sigmas, sigma_of));
+    }
+  }
+  std::sort(shares.begin(), shares.end());
+  const size_t middle = shares.size() / 2;
+  return shares.size() % 2 == 1 ? shares[middle]
+                                : 0.5 * (shares[middle - 1] + shares[middle]);
+}
+
+// Those of which some scene has enough.
+std::vector<Kind> KindsOf(const std::vector<Scene>& scenes) {
+  std::vector<Kind> kinds;
+  for (int kind = 0; kind < kNumKinds; ++kind) {
+    if (std::any_of(scenes.begin(), scenes.end(), [&](const Scene& scene) {
+          return scene.samples[kind].size() >= kMinSamples;
+        })) {
+      kinds.push_back(static_cast<Kind>(kind));
+    }
+  }
+  return kinds;
+}
+
+template <typename Sigma>
+void PrintTable(const std::vector<Scene>& scenes,
+                const std::vector<Kind>& kinds,
+                const char* title,
+                Sigma sigma_of) {
+  std::printf("%s\n\n| scene |", title);
+  for (const Kind kind : kinds) {
+    std::printf(" %s |", kKindNames[kind]);
+  }
+  std::printf("\n|---|");
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    std::printf("---|");
+  }
+  for (const Scene& scene : scenes) {
+    std::printf("\n| %s |", scene.name.c_str());
+    for (const Kind kind : kinds) {
+      const std::vector<Sample>& samples = scene.samples[kind];
+      if (samples.size() < kMinSamples) {
+        std::printf(" |");
+      } else {
+        std::printf(" %.2f %.2f |",
+                    ShareBelow(samples, 1.0, sigma_of),
+                    ShareBelow(samples, 2.0, sigma_of));
+      }
+    }
+  }
+  std::printf("\n| median |");
+  for (const Kind kind : kinds) {
+    std::printf(" %.2f %.2f |",
+                MedianShare(scenes, kind, 1.0, sigma_of),
+                MedianShare(scenes, kind, 2.0, sigma_of));
+  }
+  std::printf("\n\n");
+}
+
+// By bisection: the larger the constant, the larger is the share.
+double FitConstant(const std::vector<Scene>& scenes, Kind kind) {
+  double low = 0.0;
+  double high = 100.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    const double share =
+        MedianShare(scenes, kind, 1.0, [&](const Sample& sample) {
+          return sample.SigmaWith(kind, middle);
+        });
+    (share < kNormalShare ? low : high) = middle;
+  }
+  return high;
+}
+
+void Fit(int argc, char** argv) {
+  std::vector<Scene> scenes;
+  for (int i = 1; i < argc; ++i) {
+    scenes.push_back(CollectScene(argv[i]));
+  }
+  const std::vector<Kind> kinds = KindsOf(scenes);
+  PrintTable(scenes, kinds, "One pixel of disparity", [](const Sample& sample) {
+    return sample.unit;
+  });
+  PrintTable(scenes, kinds, "Sigma maps", [](const Sample& sample) {
+    return sample.sigma;
+  });
+  for (const Kind kind : kinds) {
+    std::printf("%-32s constant %.3f, for 0.68 %.3f\n",
+                kKindNames[kind],
+                static_cast<double>(ConstantOf(kind)),
+                FitConstant(scenes, kind));
+  }
+}
+
+}  // namespace
+}  // namespace tsar
+
+int main(int argc, char** argv) {
+  try {
+    tsar::Fit(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ERROR: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,46 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/macros.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace tsar {
+
+// Floating-point numbers of 16 bits (binary16 of IEEE 754) that are not
+// negative, as their bits. Both devices compute the same ones.
+
+constexpr float kMinHalf = 1.f / 16777216.f;  // 2^-24.
+constexpr float kMaxHalf = 65504.f;
+
+// The nearest half to a number above 0. What no half can hold becomes the
+// smallest or the largest one.
+TSAR_HD inline uint16_t ToPositiveHalf(float value) {
+  const float bounded = fminf(fmaxf(value, kMinHalf), kMaxHalf);
+  // Between a power of two and the next there are 1024 halves, and as many
+  // below the smallest of these powers, one unit apart.
+  constexpr int kNumFractions = 1024;
+  float unit = kMinHalf;
+  int exponent = 1;
+  while (bounded >= 2 * kNumFractions * unit) {
+    unit *= 2.f;
+    ++exponent;
+  }
+  const int level = static_cast<int>(bounded / unit + 0.5f);
+  return static_cast<uint16_t>(kNumFractions * exponent +
+                               (level - kNumFractions));
+}
+
+// bits: of a number that is neither negative nor infinite.
+inline float HalfToFloat(uint16_t bits) {
+  const int exponent = bits >> 10;
+  const int fraction = bits & 0x3ff;
+  return exponent == 0
+             ? static_cast<float>(fraction) * kMinHalf
+             : std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
+}
+
+}  // namespace tsar

@@ -1,0 +1,27 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/image.h"
+
+#include <cstdint>
+#include <filesystem>
+
+namespace tsar {
+
+// Sigma maps: the standard deviation of each depth, in the units of the depth
+// map; 0 where there is no depth. Files are arrays of NumPy's format (.npy,
+// version 1.0) of little-endian half floats ('<f2'), height x width, row by
+// row.
+
+// Writes a map into a file that the caller commits. halves: the bits of each
+// value, see half.h.
+void PutSigmaMap(const Image<uint16_t>& halves, AtomicFile* file);
+
+// Throws Error: kNotFound where there is no such file; kCorrupt where it is not
+// exactly such an array, or a value is negative or not finite.
+Image<float> ReadSigmaMap(const std::filesystem::path& path);
+
+}  // namespace tsar
