@@ -291,7 +291,7 @@ class SceneModeler {
 
   // By the labels of the first sweep. Where the run is to stop, what is found
   // is of no use.
-  void FindCreases(LabelSweeps* sweeps) {
+  bool FindCreases(LabelSweeps* sweeps) {
     std::vector<Camera> cameras;
     std::vector<const std::vector<int>*> labels;
     for (size_t view = 0; view < views_.size(); ++view) {
