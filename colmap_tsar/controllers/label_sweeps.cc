@@ -32,6 +32,13 @@ void LabelSweeps::Run(bool keeps_costs,
   labels_ = std::move(labels);
 }
 
+void LabelSweeps::Bound(std::vector<BoundingCrease> creases) {
+  creases_ = std::move(creases);
+  labels_.clear();
+  costs_ = std::vector<Image<PlaneCost>>(costs_.size());
+  kept_bytes_ = 0;
+}
+
 std::vector<ViewLabels> LabelSweeps::TakeLabels() {
   std::vector<ViewLabels> result;
   for (LabelsInModel& of_view : labels_) {
@@ -86,7 +93,7 @@ LabelsInModel LabelSweeps::Label(size_t view,
     work(cpu);
   };
   return LabelInModel(
-      views, inputs_.planes, inputs_.options, lend_device, costs);
+      views, inputs_.planes, creases_, inputs_.options, lend_device, costs);
 }
 
 bool LabelSweeps::ReserveMemory(const Image<PlaneCost>& costs) {

@@ -9,6 +9,7 @@
 #include "colmap_tsar/controllers/model_scene.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/find_scene.h"
+#include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 
 #include <atomic>
@@ -43,6 +44,15 @@ class LabelSweeps {
            Progress& progress,
            const std::function<bool()>& should_stop);
 
+  // Those of the last sweep: by superpixel, the number of the plane or -1.
+  const std::vector<int>& PlanesOf(size_t view) const {
+    return labels_[view].labels.planes;
+  }
+
+  // Begins anew: the next sweep is a first one, and all respect the creases.
+  // The planes that begin there are in the model.
+  void Bound(std::vector<BoundingCrease> creases);
+
   // By view, those of the last sweep.
   std::vector<ViewLabels> TakeLabels();
 
@@ -55,9 +65,11 @@ class LabelSweeps {
 
   const LabelSweepInputs inputs_;
   DevicePool gpus_;
+  std::vector<BoundingCrease> creases_;
   // Of the last sweep; none before the first one.
   std::vector<LabelsInModel> labels_;
-  // Neither planes nor evidence change between the sweeps. Empty where there
+  // Neither planes nor evidence change between the sweeps, but for creases.
+  // Empty where there
   // was no memory for the costs of a view, which are computed again.
   std::vector<Image<PlaneCost>> costs_;
   std::atomic<int64_t> kept_bytes_ = 0;

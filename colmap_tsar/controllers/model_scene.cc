@@ -10,7 +10,9 @@
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/adjust_model.h"
+#include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/join_planes.h"
+#include "colmap_tsar/scene_planes/plane_lines.h"
 #include "colmap_tsar/scene_planes/scene_frames.h"
 #include "colmap_tsar/scene_planes/view_measurements.h"
 
@@ -23,6 +25,11 @@
 
 namespace tsar {
 namespace {
+
+// Planes of which one is a copy of the other are this close to each other, as a
+// share of the distance from which they are seen: posters hang on a wall, and
+// measurements next to them lie between both.
+constexpr float kCopyTolerance = 0.015f;
 
 ViewGraph MakeGraph(const std::vector<SceneView>& views) {
   ViewGraph neighbours(views.size());
@@ -260,17 +267,84 @@ class SceneModeler {
                         model_.planes,
                         refine_options_,
                         resources_});
-    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+    const auto run = [&](int sweep, const std::string& name) {
       progress_.Start(static_cast<int>(views_.size()),
-                      pass_ + " labels " + std::to_string(sweep + 1) + " of " +
-                          std::to_string(options_.num_sweeps) + ":");
+                      pass_ + " labels " + name + ":");
       sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
       progress_.Finish();
-      if (should_stop_()) {
+      return !should_stop_();
+    };
+    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+      if (!run(sweep,
+               std::to_string(sweep + 1) + " of " +
+                   std::to_string(options_.num_sweeps))) {
+        return std::nullopt;
+      }
+      // What views would tell each other is void beyond creases.
+      if (sweep == 0 && refine_options_.bounding_creases &&
+          FindCreases(&sweeps) && !run(sweep, "within creases")) {
         return std::nullopt;
       }
     }
     return sweeps.TakeLabels();
+  }
+
+  // By the labels of the first sweep. Where the run is to stop, what is found
+  // is of no use.
+  bool FindCreases(LabelSweeps* sweeps) {
+    std::vector<Camera> cameras;
+    std::vector<const std::vector<int>*> labels;
+    for (size_t view = 0; view < views_.size(); ++view) {
+      cameras.push_back(views_[view].camera);
+      labels.push_back(&sweeps->PlanesOf(view));
+    }
+    const BoundingCreaseOptions options;
+    const std::vector<int> copies =
+        FindPlaneCopies(model_, cameras, labels, kCopyTolerance);
+    std::vector<std::vector<PlaneLine>> of_views(views_.size());
+    ForEachEvidence("lines", [&](size_t view, const ObservedView& observed) {
+      of_views[view] =
+          FindPlaneLines(observed, *labels[view], copies, model_, {});
+    });
+    const std::vector<SharedLine> lines = JoinPlaneLines(of_views, options);
+    if (lines.empty() || should_stop_()) {
+      return false;
+    }
+    std::vector<EvidenceOfLines> tested(views_.size());
+    ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
+      tested[view] = TestPlaneLines(
+          observed, *labels[view], copies, lines, model_, options);
+    });
+    std::vector<LineEvidence> evidence(lines.size());
+    for (const EvidenceOfLines& of_view : tested) {
+      for (const auto& [line, of_line] : of_view) {
+        evidence[line] += of_line;
+      }
+    }
+    std::vector<BoundingCrease> creases =
+        FindBoundingCreases(lines, evidence, copies, options, &model_);
+    const bool has_creases = !creases.empty();
+    if (has_creases) {
+      sweeps->Bound(std::move(creases));
+    }
+    return has_creases;
+  }
+
+  void ForEachEvidence(
+      const std::string& name,
+      const std::function<void(size_t view, const ObservedView&)>& function) {
+    progress_.Start(static_cast<int>(views_.size()), pass_ + " " + name + ":");
+    ForEachView(views_.size(),
+                resources_.num_views,
+                resources_.num_threads,
+                [&](size_t view, Device&) {
+                  if (!should_stop_()) {
+                    const ViewEvidence evidence = evidence_.read_all(view);
+                    function(view, Observed(view, evidence));
+                    progress_.Advance(/*was_work=*/true);
+                  }
+                });
+    progress_.Finish();
   }
 
   const std::vector<SceneView>& views_;

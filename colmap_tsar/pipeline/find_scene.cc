@@ -7,12 +7,14 @@
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/choose_labels.h"
+#include "colmap_tsar/scene_planes/crease_labels.h"
 #include "colmap_tsar/scene_planes/label_votes.h"
 #include "colmap_tsar/scene_planes/plane_support.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -48,6 +50,26 @@ std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
     }
   }
   return numbers;
+}
+
+// The creases at which planes with these numbers end. Adds the numbers of the
+// planes that begin there.
+std::vector<BoundingCrease> CreasesOf(
+    const std::vector<BoundingCrease>& creases, std::vector<int>* numbers) {
+  std::vector<BoundingCrease> result;
+  std::copy_if(creases.begin(),
+               creases.end(),
+               std::back_inserter(result),
+               [&](const BoundingCrease& crease) {
+                 return std::binary_search(
+                     numbers->begin(), numbers->end(), crease.plane);
+               });
+  for (const BoundingCrease& crease : result) {
+    numbers->push_back(crease.beyond);
+  }
+  std::sort(numbers->begin(), numbers->end());
+  numbers->erase(std::unique(numbers->begin(), numbers->end()), numbers->end());
+  return result;
 }
 
 // From the numbers of the model to places in a list of them; -1 for others.
@@ -110,18 +132,29 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
           discovered.frame};
 }
 
-LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
+LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
                            const std::vector<ModelPlane>& planes,
+                           const std::vector<BoundingCrease>& creases,
                            const RefineOptions& options,
                            const DeviceLender& lend_device,
                            Image<PlaneCost>* costs) {
+  std::vector<ModelledView> views = modelled;
   std::vector<ObservedView> observed;
   for (const ModelledView& view : views) {
     observed.push_back(view.observed);
   }
   const SceneOptions scene = MakeSceneOptions(options, observed);
-  const std::vector<int> numbers =
+  std::vector<int> numbers =
       MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
+  const std::vector<BoundingCrease> bounding = CreasesOf(creases, &numbers);
+  std::optional<CreaseLabels> crease_labels;
+  ViewEvidence bounded;
+  if (!bounding.empty()) {
+    crease_labels.emplace(observed[0], planes, bounding);
+    bounded = crease_labels->WithoutRegionsBeyond();
+    views[0].observed.evidence = &bounded;
+    observed[0].evidence = &bounded;
+  }
   const std::vector<int> places = PlacesOf(numbers, planes.size());
   std::vector<Plane> camera_planes;
   for (const int number : numbers) {
@@ -159,8 +192,14 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
             rasters),
         compute);
   }
+  if (crease_labels && !costs->Empty()) {
+    crease_labels->AddVotes(numbers, *costs, scene.labels, &votes);
+  }
   LabeledView labeled = ChooseLabels(
       observed[0], std::move(camera_planes), *costs, votes, scene.labels);
+  if (crease_labels) {
+    crease_labels->MarkBounded(labeled.labels, &labeled.evidence);
+  }
   for (int& label : labeled.labels) {
     label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
   }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/inverse_depth_error.h"
@@ -71,12 +72,14 @@ using DeviceLender = std::function<void(
     int64_t num_bytes, const std::function<void(Device&)>& work)>;
 
 // Labels the first view with planes of the model, of which those count that the
-// views measured. The evidence of the first view has all its parts. costs: what
-// these planes cost there whatever the others are labelled with, as an earlier
-// call with the same views and planes left it; empty where there was none. The
-// result has the same bits on every device.
+// views measured, and those that begin where one of these ends. The evidence of
+// the first view has all its parts. costs: what these planes cost there
+// whatever the others are labelled with, as an earlier call with the same views
+// and planes left it; empty where there was none. The result has the same bits
+// on every device.
 LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
                            const std::vector<ModelPlane>& planes,
+                           const std::vector<BoundingCrease>& creases,
                            const RefineOptions& options,
                            const DeviceLender& lend_device,
                            Image<PlaneCost>* costs);

@@ -255,6 +255,13 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"bounded_planes",
        &options->bounded_planes,
        "Leave holes where a plane was observed on one side only."},
+      {"bounding_creases",
+       &options->bounding_creases,
+       "Let planes end at creases that three or more views see, and let "
+       "another "
+       "one begin there at right angles: ceilings over walls, though nothing "
+       "of "
+       "them was measured. Has no effect without manhattan_frame."},
       {"curved_surfaces",
        &options->curved_surfaces,
        "Let smooth curved surfaces stand where they explain the depths better "

@@ -66,6 +66,7 @@ struct RefineOptions {
   bool adjust_planes = true;
   bool free_space = true;
   bool bounded_planes = true;
+  bool bounding_creases = true;
   bool curved_surfaces = true;
   bool off_plane_depths = true;
   bool pixel_borders = true;

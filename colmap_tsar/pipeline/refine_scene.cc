@@ -200,6 +200,19 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
+// ViewEvidence::region_planes without those parts of regions that lie beyond
+// the crease at which the scene's plane ends.
+Image<uint16_t> RegionsWithinCreases(const ViewEvidence& evidence,
+                                     const std::vector<LabelEvidence>& labels) {
+  Image<uint16_t> regions = evidence.region_planes;
+  for (size_t i = 0; i < regions.NumPixels(); ++i) {
+    if (labels[evidence.superpixels.Data()[i]] == LabelEvidence::kBounded) {
+      regions.Data()[i] = 0;
+    }
+  }
+  return regions;
+}
+
 std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
@@ -339,7 +352,9 @@ RefineResult ComposeImage(const ViewData& reference,
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<Plane> region_planes =
-      PlaneImage(evidence.region_planes, PlanesOfRegions(evidence), device);
+      PlaneImage(RegionsWithinCreases(evidence, labeled.evidence),
+                 PlanesOfRegions(evidence),
+                 device);
   timer.Finish("upload");
   const ComposeSceneInputs inputs{std::as_const(ratings).View(),
                                   view.OnMap(scene_planes),

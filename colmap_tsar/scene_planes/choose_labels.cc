@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/border_costs.h"
 #include "colmap_tsar/scene_planes/label_graph.h"
+#include "colmap_tsar/scene_planes/superpixel_rays.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -59,10 +60,7 @@ LabeledView ChooseLabels(const ObservedView& view,
   if (num_planes == 0 || num_superpixels == 0) {
     return result;
   }
-  std::vector<float> num_pixels(static_cast<size_t>(num_superpixels), 0.f);
-  for (const uint16_t label : evidence.superpixels) {
-    ++num_pixels[label];
-  }
+  const std::vector<float> num_pixels = CountPixels(evidence);
   LabelGraph graph;
   graph.num_nodes = num_superpixels;
   graph.num_labels = num_planes + 1;

@@ -81,6 +81,7 @@ enum class LabelEvidence : uint8_t {
   kGuessed = 1,   // By its neighbours in the image alone.
   kCarried = 2,   // Other views measured the plane there.
   kMeasured = 3,  // It lies in the superpixel's own observations.
+  kBounded = 4,   // It has none: the plane around ends at a crease before.
 };
 
 // What each superpixel of a view was labelled with.

@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/direction_sectors.h"
+#include "colmap_tsar/scene_planes/superpixel_rays.h"
 #include "colmap_tsar/scene_planes/visibility_votes.h"
 
 #include <algorithm>
@@ -250,20 +251,8 @@ std::vector<PlaneData> MakePlaneData(const std::vector<Plane>& planes,
 
 std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
                                                const Intrinsics& intrinsics) {
-  struct PixelSum {
-    int64_t x = 0;
-    int64_t y = 0;
-    int count = 0;
-  };
-  std::vector<PixelSum> sums(evidence.weights.size());
-  for (int y = 0; y < evidence.height; ++y) {
-    for (int x = 0; x < evidence.width; ++x) {
-      PixelSum& sum = sums[evidence.superpixels(x, y)];
-      sum.x += x;
-      sum.y += y;
-      ++sum.count;
-    }
-  }
+  const std::vector<float> num_pixels = CountPixels(evidence);
+  const std::vector<Vec3f> rays = MiddleRays(evidence, intrinsics);
   std::vector<SuperpixelData> superpixels;
   for (size_t s = 0; s < evidence.weights.size(); ++s) {
     SuperpixelData data;
@@ -276,17 +265,14 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
           evidence.first_confirmed[s + 1] - data.first_confirmed;
       data.confirmed_pixels = evidence.confirmed_pixels[s];
     }
-    data.num_pixels = sums[s].count;
+    data.num_pixels = static_cast<int>(num_pixels[s]);
     data.weight = evidence.weights[s];
     for (int i = 0; i < data.num_observations; ++i) {
       data.confidence +=
           evidence.observations[static_cast<size_t>(data.first_observation + i)]
               .confidence;
     }
-    const double count = std::max(data.num_pixels, 1);
-    data.ray = intrinsics.Ray(
-        static_cast<float>(static_cast<double>(sums[s].x) / count),
-        static_cast<float>(static_cast<double>(sums[s].y) / count));
+    data.ray = rays[s];
     superpixels.push_back(data);
   }
   return superpixels;

@@ -85,7 +85,7 @@ std::optional<std::string> FindSceneModelFault(const SceneModel& model) {
       return "a label that no plane has";
     }
     if (!std::ranges::all_of(view.evidence, [](LabelEvidence evidence) {
-          return evidence <= LabelEvidence::kMeasured;
+          return evidence <= LabelEvidence::kBounded;
         })) {
       return "a label's unknown evidence";
     }

@@ -66,7 +66,7 @@ Error CorruptModel(const std::filesystem::path& path, const std::string& what) {
 }
 
 constexpr StateFileKind kModelFile = {{'T', 'S', 'A', 'R', 'P', 'L', 'A', 'N'},
-                                      /*version=*/2,
+                                      /*version=*/3,
                                       &MissingModel,
                                       &CorruptModel};
 

@@ -1,0 +1,70 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// A straight line in an image that runs along an axis of the Manhattan frame
+// across all that the view shows of a plane.
+struct PlaneLine {
+  int plane = -1;  // Of the model.
+  // The frame's other axis in the plane, and the line's place on it: how far
+  // from the plane's centre, in units of the model.
+  int axis = -1;
+  float place = 0.f;
+  float pixel = 0.f;  // What one pixel of the raster spans there.
+  // By how many grey levels the image rises there along the axis, beyond what
+  // it does around the line; negative where it falls.
+  float step = 0.f;
+};
+
+// Lengths are in pixels of the raster.
+struct PlaneLineOptions {
+  // Only planes that cover this share of the raster,
+  float min_area = 0.02f;
+  // and lines that are at least this long, as a share of the raster's width.
+  float min_length = 0.1f;
+  // Brightness is compared this far on either side of a pixel.
+  float reach = 1.5f;
+  // A line lies on the plane: within this distance on either side there is a
+  // pixel that was labelled with it.
+  float max_distance = 6.f;
+  // Grey levels. Walls get darker toward their creases by one level in ten
+  // pixels, and noise is less than one along a line of sixty.
+  float min_step = 1.f;
+  // Differences of more grey levels count as this: one lamp is no line.
+  float max_difference = 15.f;
+  // At this share of the line's pixels the image must rise by half of its step
+  // or more. A poster's edge is one at few of the pixels beside it.
+  float min_share = 0.5f;
+};
+
+// Planes of the model that are one surface within the errors of views: for each
+// plane the number of the best measured one of its copies, which may be itself.
+// Only planes along an axis of a frame have copies: those that lie within
+// tolerance, as a share of the median distance of the cameras whose views were
+// labelled with them. labels: by view, of each superpixel the plane, or -1.
+std::vector<int> FindPlaneCopies(
+    const SceneModel& model,
+    const std::vector<Camera>& cameras,
+    const std::vector<const std::vector<int>*>& labels,
+    float tolerance);
+
+// The lines in one view, on those planes that lie along an axis of a frame and
+// are no copies. labels: of each superpixel the plane, or -1; copies: see
+// FindPlaneCopies. The evidence has its colours.
+std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
+                                      const std::vector<int>& labels,
+                                      const std::vector<int>& copies,
+                                      const SceneModel& model,
+                                      const PlaneLineOptions& options);
+
+}  // namespace tsar
