@@ -70,7 +70,10 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
       static_cast<int>(ModelSceneOptions().max_block_views);
   plan.model_block = num_block_views * plan.neighbour_evidence +
                      ModelBlockMainBytes(options, num_pixels, num_block_views);
-  plan.label_view = EvidenceBytes(plan, 1) +
+  // The view's own once more, without what lies beyond creases.
+  const int64_t bounded_evidence =
+      options.bounding_creases ? plan.own_evidence : 0;
+  plan.label_view = EvidenceBytes(plan, 1) + bounded_evidence +
                     LabelViewMainBytes(options, num_pixels, num_sources + 1);
   if (HasReducedViews(overview)) {
     plan.whole_view = plan.view;

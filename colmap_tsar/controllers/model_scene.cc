@@ -14,6 +14,7 @@
 #include "colmap_tsar/scene_planes/join_planes.h"
 #include "colmap_tsar/scene_planes/plane_lines.h"
 #include "colmap_tsar/scene_planes/scene_frames.h"
+#include "colmap_tsar/scene_planes/shared_lines.h"
 #include "colmap_tsar/scene_planes/view_measurements.h"
 
 #include <algorithm>
@@ -306,7 +307,7 @@ class SceneModeler {
       of_views[view] =
           FindPlaneLines(observed, *labels[view], copies, model_, {});
     });
-    const std::vector<SharedLine> lines = JoinPlaneLines(of_views, options);
+    const std::vector<SharedLine> lines = JoinPlaneLines(of_views, {});
     if (lines.empty() || should_stop_()) {
       return false;
     }

@@ -258,10 +258,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"bounding_creases",
        &options->bounding_creases,
        "Let planes end at creases that three or more views see, and let "
-       "another "
-       "one begin there at right angles: ceilings over walls, though nothing "
-       "of "
-       "them was measured. Has no effect without manhattan_frame."},
+       "another one begin there at right angles: ceilings over walls, though "
+       "nothing of them was measured. Has no effect without manhattan_frame."},
       {"curved_surfaces",
        &options->curved_surfaces,
        "Let smooth curved surfaces stand where they explain the depths better "

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/plane_lines.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
+#include "colmap_tsar/scene_planes/shared_lines.h"
 
 #include <array>
 #include <cstddef>
@@ -14,12 +14,6 @@
 #include <vector>
 
 namespace tsar {
-
-// A line that several views see at the same place of a plane.
-struct SharedLine {
-  PlaneLine line;  // With the median pixel and the mean step.
-  int num_views = 0;
-};
 
 // What views measured around a line, summed over them. In pixels of full
 // confidence, but for the area.
@@ -49,9 +43,8 @@ struct BoundingCrease {
 };
 
 struct BoundingCreaseOptions {
-  // Views that see a line at the same place, to so many pixels.
+  // So many views must show something of the area beyond, from before it.
   int min_views = 3;
-  float max_gap = 1.5f;
   // How far, in relative depths of one pixel of disparity, a depth may be from
   // the plane to be measured on it, and behind the half plane without being
   // seen through it.
@@ -83,11 +76,6 @@ struct BoundingCreaseOptions {
   float max_offset = 10.f;
   double min_support = 0.1;
 };
-
-// lines: by view. Sorted by plane.
-std::vector<SharedLine> JoinPlaneLines(
-    const std::vector<std::vector<PlaneLine>>& lines,
-    const BoundingCreaseOptions& options);
 
 // By the numbers of lines.
 using EvidenceOfLines = std::map<size_t, LineEvidence>;

@@ -143,13 +143,13 @@ class StageMemoryTest : public testing::Test {
         };
     Image<PlaneCost> costs;
     const LabelsInModel labels =
-        LabelInModel(modelled, planes, options, lend_device, &costs);
+        LabelInModel(modelled, planes, {}, options, lend_device, &costs);
     for (ModelledView& view : modelled) {
       view.labels = &labels;
     }
-    LabelInModel(modelled, planes, options, lend_device, &costs);
+    LabelInModel(modelled, planes, {}, options, lend_device, &costs);
     costs = {};
-    LabelInModel(modelled, planes, options, lend_device, &costs);
+    LabelInModel(modelled, planes, {}, options, lend_device, &costs);
   }
 
   SyntheticViews drawn_;

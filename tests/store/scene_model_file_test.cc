@@ -147,7 +147,7 @@ TEST_F(SceneModelFileTest, RefusesToWriteWhatItWouldNotRead) {
           {"do not fit", [](auto* m) { m->views[0].qualities.pop_back(); }},
           {"do not fit", [](auto* m) { m->views[-1] = {}; }},
           {"unknown evidence", [](auto* m) {
-             m->views[0].evidence[0] = static_cast<LabelEvidence>(4);
+             m->views[0].evidence[0] = static_cast<LabelEvidence>(5);
            }}};
   for (const auto& [what, spoil] : faults) {
     SceneModel model = model_;
@@ -188,7 +188,7 @@ TEST_F(SceneModelFileTest, RefusesOtherFilesAndVersions) {
   std::string bytes = GoodBytes();
   bytes[8] = 1;
   WriteText(path_, bytes);
-  ExpectCorrupt("version 1, this program reads version 2");
+  ExpectCorrupt("version 1, this program reads version 3");
 }
 
 TEST_F(SceneModelFileTest, RefusesFilesOfAnotherLength) {

@@ -38,7 +38,7 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
       std::swap(modelled[0], modelled[i]);
       Image<PlaneCost> costs;
       next.push_back(
-          LabelInModel(modelled, planes, options, lend_device, &costs));
+          LabelInModel(modelled, planes, {}, options, lend_device, &costs));
     }
     labels = std::move(next);
   }
