@@ -147,6 +147,21 @@ TEST_F(PlaneLinesTest, ALineOutOfTheFrameIsNone) {
   EXPECT_EQ(Find().size(), 1u);
 }
 
+TEST_F(PlaneLinesTest, TheEdgeOfWhatStandsBeforeTheWallIsNone) {
+  const int before = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 3.0}, 2, 100.0);
+  constexpr int kRow = 40;
+  for (int y = 0; y < kRow; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      evidence_.color(x, y) = {130, 130, 130};
+      labels_[static_cast<size_t>(SuperpixelAt(x, y))] = before;
+    }
+  }
+  EXPECT_TRUE(Find().empty());
+  // It would be one if all of it were the wall.
+  labels_ = AllOn(0);
+  EXPECT_EQ(Find().size(), 1u);
+}
+
 TEST_F(PlaneLinesTest, TheWallMayEndAtTheLineAndNotFarBeforeIt) {
   const double end = OnWall(camera_, 0.0, 39.9).y();
   RelabelAbove(end, camera_, -1, &labels_);
