@@ -179,11 +179,20 @@ class LineFinder {
   }
 
  private:
-  // What stands in the way ends at a line as well.
+  // Whether none of the pixels that Gray() reads there shows another plane:
+  // what stands in the way ends at a line as well.
   bool IsFree(int plane, float x, float y) const {
-    const int label = planes_(static_cast<int>(std::lround(x)),
-                              static_cast<int>(std::lround(y)));
-    return label == plane || label < 0;
+    const auto column = static_cast<int>(x);
+    const auto row = static_cast<int>(y);
+    for (const int label : {planes_(column, row),
+                            planes_(column + 1, row),
+                            planes_(column, row + 1),
+                            planes_(column + 1, row + 1)}) {
+      if (label != plane && label >= 0) {
+        return false;
+      }
+    }
+    return true;
   }
 
   bool IsOn(int plane, float x, float y) const {

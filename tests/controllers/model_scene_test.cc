@@ -8,84 +8,17 @@
 #include <cstdint>
 #include <mutex>
 #include <set>
-#include <sstream>
 
 #include "tests/controllers/counting_device.h"
-#include "tests/support/synthetic_room.h"
+#include "tests/controllers/drawn_room_fixture.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace tsar {
 namespace {
 
-constexpr int kFirstImage = 10;
-
-class ModelSceneTest : public testing::Test {
+class ModelSceneTest : public DrawnRoomTest {
  protected:
-  ModelSceneTest() {
-    for (size_t i = 0; i < room_.evidence.size(); ++i) {
-      ViewEvidence& evidence = room_.evidence[i];
-      const Intrinsics intrinsics = room_.cameras[i].GetIntrinsics();
-      evidence.intrinsics = intrinsics;
-      evidence.noise = 0.15f;
-      evidence.superpixels =
-          Image<uint16_t>(SyntheticRoom::kWidth, SyntheticRoom::kHeight);
-      for (int y = 0; y < SyntheticRoom::kHeight; ++y) {
-        for (int x = 0; x < SyntheticRoom::kWidth; ++x) {
-          evidence.superpixels(x, y) = static_cast<uint16_t>(
-              y / SyntheticRoom::kSuperpixelSize * SyntheticRoom::kWidth /
-                  SyntheticRoom::kSuperpixelSize +
-              x / SyntheticRoom::kSuperpixelSize);
-        }
-      }
-      evidence.confident_depth =
-          Image<float>(SyntheticRoom::kWidth, SyntheticRoom::kHeight, 0.f);
-      for (const WorldPlane& plane : room_.Candidates()) {
-        evidence.candidates.push_back(ToCameraPlane(plane, room_.cameras[i]));
-      }
-      SceneView view;
-      view.image = kFirstImage + static_cast<int>(i);
-      view.camera = room_.cameras[i];
-      for (size_t j = 0; j < room_.evidence.size(); ++j) {
-        if (j != i) {
-          view.sources.push_back(j);
-        }
-      }
-      views_.push_back(view);
-    }
-  }
-
-  std::optional<SceneModel> Run(const std::function<bool()>& should_stop = [] {
-    return false;
-  }) {
-    const SceneEvidence evidence = {
-        [&](size_t view) {
-          return std::make_shared<const ViewEvidence>(room_.evidence[view]);
-        },
-        [&](size_t view) { return room_.evidence[view]; }};
-    text_.str("");
-    Progress progress(text_, false);
-    return ModelScene(views_,
-                      evidence,
-                      refine_options_,
-                      options_,
-                      resources_,
-                      "Model,",
-                      progress,
-                      should_stop);
-  }
-
-  // The number of the model's plane that is a surface's, or -1.
-  int Find(const DrawnSurface& surface, const SceneModel& model) const {
-    for (size_t i = 0; i < model.planes.size(); ++i) {
-      if (AngleBetween(model.planes[i].plane, surface.plane) < 0.2 &&
-          std::abs(model.planes[i].plane.Height(surface.middle)) < 0.004) {
-        return static_cast<int>(i);
-      }
-    }
-    return -1;
-  }
-
   // Every superpixel on one surface is labelled with it, as measured.
   void ExpectSurfaces(const SceneModel& model) const {
     EXPECT_EQ(model.planes.size(), room_.surfaces.size());
@@ -102,26 +35,6 @@ class ModelSceneTest : public testing::Test {
           EXPECT_EQ(labels.evidence[k], LabelEvidence::kMeasured);
         }
       }
-    }
-  }
-
-  static void ExpectSame(const SceneModel& a, const SceneModel& b) {
-    ASSERT_EQ(a.planes.size(), b.planes.size());
-    for (size_t i = 0; i < a.planes.size(); ++i) {
-      EXPECT_EQ(a.planes[i].plane.normal, b.planes[i].plane.normal);
-      EXPECT_EQ(a.planes[i].plane.offset, b.planes[i].plane.offset);
-      EXPECT_EQ(a.planes[i].covariance, b.planes[i].covariance);
-      EXPECT_EQ(a.planes[i].axis, b.planes[i].axis);
-    }
-    ASSERT_EQ(a.frames.size(), b.frames.size());
-    for (size_t i = 0; i < a.frames.size(); ++i) {
-      EXPECT_EQ(a.frames[i], b.frames[i]);
-    }
-    ASSERT_EQ(a.views.size(), b.views.size());
-    for (const auto& [image, labels] : a.views) {
-      EXPECT_EQ(labels.planes, b.views.at(image).planes);
-      EXPECT_EQ(labels.evidence, b.views.at(image).evidence);
-      EXPECT_TRUE(labels.qualities == b.views.at(image).qualities);
     }
   }
 
@@ -153,13 +66,6 @@ class ModelSceneTest : public testing::Test {
                          model.planes[static_cast<size_t>(floor)]
                              .plane.normal));
   }
-
-  SyntheticRoom room_;
-  std::vector<SceneView> views_;
-  RefineOptions refine_options_;
-  ModelSceneOptions options_;
-  ModelResources resources_;
-  std::ostringstream text_;
 };
 
 TEST_F(ModelSceneTest, AllViewsShareThePlanesOfTheScene) {

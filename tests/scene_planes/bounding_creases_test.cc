@@ -1,0 +1,293 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/bounding_creases.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "tests/support/scene_model_testing.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr float kPixel = 0.04f;
+
+// A wall at z = 5 that cameras below y = -1 see; y points down, the frame is
+// that of the world.
+class BoundingCreasesTest : public testing::Test {
+ protected:
+  BoundingCreasesTest() {
+    model_.frames.push_back(Eigen::Matrix3d::Identity());
+    AddPlane({0.0, 0.0, -1.0}, {0.5, 0.0, 5.0}, 2, 1000.0);
+  }
+
+  int AddPlane(const Eigen::Vector3d& normal,
+               const Eigen::Vector3d& center,
+               int axis,
+               double support) {
+    ModelPlane plane = MakeModelPlane(normal, center);
+    plane.frame = 0;
+    plane.axis = axis;
+    plane.support = support;
+    model_.planes.push_back(plane);
+    return static_cast<int>(model_.planes.size()) - 1;
+  }
+
+  // Beyond which nothing was measured: above it, where y is smaller.
+  static LineEvidence EndEvidence() {
+    LineEvidence evidence;
+    evidence.sides[0] = {1000.0, 0.0, 0.0, 3};
+    evidence.sides[1] = {3000.0, 2000.0, 0.0, 0};
+    return evidence;
+  }
+  static LineEvidence MeasuredOnBothSides() {
+    LineEvidence evidence = EndEvidence();
+    evidence.sides[0].measured = 900.0;
+    return evidence;
+  }
+
+  void AddLine(float place,
+               const LineEvidence& evidence = EndEvidence(),
+               float step = 3.f,
+               int plane = 0) {
+    lines_.push_back({{plane, 1, place, kPixel, step}, 3});
+    evidence_.push_back(evidence);
+  }
+
+  // Adds to the model.
+  std::vector<BoundingCrease> Find(std::vector<int> copies = {}) {
+    if (copies.empty()) {
+      copies.resize(model_.planes.size());
+      std::iota(copies.begin(), copies.end(), 0);
+    }
+    return FindBoundingCreases(lines_, evidence_, copies, options_, &model_);
+  }
+
+  // There is one, at this height.
+  void ExpectCreaseAt(double y) {
+    const std::vector<BoundingCrease> creases = Find();
+    ASSERT_EQ(creases.size(), 1u);
+    EXPECT_NEAR(creases[0].limit.Height({0.0, y, 0.0}), 0.0, 1e-6);
+  }
+
+  SceneModel model_;
+  std::vector<SharedLine> lines_;
+  std::vector<LineEvidence> evidence_;
+  BoundingCreaseOptions options_;
+};
+
+TEST_F(BoundingCreasesTest, ACeilingBeginsWhereAWallEnds) {
+  model_.planes[0].component = 4;
+  AddLine(-1.f);
+  const std::vector<BoundingCrease> creases = Find();
+  ASSERT_EQ(creases.size(), 1u);
+  EXPECT_EQ(creases[0].plane, 0);
+  EXPECT_EQ(creases[0].beyond, 1);
+  EXPECT_TRUE(creases[0].is_new);
+  ASSERT_EQ(model_.planes.size(), 2u);
+  const ModelPlane& ceiling = model_.planes[1];
+  // Faces what is below.
+  EXPECT_EQ(ceiling.plane.normal, Eigen::Vector3d(0.0, 1.0, 0.0));
+  EXPECT_EQ(ceiling.plane.normal, creases[0].limit.normal);
+  EXPECT_EQ(ceiling.plane.offset, creases[0].limit.offset);
+  EXPECT_NEAR(ceiling.plane.Height({3.0, -1.0, 2.0}), 0.0, 1e-9);
+  EXPECT_NEAR(
+      (ceiling.center - Eigen::Vector3d(0.5, -1.0, 5.0)).norm(), 0.0, 1e-9);
+  Eigen::Matrix3d axes;
+  axes << ceiling.axis_s, ceiling.axis_t, ceiling.plane.normal;
+  EXPECT_TRUE(axes.isUnitary(1e-12));
+  EXPECT_NEAR(ceiling.covariance(2, 2), double{kPixel} * kPixel, 1e-9);
+  EXPECT_EQ(ceiling.component, 4);
+  EXPECT_EQ(ceiling.frame, 0);
+  EXPECT_EQ(ceiling.axis, 1);
+  EXPECT_EQ(ceiling.support, 0.0);
+}
+
+TEST_F(BoundingCreasesTest, AFloorBeginsOnTheOtherSide) {
+  LineEvidence evidence = EndEvidence();
+  std::swap(evidence.sides[0], evidence.sides[1]);
+  AddLine(1.f, evidence);
+  const std::vector<BoundingCrease> creases = Find();
+  ASSERT_EQ(creases.size(), 1u);
+  EXPECT_EQ(creases[0].limit.normal, Eigen::Vector3d(0.0, -1.0, 0.0));
+  EXPECT_NEAR(creases[0].limit.Height({0.0, 0.0, 0.0}), 1.0, 1e-6);
+}
+
+TEST_F(BoundingCreasesTest, APlaneThatIsMeasuredBeyondGoesOn) {
+  AddLine(-1.f);
+  evidence_[0].sides[0].measured = 31.0;
+  EXPECT_TRUE(Find().empty());
+  EXPECT_EQ(model_.planes.size(), 1u);
+  evidence_[0].sides[0].measured = 29.0;
+  EXPECT_EQ(Find().size(), 1u);
+}
+
+TEST_F(BoundingCreasesTest, NothingBeginsThroughWhichViewsLook) {
+  AddLine(-1.f);
+  evidence_[0].sides[0].through = 31.0;
+  EXPECT_TRUE(Find().empty());
+  evidence_[0].sides[0].through = 29.0;
+  EXPECT_EQ(Find().size(), 1u);
+}
+
+TEST_F(BoundingCreasesTest, ThreeViewsMustShowEnoughOfIt) {
+  AddLine(-1.f);
+  const LineEvidence good = evidence_[0];
+  evidence_[0].sides[0].num_views = 2;
+  EXPECT_TRUE(Find().empty());
+  evidence_[0] = good;
+  evidence_[0].sides[0].area = 200.0;
+  EXPECT_TRUE(Find().empty());
+  evidence_[0] = good;
+  // Where nothing was measured before either, the line tells nothing.
+  evidence_[0].sides[1].measured = 100.0;
+  EXPECT_TRUE(Find().empty());
+  EXPECT_EQ(model_.planes.size(), 1u);
+}
+
+TEST_F(BoundingCreasesTest, TilesHaveNone) {
+  AddLine(-1.f);
+  AddLine(-0.5f, MeasuredOnBothSides());
+  EXPECT_EQ(Find().size(), 1u);
+  model_.planes.resize(1);
+  AddLine(0.f, MeasuredOnBothSides(), -1.f);
+  EXPECT_TRUE(Find().empty());
+  // Faint lines are none, next to the crease.
+  lines_.back().line.step = 0.8f;
+  EXPECT_EQ(Find().size(), 1u);
+}
+
+TEST_F(BoundingCreasesTest, ASurfaceGoesOnAsLongAsItsLinesDo) {
+  AddLine(-1.f);
+  AddLine(-1.5f);
+  AddLine(-0.8f);
+  ExpectCreaseAt(-1.5);
+}
+
+TEST_F(BoundingCreasesTest, OfAFallAndARiseTheirMiddle) {
+  AddLine(-1.2f, EndEvidence(), -2.f);
+  AddLine(-1.f, EndEvidence(), 2.f);
+  ExpectCreaseAt(-1.1);
+}
+
+TEST_F(BoundingCreasesTest, OfTwoFallsOrDistantLinesTheLast) {
+  AddLine(-1.2f, EndEvidence(), 2.f);
+  AddLine(-1.f, EndEvidence(), 2.f);
+  ExpectCreaseAt(-1.2);
+  // More than 14 pixels.
+  lines_[1].line.step = -2.f;
+  lines_[1].line.place = -0.6f;
+  model_.planes.resize(1);
+  ExpectCreaseAt(-1.2);
+}
+
+TEST_F(BoundingCreasesTest, TakesAPlaneThatLiesThereAndIsWellMeasured) {
+  const int ceiling = AddPlane({0.0, 1.0, 0.0}, {2.0, -1.1, 3.0}, 1, 200.0);
+  AddLine(-1.f);
+  const std::vector<BoundingCrease> creases = Find();
+  ASSERT_EQ(creases.size(), 1u);
+  EXPECT_EQ(creases[0].beyond, ceiling);
+  EXPECT_FALSE(creases[0].is_new);
+  EXPECT_EQ(model_.planes.size(), 2u);
+  // The wall ends at its line.
+  EXPECT_NEAR(creases[0].limit.Height({0.0, -1.0, 0.0}), 0.0, 1e-6);
+}
+
+TEST_F(BoundingCreasesTest, OtherPlanesAreNotTaken) {
+  AddLine(-1.f);
+  const auto is_taken = [&](const ModelPlane& plane) {
+    model_.planes.resize(1);
+    model_.planes.push_back(plane);
+    const std::vector<BoundingCrease> creases = Find();
+    return creases.size() == 1 && creases[0].beyond == 1;
+  };
+  const ModelPlane ceiling = model_.planes[static_cast<size_t>(
+      AddPlane({0.0, 1.0, 0.0}, {2.0, -1.1, 3.0}, 1, 200.0))];
+  EXPECT_TRUE(is_taken(ceiling));
+  ModelPlane other = ceiling;
+  other.support = 99.0;  // A tenth of the wall's is asked for.
+  EXPECT_FALSE(is_taken(other));
+  other = ceiling;
+  other.plane.offset += 0.6;  // More than ten pixels.
+  EXPECT_FALSE(is_taken(other));
+  other = ceiling;
+  other.plane.normal *= -1.0;
+  other.plane.offset *= -1.0;
+  EXPECT_FALSE(is_taken(other));
+  other = ceiling;
+  other.component = 1;
+  EXPECT_FALSE(is_taken(other));
+  other = ceiling;
+  other.axis = 0;
+  EXPECT_FALSE(is_taken(other));
+}
+
+TEST_F(BoundingCreasesTest, TwoWallsShareTheCeilingThatBothPropose) {
+  AddPlane({-1.0, 0.0, 0.0}, {2.0, 0.5, 3.0}, 0, 800.0);
+  AddLine(-1.f);
+  AddLine(-1.55f, EndEvidence(), 3.f, 1);
+  const std::vector<BoundingCrease> creases = Find();
+  ASSERT_EQ(creases.size(), 2u);
+  EXPECT_EQ(model_.planes.size(), 3u);
+  EXPECT_EQ(creases[0].plane, 0);
+  EXPECT_EQ(creases[1].plane, 1);
+  EXPECT_EQ(creases[0].beyond, 2);
+  EXPECT_EQ(creases[1].beyond, 2);
+}
+
+TEST_F(BoundingCreasesTest, CopiesOfThePlaneEndThereAsWell) {
+  AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 5.03}, 2, 100.0);
+  AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 7.0}, 2, 100.0);
+  AddLine(-1.f);
+  const std::vector<BoundingCrease> creases = Find({0, 0, 2});
+  ASSERT_EQ(creases.size(), 2u);
+  EXPECT_EQ(creases[0].plane, 0);
+  EXPECT_EQ(creases[1].plane, 1);
+  for (const BoundingCrease& crease : creases) {
+    EXPECT_EQ(crease.beyond, 3);
+    EXPECT_TRUE(crease.is_new);
+    EXPECT_EQ(crease.limit.offset, creases[0].limit.offset);
+  }
+}
+
+TEST_F(BoundingCreasesTest, AnyOrderOfThePlanesLinesGivesTheSame) {
+  AddLine(-1.2f, EndEvidence(), -2.f);
+  AddLine(-1.f, EndEvidence(), 2.f);
+  AddLine(-0.9f, EndEvidence(), 2.5f);
+  AddLine(0.3f, MeasuredOnBothSides());
+  LineEvidence floor = EndEvidence();
+  std::swap(floor.sides[0], floor.sides[1]);
+  AddLine(1.1f, floor);
+  const SceneModel before = model_;
+  const std::vector<BoundingCrease> expected = Find();
+  const SceneModel after = model_;
+  ASSERT_EQ(expected.size(), 2u);
+  const std::vector<SharedLine> lines = lines_;
+  const std::vector<LineEvidence> evidence = evidence_;
+  std::vector<size_t> order = {0, 1, 2, 3, 4};
+  while (std::next_permutation(order.begin(), order.end())) {
+    for (size_t i = 0; i < order.size(); ++i) {
+      lines_[i] = lines[order[i]];
+      evidence_[i] = evidence[order[i]];
+    }
+    model_ = before;
+    const std::vector<BoundingCrease> creases = Find();
+    ASSERT_EQ(creases.size(), expected.size());
+    ASSERT_EQ(model_.planes.size(), after.planes.size());
+    for (size_t i = 0; i < creases.size(); ++i) {
+      EXPECT_EQ(creases[i].beyond, expected[i].beyond);
+      EXPECT_EQ(creases[i].limit.normal, expected[i].limit.normal);
+      EXPECT_EQ(creases[i].limit.offset, expected[i].limit.offset);
+    }
+  }
+}
+
+TEST_F(BoundingCreasesTest, WithoutLinesThereIsNone) {
+  EXPECT_TRUE(Find().empty());
+  EXPECT_EQ(model_.planes.size(), 1u);
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,206 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/crease_labels.h"
+
+#include "tests/scene_planes/drawn_wall_fixture.h"
+
+namespace tsar {
+namespace {
+
+// Where the wall ends and the ceiling begins.
+constexpr double kCrease = -1.0;
+constexpr float kPixels = 100.f;  // Of a superpixel.
+
+class CreaseLabelsTest : public DrawnWallTest {
+ protected:
+  CreaseLabelsTest()
+      : camera_(CameraAt({0.2, 0.05, 0.0})), evidence_(BareEvidence(camera_)) {
+    ceiling_ = AddPlane({0.0, 1.0, 0.0}, {0.0, kCrease, 4.0}, 1, 0.0);
+    other_ = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 8.0}, 2, 500.0);
+    BoundingCrease crease;
+    crease.plane = 0;
+    crease.beyond = ceiling_;
+    crease.limit = model_.planes[static_cast<size_t>(ceiling_)].plane;
+    creases_ = {crease};
+  }
+
+  CreaseLabels Make() const {
+    return CreaseLabels({&evidence_, camera_}, model_.planes, creases_);
+  }
+
+  // Whether the middle of a superpixel shows what is above the crease.
+  bool IsBeyond(int superpixel) const {
+    const double x = (superpixel % kNumColumns + 0.5) * kSuperpixelSize - 0.5;
+    const double y = (superpixel / kNumColumns + 0.5) * kSuperpixelSize - 0.5;
+    return OnWall(camera_, x, y).y() < kCrease;
+  }
+
+  // Of the three planes.
+  Image<float> Votes(const Image<PlaneCost>& costs) const {
+    Image<float> votes;
+    Make().AddVotes({0, ceiling_, other_}, costs, options_, &votes);
+    return votes;
+  }
+  Image<float> Votes() const {
+    return Votes(Image<PlaneCost>(3, kNumSuperpixels));
+  }
+
+  // On the wall everywhere, but above the crease on `above` times its depth.
+  void MeasureWall(double above, bool is_measured_above) {
+    Measure(
+        camera_,
+        [&](const Eigen::Vector3d& point) {
+          const double depth = DepthOf(camera_, point);
+          return point.y() < kCrease ? Depth{above * depth, is_measured_above}
+                                     : Depth{depth};
+        },
+        &evidence_);
+  }
+
+  int NumObservations(const ViewEvidence& evidence, int s) const {
+    return evidence.first_observation[static_cast<size_t>(s) + 1] -
+           evidence.first_observation[static_cast<size_t>(s)];
+  }
+
+  Camera camera_;
+  ViewEvidence evidence_;
+  std::vector<BoundingCrease> creases_;
+  int ceiling_ = -1;
+  int other_ = -1;
+  LabelOptions options_;
+};
+
+TEST_F(CreaseLabelsTest, BeyondTheCreaseTheWallIsDearAndTheCeilingIsNot) {
+  const Image<float> votes = Votes();
+  ASSERT_EQ(votes.Width(), 3);
+  ASSERT_EQ(votes.Height(), kNumSuperpixels);
+  int num_beyond = 0;
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    SCOPED_TRACE(s);
+    if (IsBeyond(s)) {
+      ++num_beyond;
+      EXPECT_FLOAT_EQ(votes(0, s), 0.3f * kPixels);
+      EXPECT_FLOAT_EQ(votes(1, s), -options_.uncertainty_cost * kPixels);
+      EXPECT_FLOAT_EQ(votes(2, s), 0.3f * kPixels);
+    } else {
+      EXPECT_EQ(votes(0, s), 0.f);
+      EXPECT_FLOAT_EQ(votes(1, s), kPixels);
+      EXPECT_EQ(votes(2, s), 0.f);
+    }
+  }
+  EXPECT_GT(num_beyond, 30);
+  EXPECT_LT(num_beyond, kNumSuperpixels / 2);
+}
+
+TEST_F(CreaseLabelsTest, PlanesThatSomethingSpeaksForMayStandBeyond) {
+  Image<PlaneCost> costs(3, kNumSuperpixels);
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    costs(0, s).explained = 0.5f;
+    (s % 2 == 0 ? costs(2, s).explained : costs(2, s).confirmed) = 0.5f;
+  }
+  const Image<float> votes = Votes(costs);
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(votes(2, s), 0.f) << s;
+    // But not the one that ends there.
+    EXPECT_FLOAT_EQ(votes(0, s), IsBeyond(s) ? 0.3f * kPixels : 0.f) << s;
+  }
+}
+
+TEST_F(CreaseLabelsTest, WhatWasMeasuredOfThePlaneBeyondNeedsNoHelp) {
+  creases_[0].is_new = false;
+  const Image<float> votes = Votes();
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(votes(1, s), 0.f) << s;
+    EXPECT_FLOAT_EQ(votes(0, s), IsBeyond(s) ? 0.3f * kPixels : 0.f) << s;
+  }
+}
+
+TEST_F(CreaseLabelsTest, VotesOfOtherViewsStay) {
+  Image<float> votes(3, kNumSuperpixels, 7.f);
+  Make().AddVotes({0, ceiling_, other_},
+                  Image<PlaneCost>(3, kNumSuperpixels),
+                  options_,
+                  &votes);
+  const Image<float> alone = Votes();
+  for (size_t i = 0; i < votes.NumPixels(); ++i) {
+    EXPECT_FLOAT_EQ(votes.Data()[i], alone.Data()[i] + 7.f);
+  }
+}
+
+TEST_F(CreaseLabelsTest, ACameraAboveTheCeilingSeesNothingBeyond) {
+  camera_ = CameraAt({0.2, -1.5, 0.0});
+  evidence_ = BareEvidence(camera_);
+  const Image<float> votes = Votes();
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(votes(0, s), 0.f) << s;
+    EXPECT_FLOAT_EQ(votes(1, s), kPixels) << s;
+  }
+}
+
+TEST_F(CreaseLabelsTest, TheRegionOfTheEndingPlaneIsCutAtTheCrease) {
+  MeasureWall(/*above=*/1.0, /*is_measured_above=*/false);
+  const ViewEvidence cut = Make().WithoutRegionsBeyond();
+  ASSERT_EQ(cut.NumSuperpixels(), kNumSuperpixels);
+  ASSERT_EQ(cut.observations.size(), cut.is_measured.size());
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    SCOPED_TRACE(s);
+    const auto i = static_cast<size_t>(s);
+    if (!IsBeyond(s)) {
+      EXPECT_EQ(NumObservations(cut, s), NumObservations(evidence_, s));
+      EXPECT_EQ(cut.weights[i], evidence_.weights[i]);
+    } else {
+      // Those of the crease's own row of superpixels are measured in part.
+      EXPECT_LT(NumObservations(cut, s), NumObservations(evidence_, s));
+      EXPECT_FLOAT_EQ(cut.weights[i], 2.f * NumObservations(cut, s));
+      for (int k = cut.first_observation[i]; k < cut.first_observation[i + 1];
+           ++k) {
+        EXPECT_EQ(cut.is_measured[static_cast<size_t>(k)], 1);
+      }
+    }
+  }
+  EXPECT_EQ(NumObservations(cut, 0), 0);
+  EXPECT_EQ(cut.weights[0], 0.f);
+}
+
+TEST_F(CreaseLabelsTest, OtherRegionsAndMeasurementsStay) {
+  // A region on another plane, twenty pixels of disparity before the wall; and
+  // measurements on the wall itself.
+  for (const auto& [above, is_measured] :
+       {std::pair(0.9, false), std::pair(1.0, true)}) {
+    MeasureWall(above, is_measured);
+    const ViewEvidence cut = Make().WithoutRegionsBeyond();
+    EXPECT_EQ(cut.first_observation, evidence_.first_observation);
+    EXPECT_EQ(cut.weights, evidence_.weights);
+    EXPECT_EQ(cut.is_measured, evidence_.is_measured);
+  }
+  // A copy of the wall's plane is the wall's.
+  MeasureWall(1.01, false);
+  EXPECT_LT(Make().WithoutRegionsBeyond().observations.size(),
+            evidence_.observations.size());
+}
+
+TEST_F(CreaseLabelsTest, MarksWhatGotNoPlaneBeyond) {
+  std::vector<int> labels = AllOn(-1);
+  labels[1] = 1;
+  std::vector<LabelEvidence> evidence(kNumSuperpixels, LabelEvidence::kNone);
+  evidence[1] = LabelEvidence::kGuessed;
+  Make().MarkBounded(labels, &evidence);
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(evidence[static_cast<size_t>(s)],
+              s == 1        ? LabelEvidence::kGuessed
+              : IsBeyond(s) ? LabelEvidence::kBounded
+                            : LabelEvidence::kNone)
+        << s;
+  }
+}
+
+TEST_F(CreaseLabelsTest, MarksNothingWhereAnotherRegionStands) {
+  MeasureWall(0.9, false);
+  std::vector<LabelEvidence> evidence(kNumSuperpixels, LabelEvidence::kNone);
+  Make().MarkBounded(AllOn(-1), &evidence);
+  EXPECT_EQ(evidence[0], LabelEvidence::kNone);
+}
+
+}  // namespace
+}  // namespace tsar
