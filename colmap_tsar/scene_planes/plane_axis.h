@@ -48,4 +48,12 @@ class PlaneAxis {
   Vec3f axis_;
 };
 
+// In the world frame. axis: of the plane's frame.
+inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
+  return model
+      .frames[static_cast<size_t>(
+          model.planes[static_cast<size_t>(plane)].frame)]
+      .col(axis);
+}
+
 }  // namespace tsar
