@@ -250,8 +250,10 @@ class CreaseFinderOfModel {
     crease.plane = line.plane;
     crease.limit = PlaneOnLine(line, end.beyond, *model_);
     crease.beyond = FindPlane(line, crease.limit);
-    crease.is_new = crease.beyond < 0;
-    if (crease.is_new) {
+    // Also where another wall's crease has proposed it.
+    crease.is_new =
+        crease.beyond < 0 || static_cast<size_t>(crease.beyond) >= first_new_;
+    if (crease.beyond < 0) {
       crease.beyond = static_cast<int>(model_->planes.size());
       model_->planes.push_back(MakePlane(line, crease.limit));
     }

@@ -39,7 +39,7 @@ struct BoundingCrease {
   int plane = -1;      // Ends here,
   int beyond = -1;     // and this one begins.
   WorldPlane limit;    // Where it does: the latter, toward the former.
-  bool is_new = true;  // Nothing is known of `beyond` but this.
+  bool is_new = true;  // Nothing is known of `beyond` but that it begins there.
 };
 
 struct BoundingCreaseOptions {
