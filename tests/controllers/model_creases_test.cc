@@ -148,8 +148,8 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
   const ModelPlane& plane = model.planes[static_cast<size_t>(ceiling)];
   EXPECT_EQ(plane.frame, 0);
   EXPECT_EQ(plane.support, 0.0);
-  // Where other walls end other views may show these.
-  EXPECT_GT(ShareOfCeiling(model, ceiling), 0.9);
+  // In the corner other views hold the left wall for what is there.
+  EXPECT_GT(ShareOfCeiling(model, ceiling), 0.8);
   // What is measured is labelled as it was.
   for (size_t view = 0; view < views_.size(); ++view) {
     const ViewLabels& labels = model.views.at(views_[view].image);
