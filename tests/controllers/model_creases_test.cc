@@ -169,6 +169,18 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
               testing::HasSubstr("Model, labels within creases: [3/3]"));
 }
 
+// What views would tell each other of the time before creases were known is
+// void.
+TEST_F(ModelCreasesTest, LabelsWithinCreasesBeginAnew) {
+  options_.num_sweeps = 1;
+  MakeCeilingBare();
+  PaintSurfaces();
+  const SceneModel model = *Run();
+  const int ceiling = FindCeiling(model);
+  ASSERT_GE(ceiling, 0);
+  EXPECT_EQ(ShareOfCeiling(model, ceiling), 1.0);
+}
+
 TEST_F(ModelCreasesTest, WithoutTheOptionThereIsNone) {
   refine_options_.bounding_creases = false;
   MakeCeilingBare();
