@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/scene_planes/plane_lines.h"
 
+#include "colmap_tsar/base/gray_level.h"
 #include "colmap_tsar/scene_planes/plane_axis.h"
 
 #include <algorithm>
@@ -35,12 +36,9 @@ float Median(std::vector<float> values) {
   return *middle;
 }
 
-Image<float> Luminance(const Image<Rgb>& color) {
+Image<float> GrayLevels(const Image<Rgb>& color) {
   Image<float> gray(color.Width(), color.Height());
-  std::transform(
-      color.begin(), color.end(), gray.begin(), [](const Rgb& pixel) {
-        return 0.299f * pixel.r + 0.587f * pixel.g + 0.114f * pixel.b;
-      });
+  std::transform(color.begin(), color.end(), gray.begin(), GrayLevel);
   return gray;
 }
 
@@ -150,7 +148,7 @@ class LineFinder {
         intrinsics_(view.camera.GetIntrinsics()),
         model_(model),
         options_(options),
-        gray_(Luminance(evidence_.color)),
+        gray_(GrayLevels(evidence_.color)),
         planes_(evidence_.width, evidence_.height) {
     for (size_t i = 0; i < planes_.NumPixels(); ++i) {
       const int label = labels[evidence_.superpixels.Data()[i]];

@@ -64,17 +64,15 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
   std::vector<int> labels_;
 };
 
-TEST_F(PlaneLineEvidenceTest, CountsTheAreaOnEitherSide) {
+TEST_F(PlaneLineEvidenceTest, CountsTheAreaWhereThePlaneMayEnd) {
   const LineEvidence found = Test();
-  const double above = PixelsAbove();
-  // But for three pixels on either side of the line.
-  EXPECT_NEAR(found.sides[0].area, above - 3 * kWidth, kWidth);
-  EXPECT_NEAR(
-      found.sides[1].area, kWidth * kHeight - above - 3 * kWidth, kWidth);
-  EXPECT_EQ(found.sides[0].measured + found.sides[1].measured, 0.0);
-  // The camera is below the ceiling, hence above no floor that begins here.
+  // But for three pixels next to the line.
+  EXPECT_NEAR(found.sides[0].area, PixelsAbove() - 3 * kWidth, kWidth);
   EXPECT_EQ(found.sides[0].num_views, 1);
+  // The camera is below the ceiling, hence above no floor that begins here.
+  EXPECT_EQ(found.sides[1].area, 0.0);
   EXPECT_EQ(found.sides[1].num_views, 0);
+  EXPECT_EQ(found.sides[0].measured + found.sides[1].measured, 0.0);
 }
 
 TEST_F(PlaneLineEvidenceTest, CountsWhatIsMeasuredOnThePlane) {
@@ -82,9 +80,8 @@ TEST_F(PlaneLineEvidenceTest, CountsWhatIsMeasuredOnThePlane) {
   LineEvidence found = Test();
   EXPECT_EQ(found.sides[0].measured, 0.0);
   // Their confidence is a half.
-  EXPECT_NEAR(found.sides[1].measured,
-              0.5 * found.sides[1].area,
-              0.05 * found.sides[1].area);
+  const double below = kWidth * kHeight - PixelsAbove() - 3 * kWidth;
+  EXPECT_NEAR(found.sides[1].measured, 0.5 * below, 0.05 * below);
   MeasureSides(1.0, 1.0);
   found = Test();
   EXPECT_NEAR(found.sides[0].measured,
@@ -93,7 +90,7 @@ TEST_F(PlaneLineEvidenceTest, CountsWhatIsMeasuredOnThePlane) {
   // One pixel of disparity is 0.005 of the depth.
   MeasureSides(1.004, 1.006);
   found = Test();
-  EXPECT_GT(found.sides[1].measured, 0.4 * found.sides[1].area);
+  EXPECT_GT(found.sides[1].measured, 0.4 * below);
   EXPECT_EQ(found.sides[0].measured, 0.0);
 }
 
