@@ -19,6 +19,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/pipeline/depth_sigma.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/workspace.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/require_size.h"
@@ -175,8 +176,13 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
                    (model_image.name + ".bin"));
   const int width = depths.Width();
   const int height = depths.Height();
-  const DepthResolution resolution =
+  DepthResolution resolution =
       ResolutionOf(workspace, image, model_image.camera.Resized(width, height));
+  if (is_of_scene) {
+    // Sigma maps count pixels of the view as it was judged.
+    resolution.error_per_depth *=
+        static_cast<float>(ReductionFactor(width, height));
+  }
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float depth = depths(x, y);

@@ -11,8 +11,8 @@ SWITCHES = ("denoise", "filter", "filter_confidence",
             "weighted_median", "segment", "view_agreement", "region_cores",
             "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",
             "foreground_fattening", "manhattan_frame", "free_space",
-            "bounded_planes", "pixel_borders", "curved_surfaces",
-            "off_plane_depths")
+            "bounded_planes", "adjust_planes", "bounding_creases",
+            "pixel_borders", "curved_surfaces", "off_plane_depths")
 # The numbers of the method, with their defaults: each is halved and doubled.
 PARAMETERS = {"min_aggregated_score": 0.8, "confidence_weight": 0.7,
               "num_iterations": 4, "superpixel_size": 400,

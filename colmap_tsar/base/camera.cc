@@ -3,16 +3,9 @@
 
 #include "colmap_tsar/base/camera.h"
 
+#include "colmap_tsar/base/to_vec3f.h"
+
 namespace tsar {
-namespace {
-
-Vec3f ToVec3f(const Eigen::Vector3d& v) {
-  return {static_cast<float>(v.x()),
-          static_cast<float>(v.y()),
-          static_cast<float>(v.z())};
-}
-
-}  // namespace
 
 Camera Camera::Resized(int new_width, int new_height) const {
   const double scale_x = static_cast<double>(new_width) / width;

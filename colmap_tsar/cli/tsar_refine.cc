@@ -37,7 +37,8 @@ constexpr const char* kSummary =
     "so that stereo_fusion needs no other options; the originals are kept in "
     "stereo/tsar and --restore 1 puts them back. Beside the maps it writes how "
     "sure each depth is (stereo/confidence_maps, stereo/sigma_maps), where it "
-    "comes from (stereo/provenance_maps) and an account of the run "
+    "comes from (stereo/provenance_maps), which plane it lies on "
+    "(stereo/plane_maps) and an account of the run "
     "(stereo/tsar/manifest.json). It can be interrupted at any time: the same "
     "command goes on where it stopped. A run with other options begins from "
     "the originals again.";

@@ -68,7 +68,8 @@ class LabelSweeps {
   std::vector<BoundingCrease> creases_;
   // Of the last sweep; none before the first one.
   std::vector<LabelsInModel> labels_;
-  // Neither planes nor evidence change between the sweeps, but for creases.
+  // Neither planes nor evidence change between the sweeps, once creases are
+  // known.
   // Empty where there was no memory for the costs of a view, which are computed
   // again.
   std::vector<Image<PlaneCost>> costs_;

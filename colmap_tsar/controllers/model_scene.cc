@@ -22,15 +22,11 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <mutex>
 #include <utility>
 
 namespace tsar {
 namespace {
-
-// Planes of which one is a copy of the other are this close to each other, as a
-// share of the distance from which they are seen: posters hang on a wall, and
-// measurements next to them lie between both.
-constexpr float kCopyTolerance = 0.015f;
 
 ViewGraph MakeGraph(const std::vector<SceneView>& views) {
   ViewGraph neighbours(views.size());
@@ -299,7 +295,6 @@ class SceneModeler {
       cameras.push_back(views_[view].camera);
       labels.push_back(&sweeps->PlanesOf(view));
     }
-    const BoundingCreaseOptions options;
     const std::vector<int> copies =
         FindPlaneCopies(model_, cameras, labels, kCopyTolerance);
     std::vector<std::vector<PlaneLine>> of_views(views_.size());
@@ -311,19 +306,16 @@ class SceneModeler {
     if (lines.empty() || should_stop_()) {
       return false;
     }
-    std::vector<EvidenceOfLines> tested(views_.size());
+    LineEvidenceSum sum(lines.size());
+    std::mutex mutex;
     ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
-      tested[view] = TestPlaneLines(
-          observed, *labels[view], copies, lines, model_, options);
+      const std::vector<ViewLineEvidence> of_view =
+          TestPlaneLines(observed, *labels[view], copies, lines, model_, {});
+      const std::lock_guard lock(mutex);
+      sum.Add(of_view);
     });
-    std::vector<LineEvidence> evidence(lines.size());
-    for (const EvidenceOfLines& of_view : tested) {
-      for (const auto& [line, of_line] : of_view) {
-        evidence[line] += of_line;
-      }
-    }
     std::vector<BoundingCrease> creases =
-        FindBoundingCreases(lines, evidence, copies, options, &model_);
+        FindBoundingCreases(lines, sum.Get(), copies, {}, &model_);
     const bool has_creases = !creases.empty();
     if (has_creases) {
       sweeps->Bound(std::move(creases));

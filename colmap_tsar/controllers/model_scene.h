@@ -63,7 +63,9 @@ struct ModelResources {
 // - discovers planes in blocks of views that look at the same things;
 // - joins planes of different blocks that are one surface, and adjusts the
 //   planes of several blocks together (adjust_planes);
-// - labels all views in sweeps.
+// - labels all views in sweeps; after the first one it looks for creases at
+//   which planes end (bounding_creases), adds the planes that begin there, and,
+//   if there are any, repeats the first sweep.
 // Time grows with the number of views; memory holds the evidence of the blocks
 // and views at work, samples of the planes, some twenty bytes per superpixel of
 // all views, and as many of the costs of labels as max_kept_bytes allows.

@@ -12,8 +12,8 @@
 namespace tsar {
 namespace {
 
-// Where a view has no superpixel with a plane, its measurements count as spread
-// no less than this.
+// A view's noise counts as no less than this; it is 0 where no superpixel has a
+// plane.
 constexpr float kMinNoise = 0.1f;
 
 struct SigmaKernel {

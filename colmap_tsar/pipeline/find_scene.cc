@@ -54,7 +54,7 @@ std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
 
 // The creases at which planes with these numbers end. Adds the numbers of the
 // planes that begin there.
-std::vector<BoundingCrease> CreasesOf(
+std::vector<BoundingCrease> BoundingCreasesOf(
     const std::vector<BoundingCrease>& creases, std::vector<int>* numbers) {
   std::vector<BoundingCrease> result;
   std::copy_if(creases.begin(),
@@ -146,7 +146,8 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
   const SceneOptions scene = MakeSceneOptions(options, observed);
   std::vector<int> numbers =
       MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
-  const std::vector<BoundingCrease> bounding = CreasesOf(creases, &numbers);
+  const std::vector<BoundingCrease> bounding =
+      BoundingCreasesOf(creases, &numbers);
   std::optional<CreaseLabels> crease_labels;
   ViewEvidence bounded;
   if (!bounding.empty()) {

@@ -25,6 +25,17 @@ constexpr float kMinShare = 0.2f;
 // relative depths of one pixel of disparity: a region may have a copy of it.
 constexpr float kMaxRegionGap = 4.f;
 
+// Whether one may be a copy of the other (FindPlaneCopies), as far as the view
+// tells: which of them begins at a crease is not known.
+bool MayBeCopies(const ModelPlane& a,
+                 const ModelPlane& b,
+                 const Camera& camera) {
+  return a.frame == b.frame && a.axis == b.axis &&
+         a.plane.normal.dot(b.plane.normal) > 0.0 &&
+         std::abs(a.plane.offset - b.plane.offset) <=
+             kCopyTolerance * std::abs(b.plane.Height(camera.Center()));
+}
+
 }  // namespace
 
 CreaseLabels::CreaseLabels(const ObservedView& view,
@@ -48,14 +59,14 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
       const float depth = limit.Depth(rays_[s]);
       is_beyond.push_back(is_seen && depth > 0.f &&
                           depth < ending.Depth(rays_[s]));
-      if (is_beyond.back() != 0 && HasRegionOf(s, ending)) {
+      if (is_beyond.back() != 0 && MayCutRegion(s, ending)) {
         is_cut_[s] = 1;
       }
     }
   }
 }
 
-bool CreaseLabels::HasRegionOf(size_t superpixel, const Plane& plane) const {
+bool CreaseLabels::MayCutRegion(size_t superpixel, const Plane& plane) const {
   int num_region = 0;
   int num_on = 0;
   for (int i = evidence_.first_observation[superpixel];
@@ -119,7 +130,11 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
   };
   std::vector<uint8_t> begins(numbers.size(), 0);
   for (const BoundingCrease& crease : creases_) {
-    begins[static_cast<size_t>(column_of(crease.beyond))] = 1;
+    for (size_t k = 0; k < numbers.size(); ++k) {
+      begins[k] |= MayBeCopies(planes_[static_cast<size_t>(numbers[k])],
+                               planes_[static_cast<size_t>(crease.beyond)],
+                               camera_);
+    }
   }
   // By column, where planes that begin at creases may be.
   std::map<int, std::vector<uint8_t>> beginning;

@@ -46,8 +46,8 @@ class CreaseLabels {
                    std::vector<LabelEvidence>* evidence) const;
 
  private:
-  // Whether the region there, if there is one, was given the plane.
-  bool HasRegionOf(size_t superpixel, const Plane& plane) const;
+  // Whether the region there was given the plane, or there is none.
+  bool MayCutRegion(size_t superpixel, const Plane& plane) const;
 
   const ViewEvidence& evidence_;
   const Camera camera_;

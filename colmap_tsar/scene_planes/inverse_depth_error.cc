@@ -5,27 +5,33 @@
 
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 namespace tsar {
 namespace {
 
-// Standard deviations of what is not known.
-constexpr double kUnknownTurn = 0.02;   // In radians.
-constexpr double kUnknownShift = 0.01;  // Of the distance from the camera.
+// Standard deviations of what nothing tells of.
+constexpr double kPriorTurn = 0.02;   // In radians.
+constexpr double kPriorShift = 0.01;  // Of the distance from the camera.
+// In units of the prior variances: as good as infinite.
+constexpr double kHugeVariance = 1e12;
 
+// The plane's covariance C together with the prior one P: the inverse of C^-1 +
+// P^-1.
 Eigen::Matrix3d BoundedCovariance(const ModelPlane& plane, double distance) {
-  const Eigen::Vector3d bounds(
-      kUnknownTurn, kUnknownTurn, kUnknownShift * distance);
-  Eigen::Matrix3d covariance = plane.covariance;
-  for (int i = 0; i < 3; ++i) {
-    // Where a variance is infinite, there are no correlations.
-    if (!std::isfinite(covariance(i, i))) {
-      covariance(i, i) = bounds(i) * bounds(i);
-    }
-  }
-  return covariance;
+  const Eigen::Vector3d prior(kPriorTurn, kPriorTurn, kPriorShift * distance);
+  const Eigen::Matrix3d units = prior * prior.transpose();
+  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  // In units of the prior, the inverse of C^-1 + I is I - (C + I)^-1, which
+  // needs no inverse of C. Where a variance is infinite, there are no
+  // correlations.
+  Eigen::Matrix3d covariance = plane.covariance.cwiseQuotient(units);
+  covariance.diagonal() = covariance.diagonal().cwiseMin(kHugeVariance);
+  const Eigen::Matrix3d bounded =
+      identity - (covariance + identity).ldlt().solve(identity);
+  return bounded.cwiseProduct(units);
 }
 
 }  // namespace

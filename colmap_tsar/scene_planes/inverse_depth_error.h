@@ -31,9 +31,12 @@ struct InverseDepthError {
   }
 };
 
-// From the plane's covariance, to first order. A turn that nothing determines
-// counts as 0.02 radians, a shift as 1 % of the camera's distance from the
-// plane. 0 where the plane holds the camera's centre: then it has no depths.
+// From the plane's covariance, to first order, with what planes of rooms are
+// expected to be off by at most: a turn by 0.02 radians, a shift by 1 % of the
+// camera's distance from the plane. A variance v thus becomes 1 / (1 / v + 1 /
+// b^2) with b for this bound, nearly v where the plane is known well and b^2
+// where nothing determines it. 0 where the plane holds the camera's centre:
+// then it has no depths.
 InverseDepthError ErrorInView(const ModelPlane& plane, const Camera& camera);
 
 }  // namespace tsar

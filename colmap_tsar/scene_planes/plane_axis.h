@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/to_vec3f.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
@@ -37,15 +38,17 @@ class PlaneAxis {
   }
 
  private:
-  static Vec3f ToVec3f(const Eigen::Vector3d& v) {
-    return {static_cast<float>(v.x()),
-            static_cast<float>(v.y()),
-            static_cast<float>(v.z())};
-  }
-
   Plane plane_;
   Vec3f center_;
   Vec3f axis_;
 };
+
+// In the world frame. axis: of the plane's frame.
+inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
+  return model
+      .frames[static_cast<size_t>(
+          model.planes[static_cast<size_t>(plane)].frame)]
+      .col(axis);
+}
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/scene_planes/plane_lines.h"
 
+#include "colmap_tsar/base/gray_level.h"
 #include "colmap_tsar/scene_planes/plane_axis.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace tsar {
@@ -23,7 +25,8 @@ constexpr int kFarthestAround = 14;
 // only the strongest counts.
 constexpr size_t kMinAround = 6;
 constexpr int kMinGap = 4;
-// The farthest parts of a plane seen at a flat angle would need more.
+// Around the middle of what is seen of a plane: that of one seen at a flat
+// angle reaches very far.
 constexpr int kMaxBins = 4096;
 
 float Median(std::vector<float> values) {
@@ -33,12 +36,9 @@ float Median(std::vector<float> values) {
   return *middle;
 }
 
-Image<float> Luminance(const Image<Rgb>& color) {
+Image<float> GrayLevels(const Image<Rgb>& color) {
   Image<float> gray(color.Width(), color.Height());
-  std::transform(
-      color.begin(), color.end(), gray.begin(), [](const Rgb& pixel) {
-        return 0.299f * pixel.r + 0.587f * pixel.g + 0.114f * pixel.b;
-      });
+  std::transform(color.begin(), color.end(), gray.begin(), GrayLevel);
   return gray;
 }
 
@@ -53,15 +53,15 @@ class LineProfile {
   // pixel: the size of a bin.
   LineProfile(const std::vector<Sample>& samples, float pixel, int min_length)
       : pixel_(pixel) {
-    first_ = std::min_element(samples.begin(),
-                              samples.end(),
-                              [](const Sample& a, const Sample& b) {
-                                return a.place < b.place;
-                              })
-                 ->place;
+    std::vector<float> places;
+    for (const Sample& sample : samples) {
+      places.push_back(sample.place);
+    }
+    first_ = std::max(*std::min_element(places.begin(), places.end()),
+                      Median(places) - kMaxBins / 2 * pixel);
     for (const Sample& sample : samples) {
       const float bin = (sample.place - first_) / pixel;
-      if (bin < kMaxBins) {
+      if (bin >= 0.f && bin < kMaxBins) {
         const auto i = static_cast<size_t>(bin);
         bins_.resize(std::max(bins_.size(), i + 1));
         bins_[i].push_back(sample.rise);
@@ -148,7 +148,7 @@ class LineFinder {
         intrinsics_(view.camera.GetIntrinsics()),
         model_(model),
         options_(options),
-        gray_(Luminance(evidence_.color)),
+        gray_(GrayLevels(evidence_.color)),
         planes_(evidence_.width, evidence_.height) {
     for (size_t i = 0; i < planes_.NumPixels(); ++i) {
       const int label = labels[evidence_.superpixels.Data()[i]];
@@ -217,10 +217,7 @@ class LineFinder {
 
   void FindAcross(int number, int axis, std::vector<PlaneLine>* lines) const {
     const ModelPlane& plane = model_.planes[static_cast<size_t>(number)];
-    const PlaneAxis in_view(
-        plane,
-        model_.frames[static_cast<size_t>(plane.frame)].col(axis),
-        camera_);
+    const PlaneAxis in_view(plane, AxisOf(model_, number, axis), camera_);
     std::vector<LineProfile::Sample> samples;
     std::vector<float> pixels;
     // The reach, and a pixel to interpolate.
@@ -298,6 +295,19 @@ class LineFinder {
 
 }  // namespace
 
+WorldPlane PlaneAtLine(const SceneModel& model,
+                       const PlaneLine& line,
+                       int side) {
+  const Eigen::Vector3d axis = AxisOf(model, line.plane, line.axis);
+  const Eigen::Vector3d on_line =
+      model.planes[static_cast<size_t>(line.plane)].center +
+      double{line.place} * axis;
+  WorldPlane plane;
+  plane.normal = side == 0 ? axis : Eigen::Vector3d(-axis);
+  plane.offset = -plane.normal.dot(on_line);
+  return plane;
+}
+
 std::vector<int> FindPlaneCopies(
     const SceneModel& model,
     const std::vector<Camera>& cameras,
@@ -313,7 +323,7 @@ std::vector<int> FindPlaneCopies(
       if (plane >= 0) {
         const auto i = static_cast<size_t>(plane);
         distances[i].push_back(static_cast<float>(
-            (cameras[view].Center() - planes[i].center).norm()));
+            std::abs(planes[i].plane.Height(cameras[view].Center()))));
       }
     }
   }
@@ -324,27 +334,26 @@ std::vector<int> FindPlaneCopies(
     return planes[static_cast<size_t>(a)].support >
            planes[static_cast<size_t>(b)].support;
   });
-  // By component and axis, those that are no copies.
-  std::map<std::pair<int, int>, std::vector<int>> originals;
+  // By component, axis and direction of the normal, those that are no copies,
+  // by their offsets.
+  std::map<std::tuple<int, int, bool>, std::multimap<double, int>> originals;
   for (const int number : by_support) {
     const auto i = static_cast<size_t>(number);
     const ModelPlane& plane = planes[i];
     if (plane.axis < 0 || distances[i].empty()) {
       continue;
     }
-    const double max_height = tolerance * Median(distances[i]);
-    std::vector<int>& of_axis =
-        originals[{plane.component, 3 * plane.frame + plane.axis}];
-    const auto original =
-        std::find_if(of_axis.begin(), of_axis.end(), [&](int other) {
-          const WorldPlane& rival = planes[static_cast<size_t>(other)].plane;
-          return rival.normal.dot(plane.plane.normal) > 0.0 &&
-                 std::abs(rival.Height(plane.center)) <= max_height;
-        });
-    if (original == of_axis.end()) {
-      of_axis.push_back(number);
+    const Eigen::Vector3d& normal = plane.plane.normal;
+    const bool is_along = normal.dot(AxisOf(model, number, plane.axis)) > 0.0;
+    std::multimap<double, int>& of_axis =
+        originals[{plane.component, 3 * plane.frame + plane.axis, is_along}];
+    const double max_gap = tolerance * Median(distances[i]);
+    const auto nearest = of_axis.lower_bound(plane.plane.offset - max_gap);
+    if (nearest != of_axis.end() &&
+        nearest->first <= plane.plane.offset + max_gap) {
+      copies[i] = nearest->second;
     } else {
-      copies[i] = *original;
+      of_axis.emplace(plane.plane.offset, number);
     }
   }
   return copies;

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
@@ -26,6 +27,13 @@ struct PlaneLine {
   float step = 0.f;
 };
 
+// Where the line's plane ends if it does not go on to that side of the line (0:
+// below its place, 1: above): the plane at right angles through it, which faces
+// the other side.
+WorldPlane PlaneAtLine(const SceneModel& model,
+                       const PlaneLine& line,
+                       int side);
+
 // Lengths are in pixels of the raster.
 struct PlaneLineOptions {
   // Only planes that cover this share of the raster,
@@ -47,11 +55,17 @@ struct PlaneLineOptions {
   float min_share = 0.5f;
 };
 
+// Planes of which one is a copy of the other are this close to each other, as a
+// share of the distance from which they are seen: posters hang on a wall, and
+// measurements next to them lie between both.
+inline constexpr float kCopyTolerance = 0.015f;
+
 // Planes of the model that are one surface within the errors of views: for each
 // plane the number of the best measured one of its copies, which may be itself.
 // Only planes along an axis of a frame have copies: those that lie within
-// tolerance, as a share of the median distance of the cameras whose views were
-// labelled with them. labels: by view, of each superpixel the plane, or -1.
+// tolerance, as a share of the median distance from the plane of the cameras
+// whose views were labelled with it. labels: by view, of each superpixel the
+// plane, or -1.
 std::vector<int> FindPlaneCopies(
     const SceneModel& model,
     const std::vector<Camera>& cameras,

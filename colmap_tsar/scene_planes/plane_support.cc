@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/plane_support.h"
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/to_vec3f.h"
 #include "colmap_tsar/planes/plane_uncertainty.h"
 
 #include <algorithm>
@@ -32,12 +33,6 @@ struct PlaneObservations {
   std::vector<DepthObservation> superpixels;  // One each, measured.
   std::vector<Eigen::Vector3d> points;        // All.
 };
-
-Vec3f ToVec3f(const Eigen::Vector3d& vector) {
-  return {static_cast<float>(vector.x()),
-          static_cast<float>(vector.y()),
-          static_cast<float>(vector.z())};
-}
 
 // Adds what one superpixel observed of the plane that it is assigned to.
 void AddSuperpixel(const ObservedView& view,

@@ -15,9 +15,15 @@ namespace tsar {
 
 // A plane of the scene, shared by all views that see it. World frame, units of
 // the sparse model.
+//
+// Nobody measured those that begin where another plane ends at a crease
+// (bounding_creases.h): their support is 0 and their centre lies on the crease.
+// Their direction is that of the Manhattan frame, and that they have it is a
+// guess, of which the covariance knows nothing: it is that of the crease's
+// place.
 struct ModelPlane {
   WorldPlane plane;
-  // A point on it amid what was measured, and two orthogonal unit vectors in
+  // A point on it amid what was measured, and two orthogonal unit vectors along
   // it.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_s = Eigen::Vector3d::UnitX();

@@ -105,6 +105,12 @@ std::vector<SharedLine> JoinPlaneLines(
       }
     }
   }
+  std::stable_sort(shared.begin(),
+                   shared.end(),
+                   [](const SharedLine& a, const SharedLine& b) {
+                     return std::tie(a.line.plane, a.line.axis, a.line.place) <
+                            std::tie(b.line.plane, b.line.axis, b.line.place);
+                   });
   return shared;
 }
 

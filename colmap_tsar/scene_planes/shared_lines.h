@@ -23,7 +23,7 @@ struct SharedLineOptions {
 };
 
 // lines: by view; those of different directions of step are different lines.
-// Sorted by plane, then axis.
+// Sorted by plane, axis and place.
 std::vector<SharedLine> JoinPlaneLines(
     const std::vector<std::vector<PlaneLine>>& lines,
     const SharedLineOptions& options);

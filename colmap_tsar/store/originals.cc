@@ -7,8 +7,11 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/map_state.h"
+#include "colmap_tsar/store/result_files.h"
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace tsar {
@@ -65,6 +68,18 @@ void RequireUnedited(const Map& map, std::optional<MapState> state) {
                         "patch_match_stereo again for this image");
 }
 
+// "stereo/a, stereo/b and stereo/c".
+std::string ListResultFolders() {
+  std::string list;
+  for (size_t i = 0; i < kResultFolders.size(); ++i) {
+    if (i > 0) {
+      list += i + 1 < kResultFolders.size() ? ", " : " and ";
+    }
+    list += std::string("stereo/") + kResultFolders[i];
+  }
+  return list;
+}
+
 }  // namespace
 
 OriginalMaps FindOriginals(const MapPaths& paths) {
@@ -116,19 +131,17 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
 }
 
 void RequireNoStrayResults(const MapPaths& paths) {
-  for (const std::filesystem::path& result : {paths.provenance.Path(),
-                                              paths.confidence.Path(),
-                                              paths.former_confidence.Path()}) {
-    if (IsFile(result) && !Exists(paths.record) &&
+  for (const ContainedPath* result : ResultFiles(paths)) {
+    if (IsFile(*result) && !Exists(paths.record) &&
         !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
       throw Error::File(
           ErrorCode::kMismatch,
           paths.depth.string(),
-          "this map has been refined, as " + result.string() +
+          "this map has been refined, as " + result->string() +
               " tells, and stereo/tsar, which held the original, is gone",
-          "run patch_match_stereo again and delete stereo/confidence_maps and "
-          "stereo/provenance_maps; delete these alone where the depth and "
-          "normal maps are the originals");
+          "run patch_match_stereo again and delete " + ListResultFolders() +
+              "; delete these alone where the depth and normal maps are the "
+              "originals");
     }
   }
 }

@@ -7,12 +7,16 @@
 
 namespace tsar {
 
+std::array<const ContainedPath*, 5> ResultFiles(const MapPaths& paths) {
+  return {&paths.confidence,
+          &paths.former_confidence,
+          &paths.sigma,
+          &paths.provenance,
+          &paths.planes};
+}
+
 void RemoveResults(const MapPaths& paths) {
-  for (const ContainedPath* path : {&paths.confidence,
-                                    &paths.former_confidence,
-                                    &paths.sigma,
-                                    &paths.provenance,
-                                    &paths.planes}) {
+  for (const ContainedPath* path : ResultFiles(paths)) {
     RemoveFile(*path);
   }
 }

@@ -14,7 +14,11 @@ namespace tsar {
 inline constexpr std::array<const char*, 4> kResultFolders = {
     "confidence_maps", "sigma_maps", "provenance_maps", "plane_maps"};
 
-// Removes these files of one image, also those of earlier versions.
+// These files of one image, there or not, also those of earlier versions. The
+// pointers are into the argument.
+std::array<const ContainedPath*, 5> ResultFiles(const MapPaths& paths);
+
+// Removes them.
 void RemoveResults(const MapPaths& paths);
 
 }  // namespace tsar

@@ -68,7 +68,7 @@ class Planes:
     """(N,): share of its pixels whose depth was measured there, not filled."""
     supports: "Array"
     """(N,): what was measured of it when it was found, in pixels of full
-    confidence."""
+    confidence. 0: nothing, it is guessed at a crease where another plane ends."""
     num_pixels: "Array"
     """(N,): pixels of all images that lie on it."""
     components: "Array"

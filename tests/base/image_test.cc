@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/image.h"
 
+#include "colmap_tsar/base/gray_level.h"
 #include "colmap_tsar/base/vector.h"
 
 #include <algorithm>
@@ -48,6 +49,14 @@ TEST(Image, WithoutValuesHasItsSize) {
     EXPECT_TRUE(std::all_of(copy.begin(), copy.end(), [](const Vec3f& n) {
       return n == Vec3f{1.f, 2.f, 3.f};
     }));
+  }
+}
+
+TEST(GrayLevel, WeighsColoursAndKeepsGreys) {
+  EXPECT_FLOAT_EQ(GrayLevel({10, 20, 30}),
+                  0.299f * 10 + 0.587f * 20 + 0.114f * 30);
+  for (const uint8_t level : {0, 1, 128, 255}) {
+    EXPECT_FLOAT_EQ(GrayLevel({level, level, level}), level);
   }
 }
 

@@ -235,6 +235,9 @@ TEST_F(BoundingCreasesTest, TwoWallsShareTheCeilingThatBothPropose) {
   EXPECT_EQ(creases[1].plane, 1);
   EXPECT_EQ(creases[0].beyond, 2);
   EXPECT_EQ(creases[1].beyond, 2);
+  // A view that shows but one of them knows as little of it.
+  EXPECT_TRUE(creases[0].is_new);
+  EXPECT_TRUE(creases[1].is_new);
 }
 
 TEST_F(BoundingCreasesTest, CopiesOfThePlaneEndThereAsWell) {

@@ -13,6 +13,8 @@
 namespace tsar {
 namespace {
 
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
 class InverseDepthErrorTest : public testing::Test {
  protected:
   InverseDepthErrorTest() {
@@ -67,15 +69,15 @@ class InverseDepthErrorTest : public testing::Test {
 };
 
 TEST_F(InverseDepthErrorTest, IsThatOfThePlaneToFirstOrder) {
-  plane_.covariance << 4e-4, 1e-4, -2e-4,  //
-      1e-4, 9e-4, 3e-4,                    //
-      -2e-4, 3e-4, 1e-3;
+  plane_.covariance << 4e-8, 1e-8, -2e-8,  //
+      1e-8, 9e-8, 3e-8,                    //
+      -2e-8, 3e-8, 1e-7;
   for (const double sign : {1.0, -1.0}) {
     const InverseDepthError error = ErrorInView(plane_, camera_);
     for (const Vec3f& ray :
          {Vec3f{0.f, 0.f, 1.f}, {0.4f, -0.3f, 1.f}, {-0.6f, 0.2f, 1.f}}) {
       const double expected = ExpectedVariance(plane_.covariance, ray);
-      EXPECT_GT(expected, 1e-6);
+      EXPECT_GT(expected, 1e-10);
       EXPECT_NEAR(error.Variance(ray), expected, 1e-3 * expected) << sign;
     }
     plane_.plane.normal = -plane_.plane.normal;
@@ -84,15 +86,48 @@ TEST_F(InverseDepthErrorTest, IsThatOfThePlaneToFirstOrder) {
 }
 
 TEST_F(InverseDepthErrorTest, WhatIsNotKnownIsBounded) {
-  constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  plane_.covariance = Eigen::Vector3d(kUnknown, 1e-6, kUnknown).asDiagonal();
+  plane_.covariance = Eigen::Vector3d(kUnknown, 1e-8, kUnknown).asDiagonal();
   const double shift = 0.01 * plane_.plane.Height(camera_.Center());
   const Eigen::Matrix3d bounded =
-      Eigen::Vector3d(0.02 * 0.02, 1e-6, shift * shift).asDiagonal();
+      Eigen::Vector3d(0.02 * 0.02, 1e-8, shift * shift).asDiagonal();
   const Vec3f ray{0.3f, -0.4f, 1.f};
   const double expected = ExpectedVariance(bounded, ray);
   EXPECT_NEAR(
       ErrorInView(plane_, camera_).Variance(ray), expected, 1e-3 * expected);
+}
+
+// A plane that is known badly is known better than one of which nothing is
+// known, and the two are alike where "badly" ends.
+TEST_F(InverseDepthErrorTest, GrowsWithTheCovarianceUpToTheBound) {
+  const Vec3f ray{0.3f, -0.4f, 1.f};
+  for (int i = 0; i < 3; ++i) {
+    plane_.covariance << 1e-6, 4e-7, -2e-7,  //
+        4e-7, 1e-6, 3e-7,                    //
+        -2e-7, 3e-7, 1e-6;
+    // Grows by the square of this along one direction.
+    const auto variance_with = [&](double sigma) {
+      const ModelPlane before = plane_;
+      plane_.covariance(i, i) += sigma * sigma;
+      const double variance = ErrorInView(plane_, camera_).Variance(ray);
+      plane_ = before;
+      return variance;
+    };
+    double last = 0.0;
+    for (const double sigma : {0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.4, 0.5}) {
+      const double variance = variance_with(sigma);
+      EXPECT_GT(variance, last) << i << ": " << sigma;
+      last = variance;
+    }
+    // From here on it counts as unknown (AdjustPlanes).
+    plane_.covariance.row(i).setZero();
+    plane_.covariance.col(i).setZero();
+    const double unknown = variance_with(kUnknown);
+    EXPECT_NEAR(last, unknown, 0.05 * unknown) << i;
+  }
+  plane_.covariance = Eigen::Vector3d::Constant(kUnknown).asDiagonal();
+  const double bound = ErrorInView(plane_, camera_).Variance(ray);
+  plane_.covariance = Eigen::Vector3d::Constant(0.2).asDiagonal();
+  EXPECT_LE(ErrorInView(plane_, camera_).Variance(ray), bound);
 }
 
 TEST_F(InverseDepthErrorTest, APlaneThroughTheCameraHasNone) {

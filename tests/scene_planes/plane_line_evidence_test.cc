@@ -3,7 +3,7 @@
 
 // What views tell of lines, before any of them is a crease.
 
-#include "colmap_tsar/scene_planes/bounding_creases.h"
+#include "colmap_tsar/scene_planes/line_evidence.h"
 
 #include "tests/scene_planes/drawn_wall_fixture.h"
 
@@ -20,6 +20,13 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
         evidence_(BareEvidence(camera_)),
         labels_(AllOn(0)) {}
 
+  // Of one line.
+  static LineEvidence Sum(const std::vector<ViewLineEvidence>& of_view) {
+    LineEvidenceSum sum(1);
+    sum.Add(of_view);
+    return sum.Get()[0];
+  }
+
   LineEvidence Test() const {
     SharedLine shared;
     shared.line = {
@@ -29,9 +36,8 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
     for (size_t i = 0; i < model_.planes.size(); ++i) {
       copies.push_back(static_cast<int>(i));
     }
-    EvidenceOfLines evidence = TestPlaneLines(
-        {&evidence_, camera_}, labels_, copies, {shared}, model_, {});
-    return evidence.contains(0) ? evidence.at(0) : LineEvidence();
+    return Sum(TestPlaneLines(
+        {&evidence_, camera_}, labels_, copies, {shared}, model_, {}));
   }
 
   // These depths below the line and above it; 0: none.
@@ -58,17 +64,15 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
   std::vector<int> labels_;
 };
 
-TEST_F(PlaneLineEvidenceTest, CountsTheAreaOnEitherSide) {
+TEST_F(PlaneLineEvidenceTest, CountsTheAreaWhereThePlaneMayEnd) {
   const LineEvidence found = Test();
-  const double above = PixelsAbove();
-  // But for three pixels on either side of the line.
-  EXPECT_NEAR(found.sides[0].area, above - 3 * kWidth, kWidth);
-  EXPECT_NEAR(
-      found.sides[1].area, kWidth * kHeight - above - 3 * kWidth, kWidth);
-  EXPECT_EQ(found.sides[0].measured + found.sides[1].measured, 0.0);
-  // The camera is below the ceiling, hence above no floor that begins here.
+  // But for three pixels next to the line.
+  EXPECT_NEAR(found.sides[0].area, PixelsAbove() - 3 * kWidth, kWidth);
   EXPECT_EQ(found.sides[0].num_views, 1);
+  // The camera is below the ceiling, hence above no floor that begins here.
+  EXPECT_EQ(found.sides[1].area, 0.0);
   EXPECT_EQ(found.sides[1].num_views, 0);
+  EXPECT_EQ(found.sides[0].measured + found.sides[1].measured, 0.0);
 }
 
 TEST_F(PlaneLineEvidenceTest, CountsWhatIsMeasuredOnThePlane) {
@@ -76,9 +80,8 @@ TEST_F(PlaneLineEvidenceTest, CountsWhatIsMeasuredOnThePlane) {
   LineEvidence found = Test();
   EXPECT_EQ(found.sides[0].measured, 0.0);
   // Their confidence is a half.
-  EXPECT_NEAR(found.sides[1].measured,
-              0.5 * found.sides[1].area,
-              0.05 * found.sides[1].area);
+  const double below = kWidth * kHeight - PixelsAbove() - 3 * kWidth;
+  EXPECT_NEAR(found.sides[1].measured, 0.5 * below, 0.05 * below);
   MeasureSides(1.0, 1.0);
   found = Test();
   EXPECT_NEAR(found.sides[0].measured,
@@ -87,7 +90,7 @@ TEST_F(PlaneLineEvidenceTest, CountsWhatIsMeasuredOnThePlane) {
   // One pixel of disparity is 0.005 of the depth.
   MeasureSides(1.004, 1.006);
   found = Test();
-  EXPECT_GT(found.sides[1].measured, 0.4 * found.sides[1].area);
+  EXPECT_GT(found.sides[1].measured, 0.4 * below);
   EXPECT_EQ(found.sides[0].measured, 0.0);
 }
 
@@ -170,25 +173,42 @@ TEST_F(PlaneLineEvidenceTest, CopiesShowThePlane) {
   SharedLine shared;
   shared.line = {
       0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f};
-  const EvidenceOfLines found = TestPlaneLines(
-      {&evidence_, camera_}, labels_, {0, 0}, {shared}, model_, {});
-  ASSERT_TRUE(found.contains(0));
-  EXPECT_EQ(found.at(0).sides[0].area, expected.sides[0].area);
+  const LineEvidence found = Sum(TestPlaneLines(
+      {&evidence_, camera_}, labels_, {0, 0}, {shared}, model_, {}));
+  EXPECT_GT(found.sides[0].area, 0.0);
+  EXPECT_EQ(found.sides[0].area, expected.sides[0].area);
 }
 
-TEST(LineEvidenceTest, AddsUpOverViews) {
-  LineEvidence sum;
-  LineEvidence one;
-  one.sides[0] = {100.0, 2.0, 3.0, 1};
-  one.sides[1] = {10.0, 20.0, 30.0, 0};
-  sum += one;
-  sum += one;
-  EXPECT_EQ(sum.sides[0].area, 200.0);
-  EXPECT_EQ(sum.sides[0].measured, 4.0);
-  EXPECT_EQ(sum.sides[0].through, 6.0);
-  EXPECT_EQ(sum.sides[0].num_views, 2);
-  EXPECT_EQ(sum.sides[1].through, 60.0);
-  EXPECT_EQ(sum.sides[1].num_views, 0);
+TEST(LineEvidenceSumTest, AddsUpOverViews) {
+  ViewLineEvidence view = {/*first=*/0, /*last=*/1, /*begin=*/0, {{}}, 22.0};
+  view.lines[0].sides[0] = {100.0, 2.0, 3.0, 1};
+  view.lines[0].sides[1] = {10.0, 20.0, 30.0, 0};
+  LineEvidenceSum sum(1);
+  sum.Add({view});
+  sum.Add({view});
+  const LineEvidence found = sum.Get()[0];
+  EXPECT_EQ(found.sides[0].area, 200.0);
+  EXPECT_EQ(found.sides[0].measured, 4.0);
+  EXPECT_EQ(found.sides[0].through, 6.0);
+  EXPECT_EQ(found.sides[0].num_views, 2);
+  EXPECT_EQ(found.sides[1].through, 60.0);
+  EXPECT_EQ(found.sides[1].num_views, 0);
+}
+
+TEST(LineEvidenceSumTest, ViewsThatDoNotShowALineTellWhatIsMeasuredBesideIt) {
+  // Lines 1 to 5 are of one plane; the view shows line 3.
+  const ViewLineEvidence view = {
+      /*first=*/1, /*last=*/6, /*begin=*/3, {{}}, 50.0};
+  LineEvidenceSum sum(7);
+  sum.Add({view});
+  const std::vector<LineEvidence> found = sum.Get();
+  const double above[] = {0.0, 50.0, 50.0, 0.0, 0.0, 0.0, 0.0};
+  const double below[] = {0.0, 0.0, 0.0, 0.0, 50.0, 50.0, 0.0};
+  for (size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].sides[0].measured, below[i]) << i;
+    EXPECT_EQ(found[i].sides[1].measured, above[i]) << i;
+    EXPECT_EQ(found[i].sides[0].num_views + found[i].sides[1].num_views, 0);
+  }
 }
 
 }  // namespace

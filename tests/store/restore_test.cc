@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
+#include "colmap_tsar/store/result_files.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"
 
@@ -304,11 +305,25 @@ TEST_F(RestoreTest, OtherValuesOfTheSameTimeAreAConflict) {
 TEST_F(RestoreTest, OriginalsThatAreGoneLeaveTraces) {
   std::filesystem::remove_all(GetTsarFolder(root_).Path());
   ExpectError(ErrorCode::kMismatch,
-              {Paths().depth.string(), Paths().provenance.string()},
+              {Paths().depth.string(), Paths().confidence.string()},
               [&] { RequireNoStrayResults(Paths()); });
-  std::filesystem::remove(Paths().provenance);
-  std::filesystem::remove(Paths().confidence);
+  RemoveResults(Paths());
   RequireNoStrayResults(Paths());
+  // Each of them tells it alone, and lies in one of the folders to delete.
+  const MapPaths paths = Paths();
+  for (const ContainedPath* result : ResultFiles(paths)) {
+    std::filesystem::create_directories(result->Path().parent_path());
+    WriteText(*result, "of a refinement");
+    ExpectError(ErrorCode::kMismatch,
+                {result->string(),
+                 "stereo/confidence_maps, stereo/sigma_maps, "
+                 "stereo/provenance_maps and stereo/plane_maps"},
+                [&] { RequireNoStrayResults(paths); });
+    for (const char* folder : kResultFolders) {
+      std::filesystem::remove_all(root_ / "stereo" / folder);
+    }
+    RequireNoStrayResults(paths);
+  }
 }
 
 TEST_F(RestoreTest, LinksOfOutputWorkspacesLeadToTheOriginalsAgain) {
