@@ -45,7 +45,7 @@ struct PlaneAnglePrior {
 
 // Puts a plane into a Manhattan frame: its normal is exactly a column of the
 // frame's rotation, or the opposite of that.
-struct PlaneAxis {
+struct FrameColumn {
   int frame = -1;  // -1: the plane is free.
   int column = -1;
 };
@@ -55,7 +55,7 @@ struct PlaneAxis {
 struct PlaneAdjustment {
   std::vector<WorldPlane> planes;       // Of unit normals.
   std::vector<Eigen::Matrix3d> frames;  // Rotations.
-  std::vector<PlaneAxis> axes;          // One per plane, or none at all.
+  std::vector<FrameColumn> axes;        // One per plane, or none at all.
   std::vector<PointOnPlane> points;
   std::vector<PlaneCrease> creases;
   std::vector<PlaneAnglePrior> angles;

@@ -63,7 +63,7 @@ void CheckPlanes(const PlaneAdjustment& adjustment) {
           num_axes,
           "has not one for each plane");
   for (size_t i = 0; i < num_axes; ++i) {
-    const PlaneAxis& axis = adjustment.axes[i];
+    const FrameColumn& axis = adjustment.axes[i];
     Require(
         axis.frame == -1 || (IsIndex(axis.frame, adjustment.frames.size()) &&
                              IsIndex(axis.column, 3)),
