@@ -50,6 +50,11 @@ TEST_F(CudaTest, ModelScene) {
   const SyntheticRoom room = RoomWithADisc();
   std::vector<ViewEvidence> evidence = ObserveInPart(room);
   for (size_t i = 0; i < evidence.size(); ++i) {
+    // What creases are looked for in.
+    evidence[i].color = Image<Rgb>(
+        room.cameras[i].width, room.cameras[i].height, Rgb{100, 100, 100});
+    evidence[i].confident_depth =
+        Image<float>(room.cameras[i].width, room.cameras[i].height, 0.f);
     for (const WorldPlane& plane : room.Candidates()) {
       evidence[i].candidates.push_back(ToCameraPlane(plane, room.cameras[i]));
     }
