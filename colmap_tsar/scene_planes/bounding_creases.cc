@@ -18,6 +18,10 @@
 namespace tsar {
 namespace {
 
+// Of the angle (3 degrees) between planes that may be one: not all that are at
+// right angles lie along the axes of their frame exactly.
+constexpr double kMinCosine = 0.9986;
+
 // A line at which its plane ends.
 struct EndOfPlane {
   SharedLine shared;
@@ -140,35 +144,51 @@ class CreaseFinderOfModel {
     return crease;
   }
 
-  // The nearest one that was measured well enough and is no copy, or that
-  // begins at another crease; -1 where there is none.
+  // Of those within reach that were measured well enough and are no copies, the
+  // one of which most was measured, or else the nearest that begins at another
+  // crease; -1 where there is none.
   int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
-    double gap = double{options_.max_offset} * line.pixel;
-    int nearest = -1;
+    const double max_gap = double{options_.max_offset} * line.pixel;
+    const Eigen::Vector3d on_line = OnLine(line);
+    const auto gap = [&](int plane) {
+      return std::abs(
+          model_->planes[static_cast<size_t>(plane)].plane.Height(on_line));
+    };
+    int best = -1;
+    const auto is_better = [&](int plane) {
+      if (best < 0) {
+        return true;
+      }
+      const double most = model_->planes[static_cast<size_t>(best)].support;
+      const double support = model_->planes[static_cast<size_t>(plane)].support;
+      return support > most || (support == most && gap(plane) < gap(best));
+    };
     for (size_t i = 0; i < model_->planes.size(); ++i) {
       const ModelPlane& plane = model_->planes[i];
-      const double distance = std::abs(plane.plane.offset - limit.offset);
-      if (plane.component == ending.component && plane.frame == ending.frame &&
-          plane.axis == line.axis &&
-          plane.plane.normal.dot(limit.normal) > 0.0 &&
+      const auto number = static_cast<int>(i);
+      if (plane.component == ending.component &&
+          plane.plane.normal.dot(limit.normal) > kMinCosine &&
           (i >= first_new_ ||
-           (copies_[i] == static_cast<int>(i) &&
+           (copies_[i] == number &&
             plane.support >= options_.min_support * ending.support)) &&
-          distance < gap) {
-        gap = distance;
-        nearest = static_cast<int>(i);
+          gap(number) < max_gap && is_better(number)) {
+        best = number;
       }
     }
-    return nearest;
+    return best;
+  }
+
+  Eigen::Vector3d OnLine(const PlaneLine& line) const {
+    return model_->planes[static_cast<size_t>(line.plane)].center +
+           double{line.place} * AxisOf(*model_, line.plane, line.axis);
   }
 
   ModelPlane MakePlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
     ModelPlane plane;
     plane.plane = limit;
-    plane.center = ending.center +
-                   double{line.place} * AxisOf(*model_, line.plane, line.axis);
+    plane.center = OnLine(line);
     plane.axis_s = ending.plane.normal;
     plane.axis_t = limit.normal.cross(plane.axis_s);
     // Its direction is taken to be that of the frame, and its place is known to

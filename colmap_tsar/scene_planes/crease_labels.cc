@@ -27,14 +27,9 @@ constexpr float kMaxRegionGap = 4.f;
 
 // Whether one may be a copy of the other (FindPlaneCopies), as far as the view
 // tells: which of them begins at a crease is not known.
-bool MayBeCopies(const ModelPlane& a,
-                 const ModelPlane& b,
-                 const Camera& camera) {
-  return a.frame == b.frame && a.axis == b.axis &&
-         a.plane.normal.dot(b.plane.normal) > 0.0 &&
-         std::abs(a.plane.offset - b.plane.offset) <=
-             kCopyTolerance * std::abs(b.plane.Height(camera.Center()));
-}
+// Planes that differ by less than this in direction, as its cosine (3 degrees),
+// and by kCopyTolerance in depth may be one.
+constexpr double kMinCosine = 0.9986;
 
 }  // namespace
 
@@ -116,6 +111,33 @@ ViewEvidence CreaseLabels::WithoutRegionsBeyond() const {
   return result;
 }
 
+std::vector<Image<uint8_t>> CreaseLabels::FindBeginnings(
+    const std::vector<int>& numbers) const {
+  std::vector<Image<uint8_t>> begins;
+  for (const BoundingCrease& crease : creases_) {
+    const WorldPlane& world = planes_[static_cast<size_t>(crease.beyond)].plane;
+    const Plane beyond = ToCameraPlane(world, camera_);
+    Image<uint8_t>& of_crease =
+        begins.emplace_back(static_cast<int>(numbers.size()),
+                            static_cast<int>(rays_.size()),
+                            uint8_t{0});
+    for (size_t k = 0; k < numbers.size(); ++k) {
+      const WorldPlane& other = planes_[static_cast<size_t>(numbers[k])].plane;
+      if (other.normal.dot(world.normal) < kMinCosine) {
+        continue;
+      }
+      const Plane in_camera = ToCameraPlane(other, camera_);
+      for (size_t s = 0; s < rays_.size(); ++s) {
+        const float depth = beyond.Depth(rays_[s]);
+        of_crease(static_cast<int>(k), static_cast<int>(s)) =
+            depth > 0.f && std::abs(in_camera.Depth(rays_[s]) - depth) <=
+                               kCopyTolerance * depth;
+      }
+    }
+  }
+  return begins;
+}
+
 void CreaseLabels::AddVotes(const std::vector<int>& numbers,
                             const Image<PlaneCost>& costs,
                             const LabelOptions& options,
@@ -128,25 +150,38 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
         std::lower_bound(numbers.begin(), numbers.end(), plane) -
         numbers.begin());
   };
-  std::vector<uint8_t> begins(numbers.size(), 0);
-  for (const BoundingCrease& crease : creases_) {
-    for (size_t k = 0; k < numbers.size(); ++k) {
-      begins[k] |= MayBeCopies(planes_[static_cast<size_t>(numbers[k])],
-                               planes_[static_cast<size_t>(crease.beyond)],
-                               camera_);
-    }
+  std::vector<Plane> in_camera;
+  for (const int number : numbers) {
+    in_camera.push_back(
+        ToCameraPlane(planes_[static_cast<size_t>(number)].plane, camera_));
+  }
+  const std::vector<Image<uint8_t>> begins = FindBeginnings(numbers);
+  Image<uint8_t> begins_somewhere(costs.Width(), costs.Height(), 0);
+  for (const Image<uint8_t>& of_crease : begins) {
+    std::transform(of_crease.begin(),
+                   of_crease.end(),
+                   begins_somewhere.begin(),
+                   begins_somewhere.begin(),
+                   [](uint8_t a, uint8_t b) { return std::max(a, b); });
   }
   // By column, where planes that begin at creases may be.
   std::map<int, std::vector<uint8_t>> beginning;
   for (size_t i = 0; i < creases_.size(); ++i) {
     const BoundingCrease& crease = creases_[i];
+    const Plane limit = ToCameraPlane(crease.limit, camera_);
     for (size_t s = 0; s < rays_.size(); ++s) {
       const auto row = static_cast<int>(s);
+      const float depth = limit.Depth(rays_[s]);
       for (int k = 0; k < costs.Width() && is_beyond_[i][s] != 0; ++k) {
         const PlaneCost& cost = costs(k, row);
         const auto column = static_cast<size_t>(k);
+        // Another surface that begins at a crease may stand before this one.
+        const float other = in_camera[column].Depth(rays_[s]);
+        const bool may_be =
+            begins[i](k, row) != 0 ||
+            (begins_somewhere(k, row) != 0 && other > 0.f && other < depth);
         if (numbers[column] == crease.plane ||
-            (begins[column] == 0 && cost.explained < kMinShare &&
+            (!may_be && cost.explained < kMinShare &&
              cost.confirmed < kMinShare)) {
           (*votes)(k, row) += kCostBeyond * num_pixels_[s];
         }

@@ -48,6 +48,10 @@ class CreaseLabels {
  private:
   // Whether the region there was given the plane, or there is none.
   bool MayCutRegion(size_t superpixel, const Plane& plane) const;
+  // By crease: whether a plane (column; numbers: in the model) may be the one
+  // that begins there, or a copy of it, at a superpixel (row).
+  std::vector<Image<uint8_t>> FindBeginnings(
+      const std::vector<int>& numbers) const;
 
   const ViewEvidence& evidence_;
   const Camera camera_;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/bounding_creases.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "tests/support/scene_model_testing.h"
@@ -219,9 +220,32 @@ TEST_F(BoundingCreasesTest, OtherPlanesAreNotTaken) {
   other = ceiling;
   other.component = 1;
   EXPECT_FALSE(is_taken(other));
-  other = ceiling;
-  other.axis = 0;
-  EXPECT_FALSE(is_taken(other));
+}
+
+TEST_F(BoundingCreasesTest, ThePlaneNeedNotLieAlongTheFrameExactly) {
+  AddLine(-1.f);
+  const Eigen::Vector3d on_line(0.5, -1.0, 5.0);
+  for (const bool is_taken : {true, false}) {
+    const double angle = is_taken ? 0.04 : 0.06;  // 3 degrees are 0.052.
+    model_.planes.resize(1);
+    const int tilted =
+        AddPlane({0.0, std::cos(angle), std::sin(angle)}, on_line, -1, 200.0);
+    model_.planes.back().frame = -1;
+    const std::vector<BoundingCrease> creases = Find();
+    ASSERT_EQ(creases.size(), 1u);
+    EXPECT_EQ(creases[0].beyond == tilted, is_taken);
+    EXPECT_EQ(creases[0].is_new, !is_taken);
+  }
+}
+
+TEST_F(BoundingCreasesTest, OfSeveralPlanesTheOneThatIsMeasuredMost) {
+  AddLine(-1.f);
+  AddPlane({0.0, 1.0, 0.0}, {2.0, -1.05, 3.0}, 1, 200.0);
+  const int most = AddPlane({0.0, 1.0, 0.0}, {2.0, -0.8, 3.0}, 1, 300.0);
+  AddPlane({0.0, 1.0, 0.0}, {2.0, -1.1, 3.0}, 1, 250.0);
+  const std::vector<BoundingCrease> creases = Find();
+  ASSERT_EQ(creases.size(), 1u);
+  EXPECT_EQ(creases[0].beyond, most);
 }
 
 TEST_F(BoundingCreasesTest, TwoWallsShareTheCeilingThatBothPropose) {

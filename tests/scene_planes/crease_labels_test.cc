@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/crease_labels.h"
 
+#include <cmath>
+
 #include "tests/scene_planes/drawn_wall_fixture.h"
 
 namespace tsar {
@@ -114,6 +116,79 @@ TEST_F(CreaseLabelsTest, WhatWasMeasuredOfThePlaneBeyondNeedsNoHelp) {
     EXPECT_EQ(votes(1, s), 0.f) << s;
     EXPECT_FLOAT_EQ(votes(0, s), IsBeyond(s) ? 0.3f * kPixels : 0.f) << s;
   }
+}
+
+// A cupboard before the wall, which begins on the floor, may hide the ceiling
+// but not stand behind it.
+TEST_F(CreaseLabelsTest, WhatBeginsElsewhereMayStandBeforeThePlaneBeyond) {
+  constexpr double kFront = 3.0;
+  const int floor = AddPlane({0.0, -1.0, 0.0}, {0.0, 1.0, 4.0}, 1, 500.0);
+  const int front = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, kFront}, 2, 500.0);
+  BoundingCrease at_floor;
+  at_floor.plane = floor;
+  at_floor.beyond = front;
+  at_floor.limit = model_.planes[static_cast<size_t>(front)].plane;
+  at_floor.is_new = false;
+  const auto votes_on_front = [&] {
+    Image<float> votes;
+    Make().AddVotes({ceiling_, front},
+                    Image<PlaneCost>(2, kNumSuperpixels),
+                    options_,
+                    &votes);
+    std::vector<float> column;
+    for (int s = 0; s < kNumSuperpixels; ++s) {
+      column.push_back(votes(1, s));
+    }
+    return column;
+  };
+  const std::vector<float> without = votes_on_front();
+  creases_.push_back(at_floor);
+  const std::vector<float> with = votes_on_front();
+  const Eigen::Vector3d center = camera_.Center();
+  int num_before = 0;
+  int num_behind = 0;
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    SCOPED_TRACE(s);
+    const auto i = static_cast<size_t>(s);
+    if (!IsBeyond(s)) {
+      EXPECT_EQ(with[i], 0.f);
+      continue;
+    }
+    EXPECT_FLOAT_EQ(without[i], 0.3f * kPixels);
+    const double x = (s % kNumColumns + 0.5) * kSuperpixelSize - 0.5;
+    const double y = (s / kNumColumns + 0.5) * kSuperpixelSize - 0.5;
+    const Eigen::Vector3d ray = OnWall(camera_, x, y) - center;
+    const bool is_before =
+        (center + ray * (kFront - center.z()) / ray.z()).y() > kCrease;
+    EXPECT_FLOAT_EQ(with[i], is_before ? 0.f : 0.3f * kPixels);
+    ++(is_before ? num_before : num_behind);
+  }
+  EXPECT_GT(num_before, 0);
+  EXPECT_GT(num_behind, 10);
+}
+
+TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotDear) {
+  const auto votes_on = [&](double angle, double height) {
+    const int plane = AddPlane(
+        {0.0, std::cos(angle), std::sin(angle)}, {0.0, height, 4.0}, -1, 500.0);
+    Image<float> votes;
+    Make().AddVotes({ceiling_, plane},
+                    Image<PlaneCost>(2, kNumSuperpixels),
+                    options_,
+                    &votes);
+    return votes;
+  };
+  const Image<float> almost = votes_on(0.01, kCrease - 0.005);
+  const Image<float> tilted = votes_on(0.06, kCrease);
+  const Image<float> higher = votes_on(0.0, kCrease - 0.1);
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    SCOPED_TRACE(s);
+    const float dear = IsBeyond(s) ? 0.3f * kPixels : 0.f;
+    EXPECT_EQ(tilted(1, s), dear);
+    EXPECT_EQ(higher(1, s), dear);
+  }
+  // Seen at a flat angle, a small turn is much in depth.
+  EXPECT_EQ(almost(1, 0), 0.f);
 }
 
 TEST_F(CreaseLabelsTest, VotesOfOtherViewsStay) {
