@@ -10,9 +10,11 @@ SWITCHES = ("denoise", "filter", "filter_confidence",
             "filter_discontinuity", "refine", "superpixel_planes",
             "weighted_median", "segment", "view_agreement", "region_cores",
             "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",
-            "foreground_fattening", "manhattan_frame", "free_space",
-            "bounded_planes", "adjust_planes", "bounding_creases",
+            "foreground_fattening", "manhattan_frame", "bounded_planes",
+            "adjust_planes", "bounding_creases",
             "pixel_borders", "curved_surfaces", "off_plane_depths")
+# Those that are off.
+OPTIONAL_SWITCHES = ("free_space",)
 # The numbers of the method, with their defaults: each is halved and doubled.
 PARAMETERS = {"min_aggregated_score": 0.8, "confidence_weight": 0.7,
               "num_iterations": 4, "superpixel_size": 400,
@@ -47,6 +49,8 @@ def make_variants(given, ablation, sensitivity, extra):
     if ablation:
         for switch in SWITCHES:
             variants[f"without {switch}"] = [f"--TsarRefine.{switch}", "0"]
+        for switch in OPTIONAL_SWITCHES:
+            variants[f"with {switch}"] = [f"--TsarRefine.{switch}", "1"]
         for preset in ("paper", "paper_strict"):
             variants[f"preset {preset}"] = ["--TsarRefine.preset", preset]
     if sensitivity:
