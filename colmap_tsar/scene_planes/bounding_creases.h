@@ -39,7 +39,7 @@ struct BoundingCreaseOptions {
   // crease. Lines count that have this share of the crease's step.
   int min_pattern_lines = 2;
   double min_pattern_share = 0.05;
-  float min_pattern_step = 0.3f;
+  float min_pattern_step = 0.7f;
   // A fall and a rise of brightness that are this close, in pixels, are one
   // dark crease between them.
   float max_crease_width = 14.f;
