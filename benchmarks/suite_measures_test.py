@@ -279,6 +279,8 @@ def check_variants():
           "options of a variant")
     names = make_variants([], True, True, "")
     check(next(iter(names)) == "default" and "without filter" in names
+          and "with free_space" in names
+          and "without free_space" not in names
           and names["confidence_weight 1"] == [
               "--TsarRefine.confidence_weight", "1"],
           "ablation and sensitivity")

@@ -13,7 +13,7 @@ SWITCHES = ("denoise", "filter", "filter_confidence",
             "foreground_fattening", "manhattan_frame", "bounded_planes",
             "adjust_planes", "bounding_creases",
             "pixel_borders", "curved_surfaces", "off_plane_depths")
-# Those that are off.
+# Off by default: the ablation switches each of them on.
 OPTIONAL_SWITCHES = ("free_space",)
 # The numbers of the method, with their defaults: each is halved and doubled.
 PARAMETERS = {"min_aggregated_score": 0.8, "confidence_weight": 0.7,

@@ -251,8 +251,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {"free_space",
        &options->free_space,
        "Reject planes in front of what other views saw, and prefer those that "
-       "other views confirm. Helps where poses are wrong by several pixels, and "
-       "harms elsewhere."},
+       "other views confirm. For scenes whose poses are wrong by several "
+       "pixels; elsewhere it usually costs accuracy and completeness."},
       {"bounded_planes",
        &options->bounded_planes,
        "Leave holes where a plane was observed on one side only."},

@@ -18,10 +18,6 @@
 namespace tsar {
 namespace {
 
-// Of the angle (3 degrees) between planes that may be one: not all that are at
-// right angles lie along the axes of their frame exactly.
-constexpr double kMinCosine = 0.9986;
-
 // A line at which its plane ends.
 struct EndOfPlane {
   SharedLine shared;
@@ -139,14 +135,15 @@ class CreaseFinderOfModel {
     if (crease.is_new) {
       creases_of_new_.resize(model_->planes.size() - first_new_);
       creases_of_new_[number - first_new_].push_back(
-          {crease.limit.offset, double(end.shared.num_views)});
+          {-model_->planes[number].plane.normal.dot(OnLine(line)),
+           double(end.shared.num_views)});
     }
     return crease;
   }
 
-  // Of those within reach that were measured well enough and are no copies, the
-  // one of which most was measured, or else the nearest that begins at another
-  // crease; -1 where there is none.
+  // Of those within reach that face the same way, were measured well enough and
+  // are no copies, the one of which most was measured, or else the nearest that
+  // begins at another crease; -1 where there is none.
   int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
     const double max_gap = double{options_.max_offset} * line.pixel;
@@ -168,7 +165,7 @@ class CreaseFinderOfModel {
       const ModelPlane& plane = model_->planes[i];
       const auto number = static_cast<int>(i);
       if (plane.component == ending.component &&
-          plane.plane.normal.dot(limit.normal) > kMinCosine &&
+          plane.plane.normal.dot(limit.normal) > kMinCopyCosine &&
           (i >= first_new_ ||
            (copies_[i] == number &&
             plane.support >= options_.min_support * ending.support)) &&
@@ -228,7 +225,8 @@ class CreaseFinderOfModel {
   const BoundingCreaseOptions& options_;
   SceneModel* const model_;
   const size_t first_new_;  // Plane of the model.
-  // By new plane, the offsets at its creases and how many views see these.
+  // By new plane, the offsets with which it would hold each of its creases, and
+  // how many views see these.
   std::vector<std::vector<std::pair<double, double>>> creases_of_new_;
   // Numbers of lines, by plane and axis.
   std::map<std::pair<int, int>, std::vector<size_t>> on_axis_;

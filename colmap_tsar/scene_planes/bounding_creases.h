@@ -43,9 +43,10 @@ struct BoundingCreaseOptions {
   // A fall and a rise of brightness that are this close, in pixels, are one
   // dark crease between them.
   float max_crease_width = 14.f;
-  // The nearest plane of the model that lies within so many pixels of the new
-  // one is that one, if this share of what was measured of the plane that ends
-  // was measured of it.
+  // Of the planes of the model that pass within so many pixels of the crease,
+  // almost parallel to the one that would begin there, the one that is measured
+  // most takes its place, if that is this share of what was measured of the
+  // plane that ends.
   float max_offset = 10.f;
   double min_support = 0.1;
 };

@@ -25,11 +25,83 @@ constexpr float kMinShare = 0.2f;
 // relative depths of one pixel of disparity: a region may have a copy of it.
 constexpr float kMaxRegionGap = 4.f;
 
-// Whether one may be a copy of the other (FindPlaneCopies), as far as the view
-// tells: which of them begins at a crease is not known.
-// Planes that differ by less than this in direction, as its cosine (3 degrees),
-// and by kCopyTolerance in depth may be one.
-constexpr double kMinCosine = 0.9986;
+// The planes that a view may be labelled with (columns), at the middles of its
+// superpixels (rows), and at which of these each may be one that begins at a
+// crease.
+class PlanesAtCreases {
+ public:
+  // numbers: of the columns, in the model; with those that begin at creases.
+  PlanesAtCreases(const std::vector<ModelPlane>& planes,
+                  const std::vector<int>& numbers,
+                  const std::vector<BoundingCrease>& creases,
+                  const std::vector<Vec3f>& rays,
+                  const Camera& camera)
+      : numbers_(numbers),
+        depths_(static_cast<int>(numbers.size()),
+                static_cast<int>(rays.size())),
+        begins_(depths_.Width(), depths_.Height(), 0) {
+    for (int k = 0; k < depths_.Width(); ++k) {
+      const Plane plane = ToCameraPlane(PlaneOf(planes, k), camera);
+      for (int s = 0; s < depths_.Height(); ++s) {
+        depths_(k, s) = plane.Depth(rays[static_cast<size_t>(s)]);
+      }
+    }
+    for (const BoundingCrease& crease : creases) {
+      const int beyond = ColumnOf(crease.beyond);
+      const auto [found, is_first] = is_along_.try_emplace(beyond);
+      for (int k = 0; k < depths_.Width() && is_first; ++k) {
+        found->second.push_back(
+            PlaneOf(planes, k).normal.dot(PlaneOf(planes, beyond).normal) >
+            kMinCopyCosine);
+        for (int s = 0; s < depths_.Height() && found->second.back() != 0;
+             ++s) {
+          begins_(k, s) |= IsClose(beyond, k, s);
+        }
+      }
+    }
+  }
+
+  int ColumnOf(int plane) const {
+    return static_cast<int>(
+        std::lower_bound(numbers_.begin(), numbers_.end(), plane) -
+        numbers_.begin());
+  }
+
+  // Whether the plane may be, there, the one that begins at the crease, or else
+  // one that begins at another and stands before it. limit: the depth at which
+  // the crease's begins.
+  bool MayBeBeyond(const BoundingCrease& crease,
+                   float limit,
+                   int column,
+                   int row) const {
+    const int beyond = ColumnOf(crease.beyond);
+    if (is_along_.at(beyond)[static_cast<size_t>(column)] != 0 &&
+        IsClose(beyond, column, row)) {
+      return true;
+    }
+    const float depth = depths_(column, row);
+    return begins_(column, row) != 0 && depth > 0.f && depth < limit;
+  }
+
+ private:
+  const WorldPlane& PlaneOf(const std::vector<ModelPlane>& planes,
+                            int column) const {
+    return planes[static_cast<size_t>(numbers_[static_cast<size_t>(column)])]
+        .plane;
+  }
+
+  bool IsClose(int beyond, int column, int row) const {
+    const float depth = depths_(beyond, row);
+    return depth > 0.f &&
+           std::abs(depths_(column, row) - depth) <= kCopyTolerance * depth;
+  }
+
+  const std::vector<int>& numbers_;
+  Image<float> depths_;
+  Image<uint8_t> begins_;  // At any crease.
+  // By column that begins at a crease, which ones lie along it.
+  std::map<int, std::vector<uint8_t>> is_along_;
+};
 
 }  // namespace
 
@@ -111,33 +183,6 @@ ViewEvidence CreaseLabels::WithoutRegionsBeyond() const {
   return result;
 }
 
-std::vector<Image<uint8_t>> CreaseLabels::FindBeginnings(
-    const std::vector<int>& numbers) const {
-  std::vector<Image<uint8_t>> begins;
-  for (const BoundingCrease& crease : creases_) {
-    const WorldPlane& world = planes_[static_cast<size_t>(crease.beyond)].plane;
-    const Plane beyond = ToCameraPlane(world, camera_);
-    Image<uint8_t>& of_crease =
-        begins.emplace_back(static_cast<int>(numbers.size()),
-                            static_cast<int>(rays_.size()),
-                            uint8_t{0});
-    for (size_t k = 0; k < numbers.size(); ++k) {
-      const WorldPlane& other = planes_[static_cast<size_t>(numbers[k])].plane;
-      if (other.normal.dot(world.normal) < kMinCosine) {
-        continue;
-      }
-      const Plane in_camera = ToCameraPlane(other, camera_);
-      for (size_t s = 0; s < rays_.size(); ++s) {
-        const float depth = beyond.Depth(rays_[s]);
-        of_crease(static_cast<int>(k), static_cast<int>(s)) =
-            depth > 0.f && std::abs(in_camera.Depth(rays_[s]) - depth) <=
-                               kCopyTolerance * depth;
-      }
-    }
-  }
-  return begins;
-}
-
 void CreaseLabels::AddVotes(const std::vector<int>& numbers,
                             const Image<PlaneCost>& costs,
                             const LabelOptions& options,
@@ -145,56 +190,43 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
   if (votes->Empty()) {
     *votes = Image<float>(costs.Width(), costs.Height(), 0.f);
   }
-  const auto column_of = [&](int plane) {
-    return static_cast<int>(
-        std::lower_bound(numbers.begin(), numbers.end(), plane) -
-        numbers.begin());
-  };
-  std::vector<Plane> in_camera;
-  for (const int number : numbers) {
-    in_camera.push_back(
-        ToCameraPlane(planes_[static_cast<size_t>(number)].plane, camera_));
-  }
-  const std::vector<Image<uint8_t>> begins = FindBeginnings(numbers);
-  Image<uint8_t> begins_somewhere(costs.Width(), costs.Height(), 0);
-  for (const Image<uint8_t>& of_crease : begins) {
-    std::transform(of_crease.begin(),
-                   of_crease.end(),
-                   begins_somewhere.begin(),
-                   begins_somewhere.begin(),
-                   [](uint8_t a, uint8_t b) { return std::max(a, b); });
-  }
+  const PlanesAtCreases planes(planes_, numbers, creases_, rays_, camera_);
+  // Where a plane lies beyond a crease, or beyond several.
+  Image<uint8_t> is_costly(costs.Width(), costs.Height(), 0);
   // By column, where planes that begin at creases may be.
   std::map<int, std::vector<uint8_t>> beginning;
   for (size_t i = 0; i < creases_.size(); ++i) {
     const BoundingCrease& crease = creases_[i];
     const Plane limit = ToCameraPlane(crease.limit, camera_);
     for (size_t s = 0; s < rays_.size(); ++s) {
+      if (is_beyond_[i][s] == 0) {
+        continue;
+      }
       const auto row = static_cast<int>(s);
       const float depth = limit.Depth(rays_[s]);
-      for (int k = 0; k < costs.Width() && is_beyond_[i][s] != 0; ++k) {
+      for (int k = 0; k < costs.Width(); ++k) {
         const PlaneCost& cost = costs(k, row);
-        const auto column = static_cast<size_t>(k);
-        // Another surface that begins at a crease may stand before this one.
-        const float other = in_camera[column].Depth(rays_[s]);
-        const bool may_be =
-            begins[i](k, row) != 0 ||
-            (begins_somewhere(k, row) != 0 && other > 0.f && other < depth);
-        if (numbers[column] == crease.plane ||
-            (!may_be && cost.explained < kMinShare &&
-             cost.confirmed < kMinShare)) {
-          (*votes)(k, row) += kCostBeyond * num_pixels_[s];
-        }
+        is_costly(k, row) |=
+            numbers[static_cast<size_t>(k)] == crease.plane ||
+            (cost.explained < kMinShare && cost.confirmed < kMinShare &&
+             !planes.MayBeBeyond(crease, depth, k, row));
       }
     }
     if (crease.is_new) {
-      std::vector<uint8_t>& may_be = beginning[column_of(crease.beyond)];
+      std::vector<uint8_t>& may_be = beginning[planes.ColumnOf(crease.beyond)];
       may_be.resize(rays_.size());
       std::transform(may_be.begin(),
                      may_be.end(),
                      is_beyond_[i].begin(),
                      may_be.begin(),
                      [](uint8_t a, uint8_t b) { return std::max(a, b); });
+    }
+  }
+  for (int k = 0; k < costs.Width(); ++k) {
+    for (size_t s = 0; s < rays_.size(); ++s) {
+      const auto row = static_cast<int>(s);
+      (*votes)(k, row) +=
+          is_costly(k, row) != 0 ? kCostBeyond * num_pixels_[s] : 0.f;
     }
   }
   for (const auto& [column, may_be] : beginning) {

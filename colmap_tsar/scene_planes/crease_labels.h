@@ -31,8 +31,9 @@ class CreaseLabels {
 
   // Adds to the costs of superpixels (row) on planes (column; numbers: in the
   // model) that lie beyond a crease: of the plane that ends there, and of
-  // others that nothing speaks for. Those that begin there lose what it costs
-  // them that nothing of them was measured, and cannot be elsewhere.
+  // others that nothing speaks for, but for those that begin at another crease
+  // and stand before the one that begins here. Those that begin here lose what
+  // it costs them that nothing of them was measured, and cannot be elsewhere.
   // costs: of the evidence without regions beyond. votes: of their size, or
   // empty.
   void AddVotes(const std::vector<int>& numbers,
@@ -48,10 +49,6 @@ class CreaseLabels {
  private:
   // Whether the region there was given the plane, or there is none.
   bool MayCutRegion(size_t superpixel, const Plane& plane) const;
-  // By crease: whether a plane (column; numbers: in the model) may be the one
-  // that begins there, or a copy of it, at a superpixel (row).
-  std::vector<Image<uint8_t>> FindBeginnings(
-      const std::vector<int>& numbers) const;
 
   const ViewEvidence& evidence_;
   const Camera camera_;

@@ -62,6 +62,8 @@ struct LabelOptions {
   // observed.
   float extrapolation_reach = 0.6f;
   // A plane this far in front of what another view saw for certain hides it.
+  // Without RefineOptions::free_space, neither that nor being confirmed by
+  // other views counts.
   float min_contradiction = 1.5f;
   float cost_of_contradiction = 1.f;
   // Within this share of the tolerance of what another view saw, a plane is

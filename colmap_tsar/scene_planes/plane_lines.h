@@ -59,6 +59,9 @@ struct PlaneLineOptions {
 // share of the distance from which they are seen: posters hang on a wall, and
 // measurements next to them lie between both.
 inline constexpr float kCopyTolerance = 0.015f;
+// The least cosine between the normals of such planes (3 degrees), where not
+// both lie along axes of one frame exactly.
+inline constexpr double kMinCopyCosine = 0.9986;
 
 // Planes of the model that are one surface within the errors of views: for each
 // plane the number of the best measured one of its copies, which may be itself.

@@ -50,7 +50,7 @@ TEST_F(CudaTest, ModelScene) {
   const SyntheticRoom room = RoomWithADisc();
   std::vector<ViewEvidence> evidence = ObserveInPart(room);
   for (size_t i = 0; i < evidence.size(); ++i) {
-    // What creases are looked for in.
+    // An image of one brightness: no crease is found in it.
     evidence[i].color = Image<Rgb>(
         room.cameras[i].width, room.cameras[i].height, Rgb{100, 100, 100});
     evidence[i].confident_depth =

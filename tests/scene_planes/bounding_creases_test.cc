@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "tests/support/scene_model_testing.h"
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -262,6 +263,30 @@ TEST_F(BoundingCreasesTest, TwoWallsShareTheCeilingThatBothPropose) {
   // A view that shows but one of them knows as little of it.
   EXPECT_TRUE(creases[0].is_new);
   EXPECT_TRUE(creases[1].is_new);
+}
+
+// Two wings of a house, turned by a degree, far from the origin.
+TEST_F(BoundingCreasesTest, ACeilingHoldsTheCreasesOfTwoFrames) {
+  const Eigen::Vector3d origin(300.0, 20.0, 500.0);
+  const Eigen::AngleAxisd turn(0.0175, Eigen::Vector3d::UnitZ());
+  model_.frames.push_back(turn.toRotationMatrix());
+  model_.planes.clear();
+  AddPlane({0.0, 0.0, -1.0}, origin, 2, 1000.0);
+  AddPlane({-1.0, 0.0, 0.0}, origin, 0, 800.0);
+  ModelPlane& other = model_.planes.back();
+  other.frame = 1;
+  other.plane.normal = -model_.frames[1].col(0);
+  other.plane.offset = -other.plane.normal.dot(origin);
+  AddLine(-1.f);
+  AddLine(-1.f, EndEvidence(), 3.f, 1);
+  const std::vector<BoundingCrease> creases = Find();
+  ASSERT_EQ(creases.size(), 2u);
+  EXPECT_EQ(creases[1].beyond, creases[0].beyond);
+  const ModelPlane& ceiling =
+      model_.planes[static_cast<size_t>(creases[0].beyond)];
+  EXPECT_NEAR(
+      ceiling.plane.Height(origin - Eigen::Vector3d::UnitY()), 0.0, 0.001);
+  EXPECT_NEAR(ceiling.covariance(2, 2), double{kPixel} * kPixel, 1e-5);
 }
 
 TEST_F(BoundingCreasesTest, CopiesOfThePlaneEndThereAsWell) {

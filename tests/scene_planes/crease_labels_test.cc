@@ -73,7 +73,7 @@ class CreaseLabelsTest : public DrawnWallTest {
   LabelOptions options_;
 };
 
-TEST_F(CreaseLabelsTest, BeyondTheCreaseTheWallIsDearAndTheCeilingIsNot) {
+TEST_F(CreaseLabelsTest, BeyondTheCreaseTheWallIsCostlyAndTheCeilingIsNot) {
   const Image<float> votes = Votes();
   ASSERT_EQ(votes.Width(), 3);
   ASSERT_EQ(votes.Height(), kNumSuperpixels);
@@ -167,7 +167,7 @@ TEST_F(CreaseLabelsTest, WhatBeginsElsewhereMayStandBeforeThePlaneBeyond) {
   EXPECT_GT(num_behind, 10);
 }
 
-TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotDear) {
+TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotCostly) {
   const auto votes_on = [&](double angle, double height) {
     const int plane = AddPlane(
         {0.0, std::cos(angle), std::sin(angle)}, {0.0, height, 4.0}, -1, 500.0);
@@ -178,17 +178,29 @@ TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotDear) {
                     &votes);
     return votes;
   };
+  ASSERT_TRUE(IsBeyond(0));
   const Image<float> almost = votes_on(0.01, kCrease - 0.005);
   const Image<float> tilted = votes_on(0.06, kCrease);
   const Image<float> higher = votes_on(0.0, kCrease - 0.1);
   for (int s = 0; s < kNumSuperpixels; ++s) {
     SCOPED_TRACE(s);
-    const float dear = IsBeyond(s) ? 0.3f * kPixels : 0.f;
-    EXPECT_EQ(tilted(1, s), dear);
-    EXPECT_EQ(higher(1, s), dear);
+    const float costly = IsBeyond(s) ? 0.3f * kPixels : 0.f;
+    EXPECT_EQ(tilted(1, s), costly);
+    EXPECT_EQ(higher(1, s), costly);
   }
   // Seen at a flat angle, a small turn is much in depth.
   EXPECT_EQ(almost(1, 0), 0.f);
+}
+
+TEST_F(CreaseLabelsTest, PosterAndWallEndAtOneCreaseThatCountsOnce) {
+  creases_.push_back(creases_[0]);
+  creases_[1].plane = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 4.98}, 2, 100.0);
+  const Image<float> votes = Votes();
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    const float costly = IsBeyond(s) ? 0.3f * kPixels : 0.f;
+    EXPECT_FLOAT_EQ(votes(0, s), costly) << s;
+    EXPECT_FLOAT_EQ(votes(2, s), costly) << s;
+  }
 }
 
 TEST_F(CreaseLabelsTest, VotesOfOtherViewsStay) {
