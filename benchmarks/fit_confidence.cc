@@ -44,6 +44,7 @@ enum Kind {
   kMoved,
   kFilledByMeasured,
   kFilledByOthers,
+  kGuessed,
   kStanding,
   kStandingWeakly,
   kRegion,
@@ -55,6 +56,7 @@ enum Kind {
 constexpr const char* kKindNames[kNumKinds] = {"moved",
                                                "filled, measured",
                                                "filled, by others",
+                                               "guessed",
                                                "standing",
                                                "standing weakly",
                                                "region",
@@ -74,11 +76,12 @@ constexpr const char* kMeasureNames[kNumMeasures] = {
     "explained", "strength", "confirmed", "uncertainty", "margin"};
 
 const std::array<std::vector<int>, kNumKinds> kMeasuresOfKinds = {
-    std::vector<int>{kConfirmed, kUncertainty, kMargin},
+    std::vector<int>{kConfirmed, kMargin},
     {kConfirmed, kUncertainty, kMargin},
-    {kStrength, kConfirmed, kUncertainty, kMargin},
-    {kExplained, kMargin},
-    {kExplained, kMargin},
+    {kStrength},
+    {kStrength, kUncertainty, kMargin},
+    {kExplained},
+    {kExplained},
     {},
     {},
     {},
@@ -116,6 +119,7 @@ Kind KindOf(const Pixel& pixel) {
   }
   return !pixel.is_on_plane ? (pixel.is_labelled ? kFilledByCurved : kRegion)
          : pixel.evidence == LabelEvidence::kMeasured ? kFilledByMeasured
+         : pixel.evidence == LabelEvidence::kGuessed  ? kGuessed
                                                       : kFilledByOthers;
 }
 

@@ -10,8 +10,9 @@ namespace tsar {
 namespace {
 
 // The log-odds of a depth being right: a constant, and how much each measure of
-// the label counts. The margin of a label contains what it gains by the other
-// views that confirm it, which is why these count against it beside the margin.
+// the label counts. The margin of a label contains what it gains by other views
+// that have the same label, which are often those that confirm it: beside the
+// margin these count against it.
 struct LogOdds {
   float constant = 0.f;
   float explained = 0.f;
@@ -32,34 +33,43 @@ struct LogOdds {
   }
 };
 
-constexpr LogOdds kMoved = {.constant = 0.90f,
-                            .confirmed = -1.26f,
-                            .uncertainty = -4.21f,
-                            .margin = 5.46f};
-constexpr LogOdds kFilledByMeasured = {.constant = 0.26f,
-                                       .confirmed = -4.34f,
-                                       .uncertainty = -4.35f,
-                                       .margin = 9.17f};
-// Planes that the view itself did not measure there.
-constexpr LogOdds kFilledByOthers = {.constant = -0.50f,
-                                     .strength = 3.62f,
-                                     .confirmed = -7.82f,
-                                     .uncertainty = -2.46f,
-                                     .margin = 11.45f};
-constexpr LogOdds kStanding = {
-    .constant = -0.30f, .explained = -0.29f, .margin = 1.59f};
-constexpr LogOdds kStandingWeakly = {
-    .constant = -0.68f, .explained = -2.04f, .margin = 0.11f};
+constexpr LogOdds kMoved = {
+    .constant = 0.64f, .confirmed = -0.59f, .margin = 7.18f};
+constexpr LogOdds kFilledByMeasured = {.constant = 0.30f,
+                                       .confirmed = -2.94f,
+                                       .uncertainty = -0.43f,
+                                       .margin = 9.88f};
+// Planes that other views measured there, or none.
+constexpr LogOdds kFilledByOthers = {.constant = -0.24f, .strength = 4.87f};
+// Less than they would get by the fit (-0.05, 4.20, 0, 11.85), which rendered
+// scenes dominate: of the guesses on photographs much fewer are right.
+constexpr LogOdds kGuessed = {.constant = -0.50f,
+                              .strength = 3.62f,
+                              .uncertainty = -2.46f,
+                              .margin = 11.45f};
+constexpr LogOdds kStanding = {.constant = -0.48f, .explained = 0.67f};
+constexpr LogOdds kStandingWeakly = {.constant = -0.83f, .explained = -1.86f};
+
+const LogOdds& Filled(LabelEvidence evidence) {
+  switch (evidence) {
+    case LabelEvidence::kMeasured:
+      return kFilledByMeasured;
+    case LabelEvidence::kCarried:
+      return kFilledByOthers;
+    case LabelEvidence::kNone:
+    case LabelEvidence::kGuessed:
+    case LabelEvidence::kBounded:
+      break;
+  }
+  return kGuessed;
+}
 
 }  // namespace
 
 SurfaceConfidence RateSurface(LabelEvidence evidence,
                               const LabelQuality& quality) {
-  const LogOdds& filled = evidence == LabelEvidence::kMeasured
-                              ? kFilledByMeasured
-                              : kFilledByOthers;
   return {kMoved.Probability(quality),
-          filled.Probability(quality),
+          Filled(evidence).Probability(quality),
           kStanding.Probability(quality),
           kStandingWeakly.Probability(quality)};
 }
