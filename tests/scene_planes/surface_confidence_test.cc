@@ -61,9 +61,10 @@ TEST(SurfaceConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
     const SurfaceConfidence close = RateSurface(evidence, Quality(0.02f));
     EXPECT_GT(clear.moved, close.moved);
     EXPECT_GT(clear.filled, close.filled);
-    const SurfaceConfidence unknown = RateSurface(evidence, Quality(0.5f, 1.f));
-    EXPECT_GE(clear.moved, unknown.moved);
-    EXPECT_GT(clear.filled, unknown.filled);
+    const SurfaceConfidence known = RateSurface(evidence, Quality(0.1f));
+    const SurfaceConfidence unknown = RateSurface(evidence, Quality(0.1f, 1.f));
+    EXPECT_GE(known.moved, unknown.moved);
+    EXPECT_GT(known.filled, unknown.filled);
   }
 }
 
