@@ -69,9 +69,8 @@ class LabelSweeps {
   // Of the last sweep; none before the first one.
   std::vector<LabelsInModel> labels_;
   // Neither planes nor evidence change between the sweeps, once creases are
-  // known.
-  // Empty where there was no memory for the costs of a view, which are computed
-  // again.
+  // known. Empty where there was no memory for the costs of a view, which are
+  // computed again.
   std::vector<Image<PlaneCost>> costs_;
   std::atomic<int64_t> kept_bytes_ = 0;
 };

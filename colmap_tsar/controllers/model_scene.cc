@@ -222,19 +222,9 @@ class SceneModeler {
     AdjustModel(
         [&](const std::vector<WorldPlane>& planes) {
           std::vector<std::vector<PlaneMeasurement>> of_views(views_.size());
-          progress_.Start(
-              static_cast<int>(views_.size()),
-              pass_ + " adjustment " + std::to_string(++round) + ":");
-          ForEachView(views_.size(),
-                      resources_.num_views,
-                      resources_.num_threads,
-                      [&](size_t view, Device&) {
-                        if (!should_stop_()) {
-                          of_views[view] = Measure(view, planes);
-                          progress_.Advance(/*was_work=*/true);
-                        }
-                      });
-          progress_.Finish();
+          VisitViews("adjustment " + std::to_string(++round), [&](size_t view) {
+            of_views[view] = Measure(view, planes);
+          });
           std::vector<PlaneMeasurement> measurements;
           for (const std::vector<PlaneMeasurement>& of_view : of_views) {
             measurements.insert(
@@ -326,14 +316,23 @@ class SceneModeler {
   void ForEachEvidence(
       const std::string& name,
       const std::function<void(size_t view, const ObservedView&)>& function) {
+    VisitViews(name, [&](size_t view) {
+      const ViewEvidence evidence = evidence_.read_all(view);
+      function(view, Observed(view, evidence));
+    });
+  }
+
+  // Calls function for all views, unless the run is to stop; name: of this
+  // part of the pass.
+  void VisitViews(const std::string& name,
+                  const std::function<void(size_t view)>& function) {
     progress_.Start(static_cast<int>(views_.size()), pass_ + " " + name + ":");
     ForEachView(views_.size(),
                 resources_.num_views,
                 resources_.num_threads,
                 [&](size_t view, Device&) {
                   if (!should_stop_()) {
-                    const ViewEvidence evidence = evidence_.read_all(view);
-                    function(view, Observed(view, evidence));
+                    function(view);
                     progress_.Advance(/*was_work=*/true);
                   }
                 });

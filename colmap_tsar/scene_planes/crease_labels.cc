@@ -116,7 +116,7 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
       num_pixels_(CountPixels(evidence_)),
       is_cut_(rays_.size(), 0) {
   for (const BoundingCrease& crease : creases_) {
-    std::vector<uint8_t>& is_beyond = is_beyond_.emplace_back();
+    std::vector<float>& limits = limits_.emplace_back();
     const Plane ending = ToCameraPlane(
         planes_[static_cast<size_t>(crease.plane)].plane, camera_);
     const Plane limit = ToCameraPlane(crease.limit, camera_);
@@ -124,9 +124,10 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
     for (size_t s = 0; s < rays_.size(); ++s) {
       // The ray meets what begins at the crease before what ends there.
       const float depth = limit.Depth(rays_[s]);
-      is_beyond.push_back(is_seen && depth > 0.f &&
-                          depth < ending.Depth(rays_[s]));
-      if (is_beyond.back() != 0 && MayCutRegion(s, ending)) {
+      const bool is_beyond =
+          is_seen && depth > 0.f && depth < ending.Depth(rays_[s]);
+      limits.push_back(is_beyond ? depth : 0.f);
+      if (is_beyond && MayCutRegion(s, ending)) {
         is_cut_[s] = 1;
       }
     }
@@ -197,29 +198,26 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
   std::map<int, std::vector<uint8_t>> beginning;
   for (size_t i = 0; i < creases_.size(); ++i) {
     const BoundingCrease& crease = creases_[i];
-    const Plane limit = ToCameraPlane(crease.limit, camera_);
     for (size_t s = 0; s < rays_.size(); ++s) {
-      if (is_beyond_[i][s] == 0) {
+      const float limit = limits_[i][s];
+      if (limit == 0.f) {
         continue;
       }
       const auto row = static_cast<int>(s);
-      const float depth = limit.Depth(rays_[s]);
       for (int k = 0; k < costs.Width(); ++k) {
         const PlaneCost& cost = costs(k, row);
         is_costly(k, row) |=
             numbers[static_cast<size_t>(k)] == crease.plane ||
             (cost.explained < kMinShare && cost.confirmed < kMinShare &&
-             !planes.MayBeBeyond(crease, depth, k, row));
+             !planes.MayBeBeyond(crease, limit, k, row));
       }
     }
     if (crease.is_new) {
       std::vector<uint8_t>& may_be = beginning[planes.ColumnOf(crease.beyond)];
       may_be.resize(rays_.size());
-      std::transform(may_be.begin(),
-                     may_be.end(),
-                     is_beyond_[i].begin(),
-                     may_be.begin(),
-                     [](uint8_t a, uint8_t b) { return std::max(a, b); });
+      for (size_t s = 0; s < rays_.size(); ++s) {
+        may_be[s] |= limits_[i][s] > 0.f;
+      }
     }
   }
   for (int k = 0; k < costs.Width(); ++k) {

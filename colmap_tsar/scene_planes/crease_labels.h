@@ -56,8 +56,9 @@ class CreaseLabels {
   const std::vector<BoundingCrease>& creases_;
   std::vector<Vec3f> rays_;        // The middle of each superpixel,
   std::vector<float> num_pixels_;  // and its size.
-  // By crease and superpixel, whether it lies beyond.
-  std::vector<std::vector<uint8_t>> is_beyond_;
+  // By crease and superpixel, where it lies beyond, the depth at which the
+  // plane begins; 0 elsewhere.
+  std::vector<std::vector<float>> limits_;
   // By superpixel, whether regions do not count there.
   std::vector<uint8_t> is_cut_;
 };

@@ -114,6 +114,19 @@ class DrawnRoomTest : public testing::Test {
     }
   }
 
+  // More threads, blocks and views at a time, with room for the costs of some
+  // views, and of all. Changes the resources.
+  void ExpectSameWithMoreResources(const SceneModel& expected) {
+    resources_.num_threads = 4;
+    resources_.num_blocks = 2;
+    resources_.num_views = 3;
+    ExpectSame(expected, *Run());
+    for (const int64_t max_kept_bytes : {int64_t{10000}, int64_t{1} << 30}) {
+      resources_.max_kept_bytes = max_kept_bytes;
+      ExpectSame(expected, *Run());
+    }
+  }
+
   SyntheticRoom room_;
   std::vector<SceneView> views_;
   RefineOptions refine_options_;

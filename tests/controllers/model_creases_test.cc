@@ -204,14 +204,7 @@ TEST_F(ModelCreasesTest, DoNotDependOnTheResources) {
   PaintSurfaces();
   const SceneModel one = *Run();
   ASSERT_GE(FindCeiling(one), 0);
-  resources_.num_threads = 4;
-  resources_.num_blocks = 2;
-  resources_.num_views = 3;
-  ExpectSame(one, *Run());
-  for (const int64_t max_kept_bytes : {int64_t{10000}, int64_t{1} << 30}) {
-    resources_.max_kept_bytes = max_kept_bytes;
-    ExpectSame(one, *Run());
-  }
+  ExpectSameWithMoreResources(one);
   CountingDevice gpu("GPU", SIZE_MAX);
   resources_.gpus = {{"GPU", &gpu}};
   resources_.max_gpu_bytes = INT64_MAX;

@@ -83,16 +83,7 @@ TEST_F(ModelSceneTest, BlocksOfSingleViewsGiveThePlanesOfOneBlock) {
 
 TEST_F(ModelSceneTest, DoesNotDependOnTheResources) {
   options_.max_block_views = 2;
-  const SceneModel one = *Run();
-  resources_.num_threads = 4;
-  resources_.num_blocks = 2;
-  resources_.num_views = 3;
-  ExpectSame(one, *Run());
-  // Room for the costs of some views, and of all.
-  for (const int64_t max_kept_bytes : {int64_t{10000}, int64_t{1} << 30}) {
-    resources_.max_kept_bytes = max_kept_bytes;
-    ExpectSame(one, *Run());
-  }
+  ExpectSameWithMoreResources(*Run());
 }
 
 TEST_F(ModelSceneTest, KeptCostsAreComputedOnce) {

@@ -29,12 +29,7 @@ class BoundingCreasesTest : public testing::Test {
                const Eigen::Vector3d& center,
                int axis,
                double support) {
-    ModelPlane plane = MakeModelPlane(normal, center);
-    plane.frame = 0;
-    plane.axis = axis;
-    plane.support = support;
-    model_.planes.push_back(plane);
-    return static_cast<int>(model_.planes.size()) - 1;
+    return AddAlignedPlane(normal, center, axis, support, &model_);
   }
 
   // Beyond which nothing was measured: above it, where y is smaller.

@@ -44,12 +44,7 @@ class DrawnWallTest : public testing::Test {
                const Eigen::Vector3d& center,
                int axis,
                double support) {
-    ModelPlane plane = MakeModelPlane(normal, center);
-    plane.frame = 0;
-    plane.axis = axis;
-    plane.support = support;
-    model_.planes.push_back(plane);
-    return static_cast<int>(model_.planes.size()) - 1;
+    return AddAlignedPlane(normal, center, axis, support, &model_);
   }
 
   // Looks a little up or down; a line along the wall's x is a row.

@@ -21,6 +21,20 @@ inline ModelPlane MakeModelPlane(const Eigen::Vector3d& normal,
   return plane;
 }
 
+// Adds one that lies along an axis of the model's first frame. Its number.
+inline int AddAlignedPlane(const Eigen::Vector3d& normal,
+                           const Eigen::Vector3d& center,
+                           int axis,
+                           double support,
+                           SceneModel* model) {
+  ModelPlane plane = MakeModelPlane(normal, center);
+  plane.frame = 0;
+  plane.axis = axis;
+  plane.support = support;
+  model->planes.push_back(plane);
+  return static_cast<int>(model->planes.size()) - 1;
+}
+
 // Three planes, one of which lies along an axis of a frame, and three views;
 // the second one has no superpixels.
 inline SceneModel MakeSceneModel() {
