@@ -98,6 +98,12 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
                &stereo->num_geometric_passes,
                "Passes over all images by which depths are improved so.",
                {1, 20});
+  options->Add(group + "planar_prior",
+               &stereo->planar_prior,
+               "In the geometric passes, expect surfaces between reliable "
+               "depths to be flat, which fills walls without texture. Their "
+               "matching costs say that no image confirms them, so that "
+               "tsar_refine does not take them for measured.");
   options->Add(group + "smooth_normals",
                &stereo->smooth_normals,
                "Average the normals of the geometric maps with those of the "

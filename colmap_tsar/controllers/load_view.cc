@@ -73,6 +73,11 @@ ViewData ReadMaps(const Workspace& workspace, int image) {
     view.second_cost = view.min_cost;
     for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
       SetCosts(costs, i, &view);
+      if (view.min_cost.Data()[i] == kUndefinedCost) {
+        // No image speaks for this depth; it follows from what is around it.
+        view.depth.Data()[i] = 0.f;
+        view.normal.Data()[i] = {};
+      }
     }
   }
   return view;

@@ -6,70 +6,100 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/reprojection.cuh"
+#include "colmap_tsar/noise/window_variance.cuh"
 
 #include <cmath>
 
 namespace tsar {
 namespace {
 
+// The 5 x 5 pixels whose texture is a pixel's own.
+constexpr int kTextureRadius = 2;
+
 struct FilterKernel {
   ReferenceView reference;
   const SourceView* sources;
   int num_sources;
+  ImageView<const Plane> prior;  // May be empty.
   HypothesisFilterOptions options;
   float max_cos_angle;
   ImageView<float> filtered;
+  ImageView<uint8_t> follows_prior;  // Empty without a prior.
 
   TSAR_HD void operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
-    filtered(x, y) = 0.f;
-    if (!(depth > 0.f)) {
-      return;
-    }
     const Vec3f ray = reference.intrinsics.Ray(x, y);
+    const bool follows = FollowsPrior(x, y, ray, depth);
+    const bool is_kept = IsConfirmed(x, y, ray, depth, !follows);
+    filtered(x, y) = is_kept ? depth : 0.f;
+    if (!follows_prior.Empty()) {
+      follows_prior(x, y) = is_kept && follows ? 1 : 0;
+    }
+  }
+
+  TSAR_HD bool FollowsPrior(int x, int y, const Vec3f& ray, float depth) const {
+    if (prior.Empty() || !prior(x, y).Valid()) {
+      return false;
+    }
+    const float expected = prior(x, y).Depth(ray);
+    return expected > 0.f &&
+           fabsf(depth - expected) <= options.prior_tolerance * expected &&
+           WindowVariance(reference.gray, x, y, kTextureRadius) <
+               options.min_distinct_texture;
+  }
+
+  TSAR_HD bool IsConfirmed(
+      int x, int y, const Vec3f& ray, float depth, bool must_match) const {
+    if (!(depth > 0.f)) {
+      return false;
+    }
     const Plane plane = Plane::FromPoint(ray, depth, reference.normal(x, y));
     if (!plane.Valid()) {
-      return;
+      return false;
     }
     const ReferencePatch patch(reference.gray, x, y, options.window_radius);
     int num_consistent = 0;
     for (int s = 0; s < num_sources; ++s) {
-      num_consistent += IsConsistent(sources[s], patch, plane, ray * depth);
+      if (IsConsistent(sources[s], x, y, ray * depth) &&
+          (!must_match || Matches(sources[s], patch, plane))) {
+        ++num_consistent;
+      }
     }
-    if (num_consistent >= options.min_num_consistent) {
-      filtered(x, y) = depth;
-    }
+    return num_consistent >= options.min_num_consistent;
   }
 
-  TSAR_HD int IsConsistent(const SourceView& source,
-                           const ReferencePatch& patch,
-                           const Plane& plane,
-                           const Vec3f& point) const {
+  TSAR_HD bool IsConsistent(const SourceView& source,
+                            int x,
+                            int y,
+                            const Vec3f& point) const {
     SeenThroughSource seen;
     if (!LookThroughSource(reference.intrinsics, source, point, &seen)) {
-      return 0;
+      return false;
     }
-    const float dx = seen.x - patch.center_x;
-    const float dy = seen.y - patch.center_y;
+    const float dx = seen.x - static_cast<float>(x);
+    const float dy = seen.y - static_cast<float>(y);
     if (!(dx * dx + dy * dy <= options.geom_consistency_max_cost *
                                    options.geom_consistency_max_cost)) {
-      return 0;
+      return false;
     }
     // From the point to the cameras.
     const RelativePose& pose = source.from_reference;
     const Vec3f to_source =
         -TransposeTimes(pose.rotation, pose.translation) - point;
-    if (!(Dot(-point, to_source) <=
-          max_cos_angle * Norm(point) * Norm(to_source))) {
-      return 0;
-    }
+    return Dot(-point, to_source) <=
+           max_cos_angle * Norm(point) * Norm(to_source);
+  }
+
+  TSAR_HD bool Matches(const SourceView& source,
+                       const ReferencePatch& patch,
+                       const Plane& plane) const {
     const float cost = PatchCost(patch,
                                  PlaneHomography(reference.intrinsics,
                                                  source.intrinsics,
                                                  source.from_reference,
                                                  plane),
                                  source.gray);
-    return cost != kUndefinedCost && cost <= 1.f - options.min_ncc ? 1 : 0;
+    return cost != kUndefinedCost && cost <= 1.f - options.min_ncc;
   }
 };
 
@@ -79,18 +109,33 @@ DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     const Buffer<SourceView>& sources,
                                     const HypothesisFilterOptions& options,
                                     Device& device) {
-  DeviceImage<float> filtered(
-      device, reference.depth.width, reference.depth.height);
+  return FilterUnderPrior(reference, sources, {}, options, device).depth;
+}
+
+DepthsUnderPrior FilterUnderPrior(const ReferenceView& reference,
+                                  const Buffer<SourceView>& sources,
+                                  ImageView<const Plane> prior,
+                                  const HypothesisFilterOptions& options,
+                                  Device& device) {
+  const int width = reference.depth.width;
+  const int height = reference.depth.height;
+  DepthsUnderPrior filtered;
+  filtered.depth = DeviceImage<float>(device, width, height);
+  if (!prior.Empty()) {
+    filtered.follows_prior = DeviceImage<uint8_t>(device, width, height);
+  }
   ParallelFor(device,
-              filtered.Width(),
-              filtered.Height(),
+              width,
+              height,
               FilterKernel{reference,
                            sources.Data(),
                            static_cast<int>(sources.Size()),
+                           prior,
                            options,
                            std::cos(options.min_triangulation_angle *
                                     3.14159265f / 180.f),
-                           filtered.View()});
+                           filtered.depth.View(),
+                           filtered.follows_prior.View()});
   return filtered;
 }
 

@@ -3,26 +3,51 @@
 
 #pragma once
 
+#include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
 
+#include <cstdint>
+
 namespace tsar {
 
-// The bounds by which COLMAP's patch_match_stereo filters, under its names.
+// Names, meanings and defaults are those of COLMAP's patch_match_stereo.
 struct HypothesisFilterOptions {
   float min_ncc = 0.1f;
-  float min_triangulation_angle = 3.f;    // In degrees.
+  float min_triangulation_angle = 3.f;    // Degrees, between the rays.
   int min_num_consistent = 2;             // Sources.
   float geom_consistency_max_cost = 1.f;  // Pixels of reprojection error.
   float window_radius = 5.f;
+  // How far a depth may lie off its prior, as a share of it, and the variance
+  // of the 5 x 5 pixels around it, in squared grey levels, from which it has to
+  // match nevertheless: its own texture is distinct (see ConfirmationOptions).
+  float prior_tolerance = 0.01f;
+  float min_distinct_texture = 64.f;
 };
 
 // Keeps the depths that enough sources confirm: their image matches under the
-// pixel's plane, their own depth leads back to the pixel, and they see the
-// point from another direction. The other depths become 0.
+// plane of depth and normal, their depth map leads back to the pixel, and their
+// ray meets the reference's at an angle that tells depth. The others become 0.
+// Confirm nothing: the reference itself among the sources, and sources without
+// depth.
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     const Buffer<SourceView>& sources,
                                     const HypothesisFilterOptions& options,
                                     Device& device);
+
+struct DepthsUnderPrior {
+  DeviceImage<float> depth;
+  // 1: the depth follows from the prior, and no image confirms it.
+  DeviceImage<uint8_t> follows_prior;
+};
+
+// The same for maps that were found with a planar prior: of depths on their
+// prior plane whose own texture is not distinct, the images need not match. A
+// correlation there says nothing about the depth.
+DepthsUnderPrior FilterUnderPrior(const ReferenceView& reference,
+                                  const Buffer<SourceView>& sources,
+                                  ImageView<const Plane> prior,
+                                  const HypothesisFilterOptions& options,
+                                  Device& device);
 
 }  // namespace tsar

@@ -53,6 +53,10 @@ struct DrawKernel {
   }
 };
 
+TSAR_HD Plane PriorAt(const ImageView<const Plane>& prior, int x, int y) {
+  return prior.Empty() ? Plane{} : prior(x, y);
+}
+
 // The cost of the pixels' own planes before views were selected: the mean of
 // the two sources where they are lowest.
 struct FirstCostKernel {
@@ -60,13 +64,17 @@ struct FirstCostKernel {
   const SourceView* sources;
   int num_sources;
   PatchMatchOptions options;
+  ImageView<const Plane> prior;
   ImageView<const Plane> planes;
   ImageView<float> costs;
 
   TSAR_HD void operator()(int x, int y) const {
     const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const PixelCosts pixel{
-        reference, options, patch, reference.intrinsics.Ray(x, y)};
+    const PixelCosts pixel{reference,
+                           options,
+                           patch,
+                           reference.intrinsics.Ray(x, y),
+                           PriorAt(prior, x, y)};
     const float worst =
         kMaxCost + options.geometric_weight * options.max_geometric_error;
     float first = worst;
@@ -83,7 +91,7 @@ struct FirstCostKernel {
         second = cost;
       }
     }
-    costs(x, y) = 0.5f * (first + second);
+    costs(x, y) = 0.5f * (first + second) + pixel.OffPrior(plane);
   }
 };
 
@@ -96,6 +104,7 @@ struct SweepKernel {
   uint32_t stream;
   int iteration;
   int color;
+  ImageView<const Plane> prior;
   ImageView<Plane> planes;
   ImageView<float> costs;
   // By view and pixel.
@@ -118,8 +127,11 @@ struct SweepKernel {
 
   TSAR_HD void Update(int x, int y) const {
     const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const PixelCosts pixel{
-        reference, options, patch, reference.intrinsics.Ray(x, y)};
+    const PixelCosts pixel{reference,
+                           options,
+                           patch,
+                           reference.intrinsics.Ray(x, y),
+                           PriorAt(prior, x, y)};
     Plane best = planes(x, y);
     if (!IsUsable(best, pixel.ray, options)) {
       // None, or one that another pixel had at a smaller size.
@@ -137,13 +149,13 @@ struct SweepKernel {
     costs(x, y) = best_cost;
   }
 
-  // The best of the pixel's own plane and those of its neighbours.
+  // The best of the pixel's own plane, those of its neighbours and the prior.
   TSAR_HD void Propagate(int x,
                          int y,
                          const PixelCosts& pixel,
                          Plane* best,
                          float* best_cost) const {
-    constexpr int kNumCandidates = kNumPropagationAreas + 1;
+    constexpr int kNumCandidates = kNumPropagationAreas + 2;
     Plane candidates[kNumCandidates] = {*best};
     int num_candidates = 1;
     for (int area = 0; area < kNumPropagationAreas; ++area) {
@@ -154,6 +166,9 @@ struct SweepKernel {
           candidates[num_candidates++] = plane;
         }
       }
+    }
+    if (IsUsable(pixel.prior, pixel.ray, options)) {
+      candidates[num_candidates++] = pixel.prior;
     }
     float weighted[kNumCandidates] = {};
     float plain[kNumCandidates] = {};
@@ -182,10 +197,9 @@ struct SweepKernel {
     }
     const float scale =
         1.f / static_cast<float>(sum_weights == 0 ? num_sources : sum_weights);
-    *best_cost =
-        kMaxCost + options.geometric_weight * options.max_geometric_error;
     for (int c = 0; c < num_candidates; ++c) {
-      const float cost = scale * (sum_weights == 0 ? plain[c] : weighted[c]);
+      const float cost = scale * (sum_weights == 0 ? plain[c] : weighted[c]) +
+                         pixel.OffPrior(candidates[c]);
       if (c == 0 || cost < *best_cost) {
         *best_cost = cost;
         *best = candidates[c];
@@ -254,7 +268,7 @@ struct SweepKernel {
                   pixel.Geometric(sources[s], plane));
         }
       }
-      const float cost = scale * sum;
+      const float cost = scale * sum + pixel.OffPrior(plane);
       if (cost < *best_cost) {
         *best_cost = cost;
         *best = plane;
@@ -298,6 +312,7 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               inputs.sources.Data(),
                               num_sources,
                               options,
+                              inputs.prior,
                               hypotheses.planes.View(),
                               hypotheses.costs.View()});
   if (num_sources == 0) {
@@ -318,6 +333,7 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               inputs.stream,
                               iteration,
                               color,
+                              inputs.prior,
                               hypotheses.planes.View(),
                               hypotheses.costs.View(),
                               weights.Data()});

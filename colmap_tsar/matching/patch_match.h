@@ -30,23 +30,31 @@ struct PatchMatchOptions {
   // error from which on it stays the same.
   float geometric_weight = 0.2f;
   float max_geometric_error = 3.f;
+  // Of the planar prior: what it costs to lie off it by prior_sigma, as a share
+  // of its depth, or further.
+  float prior_weight = 0.3f;
+  float prior_sigma = 0.01f;
 };
 
 // A plane for every pixel and its cost: the mean over the selected sources of
 // 1 - NCC plus the geometric term, in [0, 2 + geometric_weight *
-// max_geometric_error].
+// max_geometric_error], and the term of the prior, at most prior_weight.
 struct PlaneHypotheses {
   DeviceImage<Plane> planes;
   DeviceImage<float> costs;
 };
 
 // What a run of PatchMatch reads; reference.depth and reference.normal are not.
-// Where the sources have depth, costs have the geometric term.
+// Where the sources have depth, costs have the geometric term. Where the pixel
+// has a valid plane in the prior, it is a candidate, and costs have a term for
+// depths off it (Xu and Tao, "Planar Prior Assisted PatchMatch Multi-View
+// Stereo", AAAI 2020).
 struct PatchMatchInputs {
   ReferenceView reference;
   const Buffer<SourceView>& sources;
   // Key of the random numbers: the same stream gives the same result.
   uint32_t stream = 0;
+  ImageView<const Plane> prior = {};  // May be empty.
 };
 
 // Planes through random points of the rays, with uniform inverse depth between

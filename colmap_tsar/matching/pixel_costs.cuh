@@ -22,6 +22,7 @@ struct PixelCosts {
   const PatchMatchOptions& options;
   const ReferencePatch& patch;
   Vec3f ray;
+  Plane prior;  // May be invalid.
 
   // 1 - NCC in one view.
   TSAR_HD float Photometric(const SourceView& source,
@@ -49,6 +50,17 @@ struct PixelCosts {
       error = fminf(error, sqrtf(dx * dx + dy * dy));
     }
     return options.geometric_weight * error;
+  }
+
+  // The term by which the plane lies off the prior.
+  TSAR_HD float OffPrior(const Plane& plane) const {
+    const float expected = prior.Valid() ? prior.Depth(ray) : 0.f;
+    if (!(expected > 0.f)) {
+      return 0.f;
+    }
+    const float sigmas =
+        (plane.Depth(ray) - expected) / (options.prior_sigma * expected);
+    return options.prior_weight * fminf(sigmas * sigmas, 1.f);
   }
 };
 

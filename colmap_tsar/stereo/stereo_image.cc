@@ -10,6 +10,7 @@
 #include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/smooth_normals.h"
 #include "colmap_tsar/pipeline/gray.h"
+#include "colmap_tsar/stereo/planar_prior.h"
 
 #include <algorithm>
 #include <utility>
@@ -111,13 +112,27 @@ uint32_t StreamOf(uint32_t image_stream, int site) {
   return image_stream + static_cast<uint32_t>(site) * 0x9E3779B9u;
 }
 
+// In files, which have no other word for it.
+constexpr float kCostWithoutEvidence = 2.f;
+
 Image<float> WithoutUndefined(Image<float> costs) {
   for (float& cost : costs) {
     if (cost == kUndefinedCost) {
-      cost = 2.f;
+      cost = kCostWithoutEvidence;
     }
   }
   return costs;
+}
+
+// Whoever reads the maps shall not take what follows from the prior for
+// measured.
+void RemoveEvidence(const Image<uint8_t>& follows_prior, StereoMaps* maps) {
+  for (size_t i = 0; i < follows_prior.NumPixels(); ++i) {
+    if (follows_prior.Data()[i] != 0) {
+      maps->min_cost.Data()[i] = kCostWithoutEvidence;
+      maps->second_cost.Data()[i] = kCostWithoutEvidence;
+    }
+  }
 }
 
 StereoMaps ToHost(const PlaneMaps& maps) {
@@ -228,12 +243,27 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   search.num_past_iterations =
       options.num_iterations - 1 + pass * kGeometricIterations;
   search.num_iterations = kGeometricIterations;
+  const int min_num_consistent = std::min(options.filter_min_num_consistent,
+                                          static_cast<int>(sources.size()));
   PlaneMaps maps;
+  DeviceImage<Plane> prior;
   {
     const DeviceImage<float> depth(device, reference.depth);
     const DeviceImage<Vec3f> normal(device, reference.normal);
+    if (options.planar_prior) {
+      view.depth = depth.View();
+      view.normal = normal.View();
+      prior = FindPlanarPrior(view,
+                              level_sources,
+                              search.window_radius,
+                              min_num_consistent,
+                              device);
+    }
     const PlaneHypotheses found = RunPatchMatch(
-        {view, level_sources, StreamOf(stream, 1000 + pass)},
+        {view,
+         level_sources,
+         StreamOf(stream, 1000 + pass),
+         std::as_const(prior).View()},
         PlanesFromMaps(view.intrinsics, depth.View(), normal.View(), device),
         search,
         device);
@@ -246,14 +276,16 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   filter.min_ncc = static_cast<float>(options.filter_min_ncc);
   filter.min_triangulation_angle =
       static_cast<float>(options.filter_min_triangulation_angle);
-  filter.min_num_consistent = std::min(options.filter_min_num_consistent,
-                                       static_cast<int>(sources.size()));
+  filter.min_num_consistent = min_num_consistent;
   filter.geom_consistency_max_cost =
       static_cast<float>(options.filter_geom_consistency_max_cost);
   filter.window_radius = search.window_radius;
   view.depth = std::as_const(maps.depth).View();
   view.normal = std::as_const(maps.normal).View();
-  maps.depth = FilterHypotheses(view, level_sources, filter, device);
+  DepthsUnderPrior filtered = FilterUnderPrior(
+      view, level_sources, std::as_const(prior).View(), filter, device);
+  prior = {};
+  maps.depth = std::move(filtered.depth);
   if (options.smooth_normals) {
     maps.normal = SmoothNormals(view.intrinsics,
                                 std::as_const(maps.depth).View(),
@@ -261,7 +293,11 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                 {},
                                 device);
   }
-  return ToHostWithCosts(view, level_sources, maps, device);
+  StereoMaps host = ToHostWithCosts(view, level_sources, maps, device);
+  if (!filtered.follows_prior.Empty()) {
+    RemoveEvidence(filtered.follows_prior.ToHost(), &host);
+  }
+  return host;
 }
 
 int64_t MatchImageWorkingBytes(const StereoOptions& options,
@@ -289,15 +325,19 @@ int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
   const int64_t maps = PlaneMapsBytes(num_pixels);
   const int64_t planes = BytesOf<Plane>(num_pixels);
   const int64_t found = planes + BytesOf<float>(num_pixels);
+  // The prior's plane of each pixel; in the end, whether a depth follows it.
+  const int64_t prior = planes + BytesOf<uint8_t>(num_pixels);
   // Maps go in and, smoothed or not, come out.
   const int64_t matching =
-      maps +
-      std::max(planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
-               found + maps);
+      maps + prior +
+      std::max({FindPlanarPriorWorkingBytes(num_pixels),
+                planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
+                found + maps});
   const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
   return views + std::max(matching,
-                          maps + std::max(smoothed_normals,
-                                          MatchingCostsBytes(num_pixels)));
+                          maps + prior +
+                              std::max(smoothed_normals,
+                                       MatchingCostsBytes(num_pixels)));
 }
 
 int64_t StereoMapsBytes(int64_t num_pixels) {

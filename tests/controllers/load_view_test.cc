@@ -5,6 +5,9 @@
 
 #include "colmap_tsar/workspace/map_io.h"
 
+#include <algorithm>
+#include <filesystem>
+
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
@@ -40,6 +43,36 @@ TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
   EXPECT_EQ(static_cast<int64_t>(view.NumBytes()),
             ViewDataBytes(static_cast<int64_t>(view.depth.NumPixels()),
                           /*has_costs=*/false));
+}
+
+// As tsar_stereo writes costs where a depth follows from its planar prior.
+TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
+  const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kGeometric);
+  const ViewData before = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  const size_t num_pixels = before.depth.NumPixels();
+  PlanarMap costs;
+  costs.width = before.depth.Width();
+  costs.height = before.depth.Height();
+  costs.channels = 2;
+  costs.values.assign(2 * num_pixels, 0.1f);
+  // The upper half has no evidence.
+  std::fill_n(costs.values.begin(), num_pixels / 2, 2.f);
+  CreateFolders(paths.cost.Parent());
+  WritePlanarMap(paths.cost, costs);
+  const ViewData view = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  int num_of_other = 0;
+  for (size_t i = 0; i < num_pixels; ++i) {
+    if (i < num_pixels / 2) {
+      ASSERT_EQ(view.is_to_refine.Data()[i], 0) << i;
+      num_of_other += view.depth.Data()[i] > 0.f ? 1 : 0;
+    } else {
+      ASSERT_EQ(view.is_to_refine.Data()[i], before.is_to_refine.Data()[i]);
+      ASSERT_EQ(view.depth.Data()[i], before.depth.Data()[i]);
+    }
+  }
+  EXPECT_GT(before.num_depths_to_refine, view.num_depths_to_refine);
+  // The photometric map has all pixels.
+  EXPECT_GT(num_of_other, 100);
 }
 
 TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {

@@ -5,6 +5,7 @@
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/smooth_normals.h"
+#include "colmap_tsar/stereo/planar_prior.h"
 
 #include <cmath>
 #include <utility>
@@ -209,6 +210,31 @@ TEST_F(CudaTest, FilterHypotheses) {
                                              inputs.views.Sources(),
                                              options,
                                              device));
+              });
+}
+
+TEST_F(CudaTest, PlanarPrior) {
+  ExpectAlike("FindPlanarPrior, RunPatchMatch and FilterUnderPrior with it",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                const ReferenceView reference = inputs.views.Reference();
+                const Buffer<SourceView>& sources = inputs.views.Sources();
+                const DeviceImage<Plane> prior =
+                    FindPlanarPrior(reference, sources, 5.f, 2, device);
+                result->Add("prior", prior);
+                PatchMatchOptions options = BoundsAroundTheWall();
+                options.num_iterations = 1;
+                const PlaneHypotheses found =
+                    RunPatchMatch({reference, sources, 1, prior.View()},
+                                  PlanesOfTheMaps(inputs, device),
+                                  options,
+                                  device);
+                result->Add("planes", found.planes);
+                result->Add("costs", found.costs);
+                const DepthsUnderPrior filtered = FilterUnderPrior(
+                    reference, sources, prior.View(), {}, device);
+                result->Add("filtered", filtered.depth);
+                result->Add("follows the prior", filtered.follows_prior);
               });
 }
 

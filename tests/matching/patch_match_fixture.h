@@ -91,12 +91,16 @@ class PatchMatchTest : public testing::Test {
   HostHypotheses Run(const TexturedPlane& scene,
                      const Buffer<SourceView>& sources,
                      DeviceImage<Plane> planes,
-                     uint32_t stream = 1) {
+                     uint32_t stream = 1,
+                     ImageView<const Plane> prior = {}) {
     ReferenceView reference = scene.Reference();
     reference.depth = {};
     reference.normal = {};
-    const PlaneHypotheses hypotheses = RunPatchMatch(
-        {reference, sources, stream}, std::move(planes), options_, *device_);
+    const PlaneHypotheses hypotheses =
+        RunPatchMatch({reference, sources, stream, prior},
+                      std::move(planes),
+                      options_,
+                      *device_);
     return {hypotheses.planes.ToHost(), hypotheses.costs.ToHost()};
   }
 

@@ -124,6 +124,9 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
     const PlanarMap costs =
         ReadPlanarMap(workspace.CostPath(image, MapType::kGeometric));
     ASSERT_EQ(costs.channels, 2);
+    const Intrinsics intrinsics = workspace.Model()
+                                      .images[static_cast<size_t>(image)]
+                                      .camera.GetIntrinsics();
     for (int y = 8; y < SyntheticWorkspace::kHeight - 8; ++y) {
       for (int x = 8; x < SyntheticWorkspace::kWidth - 8; ++x) {
         EXPECT_GT(dense.depth(x, y), 0.f);
@@ -136,7 +139,7 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
         EXPECT_TRUE(cost >= 0.f && cost <= 2.f);
         EXPECT_LE(cost, costs.values[i + filtered.depth.NumPixels()]);
         if (z > 0.f) {
-          EXPECT_LT(filtered.normal(x, y).z, 0.f);
+          EXPECT_LT(Dot(filtered.normal(x, y), intrinsics.Ray(x, y)), 0.f);
         }
         bool is_textured = true;
         for (const int dx : {-6, 0, 6}) {

@@ -1,0 +1,119 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/matching/filter_hypotheses.h"
+#include "colmap_tsar/matching/plane_maps.h"
+
+#include <memory>
+#include <utility>
+
+#include "tests/matching/textured_plane.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+
+// A wall seen by three sources, whose left half is bare in the reference.
+class FilterUnderPriorTest : public testing::Test {
+ protected:
+  FilterUnderPriorTest()
+      : device_(Device::CreateCpu(2)),
+        camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
+        scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera_, *device_) {
+    scene_.AddSource(SourceCamera(camera_, {0.5, 0.05, 0.0}, -0.15));
+    scene_.AddSource(SourceCamera(camera_, {-0.5, 0.05, 0.0}, 0.15));
+    scene_.AddSource(SourceCamera(camera_, {0.3, 0.4, 0.0}, -0.09));
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth / 2; ++x) {
+        scene_.Gray()(x, y) = 128.f;
+      }
+    }
+    const ReferenceView truth = scene_.Reference();
+    prior_ =
+        PlanesFromMaps(truth.intrinsics, truth.depth, truth.normal, *device_);
+  }
+
+  struct Filtered {
+    Image<float> depth;
+    Image<uint8_t> follows_prior;
+  };
+  Filtered Filter() {
+    const DepthsUnderPrior filtered =
+        FilterUnderPrior(scene_.Reference(),
+                         scene_.Sources(),
+                         std::as_const(prior_).View(),
+                         options_,
+                         *device_);
+    return {filtered.depth.ToHost(), filtered.follows_prior.ToHost()};
+  }
+
+  std::unique_ptr<Device> device_;
+  Camera camera_;
+  TexturedPlane scene_;
+  DeviceImage<Plane> prior_;
+  HypothesisFilterOptions options_;
+};
+
+// Pixels of either half, away from its border.
+constexpr int kBareX = 22;
+constexpr int kTexturedX = 42;
+constexpr int kY = 24;
+
+TEST_F(FilterUnderPriorTest, KeepsBareDepthsOnThePriorAndTellsThem) {
+  const Filtered filtered = Filter();
+  EXPECT_GT(filtered.depth(kBareX, kY), 0.f);
+  EXPECT_EQ(filtered.follows_prior(kBareX, kY), 1);
+  EXPECT_GT(filtered.depth(kTexturedX, kY), 0.f);
+  EXPECT_EQ(filtered.follows_prior(kTexturedX, kY), 0);
+  // Without a prior a bare depth needs a match that it cannot have.
+  const Image<float> without =
+      FilterHypotheses(scene_.Reference(), scene_.Sources(), options_, *device_)
+          .ToHost();
+  EXPECT_EQ(without(kBareX, kY), 0.f);
+  EXPECT_EQ(without(kTexturedX, kY), filtered.depth(kTexturedX, kY));
+}
+
+TEST_F(FilterUnderPriorTest, RemovesBareDepthsOffThePrior) {
+  scene_.Depth()(kBareX, kY) *= 1.02f;
+  options_.geom_consistency_max_cost = 10.f;
+  EXPECT_EQ(Filter().depth(kBareX, kY), 0.f);
+  EXPECT_EQ(Filter().follows_prior(kBareX, kY), 0);
+  options_.prior_tolerance = 0.03f;
+  EXPECT_GT(Filter().depth(kBareX, kY), 0.f);
+}
+
+TEST_F(FilterUnderPriorTest, NeedsTheDepthsOfTheSources) {
+  for (const int source : {0, 1}) {
+    scene_.SourceDepth(source) = Image<float>(kWidth, kHeight, 0.f);
+  }
+  EXPECT_EQ(Filter().depth(kBareX, kY), 0.f);
+  options_.min_num_consistent = 1;
+  EXPECT_GT(Filter().depth(kBareX, kY), 0.f);
+}
+
+TEST_F(FilterUnderPriorTest, DistinctTextureHasToMatch) {
+  for (int source = 0; source < 3; ++source) {
+    for (float& value : scene_.SourceGray(source)) {
+      value = 255.f - value;
+    }
+  }
+  const Filtered filtered = Filter();
+  EXPECT_EQ(filtered.depth(kTexturedX, kY), 0.f);
+  EXPECT_GT(filtered.depth(kBareX, kY), 0.f);
+}
+
+TEST_F(FilterUnderPriorTest, WithoutAPlaneThereIsNothingToFollow) {
+  prior_ = DeviceImage<Plane>(*device_, Image<Plane>(kWidth, kHeight));
+  const Filtered filtered = Filter();
+  EXPECT_EQ(filtered.depth(kBareX, kY), 0.f);
+  EXPECT_GT(filtered.depth(kTexturedX, kY), 0.f);
+  for (const uint8_t follows : filtered.follows_prior) {
+    ASSERT_EQ(follows, 0);
+  }
+}
+
+}  // namespace
+}  // namespace tsar

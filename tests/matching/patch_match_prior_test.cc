@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include <cmath>
+#include <utility>
+
+#include "tests/matching/patch_match_fixture.h"
+
+namespace tsar {
+namespace {
+
+class PatchMatchPriorTest : public PatchMatchTest {
+ protected:
+  // The scene's plane moved away by a share of its depth, in every pixel.
+  DeviceImage<Plane> Prior(TexturedPlane& scene, float share) {
+    Image<float> depth = scene.Depth();
+    for (float& value : depth) {
+      value *= 1.f + share;
+    }
+    return PlanesFromMaps(intrinsics_,
+                          std::as_const(depth).View(),
+                          scene.Reference().normal,
+                          *device_);
+  }
+  // The wall loses its texture in all images.
+  void Whitewash(TexturedPlane* scene) {
+    scene->Gray() = Image<float>(kWidth, kHeight, 128.f);
+    for (int i = 0; i < 4; ++i) {
+      scene->SourceGray(i) = Image<float>(kWidth, kHeight, 128.f);
+    }
+  }
+};
+
+TEST_F(PatchMatchPriorTest, BareWallsTakeThePrior) {
+  TexturedPlane scene = Scene(kTilt);
+  Whitewash(&scene);
+  const Buffer<SourceView> sources = Images(scene);
+  ASSERT_LT(Compare(scene, Run(scene, sources, Draw()).planes).share, 0.1f);
+  const DeviceImage<Plane> prior = Prior(scene, 0.f);
+  const HostHypotheses found = Run(scene, sources, Draw(), 1, prior.View());
+  EXPECT_EQ(Compare(scene, found.planes).share, 1.f);
+}
+
+TEST_F(PatchMatchPriorTest, TextureOverrulesAWrongPrior) {
+  TexturedPlane scene = Scene(kTilt);
+  // By 3 pixels of disparity; the waves of the texture repeat after 7.
+  const DeviceImage<Plane> prior = Prior(scene, 0.2f);
+  ExpectFound(scene, Run(scene, Images(scene), Draw(), 1, prior.View()).planes);
+}
+
+TEST_F(PatchMatchPriorTest, CostsTellTheDistanceFromThePrior) {
+  TexturedPlane scene = Scene(kTilt);
+  const Buffer<SourceView> sources = Images(scene);
+  options_.num_iterations = 0;
+  const auto costs = [&](float share) {
+    const DeviceImage<Plane> prior = Prior(scene, share);
+    return Run(scene, sources, TruePlanes(scene), 1, prior.View()).costs;
+  };
+  const Image<float> without = Run(scene, sources, TruePlanes(scene)).costs;
+  const Image<float> on = costs(0.f);
+  // A prior beyond by half its sigma of 1 %, and by five times as much.
+  const Image<float> half = costs(0.005f);
+  const Image<float> far = costs(0.05f);
+  for (int y = kMargin; y < kHeight - kMargin; ++y) {
+    for (int x = kMargin; x < kWidth - kMargin; ++x) {
+      ASSERT_NEAR(on(x, y), without(x, y), 1e-5f);
+      ASSERT_NEAR(half(x, y),
+                  without(x, y) + 0.25f * options_.prior_weight,
+                  0.01f * options_.prior_weight);
+      ASSERT_NEAR(far(x, y), without(x, y) + options_.prior_weight, 1e-5f);
+    }
+  }
+}
+
+TEST_F(PatchMatchPriorTest, IgnoresPixelsWithoutPrior) {
+  TexturedPlane scene = Scene(kTilt);
+  options_.num_iterations = 2;
+  const Buffer<SourceView> sources = Images(scene);
+  const DeviceImage<Plane> none(*device_, Image<Plane>(kWidth, kHeight));
+  const HostHypotheses with = Run(scene, sources, Draw(), 1, none.View());
+  const HostHypotheses without = Run(scene, sources, Draw());
+  EXPECT_TRUE(SameBytes(with.planes, without.planes));
+  EXPECT_TRUE(SameBytes(with.costs, without.costs));
+}
+
+}  // namespace
+}  // namespace tsar
