@@ -51,7 +51,18 @@ RefineResult ComposeTask::RefineMaps(size_t index,
     if (!scene) {
       scene = FindSceneOf(index, *worker.device);
     }
+    std::vector<DeviceViewCache::View> sources;
+    if (options_.photometric) {
+      for (const int source : images_.Sources(index)) {
+        sources.push_back(
+            worker.views->Get(source, views->Get(source), *worker.device));
+        if (source != image) {
+          views->Release(source);
+        }
+      }
+    }
     return ComposeImage(reference,
+                        sources,
                         scene->views,
                         scene->found,
                         options_,

@@ -30,7 +30,8 @@ class ComposeTask : public RefineMapsTask {
               bool finds_scenes_ahead);
 
   std::vector<int> Views(size_t index) const override {
-    return {images_.Reference(index)};
+    return options_.photometric ? images_.SourcesAndReference(index)
+                                : std::vector<int>{images_.Reference(index)};
   }
   void Prepare(size_t index, const ViewCache::Lease& views) override;
 

@@ -273,6 +273,10 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Move the borders between planes from those of superpixels to the edges "
        "of the image, and drop depths that spill over these. If 0, borders are "
        "those of superpixels."},
+      {"photometric",
+       &options->photometric,
+       "Compare the composed maps with the images, and move textured pixels "
+       "that stand a little off their surface, such as posters and doors."},
       {"plane_tolerance",
        &options->plane_tolerance,
        "How far a depth may be off a plane, in standard deviations of the "

@@ -12,6 +12,7 @@
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/pack_ratings.h"
+#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/plane_map.h"
 #include "colmap_tsar/pipeline/plane_numbers.h"
 #include "colmap_tsar/pipeline/stage_options.h"
@@ -313,12 +314,14 @@ void MakeEvidence(const RefineOptions& options,
   timer.Finish("scene planes");
 }
 
-RefineResult ComposeImage(const ViewData& reference,
-                          const std::vector<ObservedView>& views,
-                          const FoundScene& found,
-                          const RefineOptions& options,
-                          Device& device,
-                          StageObserver* observer) {
+RefineResult ComposeImage(
+    const ViewData& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    const std::vector<ObservedView>& views,
+    const FoundScene& found,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer) {
   RefineResult result;
   result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
@@ -381,7 +384,6 @@ RefineResult ComposeImage(const ViewData& reference,
             .ToHost();
   }
   timer.Finish("composition");
-  Download(composed, confidence, &result.maps);
   const DeviceImage<uint16_t> plane_numbers(device,
                                             PlaneNumbers(superpixels, found));
   result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),
@@ -389,6 +391,13 @@ RefineResult ComposeImage(const ViewData& reference,
                                  plane_numbers.View(),
                                  device)
                            .ToHost();
+  timer.Finish("download");
+  if (options.photometric) {
+    // After all that asks whether depths lie on their planes.
+    RestoreDetail(view, sources, evidence.resolution, {}, &composed, device);
+  }
+  timer.Finish("photometric");
+  Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
   // With min_confidence an empty map is what was asked for.
