@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/compose_task.h"
 
+#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
@@ -52,14 +53,10 @@ RefineResult ComposeTask::RefineMaps(size_t index,
       scene = FindSceneOf(index, *worker.device);
     }
     std::vector<DeviceViewCache::View> sources;
-    if (options_.photometric) {
-      for (const int source : images_.Sources(index)) {
-        sources.push_back(
-            worker.views->Get(source, views->Get(source), *worker.device));
-        if (source != image) {
-          views->Release(source);
-        }
-      }
+    for (const int source : ComparedSources(index)) {
+      sources.push_back(
+          worker.views->Get(source, views->Get(source), *worker.device));
+      views->Release(source);
     }
     return ComposeImage(reference,
                         sources,
@@ -71,6 +68,19 @@ RefineResult ComposeTask::RefineMaps(size_t index,
   } catch (const Error& error) {
     throw WithPlace(error, index, worker.name);
   }
+}
+
+std::vector<int> ComposeTask::ComparedSources(size_t index) const {
+  std::vector<int> sources;
+  if (options_.photometric) {
+    const int reference = images_.Reference(index);
+    for (const int source : images_.Sources(index)) {
+      if (source != reference && sources.size() < kMaxPhotometricSources) {
+        sources.push_back(source);
+      }
+    }
+  }
+  return sources;
 }
 
 bool ComposeTask::WasObserved(const ViewData& view) {

@@ -30,8 +30,9 @@ class ComposeTask : public RefineMapsTask {
               bool finds_scenes_ahead);
 
   std::vector<int> Views(size_t index) const override {
-    return options_.photometric ? images_.SourcesAndReference(index)
-                                : std::vector<int>{images_.Reference(index)};
+    std::vector<int> views = ComparedSources(index);
+    views.push_back(images_.Reference(index));
+    return views;
   }
   void Prepare(size_t index, const ViewCache::Lease& views) override;
 
@@ -49,6 +50,8 @@ class ComposeTask : public RefineMapsTask {
     FoundScene found;
   };
 
+  // The sources that the composed map is compared with.
+  std::vector<int> ComparedSources(size_t index) const;
   // Whether the image was observed: whether it has depths at the size at which
   // it is judged.
   static bool WasObserved(const ViewData& view);

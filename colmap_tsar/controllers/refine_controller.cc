@@ -175,6 +175,11 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
       return none_refined;
     }
   }
+  if (has_reduced_views) {
+    for (const auto& views : devices_.view_caches) {
+      views->Clear();
+    }
+  }
   if (!cache) {
     make_cache(false);
   }
