@@ -100,6 +100,7 @@ struct MoveKernel {
     const float own = depth(x, y);
     const float moved = DepthAtOffset(own, mean, resolution);
     if (variance < options.max_spread * options.max_spread &&
+        fabsf(mean) >= options.min_offset &&
         fabsf(moved - own) <= options.max_depth_change * own) {
       depth(x, y) = moved;
     }

@@ -16,6 +16,8 @@ namespace tsar {
 // When a pixel leaves its surface. Offsets are in pixels of disparity of the
 // map that was judged.
 struct PhotometricOptions {
+  // Less may be the error of matching: the surface stays as smooth as it is.
+  float min_offset = 0.08f;
   // A surface further off is another one, or an edge in front of it.
   float max_offset = 0.8f;
   // The same as a share of the depth.

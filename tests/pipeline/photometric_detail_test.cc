@@ -15,16 +15,17 @@ namespace tsar {
 namespace {
 
 // In pixels of disparity.
-constexpr float kOff = 0.4f;
-constexpr float kRight = 0.1f;
+constexpr float kOff = 0.15f;
+constexpr float kRight = 0.05f;
+constexpr int kMargin = 40;
 
 // A drawn wall, of which the composed map has a depth that is a little off.
 class RestoreDetailTest : public testing::Test {
  protected:
   RestoreDetailTest() : device_(Device::CreateCpu(2)) {
     SyntheticViewsOptions options;
-    options.width = 192;
-    options.height = 144;
+    options.width = 384;
+    options.height = 288;
     drawn_ = MakeSyntheticViews(options);
     const ViewData& reference = drawn_.views[0];
     resolution_.error_per_depth =
@@ -82,8 +83,9 @@ TEST_F(RestoreDetailTest, MovesTexturedPixelsToWhereTheImagesAgree) {
   const Image<float> restored = Restore(drawn_.Sources());
   int num_textured = 0;
   int num_right = 0;
-  for (int y = 25; y < restored.Height() - 25; ++y) {
-    for (int x = 25; x < restored.Width() - 25; ++x) {
+  // All sources see the middle.
+  for (int y = kMargin; y < restored.Height() - kMargin; ++y) {
+    for (int x = kMargin; x < restored.Width() - kMargin; ++x) {
       ASSERT_LT(std::abs(Offset(restored, x, y)), kOff + kRight)
           << x << ", " << y;
       if (IsAmid(false, x, y, 6)) {
@@ -92,7 +94,7 @@ TEST_F(RestoreDetailTest, MovesTexturedPixelsToWhereTheImagesAgree) {
       }
     }
   }
-  EXPECT_GT(num_textured, 3000);
+  EXPECT_GT(num_textured, 30000);
   EXPECT_GT(num_right, 0.9 * num_textured);
 }
 
@@ -113,11 +115,11 @@ TEST_F(RestoreDetailTest, LeavesBarePixels) {
 TEST_F(RestoreDetailTest, LeavesWhatIsRight) {
   depth_ = drawn_.truth;
   const Image<float> restored = Restore(drawn_.Sources());
-  for (int y = 0; y < restored.Height(); ++y) {
-    for (int x = 0; x < restored.Width(); ++x) {
-      ASSERT_LT(std::abs(Offset(restored, x, y)), kRight) << x << ", " << y;
-    }
+  int num_left = 0;
+  for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+    num_left += restored.Data()[i] == depth_.Data()[i] ? 1 : 0;
   }
+  EXPECT_GT(num_left, 0.99 * static_cast<double>(depth_.NumPixels()));
 }
 
 TEST_F(RestoreDetailTest, LeavesWhatWasNotMeasured) {
