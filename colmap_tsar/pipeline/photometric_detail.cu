@@ -162,9 +162,15 @@ void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,
     const DepthResolution& resolution,
-    const PhotometricOptions& options,
+    const PhotometricOptions& of_judged,
     ComposedMap* composed,
     Device& device) {
+  const int factor = ReductionFactor(reference.Width(), reference.Height());
+  // How precise matching is depends on the pixels of the map.
+  PhotometricOptions options = of_judged;
+  options.max_sigma /= factor;
+  options.max_difference_of_halves /= factor;
+  options.max_spread /= factor;
   const DeviceImage<float> gray = ComputeGray(reference.color.View(), device);
   std::vector<SourceView> views;
   for (const auto& source : sources) {
@@ -174,13 +180,12 @@ void RestoreDetail(
                      source->depth.View()});
   }
   const Buffer<SourceView> device_views(device, views);
-  const PhotometricInputs inputs{
-      reference.MapIntrinsics(),
-      gray.View(),
-      device_views,
-      resolution,
-      ReductionFactor(reference.Width(), reference.Height()),
-      EstimateNoise(gray.View(), device)};
+  const PhotometricInputs inputs{reference.MapIntrinsics(),
+                                 gray.View(),
+                                 device_views,
+                                 resolution,
+                                 factor,
+                                 EstimateNoise(gray.View(), device)};
   MoveDepths(MeasureOffsets(*composed, inputs, options, device),
              inputs,
              options,

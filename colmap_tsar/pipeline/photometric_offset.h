@@ -14,7 +14,8 @@
 namespace tsar {
 
 // When a pixel leaves its surface. Offsets are in pixels of disparity of the
-// map that was judged.
+// map that was judged; standard deviations, differences and spreads are for a
+// map of that size, and shrink with the pixels of a larger one.
 struct PhotometricOptions {
   // Less may be the error of matching: the surface stays as smooth as it is.
   float min_offset = 0.08f;
