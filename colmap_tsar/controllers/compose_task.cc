@@ -15,11 +15,13 @@ ComposeTask::ComposeTask(const RefineTaskInputs& inputs,
                          const Workspace& workspace,
                          EvidenceStore& evidence,
                          SceneModel model,
+                         std::vector<int> map_sides,
                          bool finds_scenes_ahead)
     : RefineMapsTask(inputs),
       workspace_(workspace),
       evidence_(evidence),
       model_(std::move(model)),
+      map_sides_(std::move(map_sides)),
       finds_scenes_ahead_(finds_scenes_ahead),
       scenes_(inputs.images.NumImages()) {}
 
@@ -72,15 +74,22 @@ RefineResult ComposeTask::RefineMaps(size_t index,
 
 std::vector<int> ComposeTask::ComparedSources(size_t index) const {
   std::vector<int> sources;
-  if (options_.photometric) {
-    const int reference = images_.Reference(index);
-    for (const int source : images_.Sources(index)) {
-      if (source != reference && sources.size() < kMaxPhotometricSources) {
-        sources.push_back(source);
-      }
+  const int reference = images_.Reference(index);
+  if (!options_.photometric || !IsJudgedAsItIs(reference)) {
+    return sources;
+  }
+  for (const int source : images_.Sources(index)) {
+    if (source != reference && IsJudgedAsItIs(source) &&
+        sources.size() < kMaxPhotometricSources) {
+      sources.push_back(source);
     }
   }
   return sources;
+}
+
+bool ComposeTask::IsJudgedAsItIs(int image) const {
+  const int side = map_sides_[static_cast<size_t>(image)];
+  return ReductionFactor(side, side) == 1;
 }
 
 bool ComposeTask::WasObserved(const ViewData& view) {

@@ -53,13 +53,6 @@ DeviceViewCache::View DeviceViewCache::Get(int image,
   return uploaded;
 }
 
-void DeviceViewCache::Clear() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  while (entries_.TakeOldest([](const Entry&) { return true; })) {
-  }
-  num_bytes_ = 0;
-}
-
 size_t DeviceViewCache::NumBytes() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return num_bytes_;

@@ -34,10 +34,6 @@ class DeviceViewCache {
   // the next call tries again.
   View Get(int image, const ViewData& view, Device& device);
 
-  // Drops all views, which nobody may use any more: the next ones have another
-  // size.
-  void Clear();
-
   // The views that are held here, in use or not.
   size_t NumBytes() const;
 

@@ -7,7 +7,6 @@
 #include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/model_scene.h"
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/stage_memory.h"
@@ -56,14 +55,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
     return plan;
   }
   const int64_t num_judged_pixels = NumJudgedPixels(overview);
-  const int num_compared =
-      options.photometric ? std::min(num_sources, kMaxPhotometricSources) : 0;
-  // Of a whole view the share that makes num_sources of them enough for those
-  // that a composed map is compared with.
-  plan.uploaded_view = std::max(
-      UploadedViewBytes(num_judged_pixels),
-      (UploadedViewBytes(num_pixels) * num_compared + num_sources - 1) /
-          std::max(num_sources, 1));
+  plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
   plan.label_work = LabelViewWorkingBytes(options, num_pixels, num_sources + 1);
   plan.work = std::max(
       {MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
@@ -85,10 +77,10 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.label_view = EvidenceBytes(plan, 1) + bounded_evidence +
                     LabelViewMainBytes(options, num_pixels, num_sources + 1);
   if (HasReducedViews(overview)) {
-    plan.whole_views = (1 + num_compared) * plan.view;
-    // The whole view is there until it has been reduced.
-    plan.load += plan.view;
+    plan.whole_view = plan.view;
     plan.view = ReducedViewBytes(overview);
+    // The whole view is there until it has been reduced.
+    plan.load += plan.whole_view;
     plan.own_evidence += ReducedHypothesesBytes(num_judged_pixels);
   }
   return plan;
@@ -124,7 +116,7 @@ int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
 }
 
 int64_t BytesForViews(const MemoryPlan& plan) {
-  return std::max((plan.num_sources + 1) * plan.view, plan.whole_views);
+  return std::max((plan.num_sources + 1) * plan.view, plan.whole_view);
 }
 
 int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers) {

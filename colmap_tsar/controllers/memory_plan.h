@@ -27,10 +27,10 @@ struct MemoryPlan {
   int64_t label_work = 0;
 
   // Parts of main memory. A view as it is used together with its sources, and,
-  // where that is a reduced one, the whole views of an image that is composed:
-  // its own and those of the sources that it is compared with.
+  // where that is a reduced one, the whole view of an image that is composed,
+  // which needs no others.
   int64_t view = 0;
-  int64_t whole_views = 0;
+  int64_t whole_view = 0;
   // What reading a view takes at most beside the view itself.
   int64_t load = 0;
   // An image on its way from a worker to the disk: its maps with their encoded

@@ -8,7 +8,6 @@
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/reduce_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +17,7 @@ namespace tsar {
 namespace {
 
 // In units of the smoothing's standard deviation.
-constexpr int kSmoothingReach = 3;
+constexpr float kSmoothingReach = 3.f;
 
 struct KnownOffsetKernel {
   ImageView<const float> weight;
@@ -63,9 +62,8 @@ struct MoveKernel {
   ImageView<const uint8_t> is_among_known;
   DepthResolution resolution;
   PhotometricOptions options;
-  int stride;  // Between samples.
-  int reach;   // Samples to either side, at most kMaxReach.
-  // By distance in samples.
+  int reach;  // Pixels to either side, at most kMaxReach.
+  // By distance in pixels.
   float gaussian[kMaxReach + 1];
   ImageView<float> depth;
 
@@ -79,17 +77,17 @@ struct MoveKernel {
     float squares = 0.f;
     for (int j = -reach; j <= reach; ++j) {
       for (int i = -reach; i <= reach; ++i) {
-        const int u = x + i * stride;
-        const int v = y + j * stride;
+        const int u = x + i;
+        const int v = y + j;
         if (u < 0 || v < 0 || u >= offset.width || v >= offset.height ||
             !(weight(u, v) > 0.f)) {
           continue;
         }
-        const float of_sample =
+        const float of_pixel =
             weight(u, v) * gaussian[i < 0 ? -i : i] * gaussian[j < 0 ? -j : j];
-        sum_weights += of_sample;
-        sum += of_sample * offset(u, v);
-        squares += of_sample * offset(u, v) * offset(u, v);
+        sum_weights += of_pixel;
+        sum += of_pixel * offset(u, v);
+        squares += of_pixel * offset(u, v) * offset(u, v);
       }
     }
     if (!(sum_weights > 0.f)) {
@@ -127,7 +125,7 @@ void CloseMask(int radius, DeviceImage<uint8_t>* mask, Device& device) {
 
 // Moves the depths to which the offsets give reason.
 void MoveDepths(const PhotometricOffsets& offsets,
-                const PhotometricInputs& inputs,
+                const DepthResolution& resolution,
                 const PhotometricOptions& options,
                 DeviceImage<float>* depth,
                 Device& device) {
@@ -136,15 +134,13 @@ void MoveDepths(const PhotometricOffsets& offsets,
               depth->Width(),
               depth->Height(),
               KnownOffsetKernel{offsets.weight.View(), is_among_known.View()});
-  CloseMask(
-      options.closing_radius * inputs.judging_factor, &is_among_known, device);
+  CloseMask(options.closing_radius, &is_among_known, device);
   MoveKernel move{
       offsets.offset.View(),
       offsets.weight.View(),
       std::as_const(is_among_known).View(),
-      inputs.resolution,
+      resolution,
       options,
-      inputs.judging_factor,
       std::min(static_cast<int>(kSmoothingReach * options.smoothing_sigma),
                MoveKernel::kMaxReach),
       {},
@@ -162,15 +158,9 @@ void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,
     const DepthResolution& resolution,
-    const PhotometricOptions& of_judged,
+    const PhotometricOptions& options,
     ComposedMap* composed,
     Device& device) {
-  const int factor = ReductionFactor(reference.Width(), reference.Height());
-  // How precise matching is depends on the pixels of the map.
-  PhotometricOptions options = of_judged;
-  options.max_sigma /= factor;
-  options.max_difference_of_halves /= factor;
-  options.max_spread /= factor;
   const DeviceImage<float> gray = ComputeGray(reference.color.View(), device);
   std::vector<SourceView> views;
   for (const auto& source : sources) {
@@ -184,10 +174,9 @@ void RestoreDetail(
                                  gray.View(),
                                  device_views,
                                  resolution,
-                                 factor,
                                  EstimateNoise(gray.View(), device)};
   MoveDepths(MeasureOffsets(*composed, inputs, options, device),
-             inputs,
+             resolution,
              options,
              &composed->map.depth,
              device);

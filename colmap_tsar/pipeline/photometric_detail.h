@@ -23,7 +23,7 @@ constexpr int kMaxPhotometricSources = 8;
 // depths, which composition smooths onto the surface: posters, doors and
 // mouldings. Measured pixels with texture move by the mean offset that the
 // images show in their neighbourhood; normals and provenance stay.
-// sources: of the map's own size. resolution: of the map that was judged.
+// For maps that are judged as they are.
 void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,

@@ -8,7 +8,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 
-#include <algorithm>
 #include <cmath>
 
 namespace tsar {
@@ -16,11 +15,11 @@ namespace {
 
 // Wide enough for NCC to tell noise, small enough for detail.
 constexpr float kWindowRadius = 3.f;
-// Offsets are tried this far beyond the largest that counts: a best one there
-// means that the surface is another one.
-constexpr float kReach = 1.25f;
-constexpr float kStep = 0.25f;  // In pixels of the map.
-constexpr int kMaxOffsets = 41;
+constexpr float kStep = 0.25f;  // In pixels of disparity.
+// Offsets are tried beyond the largest that counts: where the last one is the
+// best, the surface is another one.
+constexpr int kNumSteps = 5;  // To either side.
+constexpr int kNumOffsets = 2 * kNumSteps + 1;
 // Of 1 - NCC^2, beside noise: interpolation, and surfaces that are not flat.
 constexpr float kModelError = 0.02f;
 // A source that measured a surface nearer by more than this is hidden.
@@ -32,11 +31,11 @@ constexpr float kMinSigma = 0.02f;
 
 // Log-likelihood by offset.
 struct OffsetCurve {
-  float value[kMaxOffsets] = {};
+  float value[kNumOffsets] = {};
 
-  TSAR_HD int Best(int count) const {
+  TSAR_HD int Best() const {
     int best = 0;
-    for (int i = 1; i < count; ++i) {
+    for (int i = 1; i < kNumOffsets; ++i) {
       best = value[i] > value[best] ? i : best;
     }
     return best;
@@ -79,8 +78,6 @@ struct OffsetKernel {
   DepthResolution resolution;
   NoiseCurve noise;
   PhotometricOptions options;
-  float step;       // In pixels of disparity.
-  int num_offsets;  // Odd; the middle one is 0.
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
   ImageView<const uint8_t> provenance;
@@ -126,29 +123,29 @@ struct OffsetKernel {
       return 0.f;
     }
     OffsetCurve all;
-    for (int i = 0; i < num_offsets; ++i) {
+    for (int i = 0; i < kNumOffsets; ++i) {
       all.value[i] = halves[0].value[i] + halves[1].value[i];
     }
-    const int best = all.Best(num_offsets);
+    const int best = all.Best();
     float peaks[2];
     for (int half = 0; half < 2; ++half) {
-      const int best_of_half = halves[half].Best(num_offsets);
-      if (best == 0 || best == num_offsets - 1 || best_of_half == 0 ||
-          best_of_half == num_offsets - 1) {
+      const int best_of_half = halves[half].Best();
+      if (best == 0 || best == kNumOffsets - 1 || best_of_half == 0 ||
+          best_of_half == kNumOffsets - 1) {
         return 0.f;
       }
       peaks[half] = halves[half].Peak(best_of_half);
     }
     const float curvature = all.Curvature(best);
-    *offset = step * (all.Peak(best) - static_cast<float>(num_offsets / 2));
-    if (!(curvature * options.max_sigma * options.max_sigma > step * step) ||
+    *offset = kStep * (all.Peak(best) - static_cast<float>(kNumSteps));
+    if (!(curvature * options.max_sigma * options.max_sigma > kStep * kStep) ||
         !(fabsf(*offset) <= options.max_offset) ||
-        !(step * fabsf(peaks[0] - peaks[1]) <=
+        !(kStep * fabsf(peaks[0] - peaks[1]) <=
           options.max_difference_of_halves) ||
         !IsAmidTexture(x, y, motion)) {
       return 0.f;
     }
-    return 1.f / fmaxf(step * step / curvature, kMinSigma * kMinSigma);
+    return 1.f / fmaxf(kStep * kStep / curvature, kMinSigma * kMinSigma);
   }
 
   TSAR_HD float OwnVariance(int x, int y) const {
@@ -214,9 +211,9 @@ struct OffsetKernel {
                         float own,
                         float unexplained,
                         OffsetCurve* curve) const {
-    for (int i = 0; i < num_offsets; ++i) {
+    for (int i = 0; i < kNumOffsets; ++i) {
       const float at = DepthAtOffset(
-          own, step * static_cast<float>(i - num_offsets / 2), resolution);
+          own, kStep * static_cast<float>(i - kNumSteps), resolution);
       const PlaneHomography homography(intrinsics,
                                        source.intrinsics,
                                        source.from_reference,
@@ -271,9 +268,6 @@ PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                                   Device& device) {
   const int width = composed.map.depth.Width();
   const int height = composed.map.depth.Height();
-  const int steps_to_a_side =
-      std::min(static_cast<int>(kReach * inputs.judging_factor / kStep),
-               kMaxOffsets / 2);
   PhotometricOffsets result{DeviceImage<float>(device, width, height),
                             DeviceImage<float>(device, width, height)};
   ParallelFor(device,
@@ -286,8 +280,6 @@ PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                            inputs.resolution,
                            inputs.noise,
                            options,
-                           kReach / static_cast<float>(steps_to_a_side),
-                           2 * steps_to_a_side + 1,
                            composed.map.depth.View(),
                            composed.map.normal.View(),
                            composed.provenance.View(),

@@ -13,9 +13,7 @@
 
 namespace tsar {
 
-// When a pixel leaves its surface. Offsets are in pixels of disparity of the
-// map that was judged; standard deviations, differences and spreads are for a
-// map of that size, and shrink with the pixels of a larger one.
+// When a pixel leaves its surface. Offsets are in pixels of disparity.
 struct PhotometricOptions {
   // Less may be the error of matching: the surface stays as smooth as it is.
   float min_offset = 0.08f;
@@ -30,11 +28,10 @@ struct PhotometricOptions {
   int min_num_sources = 4;
   // Of the 5 x 5 pixels around it, in variances of the noise.
   float min_texture = 8.f;
-  // How far the texture that tells the offset may lie to one side of the pixel,
-  // in pixels of the map.
+  // How far the texture that tells the offset may lie to one side of the pixel.
   float max_texture_distance = 1.25f;
   // Between pixels with an offset of their own, those at most twice this far
-  // apart take their neighbours'; in pixels of the map that was judged.
+  // apart take their neighbours'.
   int closing_radius = 7;
   // How far offsets are averaged, and how far they may spread.
   float smoothing_sigma = 3.f;
@@ -46,10 +43,7 @@ struct PhotometricInputs {
   ImageView<const float> gray;
   // Images and measured depths; empty depths hide nothing.
   const Buffer<SourceView>& sources;
-  // Of the map that was judged.
   DepthResolution resolution;
-  // Pixels of the map along the side of one that was judged.
-  int judging_factor = 1;
   NoiseCurve noise;  // Of the images.
 };
 

@@ -275,8 +275,9 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "those of superpixels."},
       {"photometric",
        &options->photometric,
-       "Compare the composed maps with the images, and move textured pixels "
-       "that stand a little off their surface, such as posters and doors."},
+       "Compare composed maps of up to 1280 pixels with the images, and move "
+       "textured pixels that stand a little off their surface, such as posters "
+       "and doors. Larger maps gain nothing from it, and keep their depths."},
       {"plane_tolerance",
        &options->plane_tolerance,
        "How far a depth may be off a plane, in standard deviations of the "

@@ -40,8 +40,9 @@ void MakeEvidence(const RefineOptions& options,
                   RefineResult* result);
 
 // Composes the reference's map of the planes and surfaces that were found in
-// it. The evidence of the reference has all its parts. sources: of the map's
-// own size, for RefineOptions::photometric. observer: as in RefineImage.
+// it. The evidence of the reference has all its parts. sources: for
+// RefineOptions::photometric; none where the map was judged at a smaller size.
+// observer: as in RefineImage.
 RefineResult ComposeImage(
     const ViewData& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,

@@ -143,11 +143,14 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
   const int64_t of_superpixel = BytesOf<ComposedSuperpixel>(num_superpixels);
   const int64_t provenance = BytesOf<uint8_t>(num_pixels);
   const int64_t plane_maps = BytesOf<uint16_t>(num_raster_pixels + num_pixels);
+  // Of a map that is judged as it is.
   const int64_t confidence_and_detail =
       options.photometric
-          ? BytesOf<float>(num_pixels) + BytesOf<uint16_t>(num_raster_pixels) +
+          ? BytesOf<float>(num_judged_pixels) +
+                BytesOf<uint16_t>(num_raster_pixels) +
                 RestoreDetailWorkingBytes(
-                    num_pixels, std::min(num_sources, kMaxPhotometricSources))
+                    num_judged_pixels,
+                    std::min(num_sources, kMaxPhotometricSources))
           : 0;
   const int64_t composing =
       planes_of_scene_and_regions + superpixels + of_superpixel +

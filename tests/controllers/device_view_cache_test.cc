@@ -67,15 +67,6 @@ TEST(DeviceViewCache, UploadsOnceWhileThereIsRoom) {
   EXPECT_EQ(DepthOf(cache.Get(2, MakeView(8), device)), 8.f);
 }
 
-TEST(DeviceViewCache, ForgetsAllViews) {
-  const auto device = Device::CreateCpu(1);
-  DeviceViewCache cache(2 * kViewBytes);
-  cache.Get(1, MakeView(1), *device);
-  cache.Clear();
-  EXPECT_EQ(cache.NumBytes(), 0U);
-  EXPECT_EQ(DepthOf(cache.Get(1, MakeView(9), *device)), 9.f);
-}
-
 TEST(DeviceViewCache, GivesTheMemoryOfADroppedViewToTheNext) {
   CountingDevice first("", 1000000);
   CountingDevice second("", 1000000);

@@ -144,7 +144,6 @@ class VeryLargeMapsTest : public RefineDevicesTest {
 };
 
 TEST_F(VeryLargeMapsTest, FitOnALargeMachineWithoutAWarning) {
-  overview_.max_num_pixels = 120000000;
   EXPECT_EQ(WarningOf(100), "");
   EXPECT_EQ(Create(0).workers.size(), 1u);
   EXPECT_GE(static_cast<int64_t>(Create(0).cache_num_bytes), 3 * Plan().view);
@@ -154,26 +153,26 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 35.1 GB of main memory",
+                 "needs 25.5 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
-                 "(maps of 49 megapixels fit)"},
+                 "(maps of 68 megapixels fit)"},
                 0);
   // What the message says is so, and not much more would do.
-  overview_.max_num_pixels = 49000000;
+  overview_.max_num_pixels = 68000000;
   EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
-  overview_.max_num_pixels = 50000000;
+  overview_.max_num_pixels = 69000000;
   ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 12 GB"}, 0);
 }
 
 TEST_F(VeryLargeMapsTest, NeedLessForOneImageAlone) {
-  machine_bytes_ = 30 * static_cast<int64_t>(kGigabyte);
-  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 30 GB"}, 0);
+  machine_bytes_ = 20 * static_cast<int64_t>(kGigabyte);
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 20 GB"}, 0);
   EXPECT_THAT(
       WarningOf(1),
       testing::HasSubstr(
-          "more than four fifths of the 30 GB that this machine gives"));
+          "more than four fifths of the 20 GB that this machine gives"));
 }
 
 TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
@@ -181,7 +180,7 @@ TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
   memory_[0] = 4 * kGigabyte;
   ExpectRefusal(
       ErrorCode::kDevice,
-      {"needs 9.5 GB of GPU memory", "4.0 GB are free", "max_image_size"},
+      {"needs 6.0 GB of GPU memory", "4.0 GB are free", "max_image_size"},
       1);
   memory_[0] = 40 * kGigabyte;
   EXPECT_EQ(Create(1).workers.size(), 2u);

@@ -4,10 +4,8 @@
 #include "colmap_tsar/controllers/memory_plan.h"
 
 #include "colmap_tsar/controllers/device_view_cache.h"
-#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
-#include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 
 #include <cstdint>
@@ -74,25 +72,16 @@ TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
   const MemoryPlan larger = PlanRefinement({}, overview);
   EXPECT_EQ(larger.view, plan.view);
   EXPECT_EQ(larger.uploaded_view, plan.uploaded_view);
-  const int num_compared = kMaxPhotometricSources;
   EXPECT_EQ(larger.make_evidence, plan.make_evidence);
   EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
-  EXPECT_EQ(plan.whole_views, 0);
-  EXPECT_EQ(larger.whole_views, (1 + num_compared) * ViewBytes(overview));
-  EXPECT_EQ(larger.load, LoadBytes(overview) + ViewBytes(overview));
-  // Ten views on the device are enough for those that a map is compared with.
-  const int64_t huge_size = 100000000;
-  const MemoryPlan huge = PlanRefinement({}, OverviewOf(huge_size, 10));
+  EXPECT_EQ(plan.whole_view, 0);
+  EXPECT_EQ(larger.whole_view, ViewBytes(overview));
+  EXPECT_EQ(larger.load, LoadBytes(overview) + larger.whole_view);
+  // Its sources are as small, whatever the size of the map.
+  const MemoryPlan huge = PlanRefinement({}, OverviewOf(100000000, 10));
   EXPECT_EQ(huge.view, plan.view);
-  EXPECT_GE(10 * huge.uploaded_view,
-            num_compared * UploadedViewBytes(huge_size));
-  EXPECT_EQ(BytesForViews(huge), huge.whole_views);
-  // Without comparison its sources are as small, whatever the size of the map.
-  RefineOptions unseen;
-  unseen.photometric = false;
-  EXPECT_EQ(PlanRefinement(unseen, OverviewOf(huge_size, 10)).uploaded_view,
-            plan.uploaded_view);
-  EXPECT_EQ(PlanRefinement(unseen, overview).whole_views, ViewBytes(overview));
+  EXPECT_EQ(huge.uploaded_view, plan.uploaded_view);
+  EXPECT_EQ(BytesForViews(huge), huge.whole_view);
   EXPECT_GT(huge.work, larger.work);
   // A long map may have few pixels.
   overview = OverviewOf(100000, 10);
@@ -106,7 +95,7 @@ TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
   alone.scene_planes = false;
   overview = OverviewOf(10000000, 10);
   EXPECT_EQ(PlanRefinement(alone, overview).view, ViewBytes(overview));
-  EXPECT_EQ(PlanRefinement(alone, overview).whole_views, 0);
+  EXPECT_EQ(PlanRefinement(alone, overview).whole_view, 0);
   EXPECT_EQ(PlanRefinement(alone, overview).load, LoadBytes(overview));
 }
 

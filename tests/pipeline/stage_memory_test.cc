@@ -190,14 +190,13 @@ TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
     const std::vector<ObservedView> views = {
         MakeObservedView(evidence, judged.camera)};
     const FoundScene found = FindSceneIn(views, options, *device);
-    ExpectPlanned(
-        "compose",
-        ComposeImageWorkingBytes(
-            options, num_pixels_, num_judged, NumSources()),
-        PeakBesideSources([&](auto sources, Device& counting) {
-          ComposeImage(
-              whole.views[0], sources, views, found, options, counting);
-        }));
+    ExpectPlanned("compose",
+                  ComposeImageWorkingBytes(
+                      options, num_pixels_, num_judged, NumSources()),
+                  PeakOf([&](Device& counting) {
+                    ComposeImage(
+                        whole.views[0], {}, views, found, options, counting);
+                  }));
   }
 }
 
