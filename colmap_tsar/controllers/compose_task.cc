@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/compose_task.h"
 
+#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
@@ -14,11 +15,13 @@ ComposeTask::ComposeTask(const RefineTaskInputs& inputs,
                          const Workspace& workspace,
                          EvidenceStore& evidence,
                          SceneModel model,
+                         std::vector<int> map_sides,
                          bool finds_scenes_ahead)
     : RefineMapsTask(inputs),
       workspace_(workspace),
       evidence_(evidence),
       model_(std::move(model)),
+      map_sides_(std::move(map_sides)),
       finds_scenes_ahead_(finds_scenes_ahead),
       scenes_(inputs.images.NumImages()) {}
 
@@ -51,7 +54,14 @@ RefineResult ComposeTask::RefineMaps(size_t index,
     if (!scene) {
       scene = FindSceneOf(index, *worker.device);
     }
+    std::vector<DeviceViewCache::View> sources;
+    for (const int source : ComparedSources(index)) {
+      sources.push_back(
+          worker.views->Get(source, views->Get(source), *worker.device));
+      views->Release(source);
+    }
     return ComposeImage(reference,
+                        sources,
                         scene->views,
                         scene->found,
                         options_,
@@ -60,6 +70,26 @@ RefineResult ComposeTask::RefineMaps(size_t index,
   } catch (const Error& error) {
     throw WithPlace(error, index, worker.name);
   }
+}
+
+std::vector<int> ComposeTask::ComparedSources(size_t index) const {
+  std::vector<int> sources;
+  const int reference = images_.Reference(index);
+  if (!options_.photometric || !IsJudgedAsItIs(reference)) {
+    return sources;
+  }
+  for (const int source : images_.Sources(index)) {
+    if (source != reference && IsJudgedAsItIs(source) &&
+        sources.size() < kMaxPhotometricSources) {
+      sources.push_back(source);
+    }
+  }
+  return sources;
+}
+
+bool ComposeTask::IsJudgedAsItIs(int image) const {
+  const int side = map_sides_[static_cast<size_t>(image)];
+  return ReductionFactor(side, side) == 1;
 }
 
 bool ComposeTask::WasObserved(const ViewData& view) {

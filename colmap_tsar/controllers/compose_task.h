@@ -20,17 +20,21 @@ namespace tsar {
 // scene.
 class ComposeTask : public RefineMapsTask {
  public:
-  // workspace and evidence must outlive this object. finds_scenes_ahead:
-  // whether threads that read also find the curved surfaces of the scene, for
-  // workers that would otherwise wait for the CPU meanwhile.
+  // workspace and evidence must outlive this object. map_sides: see
+  // WorkspaceOverview. finds_scenes_ahead: whether threads that read also find
+  // the curved surfaces of the scene, for workers that would otherwise wait for
+  // the CPU meanwhile.
   ComposeTask(const RefineTaskInputs& inputs,
               const Workspace& workspace,
               EvidenceStore& evidence,
               SceneModel model,
+              std::vector<int> map_sides,
               bool finds_scenes_ahead);
 
   std::vector<int> Views(size_t index) const override {
-    return {images_.Reference(index)};
+    std::vector<int> views = ComparedSources(index);
+    views.push_back(images_.Reference(index));
+    return views;
   }
   void Prepare(size_t index, const ViewCache::Lease& views) override;
 
@@ -48,6 +52,10 @@ class ComposeTask : public RefineMapsTask {
     FoundScene found;
   };
 
+  // The sources that the composed map is compared with: none where it is larger
+  // than what it is judged at, and none that are.
+  std::vector<int> ComparedSources(size_t index) const;
+  bool IsJudgedAsItIs(int image) const;
   // Whether the image was observed: whether it has depths at the size at which
   // it is judged.
   static bool WasObserved(const ViewData& view);
@@ -59,6 +67,7 @@ class ComposeTask : public RefineMapsTask {
   const Workspace& workspace_;
   EvidenceStore& evidence_;
   const SceneModel model_;
+  const std::vector<int> map_sides_;
   const bool finds_scenes_ahead_;
   // By image of the run, what Prepare() found for RefineMaps().
   std::vector<std::unique_ptr<Scene>> scenes_;

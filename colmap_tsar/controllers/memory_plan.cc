@@ -60,7 +60,8 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.work = std::max(
       {MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
        plan.label_work,
-       ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
+       ComposeImageWorkingBytes(
+           options, num_pixels, num_judged_pixels, num_sources)});
   plan.result =
       std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
   plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);

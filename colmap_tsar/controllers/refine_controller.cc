@@ -184,6 +184,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
                         workspace_,
                         run.evidence,
                         run.IsAnyNeeded() ? run.model.Read() : SceneModel(),
+                        overview_.map_sides,
                         devices_.finds_scenes_ahead);
     return RunPass(compose, pass_name("Pass 3 of 3:"), *cache);
   }

@@ -162,8 +162,9 @@ bool CheckImage(const Workspace& workspace,
   }
   const Camera& camera =
       workspace.Model().images[static_cast<size_t>(image)].camera;
-  overview->max_side =
-      std::max({overview->max_side, size->width, size->height});
+  const int side = std::max(size->width, size->height);
+  overview->map_sides[static_cast<size_t>(image)] = side;
+  overview->max_side = std::max(overview->max_side, side);
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
                RequirePossibleSize(workspace.DepthPath(image, type),
@@ -284,6 +285,7 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   RequireMapsOfTheirOwn(workspace, images);
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
+  overview.map_sides.resize(workspace.Model().images.size());
   for (const int image : images) {
     overview.has_maps[static_cast<size_t>(image)] =
         CheckImage(workspace, image, &overview);

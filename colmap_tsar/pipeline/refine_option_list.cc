@@ -273,6 +273,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Move the borders between planes from those of superpixels to the edges "
        "of the image, and drop depths that spill over these. If 0, borders are "
        "those of superpixels."},
+      {"photometric",
+       &options->photometric,
+       "Compare composed maps of up to 1280 pixels with the images, and move "
+       "textured pixels that stand a little off their surface, such as posters "
+       "and doors. Larger maps gain nothing from it, and keep their depths."},
       {"plane_tolerance",
        &options->plane_tolerance,
        "How far a depth may be off a plane, in standard deviations of the "

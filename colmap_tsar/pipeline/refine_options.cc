@@ -41,6 +41,7 @@ RefineOptions RefineOptions::Paper() {
   options.scene_planes = false;
   options.adjust_planes = false;
   options.pixel_borders = false;
+  options.photometric = false;
   options.curved_surfaces = false;
   return options;
 }

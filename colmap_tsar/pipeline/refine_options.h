@@ -70,6 +70,7 @@ struct RefineOptions {
   bool curved_surfaces = true;
   bool off_plane_depths = true;
   bool pixel_borders = true;
+  bool photometric = true;
   double plane_tolerance = 7.0;
   double min_scene_plane = 100.0;
   double unlabelled_cost = 0.02;

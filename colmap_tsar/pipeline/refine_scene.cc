@@ -12,10 +12,12 @@
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/pack_ratings.h"
+#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/plane_map.h"
 #include "colmap_tsar/pipeline/plane_numbers.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/pipeline/superpixel_surfaces.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
@@ -97,16 +99,6 @@ void ReduceCandidates(const Camera& camera,
   }
 }
 
-// Of each superpixel; invalid where it has none.
-std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
-  std::vector<Plane> planes;
-  for (const int label : labeled.labels) {
-    planes.push_back(label >= 0 ? labeled.planes[static_cast<size_t>(label)]
-                                : Plane{});
-  }
-  return planes;
-}
-
 // By the numbers of ViewEvidence::region_planes.
 std::vector<Plane> PlanesOfRegions(const ViewEvidence& evidence) {
   std::vector<Plane> planes = {Plane{}};
@@ -122,46 +114,6 @@ DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
   return PlanesOfLabels(DeviceImage<uint16_t>(device, labels).View(),
                         Buffer<Plane>(device, planes),
                         device);
-}
-
-// Superpixels of curved surfaces get planes of their own, which touch the
-// surface in their middle.
-LabeledView FlattenSurfaces(const ObservedView& view,
-                            LabeledView labeled,
-                            const CurvedView& curved) {
-  if (curved.surfaces.empty()) {
-    return labeled;
-  }
-  const Image<uint16_t>& superpixels = view.evidence->superpixels;
-  struct Sum {
-    double x = 0.0;
-    double y = 0.0;
-    int count = 0;
-  };
-  std::vector<Sum> sums(labeled.labels.size());
-  for (int y = 0; y < superpixels.Height(); ++y) {
-    for (int x = 0; x < superpixels.Width(); ++x) {
-      Sum& sum = sums[superpixels(x, y)];
-      sum.x += x;
-      sum.y += y;
-      ++sum.count;
-    }
-  }
-  const Intrinsics intrinsics = view.camera.GetIntrinsics();
-  for (size_t k = 0; k < sums.size(); ++k) {
-    if (curved.labels[k] < 0 || sums[k].count == 0) {
-      continue;
-    }
-    const Plane tangent =
-        curved.surfaces[static_cast<size_t>(curved.labels[k])].TangentAt(
-            intrinsics.Ray(static_cast<float>(sums[k].x / sums[k].count),
-                           static_cast<float>(sums[k].y / sums[k].count)));
-    if (tangent.Valid()) {
-      labeled.labels[k] = static_cast<int>(labeled.planes.size());
-      labeled.planes.push_back(tangent);
-    }
-  }
-  return labeled;
 }
 
 // The superpixel of each pixel once its borders are refined. Takes the trust
@@ -211,24 +163,6 @@ Image<uint16_t> RegionsWithinCreases(const ViewEvidence& evidence,
     }
   }
   return regions;
-}
-
-std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
-  const LabeledView& labeled = found.labeled;
-  const CurvedView& curved = found.curved;
-  std::vector<ComposedSuperpixel> result;
-  for (size_t k = 0; k < curved.evidence.size(); ++k) {
-    const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
-    const int label = labeled.labels[k];
-    result.push_back(
-        {curved.evidence[k],
-         is_curved ? kConfidenceOfCurved
-                   : RateSurface(curved.evidence[k], labeled.qualities[k]),
-         label >= 0 ? found.plane_errors[static_cast<size_t>(label)]
-                    : InverseDepthError{},
-         is_curved});
-  }
-  return result;
 }
 
 // The surface of each superpixel, planes before curved ones.
@@ -313,12 +247,14 @@ void MakeEvidence(const RefineOptions& options,
   timer.Finish("scene planes");
 }
 
-RefineResult ComposeImage(const ViewData& reference,
-                          const std::vector<ObservedView>& views,
-                          const FoundScene& found,
-                          const RefineOptions& options,
-                          Device& device,
-                          StageObserver* observer) {
+RefineResult ComposeImage(
+    const ViewData& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    const std::vector<ObservedView>& views,
+    const FoundScene& found,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer) {
   RefineResult result;
   result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
@@ -381,7 +317,6 @@ RefineResult ComposeImage(const ViewData& reference,
             .ToHost();
   }
   timer.Finish("composition");
-  Download(composed, confidence, &result.maps);
   const DeviceImage<uint16_t> plane_numbers(device,
                                             PlaneNumbers(superpixels, found));
   result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),
@@ -389,6 +324,13 @@ RefineResult ComposeImage(const ViewData& reference,
                                  plane_numbers.View(),
                                  device)
                            .ToHost();
+  timer.Finish("download");
+  if (options.photometric && !sources.empty()) {
+    // After all that asks whether depths lie on their planes.
+    RestoreDetail(view, sources, evidence.resolution, {}, &composed, device);
+    timer.Finish("photometric");
+  }
+  Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
   // With min_confidence an empty map is what was asked for.

@@ -40,13 +40,16 @@ void MakeEvidence(const RefineOptions& options,
                   RefineResult* result);
 
 // Composes the reference's map of the planes and surfaces that were found in
-// it. The evidence of the reference has all its parts. observer: as in
-// RefineImage.
-RefineResult ComposeImage(const ViewData& reference,
-                          const std::vector<ObservedView>& views,
-                          const FoundScene& found,
-                          const RefineOptions& options,
-                          Device& device,
-                          StageObserver* observer = nullptr);
+// it. The evidence of the reference has all its parts. sources: for
+// RefineOptions::photometric; none where the map was judged at a smaller size.
+// observer: as in RefineImage.
+RefineResult ComposeImage(
+    const ViewData& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    const std::vector<ObservedView>& views,
+    const FoundScene& found,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer = nullptr);
 
 }  // namespace tsar

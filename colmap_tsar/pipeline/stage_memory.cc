@@ -10,6 +10,7 @@
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
+#include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/scene_planes/choose_labels.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
@@ -119,7 +120,8 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
 
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
-                                 int64_t num_judged_pixels) {
+                                 int64_t num_judged_pixels,
+                                 int num_sources) {
   const int64_t num_raster_pixels = MaxRasterPixels(num_judged_pixels);
   const int64_t num_superpixels =
       MaxSuperpixels(num_raster_pixels, options.superpixel_size);
@@ -141,12 +143,22 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
   const int64_t of_superpixel = BytesOf<ComposedSuperpixel>(num_superpixels);
   const int64_t provenance = BytesOf<uint8_t>(num_pixels);
   const int64_t plane_maps = BytesOf<uint16_t>(num_raster_pixels + num_pixels);
+  // Of a map that is judged as it is.
+  const int64_t confidence_and_detail =
+      options.photometric
+          ? BytesOf<float>(num_judged_pixels) +
+                BytesOf<uint16_t>(num_raster_pixels) +
+                RestoreDetailWorkingBytes(
+                    num_judged_pixels,
+                    std::min(num_sources, kMaxPhotometricSources))
+          : 0;
   const int64_t composing =
       planes_of_scene_and_regions + superpixels + of_superpixel +
       std::max(ComposeSceneWorkingBytes(num_pixels),
                provenance +
-                   std::max(FillHolesWorkingBytes(options, num_pixels),
-                            ConfidenceBytes(options, num_pixels) + plane_maps));
+                   std::max({FillHolesWorkingBytes(options, num_pixels),
+                             ConfidenceBytes(options, num_pixels) + plane_maps,
+                             confidence_and_detail}));
   const int64_t ratings = BytesOf<uint8_t>(num_pixels);
   return DeviceReferenceWorkingBytes(num_pixels) +
          std::max(LiftRatingsWorkingBytes(num_pixels, num_judged_pixels),

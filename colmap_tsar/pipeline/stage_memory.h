@@ -24,7 +24,8 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
 // it was not reduced.
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
-                                 int64_t num_judged_pixels);
+                                 int64_t num_judged_pixels,
+                                 int num_sources);
 // num_views: the one that is labelled, and its sources.
 int64_t LabelViewWorkingBytes(const RefineOptions& options,
                               int64_t num_pixels,

@@ -172,13 +172,14 @@ int64_t PeakOfRefinement(const SyntheticViews& drawn,
         cache.Get(static_cast<int>(sources.size()), *source, device));
   }
   const RefineResult observed =
-      ObserveImage(drawn.views[0], std::move(sources), 1, options, device);
+      ObserveImage(drawn.views[0], sources, 1, options, device);
   const ViewEvidence& evidence = *observed.evidence;
   const std::vector<ObservedView> views(
       drawn.views.size(), MakeObservedView(evidence, drawn.views[0].camera));
   // The planes of the scene are found on the host.
   const std::unique_ptr<Device> host = Device::CreateCpu(1);
   ComposeImage(drawn.views[0],
+               sources,
                views,
                FindSceneIn(views, options, *host),
                options,

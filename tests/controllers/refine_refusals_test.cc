@@ -114,6 +114,7 @@ TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
   };
   EXPECT_TRUE(look().has_other_type);
   EXPECT_FALSE(look().has_costs);
+  EXPECT_EQ(look().map_sides, std::vector<int>(4, 96));
   for (int image = 0; image < 3; ++image) {
     RemoveMaps(image, MapType::kPhotometric);
   }

@@ -9,15 +9,18 @@
 #include "colmap_tsar/controllers/model_pass.h"
 #include "colmap_tsar/controllers/observe_task.h"
 #include "colmap_tsar/controllers/single_view_task.h"
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
 #include <algorithm>
 #include <map>
 #include <sstream>
+#include <vector>
 
 #include "tests/controllers/counting_device.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
+#include <gmock/gmock.h>
 
 namespace tsar {
 namespace {
@@ -92,8 +95,15 @@ class RefineTaskTest : public testing::Test {
                                  "",
                                  progress,
                                  [] { return false; }));
-      ComposeTask compose(
-          task_inputs, workspace, evidence, model.Read(), finds_scenes_ahead);
+      ComposeTask compose(task_inputs,
+                          workspace,
+                          evidence,
+                          model.Read(),
+                          map_sides_,
+                          finds_scenes_ahead);
+      for (size_t index = 0; index < images.NumImages(); ++index) {
+        composed_views_[images.Reference(index)] = compose.Views(index);
+      }
       RunPipeline(compose, cache);
     } else {
       SingleViewTask refine(task_inputs);
@@ -165,6 +175,9 @@ class RefineTaskTest : public testing::Test {
   std::vector<ImageReport> reports_;
   std::vector<ImageReport> observed_;
   std::vector<std::exception_ptr> failures_;
+  // By image.
+  std::vector<int> map_sides_ = std::vector<int>(4, 96);
+  std::map<int, std::vector<int>> composed_views_;
   int num_allocations_to_observe_ = 0;
   int num_allocations_ = 0;
 };
@@ -230,6 +243,22 @@ TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
   EXPECT_TRUE(ReadMaps() == maps);
   for (const ImageReport& report : reports_) {
     EXPECT_GT(report.seconds.count("curved surfaces"), 0u);
+  }
+}
+
+TEST_F(RefineTaskTest, ComparesMapsThatAreJudgedAsTheyAre) {
+  MakeSyntheticWorkspace(root_);
+  map_sides_[2] = kMaxJudgingSide + 1;
+  Run(true);
+  ASSERT_EQ(composed_views_.size(), 4u);
+  for (const auto& [image, views] : composed_views_) {
+    if (image == 2) {
+      EXPECT_THAT(views, testing::ElementsAre(2));
+    } else {
+      EXPECT_THAT(views, testing::Contains(image));
+      EXPECT_THAT(views, testing::Not(testing::Contains(2)));
+      EXPECT_GT(views.size(), 1u);
+    }
   }
 }
 

@@ -52,6 +52,7 @@ class RefineSceneTest : public SyntheticViewsTest {
       views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
     }
     return ComposeImage(drawn_.views[0],
+                        UploadViews(drawn_.Sources(), *device_),
                         views,
                         FindSceneIn(views, options, *device_),
                         options,
@@ -246,7 +247,8 @@ TEST_F(RefineSceneTest, RegionsBeyondCreasesStayEmpty) {
       found.labeled.evidence[s] = label;
       found.curved.evidence[s] = label;
     }
-    return ComposeImage(drawn_.views[0], views, found, options, *device_).maps;
+    return ComposeImage(drawn_.views[0], {}, views, found, options, *device_)
+        .maps;
   };
   const auto num_filled = [&](const RefinedMaps& maps) {
     int count = 0;

@@ -117,12 +117,13 @@ class StageMemoryTest : public testing::Test {
                 found = FindSceneOfBlock(views, block, options, device);
               }),
               LabelViewMainBytes(options, num_pixels_, num_views));
-    ExpectPlanned("compose",
-                  ComposeImageWorkingBytes(options, num_pixels_, num_pixels_),
-                  PeakOf([&](Device& device) {
-                    ComposeImage(
-                        drawn_.views[0], views, found, options, device);
-                  }));
+    ExpectPlanned(
+        "compose",
+        ComposeImageWorkingBytes(
+            options, num_pixels_, num_pixels_, NumSources()),
+        PeakBesideSources([&](auto sources, Device& device) {
+          ComposeImage(drawn_.views[0], sources, views, found, options, device);
+        }));
   }
 
   // Of the device that is lent, without costs and with those of a former call.
@@ -190,10 +191,11 @@ TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
         MakeObservedView(evidence, judged.camera)};
     const FoundScene found = FindSceneIn(views, options, *device);
     ExpectPlanned("compose",
-                  ComposeImageWorkingBytes(options, num_pixels_, num_judged),
+                  ComposeImageWorkingBytes(
+                      options, num_pixels_, num_judged, NumSources()),
                   PeakOf([&](Device& counting) {
                     ComposeImage(
-                        whole.views[0], views, found, options, counting);
+                        whole.views[0], {}, views, found, options, counting);
                   }));
   }
 }

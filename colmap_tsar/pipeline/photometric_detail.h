@@ -1,0 +1,38 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/photometric_offset.h"
+#include "colmap_tsar/pipeline/uploaded_view.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tsar {
+
+// The sources that this asks, at most: more cost time and memory, and see the
+// surface from farther away.
+constexpr int kMaxPhotometricSources = 8;
+
+// Restores what stands off its surface by less than the spread of measured
+// depths, which composition smooths onto the surface: posters, doors and
+// mouldings. Measured pixels with texture move by the mean offset that the
+// images show in their neighbourhood; normals and provenance stay.
+// For maps that are judged as they are.
+void RestoreDetail(
+    const DeviceReference& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    const DepthResolution& resolution,
+    const PhotometricOptions& options,
+    ComposedMap* composed,
+    Device& device);
+
+// Beside the sources and the composed map.
+int64_t RestoreDetailWorkingBytes(int64_t num_pixels, int num_sources);
+
+}  // namespace tsar

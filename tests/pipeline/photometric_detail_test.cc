@@ -1,0 +1,167 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/photometric_detail.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "tests/support/synthetic_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+// In pixels of disparity.
+constexpr float kOff = 0.15f;
+constexpr float kRight = 0.05f;
+constexpr int kMargin = 40;
+
+// A drawn wall, of which the composed map has a depth that is a little off.
+class RestoreDetailTest : public testing::Test {
+ protected:
+  RestoreDetailTest() : device_(Device::CreateCpu(2)) {
+    SyntheticViewsOptions options;
+    options.width = 384;
+    options.height = 288;
+    drawn_ = MakeSyntheticViews(options);
+    const ViewData& reference = drawn_.views[0];
+    resolution_.error_per_depth =
+        1.f / static_cast<float>(0.3 * reference.camera.fx);
+    depth_ = Image<float>(options.width, options.height);
+    for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+      depth_.Data()[i] =
+          DepthAtOffset(drawn_.truth.Data()[i], kOff, resolution_);
+    }
+  }
+
+  Image<float> Restore(std::vector<const ViewData*> sources,
+                       Provenance provenance = Provenance::kMeasured) const {
+    const int width = depth_.Width();
+    const int height = depth_.Height();
+    ComposedMap composed;
+    composed.map.depth = DeviceImage<float>(*device_, depth_);
+    composed.map.normal = DeviceImage<Vec3f>(
+        *device_, Image<Vec3f>(width, height, drawn_.wall.normal));
+    composed.provenance = DeviceImage<uint8_t>(
+        *device_,
+        Image<uint8_t>(width, height, static_cast<uint8_t>(provenance)));
+    RestoreDetail(DeviceReference(drawn_.views[0], *device_),
+                  UploadViews(sources, *device_),
+                  resolution_,
+                  {},
+                  &composed,
+                  *device_);
+    return composed.map.depth.ToHost();
+  }
+  // Off the truth, in pixels of disparity.
+  float Offset(const Image<float>& depth, int x, int y) const {
+    return (1.f / depth(x, y) - 1.f / drawn_.truth(x, y)) /
+           resolution_.error_per_depth;
+  }
+  bool IsBare(int x, int y) const {
+    return SyntheticViews::IsBare(
+        drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
+  }
+  // Whether pixels so far around all have texture, or all have none.
+  bool IsAmid(bool bare, int x, int y, int margin) const {
+    return IsBare(x - margin, y - margin) == bare &&
+           IsBare(x + margin, y - margin) == bare &&
+           IsBare(x - margin, y + margin) == bare &&
+           IsBare(x + margin, y + margin) == bare;
+  }
+
+  std::unique_ptr<Device> device_;
+  SyntheticViews drawn_;
+  DepthResolution resolution_;
+  Image<float> depth_;
+};
+
+TEST_F(RestoreDetailTest, MovesTexturedPixelsToWhereTheImagesAgree) {
+  const Image<float> restored = Restore(drawn_.Sources());
+  int num_textured = 0;
+  int num_right = 0;
+  // All sources see the middle.
+  for (int y = kMargin; y < restored.Height() - kMargin; ++y) {
+    for (int x = kMargin; x < restored.Width() - kMargin; ++x) {
+      ASSERT_LT(std::abs(Offset(restored, x, y)), kOff + kRight)
+          << x << ", " << y;
+      if (IsAmid(false, x, y, 6)) {
+        ++num_textured;
+        num_right += std::abs(Offset(restored, x, y)) < kRight ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(num_textured, 30000);
+  EXPECT_GT(num_right, 0.9 * num_textured);
+}
+
+TEST_F(RestoreDetailTest, LeavesBarePixels) {
+  const Image<float> restored = Restore(drawn_.Sources());
+  int num_bare = 0;
+  for (int y = 0; y < restored.Height(); ++y) {
+    for (int x = 0; x < restored.Width(); ++x) {
+      if (IsAmid(true, x, y, 3)) {
+        ++num_bare;
+        ASSERT_EQ(restored(x, y), depth_(x, y)) << x << ", " << y;
+      }
+    }
+  }
+  EXPECT_GT(num_bare, 1000);
+}
+
+TEST_F(RestoreDetailTest, LeavesWhatIsRight) {
+  depth_ = drawn_.truth;
+  const Image<float> restored = Restore(drawn_.Sources());
+  int num_left = 0;
+  for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+    num_left += restored.Data()[i] == depth_.Data()[i] ? 1 : 0;
+  }
+  EXPECT_GT(num_left, 0.99 * static_cast<double>(depth_.NumPixels()));
+}
+
+TEST_F(RestoreDetailTest, LeavesWhatWasNotMeasured) {
+  const Image<float> restored =
+      Restore(drawn_.Sources(), Provenance::kOtherViews);
+  for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+    ASSERT_EQ(restored.Data()[i], depth_.Data()[i]) << i;
+  }
+}
+
+TEST_F(RestoreDetailTest, AsksFourSources) {
+  std::vector<const ViewData*> sources = drawn_.Sources();
+  sources.pop_back();
+  for (const Image<float>& restored : {Restore(sources), Restore({})}) {
+    for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+      ASSERT_EQ(restored.Data()[i], depth_.Data()[i]) << i;
+    }
+  }
+}
+
+// What is hidden shows something else.
+TEST_F(RestoreDetailTest, AsksNoSourceThatSeesANearerSurface) {
+  ViewData& hidden = drawn_.views[1];
+  for (float& depth : hidden.depth) {
+    depth *= 0.9f;
+  }
+  const Image<float> restored = Restore(drawn_.Sources());
+  EXPECT_EQ(restored(30, 30), depth_(30, 30));
+}
+
+TEST_F(RestoreDetailTest, DoesNotFollowASurfaceThatIsFurtherOff) {
+  constexpr float kFar = 2.f;
+  for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+    depth_.Data()[i] = DepthAtOffset(drawn_.truth.Data()[i], kFar, resolution_);
+  }
+  const Image<float> restored = Restore(drawn_.Sources());
+  for (int y = 0; y < restored.Height(); ++y) {
+    for (int x = 0; x < restored.Width(); ++x) {
+      ASSERT_GT(Offset(restored, x, y), kFar - 0.81f) << x << ", " << y;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar
