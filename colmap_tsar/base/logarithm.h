@@ -10,7 +10,7 @@
 
 namespace tsar {
 
-// ln(x) for normal x > 0, to 2e-7. As in exponential.h, additions and
+// ln(x) for normal x > 0, right to 2e-7 or two units in the last place. As in exponential.h, additions and
 // multiplications (and one division) alone, so that CPU and GPU get the same
 // bits.
 TSAR_HD inline float NaturalLogarithm(float x) {

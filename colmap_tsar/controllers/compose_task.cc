@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/compose_task.h"
 
+#include "colmap_tsar/device/scoped_synchronization.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/scene_model_file.h"
@@ -60,6 +61,8 @@ RefineResult ComposeTask::RefineMaps(size_t index,
           worker.views->Get(source, views->Get(source), *worker.device));
       views->Release(source);
     }
+    // They belong to other devices, too, which may free them.
+    const ScopedSynchronization synchronization(*worker.device);
     return ComposeImage(reference,
                         sources,
                         scene->views,

@@ -74,7 +74,8 @@ ViewData ReadMaps(const Workspace& workspace, int image) {
     for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
       SetCosts(costs, i, &view);
       if (view.min_cost.Data()[i] == kUndefinedCost) {
-        // No image speaks for this depth; it follows from what is around it.
+        // The images say nothing about this depth: it follows from what is
+        // around it, or from chance.
         view.depth.Data()[i] = 0.f;
         view.normal.Data()[i] = {};
       }

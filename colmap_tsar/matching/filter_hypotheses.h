@@ -11,13 +11,13 @@
 
 namespace tsar {
 
-// Names, meanings and defaults are those of COLMAP's patch_match_stereo.
 struct HypothesisFilterOptions {
+  // Names, meanings and defaults are those of COLMAP's patch_match_stereo.
   float min_ncc = 0.1f;
   float min_triangulation_angle = 3.f;    // Degrees, between the rays.
   int min_num_consistent = 2;             // Sources.
   float geom_consistency_max_cost = 1.f;  // Pixels of reprojection error.
-  float window_radius = 5.f;
+  float window_radius = 5.f;              // Pixels.
   // How far a depth may lie off its prior, as a share of it, and the variance
   // of the 5 x 5 pixels around it, in squared grey levels, from which it has to
   // match nevertheless: its own texture is distinct (see ConfirmationOptions).
@@ -37,13 +37,15 @@ DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
 
 struct DepthsUnderPrior {
   DeviceImage<float> depth;
-  // 1: the depth follows from the prior, and no image confirms it.
+  // 1: the depth lies on the prior, and its own texture is too weak to tell
+  // whether it would without one.
   DeviceImage<uint8_t> follows_prior;
 };
 
 // The same for maps that were found with a planar prior: of depths on their
-// prior plane whose own texture is not distinct, the images need not match. A
-// correlation there says nothing about the depth.
+// prior plane whose own texture is not distinct, the images need not match. If
+// they do, it says little: the plane was preferred to others that match as
+// well.
 DepthsUnderPrior FilterUnderPrior(const ReferenceView& reference,
                                   const Buffer<SourceView>& sources,
                                   ImageView<const Plane> prior,

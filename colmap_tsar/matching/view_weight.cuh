@@ -9,7 +9,7 @@
 namespace tsar {
 
 // How much a source view counts for a pixel: joint view selection from the
-// costs that the pixel's neighbouring planes have in that view (Xu and Tao,
+// costs that the planes which the pixel tries have in that view (Xu and Tao,
 // CVPR 2019, section 3.3). A view that sees the surface has some low costs
 // among them and few high ones.
 class ViewWeight {

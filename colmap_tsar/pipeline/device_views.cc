@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/device_views.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/device/scoped_synchronization.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/raster_color.h"
@@ -62,11 +63,7 @@ DeviceViews::DeviceViews(
 
 DeviceViews::~DeviceViews() {
   if (!uploaded_sources_.empty()) {
-    try {
-      device_.Synchronize();
-    } catch (const Error&) {
-      // Whoever asks the device for more will hear of it.
-    }
+    const ScopedSynchronization synchronization(device_);
   }
 }
 

@@ -28,7 +28,8 @@ struct KnownOffsetKernel {
   }
 };
 
-// Dilates a mask along rows or columns, or erodes it. Nothing is set outside.
+// Dilates a mask along rows or columns, or erodes it. What lies outside decides
+// nothing.
 struct LineKernel {
   ImageView<const uint8_t> mask;
   int radius;
@@ -42,9 +43,7 @@ struct LineKernel {
     for (int d = -radius; d <= radius; ++d) {
       const int u = along_x ? x + d : x;
       const int v = along_x ? y : y + d;
-      const bool is_inside =
-          u >= 0 && v >= 0 && u < mask.width && v < mask.height;
-      if ((is_inside ? mask(u, v) : 0) == decisive) {
+      if (mask.Contains(u, v) && mask(u, v) == decisive) {
         result(x, y) = decisive;
         return;
       }
@@ -180,9 +179,6 @@ void RestoreDetail(
              options,
              &composed->map.depth,
              device);
-  // The sources belong to other devices, too, which may free them once this
-  // returns.
-  device.Synchronize();
 }
 
 int64_t RestoreDetailWorkingBytes(int64_t num_pixels, int num_sources) {

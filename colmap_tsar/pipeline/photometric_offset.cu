@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/logarithm.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
+#include "colmap_tsar/noise/window_variance.cuh"
 
 #include <cmath>
 
@@ -15,6 +16,8 @@ namespace {
 
 // Wide enough for NCC to tell noise, small enough for detail.
 constexpr float kWindowRadius = 3.f;
+// The 5 x 5 pixels whose texture is a pixel's own.
+constexpr int kTextureRadius = 2;
 constexpr float kStep = 0.25f;  // In pixels of disparity.
 // Offsets are tried beyond the largest that counts: where the last one is the
 // best, the surface is another one.
@@ -22,7 +25,8 @@ constexpr int kNumSteps = 5;  // To either side.
 constexpr int kNumOffsets = 2 * kNumSteps + 1;
 // Of 1 - NCC^2, beside noise: interpolation, and surfaces that are not flat.
 constexpr float kModelError = 0.02f;
-// A source that measured a surface nearer by more than this is hidden.
+// From a source that has a surface nearer than this share of the depth, the
+// pixel is hidden.
 constexpr float kHidden = 0.97f;
 // Pixels from the border of a source.
 constexpr float kMargin = 3.f;
@@ -99,7 +103,8 @@ struct OffsetKernel {
     const float noise_variance = noise.Variance(gray(x, y));
     const Vec3f ray = intrinsics.Ray(x, y);
     const Plane plane = Plane::FromPoint(ray, own, normal(x, y));
-    if (!(OwnVariance(x, y) > options.min_texture * noise_variance) ||
+    if (!(WindowVariance(gray, x, y, kTextureRadius) >
+          options.min_texture * noise_variance) ||
         !plane.Valid()) {
       return PhotometricOffsets::kNeverMoves;
     }
@@ -146,21 +151,6 @@ struct OffsetKernel {
       return 0.f;
     }
     return 1.f / fmaxf(kStep * kStep / curvature, kMinSigma * kMinSigma);
-  }
-
-  TSAR_HD float OwnVariance(int x, int y) const {
-    constexpr int kRadius = 2;
-    float sum = 0.f;
-    float squares = 0.f;
-    for (int dy = -kRadius; dy <= kRadius; ++dy) {
-      for (int dx = -kRadius; dx <= kRadius; ++dx) {
-        const float difference = Gray(x + dx, y + dy) - gray(x, y);
-        sum += difference;
-        squares += difference * difference;
-      }
-    }
-    constexpr float kArea = (2 * kRadius + 1) * (2 * kRadius + 1);
-    return (squares - sum * sum / kArea) / kArea;
   }
 
   // Whether the source may see the surface; adds how it moves there.

@@ -41,7 +41,7 @@ struct PhotometricOptions {
 struct PhotometricInputs {
   Intrinsics intrinsics;
   ImageView<const float> gray;
-  // Images and measured depths; empty depths hide nothing.
+  // Images, and the depths that they came with; empty depths hide nothing.
   const Buffer<SourceView>& sources;
   DepthResolution resolution;
   NoiseCurve noise;  // Of the images.
@@ -67,7 +67,7 @@ TSAR_HD inline float DepthAtOffset(float depth,
 
 // Compares each measured pixel that has texture with the sources, with the
 // plane of its depth and normal moved along the ray. The log-likelihood of an
-// offset adds up over the sources; its curvature is that of the offset's
+// offset adds up over the sources; its curvature is the inverse of the offset's
 // variance, and two halves of the sources tell whether it can be believed.
 PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                                   const PhotometricInputs& inputs,

@@ -19,7 +19,7 @@ namespace tsar {
 namespace {
 
 // The side of the squares, in pixels, and the size of the images from which on
-// they grow with it: there are never more than some 50,000.
+// they grow with it: there are never more than 100,000.
 constexpr int kMinSquareSide = 5;
 constexpr int kImageSidePerSquareSide = 256;
 // The share of a square's pixels that need a depth.
@@ -29,6 +29,7 @@ constexpr float kMinDensity = 0.25f;
 // texture, and a prior may stand on points that are less exact than maps.
 constexpr float kMinNcc = 0.7f;
 constexpr float kMinTriangulationAngle = 1.f;
+constexpr int kMinNumConsistent = 2;
 
 struct Pixel {
   int x = 0;
@@ -84,22 +85,36 @@ int64_t SignedArea(const Pixel& a, const Pixel& b, const Pixel& c) {
   return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{c.x - a.x} * (b.y - a.y);
 }
 
-// Sets the pixels in the triangle and on its sides.
+// The largest integer not above numerator / denominator, for a positive one.
+int64_t FloorOfRatio(int64_t numerator, int64_t denominator) {
+  const int64_t quotient = numerator / denominator;
+  return quotient - (numerator % denominator < 0 ? 1 : 0);
+}
+
+// Sets the pixels in the triangle and on its sides, row by row: long slivers
+// fill little of the box around them.
 void FillTriangle(const Triangle& triangle,
                   const Plane& plane,
                   Image<Plane>* planes) {
   const auto& [a, b, c] = triangle;
   const int64_t sign = SignedArea(a, b, c) < 0 ? -1 : 1;
-  const auto [x_min, x_max] = std::minmax({a.x, b.x, c.x});
-  const auto [y_min, y_max] = std::minmax({a.y, b.y, c.y});
-  for (int y = y_min; y <= y_max; ++y) {
-    for (int x = x_min; x <= x_max; ++x) {
-      const Pixel pixel{x, y};
-      if (sign * SignedArea(a, b, pixel) >= 0 &&
-          sign * SignedArea(b, c, pixel) >= 0 &&
-          sign * SignedArea(c, a, pixel) >= 0) {
-        (*planes)(x, y) = plane;
+  const auto [first, last] = std::minmax({a.x, b.x, c.x});
+  const auto [top, bottom] = std::minmax({a.y, b.y, c.y});
+  for (int y = top; y <= bottom; ++y) {
+    int64_t x_min = first;
+    int64_t x_max = last;
+    for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, a}}) {
+      // On this side of the edge: value + slope * x >= 0.
+      const int64_t slope = -sign * (to.y - from.y);
+      const int64_t value = sign * SignedArea(from, to, {0, y});
+      if (slope > 0) {
+        x_min = std::max(x_min, -FloorOfRatio(value, slope));
+      } else if (slope < 0) {
+        x_max = std::min(x_max, FloorOfRatio(value, -slope));
       }
+    }
+    for (int64_t x = x_min; x <= x_max; ++x) {
+      (*planes)(static_cast<int>(x), y) = plane;
     }
   }
 }
@@ -158,18 +173,17 @@ Image<Plane> TriangulatePlanes(const Image<float>& depth,
 DeviceImage<Plane> FindPlanarPrior(const ReferenceView& reference,
                                    const Buffer<SourceView>& sources,
                                    float window_radius,
-                                   int min_num_consistent,
                                    Device& device) {
   HypothesisFilterOptions reliable;
   reliable.min_ncc = kMinNcc;
   reliable.min_triangulation_angle = kMinTriangulationAngle;
-  reliable.min_num_consistent = min_num_consistent;
+  reliable.min_num_consistent =
+      std::clamp(static_cast<int>(sources.Size()), 1, kMinNumConsistent);
   reliable.window_radius = window_radius;
-  return DeviceImage<Plane>(
-      device,
-      TriangulatePlanes(
-          FilterHypotheses(reference, sources, reliable, device).ToHost(),
-          reference.intrinsics));
+  const Image<float> depth =
+      FilterHypotheses(reference, sources, reliable, device).ToHost();
+  return DeviceImage<Plane>(device,
+                            TriangulatePlanes(depth, reference.intrinsics));
 }
 
 int64_t FindPlanarPriorWorkingBytes(int64_t num_pixels) {

@@ -26,14 +26,13 @@ Image<Plane> TriangulatePlanes(const Image<float>& depth,
                                const Intrinsics& intrinsics);
 
 // The planes of the triangles between those depths of the reference that match
-// well and that the depths of enough sources confirm.
+// well and that the depths of two sources confirm, or that of the only one.
 DeviceImage<Plane> FindPlanarPrior(const ReferenceView& reference,
                                    const Buffer<SourceView>& sources,
                                    float window_radius,
-                                   int min_num_consistent,
                                    Device& device);
 
-// Of the device's memory.
+// Of the device's memory, with the result.
 int64_t FindPlanarPriorWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

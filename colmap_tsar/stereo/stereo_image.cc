@@ -243,8 +243,6 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   search.num_past_iterations =
       options.num_iterations - 1 + pass * kGeometricIterations;
   search.num_iterations = kGeometricIterations;
-  const int min_num_consistent = std::min(options.filter_min_num_consistent,
-                                          static_cast<int>(sources.size()));
   PlaneMaps maps;
   DeviceImage<Plane> prior;
   {
@@ -253,11 +251,8 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
     if (options.planar_prior) {
       view.depth = depth.View();
       view.normal = normal.View();
-      prior = FindPlanarPrior(view,
-                              level_sources,
-                              search.window_radius,
-                              min_num_consistent,
-                              device);
+      prior =
+          FindPlanarPrior(view, level_sources, search.window_radius, device);
     }
     const PlaneHypotheses found = RunPatchMatch(
         {view,
@@ -276,7 +271,8 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   filter.min_ncc = static_cast<float>(options.filter_min_ncc);
   filter.min_triangulation_angle =
       static_cast<float>(options.filter_min_triangulation_angle);
-  filter.min_num_consistent = min_num_consistent;
+  filter.min_num_consistent = std::min(options.filter_min_num_consistent,
+                                       static_cast<int>(sources.size()));
   filter.geom_consistency_max_cost =
       static_cast<float>(options.filter_geom_consistency_max_cost);
   filter.window_radius = search.window_radius;

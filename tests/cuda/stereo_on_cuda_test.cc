@@ -220,7 +220,7 @@ TEST_F(CudaTest, PlanarPrior) {
                 const ReferenceView reference = inputs.views.Reference();
                 const Buffer<SourceView>& sources = inputs.views.Sources();
                 const DeviceImage<Plane> prior =
-                    FindPlanarPrior(reference, sources, 5.f, 2, device);
+                    FindPlanarPrior(reference, sources, 5.f, device);
                 result->Add("prior", prior);
                 PatchMatchOptions options = BoundsAroundTheWall();
                 options.num_iterations = 1;

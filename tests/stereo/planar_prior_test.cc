@@ -4,6 +4,7 @@
 #include "colmap_tsar/stereo/planar_prior.h"
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -137,17 +138,49 @@ TEST(FindPlanarPriorTest, SpansABareWall) {
     }
   }
   const Image<Plane> prior =
-      FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, 2, *device)
+      FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device)
           .ToHost();
   const Vec3f ray = DrawnIntrinsics().Ray(kWidth / 2, kHeight / 2);
   const Plane& middle = prior(kWidth / 2, kHeight / 2);
   ASSERT_TRUE(middle.Valid());
   EXPECT_NEAR(middle.Depth(ray) / kWall.Depth(ray), 1.f, 1e-3f);
-  // With three needed, two sources confirm nothing.
-  EXPECT_EQ(CountValid(FindPlanarPrior(
-                           scene.Reference(), scene.Sources(), 5.f, 3, *device)
-                           .ToHost()),
-            0);
+}
+
+// Of two sources one has no depth, so that a single one confirms them.
+TEST(FindPlanarPriorTest, NeedsTwoSourcesIfThereAreTwo) {
+  const std::unique_ptr<Device> device = Device::CreateCpu(2);
+  const Camera camera = SyntheticCamera(kWidth, kHeight, 100.0);
+  TexturedPlane scene(kWall, camera, *device);
+  scene.AddSource(SourceCamera(camera, {0.3, 0.05, 0.0}, -0.09));
+  const auto count = [&] {
+    return CountValid(
+        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device)
+            .ToHost());
+  };
+  EXPECT_GT(count(), kWidth * kHeight / 2);
+  scene.AddSource(SourceCamera(camera, {-0.3, 0.05, 0.0}, 0.09));
+  scene.SourceDepth(1) = Image<float>(kWidth, kHeight, 0.f);
+  EXPECT_EQ(count(), 0);
+}
+
+TEST(FindPlanarPriorTest, TakesWhateverDepthsThereAre) {
+  const std::unique_ptr<Device> device = Device::CreateCpu(1);
+  const Camera camera = SyntheticCamera(kWidth, kHeight, 100.0);
+  TexturedPlane scene(kWall, camera, *device);
+  const auto count = [&] {
+    return CountValid(
+        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device)
+            .ToHost());
+  };
+  EXPECT_EQ(count(), 0);  // Without sources.
+  scene.AddSource(SourceCamera(camera, {0.3, 0.05, 0.0}, -0.09));
+  for (const float depth : {std::numeric_limits<float>::infinity(),
+                            std::numeric_limits<float>::quiet_NaN(),
+                            1e38f,
+                            -1.f}) {
+    scene.Depth() = Image<float>(kWidth, kHeight, depth);
+    EXPECT_EQ(count(), 0) << depth;
+  }
 }
 
 }  // namespace

@@ -161,6 +161,59 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
   EXPECT_GT(num_right, 0.97 * num_found);
 }
 
+// What the maps say about the bare part of the wall.
+struct BareWall {
+  int num_found = 0;
+  int num_right = 0;
+  int num_with_evidence = 0;
+};
+
+BareWall LookAtBareWall(const std::filesystem::path& root) {
+  BareWall bare;
+  const Workspace workspace(root, MapType::kGeometric);
+  for (int view = 0; view < 4; ++view) {
+    const int image =
+        workspace.Model().IndexOf(SyntheticWorkspace::Names()[view]);
+    const Image<float> depth =
+        workspace.ReadOriginalMaps(image, MapType::kGeometric).depth;
+    const PlanarMap costs =
+        ReadPlanarMap(workspace.CostPath(image, MapType::kGeometric));
+    for (int y = 0; y < depth.Height(); ++y) {
+      for (int x = 0; x < depth.Width(); ++x) {
+        bool is_bare = true;
+        for (const int dx : {-3, 0, 3}) {
+          for (const int dy : {-3, 0, 3}) {
+            is_bare =
+                is_bare && SyntheticWorkspace::IsBare(view, x + dx, y + dy);
+          }
+        }
+        if (is_bare && depth(x, y) > 0.f) {
+          ++bare.num_found;
+          bare.num_right += std::abs(depth(x, y) - kDepth) < 0.01 * kDepth;
+          bare.num_with_evidence +=
+              costs.values[depth.View().Index(x, y)] < 2.f;
+        }
+      }
+    }
+  }
+  return bare;
+}
+
+TEST_F(StereoWorkspaceTest, ThePriorFillsTheBareWallAndSaysSo) {
+  options_.max_image_size = StereoOptions().max_image_size;
+  options_.planar_prior = false;
+  Run();
+  const BareWall without = LookAtBareWall(root_);
+  options_.planar_prior = true;
+  Run(/*overwrite=*/true);
+  const BareWall with = LookAtBareWall(root_);
+  EXPECT_EQ(without.num_with_evidence, without.num_found);
+  EXPECT_GT(with.num_right, 3 * without.num_right);
+  // Some triangles have a vertex in front of the wall.
+  EXPECT_GT(with.num_right, 0.65 * with.num_found);
+  EXPECT_LT(with.num_with_evidence, 0.1 * with.num_found);
+}
+
 TEST_F(StereoWorkspaceTest, ASecondRunHasNothingToDo) {
   Run();
   const auto first = ReadTree(root_);
