@@ -25,6 +25,9 @@ constexpr float kMinNoiseVariances = 2.f;
 // In squared grey levels: what shading and compression leave on bare walls,
 // where there is no other noise.
 constexpr float kMinVariance = 3.f;
+// Twice the variance of noise of eight levels. Where no block of an image is
+// flat, as on gravel, its texture is taken for noise, and is far above this.
+constexpr float kMaxVariance = 128.f;
 
 bool IsUnfiltered(const ViewData& view) {
   return view.num_depths_to_refine > 0 &&
@@ -55,8 +58,10 @@ void DropUntexturedDepths(ViewData* view) {
   const NoiseCurve noise = EstimateNoise(gray, *device);
   for (int y = 0; y < gray.height; ++y) {
     for (int x = 0; x < gray.width; ++x) {
-      const float min_variance = std::max(
-          kMinNoiseVariances * noise.Variance(gray(x, y)), kMinVariance);
+      const float min_variance =
+          std::clamp(kMinNoiseVariances * noise.Variance(gray(x, y)),
+                     kMinVariance,
+                     kMaxVariance);
       if (view->is_to_refine(x, y) != 0 &&
           WindowVariance(gray, x, y, kRadius) < min_variance) {
         DropDepth(x, y, view);

@@ -85,6 +85,13 @@ TEST(DropUntexturedDepths, NoiseIsNoTexture) {
   EXPECT_EQ(CountDepths(view, kEdge, kWidth), (kWidth - kEdge) * kHeight);
 }
 
+// Nothing in the image tells its texture from noise but how strong it is.
+TEST(DropUntexturedDepths, TextureAllOverIsNoNoise) {
+  ViewData view = DrawView(60);
+  DropUntexturedDepths(&view);
+  EXPECT_EQ(CountDepths(view, 0, kWidth), kWidth * kHeight);
+}
+
 TEST(DropUntexturedDepths, LeavesMapsWithHolesAsTheyAre) {
   ViewData view = DrawView(0);
   // 6 % of the pixels.
