@@ -6,7 +6,7 @@ import shlex
 
 from programs import CommandFailed
 
-SWITCHES = ("denoise", "filter", "filter_confidence",
+SWITCHES = ("denoise", "distrust_untextured", "filter", "filter_confidence",
             "filter_discontinuity", "refine", "superpixel_planes",
             "weighted_median", "segment", "view_agreement", "region_cores",
             "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",

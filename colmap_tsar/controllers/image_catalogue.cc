@@ -57,12 +57,14 @@ ImageCatalogue::ImageCatalogue(const Workspace& workspace,
                                std::vector<bool> has_maps,
                                std::string options_hash,
                                InputFingerprints& inputs,
-                               bool reuses_results)
+                               bool reuses_results,
+                               bool distrust_untextured)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_hash_(std::move(options_hash)),
       inputs_(inputs),
       reuses_results_(reuses_results),
+      distrust_untextured_(distrust_untextured),
       is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
       users_(workspace.Model().images.size()),
@@ -160,7 +162,8 @@ void ImageCatalogue::WarnOfChanges(size_t index) {
 ViewCache::View ImageCatalogue::Load(int image) {
   const std::lock_guard<std::mutex> lock(
       file_mutexes_[static_cast<size_t>(image)]);
-  return std::make_shared<const ViewData>(LoadView(workspace_, image));
+  return std::make_shared<const ViewData>(
+      LoadView(workspace_, image, distrust_untextured_));
 }
 
 ViewCache::View ImageCatalogue::LoadReduced(int image) {

@@ -28,11 +28,13 @@ class ImageCatalogue {
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // options_hash: of the options that the images are refined with.
   // reuses_results: whether images that were refined before the run stay so.
+  // distrust_untextured: see RefineOptions.
   ImageCatalogue(const Workspace& workspace,
                  std::vector<bool> has_maps,
                  std::string options_hash,
                  InputFingerprints& inputs,
-                 bool reuses_results);
+                 bool reuses_results,
+                 bool distrust_untextured);
 
   size_t NumImages() const { return workspace_.Problems().size(); }
   int Reference(size_t index) const { return Problem(index).reference; }
@@ -85,6 +87,7 @@ class ImageCatalogue {
   const std::string options_hash_;
   InputFingerprints& inputs_;
   const bool reuses_results_;
+  const bool distrust_untextured_;
   // By image of the run: whether it had been refined before the run, once the
   // flag is set.
   std::vector<std::once_flag> is_done_flags_;

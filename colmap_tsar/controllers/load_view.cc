@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/pipeline/untextured_depths.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <filesystem>
@@ -132,7 +133,9 @@ void MarkThoseToRefine(ViewData* view) {
 
 }  // namespace
 
-ViewData LoadView(const Workspace& workspace, int image) {
+ViewData LoadView(const Workspace& workspace,
+                  int image,
+                  bool distrust_untextured) {
   ViewData view = ReadMaps(workspace, image);
   MarkThoseToRefine(&view);
   FillFromOtherType(workspace, image, &view);
@@ -148,6 +151,9 @@ ViewData LoadView(const Workspace& workspace, int image) {
   const int height = view.depth.Height();
   view.color = workspace.ReadImage(image, width, height);
   view.camera = workspace.Model().images[image].camera.Resized(width, height);
+  if (distrust_untextured) {
+    DropUntexturedDepths(&view);
+  }
   return view;
 }
 

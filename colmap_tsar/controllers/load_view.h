@@ -10,6 +10,9 @@ namespace tsar {
 
 // Reads image number `image` with all its evidence. Throws what the
 // workspace's readers throw; kMismatch when two of its maps differ in size.
-ViewData LoadView(const Workspace& workspace, int image);
+// distrust_untextured: see RefineOptions.
+ViewData LoadView(const Workspace& workspace,
+                  int image,
+                  bool distrust_untextured);
 
 }  // namespace tsar

@@ -10,6 +10,7 @@
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/stage_memory.h"
+#include "colmap_tsar/pipeline/untextured_depths.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
@@ -101,7 +102,9 @@ int64_t LoadBytes(const WorkspaceOverview& overview) {
   // As it was decoded, and as it was scaled.
   const int64_t color =
       BytesOf<Rgb>(overview.max_num_image_pixels) + BytesOf<Rgb>(num_pixels);
-  return std::max(other_maps + costs, color);
+  return std::max({other_maps + costs,
+                   color,
+                   DropUntexturedDepthsWorkingBytes(num_pixels)});
 }
 
 bool HasReducedViews(const WorkspaceOverview& overview) {

@@ -55,7 +55,8 @@ void Model(const WorkspaceRefineOptions& options,
                            overview.has_maps,
                            options_hash,
                            inputs,
-                           /*reuses_results=*/true);
+                           /*reuses_results=*/true,
+                           refine_options.distrust_untextured);
   const SceneModelStore store(workspace, inputs, options_hash);
   if (store.IsCurrent() || !catalogue.IsAnyNeeded()) {
     return;

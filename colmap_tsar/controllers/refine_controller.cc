@@ -92,7 +92,8 @@ RunSummary RefineController::Run() {
                            overview_.has_maps,
                            options_hash,
                            inputs,
-                           /*reuses_results=*/observer_ == nullptr);
+                           /*reuses_results=*/observer_ == nullptr,
+                           refine_options_.distrust_untextured);
   const RefineRun run = {options_,
                          refine_options_,
                          workspace_,

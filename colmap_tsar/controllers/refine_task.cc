@@ -66,7 +66,9 @@ RefineResult RefineMapsTask::Compute(size_t index,
   report->counts["not_finite"] = reference.num_not_finite;
   if (!HasDepth(reference.depth)) {
     RefineResult result;
-    result.reason_to_keep = "its depth map holds no valid depth";
+    result.reason_to_keep =
+        "its depth map holds no valid depth, or none where the image has "
+        "texture";
     return result;
   }
   report->num_sources_without_maps = images_.NumSourcesWithoutMaps(index);

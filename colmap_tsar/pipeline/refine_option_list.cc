@@ -39,6 +39,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Take the noise out of the images in which superpixels, regions, "
        "textures and borders are found. Matching sees the images as they "
        "are."},
+      {"distrust_untextured",
+       &options->distrust_untextured,
+       "In maps without holes, from which no filter removed anything, let "
+       "depths count as measured only where the image has texture of its own "
+       "there."},
       {"filter",
        &options->filter,
        "Tell reliable depths from wrong ones. If 0, every depth counts as "

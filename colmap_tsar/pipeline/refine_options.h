@@ -13,6 +13,9 @@ namespace tsar {
 struct RefineOptions {
   bool denoise = true;
 
+  // Of maps from which nothing was filtered.
+  bool distrust_untextured = true;
+
   // Joint hypothesis filtering.
   bool filter = true;
   bool filter_confidence = true;

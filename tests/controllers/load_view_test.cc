@@ -18,6 +18,10 @@ class LoadViewTest : public testing::Test {
  protected:
   void SetUp() override { MakeSyntheticWorkspace(root_); }
 
+  ViewData Load(MapType type, bool distrust_untextured = true) const {
+    return LoadView(Workspace(root_, type), 1, distrust_untextured);
+  }
+
   TemporaryFolder folder_;
   const std::filesystem::path root_ = folder_.Path() / "dense";
 };
@@ -25,7 +29,7 @@ class LoadViewTest : public testing::Test {
 TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
   const Image<float> geometric =
       ReadDepthMap(GetMapPaths(root_, "v1.png", MapType::kGeometric).depth);
-  const ViewData view = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  const ViewData view = Load(MapType::kGeometric);
   ASSERT_TRUE(view.is_to_refine.HasSizeOf(view.depth));
   int64_t num_to_refine = 0;
   int64_t num_of_other = 0;
@@ -48,7 +52,7 @@ TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
 // As tsar_stereo writes costs where a depth follows from its planar prior.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kGeometric);
-  const ViewData before = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  const ViewData before = Load(MapType::kGeometric);
   const size_t num_pixels = before.depth.NumPixels();
   PlanarMap costs;
   costs.width = before.depth.Width();
@@ -59,7 +63,7 @@ TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   std::fill_n(costs.values.begin(), num_pixels / 2, 2.f);
   CreateFolders(paths.cost.Parent());
   WritePlanarMap(paths.cost, costs);
-  const ViewData view = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  const ViewData view = Load(MapType::kGeometric);
   int num_of_other = 0;
   for (size_t i = 0; i < num_pixels; ++i) {
     if (i < num_pixels / 2) {
@@ -80,10 +84,50 @@ TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {
       GetMapPaths(root_, "v1.png", MapType::kPhotometric).depth);
   std::filesystem::remove(
       GetMapPaths(root_, "v1.png", MapType::kPhotometric).normal);
-  const ViewData view = LoadView(Workspace(root_, MapType::kGeometric), 1);
+  const ViewData view = Load(MapType::kGeometric);
   for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
     ASSERT_EQ(view.is_to_refine.Data()[i] != 0, view.depth.Data()[i] > 0.f);
   }
+}
+
+// The photometric maps have all pixels, the geometric ones that fill them not.
+TEST_F(LoadViewTest, DropsUntexturedDepthsOfMapsWithoutHoles) {
+  const ViewData before =
+      Load(MapType::kPhotometric, /*distrust_untextured=*/false);
+  const auto num_pixels = static_cast<int64_t>(before.depth.NumPixels());
+  EXPECT_EQ(before.num_depths_to_refine, num_pixels);
+  const ViewData view = Load(MapType::kPhotometric);
+  int64_t num_bare = 0;
+  int64_t num_dropped = 0;
+  for (int y = 2; y + 2 < view.depth.Height(); ++y) {
+    for (int x = 2; x + 2 < view.depth.Width(); ++x) {
+      const bool is_dropped = view.depth(x, y) == 0.f;
+      ASSERT_EQ(view.is_to_refine(x, y), is_dropped ? 0 : 1);
+      ASSERT_EQ(view.normal(x, y) == Vec3f{}, is_dropped);
+      bool is_bare = true;
+      for (int v = y - 2; v <= y + 2; ++v) {
+        for (int u = x - 2; u <= x + 2; ++u) {
+          is_bare = is_bare && SyntheticWorkspace::IsBare(1, u, v);
+        }
+      }
+      num_bare += is_bare ? 1 : 0;
+      num_dropped += is_dropped ? 1 : 0;
+      ASSERT_TRUE(is_dropped || !is_bare) << x << " " << y;
+    }
+  }
+  EXPECT_GT(num_bare, 500);
+  EXPECT_LT(num_dropped, num_bare + num_bare / 10);
+  EXPECT_EQ(view.num_depths_to_refine,
+            std::count(view.is_to_refine.begin(), view.is_to_refine.end(), 1));
+}
+
+TEST_F(LoadViewTest, LeavesFilteredMapsAsTheyAre) {
+  const ViewData with = Load(MapType::kGeometric);
+  const ViewData without =
+      Load(MapType::kGeometric, /*distrust_untextured=*/false);
+  EXPECT_EQ(with.num_depths_to_refine, without.num_depths_to_refine);
+  EXPECT_TRUE(
+      std::equal(with.depth.begin(), with.depth.end(), without.depth.begin()));
 }
 
 }  // namespace

@@ -73,7 +73,8 @@ class RefineTaskTest : public testing::Test {
                           std::vector<bool>(4, true),
                           HashRefineOptions(options),
                           inputs,
-                          /*reuses_results=*/true);
+                          /*reuses_results=*/true,
+                          options.distrust_untextured);
     const RefineTaskInputs task_inputs = {images, options, workers};
     ViewCache cache(
         1 << 30, 1 << 20, [&](int image) { return images.Load(image); });
