@@ -6,7 +6,7 @@ import shlex
 
 from programs import CommandFailed
 
-SWITCHES = ("denoise", "distrust_untextured", "filter", "filter_confidence",
+SWITCHES = ("denoise", "filter", "filter_confidence",
             "filter_discontinuity", "refine", "superpixel_planes",
             "weighted_median", "segment", "view_agreement", "region_cores",
             "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",
@@ -14,7 +14,7 @@ SWITCHES = ("denoise", "distrust_untextured", "filter", "filter_confidence",
             "adjust_planes", "bounding_creases",
             "pixel_borders", "photometric", "curved_surfaces", "off_plane_depths")
 # Off by default: the ablation switches each of them on.
-OPTIONAL_SWITCHES = ("free_space",)
+OPTIONAL_SWITCHES = ("distrust_untextured", "free_space")
 # The numbers of the method, with their defaults: each is halved and doubled.
 PARAMETERS = {"min_aggregated_score": 0.8, "confidence_weight": 0.7,
               "num_iterations": 4, "superpixel_size": 400,

@@ -43,7 +43,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->distrust_untextured,
        "In maps without holes, from which no filter removed anything, let "
        "depths count as measured only where the image has texture of its own "
-       "there."},
+       "there. For maps that fill bare walls by guesses, as ACMMP's do; not "
+       "where faint texture is all that tells a wall."},
       {"filter",
        &options->filter,
        "Tell reliable depths from wrong ones. If 0, every depth counts as "

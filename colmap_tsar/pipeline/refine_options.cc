@@ -33,7 +33,6 @@ void CheckRange(const RefineField& field, const T* value) {
 RefineOptions RefineOptions::Paper() {
   RefineOptions options;
   options.denoise = false;
-  options.distrust_untextured = false;
   options.view_agreement = false;
   options.confirmed_depths = false;
   options.readmit_filtered = true;

@@ -14,7 +14,7 @@ struct RefineOptions {
   bool denoise = true;
 
   // Of maps from which nothing was filtered.
-  bool distrust_untextured = true;
+  bool distrust_untextured = false;
 
   // Joint hypothesis filtering.
   bool filter = true;

@@ -24,6 +24,14 @@ class RefineUnfilteredTest : public RefineWorkspaceTest {
     }
   }
 
+  static RefineOptions Distrusting() {
+    RefineOptions options;
+    options.distrust_untextured = true;
+    return options;
+  }
+
+  const RefineOptions distrusting_ = Distrusting();
+
   int64_t CountRightDepthsOfTheBareWall() const {
     int64_t num_right = 0;
     for (int view = 0; view < 4; ++view) {
@@ -43,24 +51,22 @@ class RefineUnfilteredTest : public RefineWorkspaceTest {
 };
 
 TEST_F(RefineUnfilteredTest, DepthsOfTheBareWallDoNotCount) {
-  RefineOptions trusting;
-  trusting.distrust_untextured = false;
-  const RunSummary with_them = Refine(Options(root_), trusting);
+  const RunSummary with_them = Refine();
   EXPECT_EQ(with_them.num_refined, 4);
   EXPECT_EQ(with_them.counts.at("depth_before"), 4 * 96 * 72);
   const int64_t num_right_with_them = CountRightDepthsOfTheBareWall();
   // Another option, so all is done again.
-  const RunSummary summary = Refine();
+  const RunSummary summary = Refine(Options(root_), distrusting_);
   EXPECT_EQ(summary.num_refined, 4);
   EXPECT_LT(summary.counts.at("depth_before"), 4 * 96 * 72);
   EXPECT_GE(CountRightDepthsOfTheBareWall(), num_right_with_them);
-  EXPECT_EQ(Refine().num_skipped, 4);
+  EXPECT_EQ(Refine(Options(root_), distrusting_).num_skipped, 4);
 }
 
 TEST_F(RefineUnfilteredTest, AViewMayLoseAllItsDepths) {
   ASSERT_TRUE(cv::imwrite((root_ / "images/v0.png").string(),
                           cv::Mat(72, 96, CV_8UC3, cv::Scalar::all(200))));
-  const RunSummary summary = Refine();
+  const RunSummary summary = Refine(Options(root_), distrusting_);
   EXPECT_EQ(summary.num_refined, 3);
   ASSERT_EQ(summary.kept.size(), 1u);
   EXPECT_EQ(summary.kept[0].name, "v0.png");
@@ -77,7 +83,7 @@ TEST_F(RefineUnfilteredTest, AllViewsMayLoseAllTheirDepths) {
                             cv::Mat(72, 96, CV_8UC3, cv::Scalar::all(200))));
   }
   for (const bool scene_planes : {true, false}) {
-    RefineOptions options;
+    RefineOptions options = distrusting_;
     options.scene_planes = scene_planes;
     const RunSummary summary = Refine(Options(root_), options);
     EXPECT_EQ(summary.num_refined, 0);
