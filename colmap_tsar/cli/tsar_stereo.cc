@@ -101,10 +101,11 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
   options->Add(group + "planar_prior",
                &stereo->planar_prior,
                "In the geometric passes, expect surfaces between reliable "
-               "depths to be flat, which fills walls without texture. Where "
-               "texture is weak, the costs of such depths are written as no "
-               "evidence, so that tsar_refine does not take them for "
-               "measured.");
+               "depths to be flat, which fills walls without texture: for "
+               "maps that are fused as they are. tsar_refine, which knows more "
+               "about planes, does without on most scenes; where texture is "
+               "weak, the costs of such depths are written as no evidence, so "
+               "that it does not take them for measured.");
   options->Add(group + "smooth_normals",
                &stereo->smooth_normals,
                "Average the normals of the geometric maps with those of the "

@@ -13,6 +13,6 @@ namespace tsar {
 // distrust_untextured: see RefineOptions.
 ViewData LoadView(const Workspace& workspace,
                   int image,
-                  bool distrust_untextured);
+                  bool distrust_untextured = false);
 
 }  // namespace tsar
