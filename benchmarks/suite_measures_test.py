@@ -25,6 +25,7 @@ from suite_parts.plots import write_plots
 from suite_parts.sparse_model import (TRACK_ELEMENT, Camera, Point, PosedImage,
                                       SparseModel, read_model, write_text)
 from suite_parts.tables import Sample, report_lines
+from suite_parts.texture import count_right, f1_scores, is_textured
 from suite_parts.variants import make_variants
 from testing import check
 
@@ -273,6 +274,27 @@ def check_rule(folder):
         check(len(curves) == 2, f"{path.name} shows F1 and HARM")
 
 
+def check_texture():
+    grey = np.full((20, 40), 100, np.uint8)
+    grey[:, 20::2] = 140  # Stripes on the right.
+    textured = is_textured(grey)
+    check(not textured[:, :17].any() and textured[:, 23:].all(),
+          "texture is where the grey levels vary")
+    truth = np.full((20, 40), 2.0)
+    truth[:, 39] = 0  # Unknown.
+    depth = truth.copy()
+    depth[:10] += 0.015
+    depth[15:, :] = 0
+    right_half = np.zeros_like(textured)
+    right_half[:, 20:] = True
+    counts = count_right(depth, truth, right_half)
+    check(list(counts) == [20 * 19, 15 * 19, 5 * 19, 15 * 19],
+          "textured pixels right within 1 and 2 cm")
+    check(np.allclose(f1_scores(counts), [10 / 35, 30 / 35]),
+          "F1 of textured pixels")
+    check(f1_scores([0, 0, 0, 0]) == [None, None], "no texture, no score")
+
+
 def check_variants():
     variants = make_variants(["a=--x 1 --y 'b c'"], False, False, "--z 2")
     check(variants == {"a": ["--z", "2", "--x", "1", "--y", "b c"]},
@@ -299,6 +321,7 @@ def main():
     check_model(folder)
     check_noise()
     check_rule(folder)
+    check_texture()
     check_variants()
     shutil.rmtree(folder)
 
