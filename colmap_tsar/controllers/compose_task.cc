@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tsar {
@@ -87,6 +88,8 @@ std::vector<int> ComposeTask::ComparedSources(size_t index) const {
       sources.push_back(source);
     }
   }
+  // Whoever ranked them, the same sources give the same result.
+  std::sort(sources.begin(), sources.end());
   return sources;
 }
 

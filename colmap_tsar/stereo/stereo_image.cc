@@ -313,7 +313,8 @@ int64_t MatchImageWorkingBytes(const StereoOptions& options,
                        MatchingCostsBytes(num_pixels)});
 }
 
-int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
+int64_t MatchImageGeometricallyWorkingBytes(const StereoOptions& options,
+                                            int64_t num_pixels,
                                             int num_sources) {
   const int64_t gray_and_depth = 2 * BytesOf<float>(num_pixels);
   const int64_t views =
@@ -322,13 +323,16 @@ int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
   const int64_t planes = BytesOf<Plane>(num_pixels);
   const int64_t found = planes + BytesOf<float>(num_pixels);
   // The prior's plane of each pixel; in the end, whether a depth follows it.
-  const int64_t prior = planes + BytesOf<uint8_t>(num_pixels);
+  const int64_t prior =
+      options.planar_prior ? planes + BytesOf<uint8_t>(num_pixels) : 0;
+  const int64_t finding_prior =
+      options.planar_prior ? FindPlanarPriorWorkingBytes(num_pixels) : 0;
   // Maps go in and, smoothed or not, come out.
   const int64_t matching =
-      maps + prior +
-      std::max({FindPlanarPriorWorkingBytes(num_pixels),
-                planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
-                found + maps});
+      maps + std::max({finding_prior,
+                       prior + planes +
+                           RunPatchMatchWorkingBytes(num_pixels, num_sources),
+                       prior + found + maps});
   const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
   return views + std::max(matching,
                           maps + prior +

@@ -49,7 +49,8 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
 int64_t MatchImageWorkingBytes(const StereoOptions& options,
                                int64_t num_pixels,
                                int num_sources);
-int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
+int64_t MatchImageGeometricallyWorkingBytes(const StereoOptions& options,
+                                            int64_t num_pixels,
                                             int num_sources);
 // Bytes of main memory.
 int64_t StereoMapsBytes(int64_t num_pixels);

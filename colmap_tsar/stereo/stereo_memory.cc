@@ -18,9 +18,9 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   // Each image uploads its sources anew: they count as work.
   plan.work = MatchImageWorkingBytes(options, num_pixels, plan.num_sources);
   if (options.geom_consistency) {
-    plan.work = std::max(
-        plan.work,
-        MatchImageGeometricallyWorkingBytes(num_pixels, plan.num_sources));
+    plan.work = std::max(plan.work,
+                         MatchImageGeometricallyWorkingBytes(
+                             options, num_pixels, plan.num_sources));
   }
   plan.view = ViewBytes(overview);
   plan.load = LoadBytes(overview);

@@ -54,11 +54,12 @@ Matched Match(const SyntheticViews& drawn,
   return matched;
 }
 
-StereoOptions FastOptions(int num_levels) {
+StereoOptions FastOptions(int num_levels, bool planar_prior = false) {
   StereoOptions options;
   options.num_iterations = 1;
   options.window_radius = 2;
   options.num_levels = num_levels;
+  options.planar_prior = planar_prior;
   return options;
 }
 
@@ -72,7 +73,7 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
     const int64_t num_pixels = int64_t{width} * height;
     for (const int num_levels : {1, 3}) {
       SCOPED_TRACE(num_levels);
-      const StereoOptions options = FastOptions(num_levels);
+      const StereoOptions options = FastOptions(num_levels, num_levels == 3);
       for (const size_t num_sources : {size_t{1}, size_t{4}, size_t{40}}) {
         SCOPED_TRACE(num_sources);
         const Matched matched = Match(drawn, num_sources, options);
@@ -82,7 +83,7 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
         EXPECT_GE(photometric, matched.photometric);
         EXPECT_LE(photometric, 1.1 * matched.photometric);
         const int64_t geometric =
-            MatchImageGeometricallyWorkingBytes(num_pixels, num);
+            MatchImageGeometricallyWorkingBytes(options, num_pixels, num);
         EXPECT_GE(geometric, matched.geometric);
         EXPECT_LE(geometric, 1.1 * matched.geometric);
         RecordProperty(
