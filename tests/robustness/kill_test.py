@@ -47,8 +47,9 @@ def prepare():
     synthetic_workspace.draw_external_maps(external, NUM_IMAGES)
     # One that an import takes away.
     cost = os.path.join(work, "stereo", "cost_maps", "v0.png.geometric.bin")
-    nothing = [2.0] * (synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT)
-    synthetic_workspace.write(cost, synthetic_workspace.map_file([nothing, nothing]))
+    num_pixels = synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT
+    synthetic_workspace.write(cost, synthetic_workspace.map_file(
+        [[0.2] * num_pixels, [0.3] * num_pixels]))
     untouched = read_tree(work)
     if args.command == "restore":
         program.run("tsar_refine", work)
