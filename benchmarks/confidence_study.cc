@@ -101,9 +101,11 @@ void Study(const std::string& root) {
   const std::unique_ptr<Device> device = Device::CreateCpu(0);
   std::vector<ViewData> views;
   std::vector<DeviceImage<float>> grays;
+  std::vector<DeviceImage<GrayPair>> pairs;
   for (size_t i = 0; i < workspace.Model().images.size(); ++i) {
     views.push_back(LoadView(workspace, static_cast<int>(i)));
     grays.push_back(ComputeGray(views.back().color.View(), *device));
+    pairs.push_back(PairGray(std::as_const(grays.back()).View(), *device));
   }
   Table table;
   for (const StereoProblem& problem : workspace.Problems()) {
@@ -119,7 +121,7 @@ void Study(const std::string& root) {
       const ViewData& source = views[s];
       sources.push_back({source.camera.GetIntrinsics(),
                          ComputeRelativePose(view.camera, source.camera),
-                         grays[s].View(),
+                         pairs[s].View(),
                          source.depth.View()});
       cameras.push_back(source.camera);
     }

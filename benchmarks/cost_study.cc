@@ -58,18 +58,17 @@ float SampleInBlack(const ImageView<const float>& image, float x, float y) {
          fy * ((1.f - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
 }
 
-using Sampler = float (*)(const ImageView<const float>&, float, float);
-
 // 1 - NCC with every pixel of the window, in double precision; undefined where
-// a window has no texture by COLMAP's bound (1e-5 of the squared range).
-double FullWindowCost(const ImageView<const float>& gray,
-                      const ImageView<const float>& other,
+// a window has no texture by COLMAP's bound (1e-5 of the squared range). The
+// samplers give the grey of the image and of the other at a position.
+template <typename Sampler, typename OtherSampler>
+double FullWindowCost(const Sampler& sample,
+                      const OtherSampler& sample_other,
                       const PlaneHomography& homography,
-                      Sampler sample,
                       int x,
                       int y) {
   constexpr double kMinVariance = 1e-5 * 255 * 255;
-  const double center = gray(x, y);
+  const double center = sample(x, y);
   double sum_weight = 0, sum_a = 0, sum_b = 0, sum_aa = 0, sum_bb = 0,
          sum_ab = 0;
   for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
@@ -79,8 +78,8 @@ double FullWindowCost(const ImageView<const float>& gray,
       if (!homography.Map(x + dx, y + dy, &mapped_x, &mapped_y)) {
         return kUndefinedCost;
       }
-      const double a = sample(gray, x + dx, y + dy);
-      const double b = sample(other, mapped_x, mapped_y);
+      const double a = sample(x + dx, y + dy);
+      const double b = sample_other(mapped_x, mapped_y);
       const double w =
           std::exp(-(dx * dx + dy * dy) /
                        (2. * kPatchSpatialSigma * kPatchSpatialSigma) -
@@ -231,14 +230,24 @@ void Study(const std::string& root, MapType type) {
                                            source.from_reference,
                                            plane);
           full.Add(FullWindowCost(
-              reference.gray, source.gray, homography, SampleBilinear, x, y));
-          alike.Add(FullWindowCost(
-              grays[static_cast<size_t>(problem.reference)].View(),
-              grays[static_cast<size_t>(problem.sources[i])].View(),
+              [&](float u, float v) {
+                return SampleBilinear(reference.gray, u, v);
+              },
+              [&](float u, float v) {
+                return SampleBilinear(source.gray, u, v) * kGrayUnit<GrayPair>;
+              },
               homography,
-              SampleInBlack,
               x,
               y));
+          const auto sample_in = [&](int image) {
+            return [view = grays[static_cast<size_t>(image)].View()](
+                       float u, float v) { return SampleInBlack(view, u, v); };
+          };
+          alike.Add(FullWindowCost(sample_in(problem.reference),
+                                   sample_in(problem.sources[i]),
+                                   homography,
+                                   x,
+                                   y));
         }
         full_first.Add(view.min_cost(x, y), full.first);
         full_second.Add(view.second_cost(x, y), full.second);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/rounding.h"
 
 #include <cstdint>
 #include <cstring>
@@ -20,11 +21,9 @@ TSAR_HD inline float ExpOfNegative(float x) {
   // ln 2 in two parts, of which the first has few bits: n times it is exact.
   constexpr float kLn2High = 0.693359375f;
   constexpr float kLn2Low = -2.12194440e-4f;
-  // 1.5 * 2^23: sums with it have no bits for fractions.
-  constexpr float kRounder = 12582912.f;
   const float bounded = x > kLowest ? x : kLowest;
   // e^x = 2^n e^r with |r| <= ln(2) / 2.
-  const float n = (bounded * kLog2E + kRounder) - kRounder;
+  const float n = RoundToNearest(bounded * kLog2E);
   const float r = (bounded - n * kLn2High) - n * kLn2Low;
   float series = 1.f / 720.f;
   series = series * r + 1.f / 120.f;

@@ -100,12 +100,12 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
                {1, 20});
   options->Add(group + "planar_prior",
                &stereo->planar_prior,
-               "In the geometric passes, expect surfaces between reliable "
-               "depths to be flat, which fills walls without texture: for "
-               "maps that are fused as they are. tsar_refine, which knows more "
-               "about planes, does without on most scenes; where texture is "
-               "weak, the costs of such depths are written as no evidence, so "
-               "that it does not take them for measured.");
+               "Fill what was not measured, in one more pass that expects "
+               "surfaces between reliable depths to be flat: for maps that "
+               "are fused as they are. What was measured stays as it is, and "
+               "the costs of what is filled say that there is no evidence: "
+               "tsar_refine, which knows more about planes, gives the same "
+               "result with and without.");
   options->Add(group + "smooth_normals",
                &stereo->smooth_normals,
                "Average the normals of the geometric maps with those of the "

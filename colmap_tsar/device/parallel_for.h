@@ -4,10 +4,10 @@
 #pragma once
 
 // Runs a kernel object over a range on whichever device it is given. A kernel
-// is a small struct of views and numbers with a const TSAR_HD call operator: the
-// one place where its arithmetic is written. Included by .cu files only: nvcc
-// compiles them for both devices, and without CUDA the host compiler compiles
-// them for the CPU.
+// is a small struct of views and numbers with a const TSAR_HD call operator:
+// the one place where its arithmetic is written. Included by .cu files only:
+// nvcc compiles them for both devices, and without CUDA the host compiler
+// compiles them for the CPU.
 
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/device.h"
@@ -24,8 +24,23 @@ namespace tsar {
 #ifdef __CUDACC__
 namespace internal {
 
+// How many blocks of a multiprocessor's share of registers a kernel asks for,
+// by a constant kMinBlocks of its own: fewer registers for each thread, but
+// more threads at a time.
 template <typename Kernel>
-__global__ void Launch1D(int64_t count, Kernel kernel) {
+constexpr int MinBlocks() {
+  if constexpr (requires { Kernel::kMinBlocks; }) {
+    return Kernel::kMinBlocks;
+  } else {
+    return 1;
+  }
+}
+
+constexpr int kThreadsPerBlock = 128;
+
+template <typename Kernel>
+__global__ void __launch_bounds__(kThreadsPerBlock, MinBlocks<Kernel>())
+    Launch1D(int64_t count, Kernel kernel) {
   const int64_t i = static_cast<int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i < count) {
     kernel(i);
@@ -54,12 +69,12 @@ void ParallelFor(Device& device, int64_t count, const Kernel& kernel) {
   if (device.IsCuda()) {
     CudaDevice& cuda = static_cast<CudaDevice&>(device);
     cuda.Activate();
-    constexpr int kThreads = 128;
-    internal::Launch1D<<<static_cast<unsigned>((count + kThreads - 1) /
-                                               kThreads),
-                         kThreads,
-                         0,
-                         cuda.Stream()>>>(count, kernel);
+    constexpr int kThreads = internal::kThreadsPerBlock;
+    internal::
+        Launch1D<<<static_cast<unsigned>((count + kThreads - 1) / kThreads),
+                   kThreads,
+                   0,
+                   cuda.Stream()>>>(count, kernel);
     CheckCuda(cudaGetLastError(), "starting a kernel");
     return;
   }

@@ -11,6 +11,7 @@
 #include "colmap_tsar/matching/matching_cost.h"
 
 #include <cmath>
+#include <cstdint>
 
 namespace tsar {
 
@@ -32,86 +33,139 @@ constexpr float kMinPatchVariance = 0.65f;
 
 // The reference's window with its bilateral weights, gathered once and compared
 // with every source. Values are relative to the centre, which keeps the sums of
-// squares small.
-struct ReferencePatch {
-  float center_x;
-  float center_y;
-  float radius;
-  float step;  // Between samples.
-  float value[kPatchSize];
-  float weight[kPatchSize];
-  float mean;
-  float variance;
+// squares small; values and weights have 16 bits each, so that a GPU keeps a
+// sample in one word: threads wait for their windows otherwise.
+class ReferencePatch {
+ public:
+  // Gray levels that 1 stands for in values.
+  static constexpr float kValueUnit = 1.f / 64.f;
 
-  TSAR_HD ReferencePatch(const ImageView<const float>& gray,
+  template <typename Element>
+  TSAR_HD ReferencePatch(const ImageView<const Element>& gray,
                          float x,
                          float y,
                          float window_radius = kPatchRadius)
       : center_x(x),
         center_y(y),
         radius(window_radius),
-        step(2.f * window_radius / (kPatchSide - 1)) {
+        half_step(window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
     // On a CPU each step is a loop of its own, as in AddUpBySteps.
 #ifdef __CUDA_ARCH__
     for (int i = 0; i < kPatchSize; ++i) {
-      value[i] = SampleBilinear(gray, x + OffsetX(i), y + OffsetY(i)) - center;
-      weight[i] = Weight(i, spatial_sigma);
+      const float value =
+          SampleBilinear(gray, x + OffsetX(i), y + OffsetY(i)) - center;
+      samples_[i] = Pack(InUnits<Element>(value),
+                         Weight<Element>(i, value, spatial_sigma));
     }
 #else
-    ReadSamples(gray);
+    float sample_x[kPatchSize];
+    float sample_y[kPatchSize];
     for (int i = 0; i < kPatchSize; ++i) {
-      value[i] -= center;
+      sample_x[i] = x + OffsetX(i);
+      sample_y[i] = y + OffsetY(i);
+    }
+    SampleBilinearBySteps(gray, sample_x, sample_y, values_);
+    for (int i = 0; i < kPatchSize; ++i) {
+      values_[i] -= center;
     }
     for (int i = 0; i < kPatchSize; ++i) {
-      weight[i] = Weight(i, spatial_sigma);
+      weights_[i] = Weight<Element>(i, values_[i], spatial_sigma);
+    }
+    for (int i = 0; i < kPatchSize; ++i) {
+      values_[i] = InUnits<Element>(values_[i]);
     }
 #endif
-    float sum_weight = 0.f;
+    float sum_weights = 0.f;
     float sum = 0.f;
     float sum_squares = 0.f;
     for (int i = 0; i < kPatchSize; ++i) {
-      sum_weight += weight[i];
-      sum += weight[i] * value[i];
-      sum_squares += weight[i] * value[i] * value[i];
+      const Sample sample = At(i);
+      const float weighted = sample.weight * sample.value;
+      sum_weights += sample.weight;
+      sum += weighted;
+      sum_squares += weighted * sample.value;
     }
-    const float inverse = 1.f / sum_weight;
-    for (int i = 0; i < kPatchSize; ++i) {
-      weight[i] *= inverse;
-    }
-    mean = sum * inverse;
-    variance = sum_squares * inverse - mean * mean;
+    inverse_sum_weights = 1.f / sum_weights;
+    mean = sum * inverse_sum_weights;
+    variance = sum_squares * inverse_sum_weights - mean * mean;
   }
 
-  TSAR_HD float OffsetX(int i) const {
-    return static_cast<float>(i % kPatchSide) * step - radius;
+  // From the centre, in pixels.
+  TSAR_HD float OffsetX(int i) const { return Offset(i % kPatchSide); }
+  TSAR_HD float OffsetY(int i) const { return Offset(i / kPatchSide); }
+  TSAR_HD float Offset(int column_or_row) const {
+    return static_cast<float>(2 * column_or_row - (kPatchSide - 1)) * half_step;
   }
-  TSAR_HD float OffsetY(int i) const {
-    return static_cast<float>(i / kPatchSide) * step - radius;
+
+  struct Sample {
+    float value;   // In kValueUnit, relative to the centre.
+    float weight;  // Up to kMaxWeight.
+  };
+  TSAR_HD Sample At(int i) const {
+#ifdef __CUDA_ARCH__
+    const Halves halves = SplitWord(samples_[i]);
+    return {halves.low - kValueOffset, halves.low + halves.high_minus_low};
+#else
+    return {values_[i], weights_[i]};
+#endif
   }
-  TSAR_HD bool HasTexture() const { return variance >= kMinPatchVariance; }
+  TSAR_HD float GrayVariance() const {
+    return variance * (kValueUnit * kValueUnit);
+  }
+  TSAR_HD bool HasTexture() const {
+    return GrayVariance() >= kMinPatchVariance;
+  }
+
+  float center_x;
+  float center_y;
+  float radius;
+  float half_step;  // Half the distance of two samples.
+  float inverse_sum_weights;
+  float mean;      // In kValueUnit.
+  float variance;  // In kValueUnit squared.
 
  private:
-  // Bilateral, not yet normalised.
-  TSAR_HD float Weight(int i, float spatial_sigma) const {
-    const float dx = OffsetX(i);
-    const float dy = OffsetY(i);
-    return ExpOfNegative(
-        -(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
-        value[i] * value[i] / (2.f * kPatchColorSigma * kPatchColorSigma));
+  static constexpr float kMaxWeight = 65535.f;
+  static constexpr float kMaxValue = 32767.f;
+  static constexpr float kValueOffset = 32768.f;
+
+  template <typename Element>
+  TSAR_HD static float InUnits(float value) {
+    const float rounded =
+        RoundToNearest(value * (kGrayUnit<Element> / kValueUnit));
+    return fminf(fmaxf(rounded, -kMaxValue), kMaxValue);
   }
 
-  // Sets the values to grey levels.
-  void ReadSamples(const ImageView<const float>& gray) {
-    float x[kPatchSize];
-    float y[kPatchSize];
-    for (int i = 0; i < kPatchSize; ++i) {
-      x[i] = center_x + OffsetX(i);
-      y[i] = center_y + OffsetY(i);
-    }
-    SampleBilinearBySteps(gray, x, y, value);
+  // Bilateral.
+  template <typename Element>
+  TSAR_HD float Weight(int i, float value, float spatial_sigma) const {
+    const float dx = OffsetX(i);
+    const float dy = OffsetY(i);
+    const float difference = value * kGrayUnit<Element>;
+    return RoundToNearest(
+        kMaxWeight *
+        ExpOfNegative(-(dx * dx + dy * dy) /
+                          (2.f * spatial_sigma * spatial_sigma) -
+                      difference * difference /
+                          (2.f * kPatchColorSigma * kPatchColorSigma)));
   }
+
+#ifdef __CUDA_ARCH__
+  __device__ static uint32_t Pack(float value, float weight) {
+    const int value_bits =
+        IntegerBesideRounder(value + kValueOffset + kRounder);
+    const int weight_bits = IntegerBesideRounder(weight + kRounder);
+    return static_cast<uint32_t>(weight_bits) << 16 |
+           static_cast<uint32_t>(value_bits);
+  }
+
+  uint32_t samples_[kPatchSize];
+#else
+  float values_[kPatchSize];
+  float weights_[kPatchSize];
+#endif
 };
 
 // The homography by which a plane of the first camera's frame maps the first
@@ -129,9 +183,16 @@ struct PlaneHomography {
     const Vec3f a = r.row0 + n * t.x;
     const Vec3f b = r.row1 + n * t.y;
     const Vec3f c = r.row2 + n * t.z;
-    SetRow(0, second.fx * a + second.cx * c, first);
-    SetRow(1, second.fy * b + second.cy * c, first);
-    SetRow(2, c, first);
+    const float per_fx = 1.f / first.fx;
+    const float per_fy = 1.f / first.fy;
+    const auto set_row = [&](int row, const Vec3f& m) {
+      h[3 * row] = m.x * per_fx;
+      h[3 * row + 1] = m.y * per_fy;
+      h[3 * row + 2] = m.z - h[3 * row] * first.cx - h[3 * row + 1] * first.cy;
+    };
+    set_row(0, second.fx * a + second.cx * c);
+    set_row(1, second.fy * b + second.cy * c);
+    set_row(2, c);
   }
 
   // Maps (x, y); false where the point lies behind the second camera.
@@ -145,13 +206,53 @@ struct PlaneHomography {
     *mapped_y = (h[3] * x + h[4] * y + h[5]) * inverse;
     return true;
   }
+};
 
- private:
-  TSAR_HD void SetRow(int row, const Vec3f& m, const Intrinsics& first) {
-    h[3 * row] = m.x / first.fx;
-    h[3 * row + 1] = m.y / first.fy;
-    h[3 * row + 2] =
-        m.z - m.x * first.cx / first.fx - m.y * first.cy / first.fy;
+// The homography about the centre of a window: it maps the position at (dx, dy)
+// from the centre to
+//   x + (x_dx dx + x_dy dy) / (1 + z_dx dx + z_dy dy), and y likewise,
+// where the denominator is the depth in the second camera, relative to that of
+// the centre.
+struct WindowHomography {
+  float x = -1.f;
+  float y = -1.f;
+  float x_dx = 0.f;
+  float x_dy = 0.f;
+  float y_dx = 0.f;
+  float y_dy = 0.f;
+  float z_dx = 0.f;
+  float z_dy = 0.f;
+  // The centre lies before the second camera, and so does the window, in which
+  // depth changes by less than a half: beyond that, planes are seen along their
+  // surface.
+  bool is_seen = false;
+
+  TSAR_HD WindowHomography(const PlaneHomography& homography,
+                           float center_x,
+                           float center_y,
+                           float radius) {
+    constexpr float kMaxChange = 0.5f;
+    const float* h = homography.h;
+    const float z = h[6] * center_x + h[7] * center_y + h[8];
+    if (!(z > 0.f)) {
+      return;
+    }
+    const float inverse = 1.f / z;
+    x = (h[0] * center_x + h[1] * center_y + h[2]) * inverse;
+    y = (h[3] * center_x + h[4] * center_y + h[5]) * inverse;
+    z_dx = h[6] * inverse;
+    z_dy = h[7] * inverse;
+    x_dx = h[0] * inverse - x * z_dx;
+    x_dy = h[1] * inverse - x * z_dy;
+    y_dx = h[3] * inverse - y * z_dx;
+    y_dy = h[4] * inverse - y * z_dy;
+    is_seen = (fabsf(z_dx) + fabsf(z_dy)) * radius <= kMaxChange;
+  }
+
+  // 1 / (1 + change), by its series: to 4e-4 where planes are seen at up to 80
+  // degrees, and 6e-2 at the largest change.
+  TSAR_HD static float Reciprocal(float change) {
+    return 1.f - change * (1.f - change * (1.f - change));
   }
 };
 
@@ -170,55 +271,51 @@ struct PatchSums {
 };
 
 // Adds up one sample after the other: the form for a GPU, where each thread has
-// a patch and keeps a sample in registers. False where the plane reaches behind
-// the other camera.
-TSAR_HD inline bool AddUpBySamples(const ReferencePatch& patch,
-                                   const PlaneHomography& homography,
-                                   const ImageView<const float>& other,
+// a patch and keeps a sample in registers.
+template <typename Element>
+TSAR_HD inline void AddUpBySamples(const ReferencePatch& patch,
+                                   const WindowHomography& window,
+                                   const ImageView<const Element>& other,
                                    float center,
                                    PatchSums* sums) {
-  for (int i = 0; i < kPatchSize; ++i) {
-    float x = 0.f;
-    float y = 0.f;
-    if (!homography.Map(patch.center_x + patch.OffsetX(i),
-                        patch.center_y + patch.OffsetY(i),
-                        &x,
-                        &y)) {
-      return false;
+  // Rows are not unrolled: they do not fit into a GPU's cache of instructions.
+#ifdef __CUDA_ARCH__
+#pragma unroll 1
+#endif
+  for (int row = 0; row < kPatchSide; ++row) {
+    const float dy = patch.Offset(row);
+    for (int column = 0; column < kPatchSide; ++column) {
+      const float dx = patch.Offset(column);
+      const float scale =
+          WindowHomography::Reciprocal(window.z_dy * dy + window.z_dx * dx);
+      const float x = window.x + (window.x_dy * dy + window.x_dx * dx) * scale;
+      const float y = window.y + (window.y_dy * dy + window.y_dx * dx) * scale;
+      const float difference = SampleBilinear(other, x, y) - center;
+      const ReferencePatch::Sample sample = patch.At(row * kPatchSide + column);
+      const float weighted = sample.weight * difference;
+      sums->Add(weighted, weighted * difference, weighted * sample.value);
     }
-    const float difference = SampleBilinear(other, x, y) - center;
-    const float weighted = patch.weight[i] * difference;
-    sums->Add(weighted, weighted * difference, weighted * patch.value[i]);
   }
-  return true;
 }
 
 // The same by one step after the other, each for all samples: the form for a
 // CPU, whose compiler makes vector instructions of the loops. The arithmetic of
 // each sample and the order of the sums are the same, and so is every bit.
-inline bool AddUpBySteps(const ReferencePatch& patch,
-                         const PlaneHomography& homography,
-                         const ImageView<const float>& other,
-                         float center,
-                         PatchSums* sums) {
-  const float* h = homography.h;
+template <typename Element>
+void AddUpBySteps(const ReferencePatch& patch,
+                  const WindowHomography& window,
+                  const ImageView<const Element>& other,
+                  float center,
+                  PatchSums* sums) {
   float x[kPatchSize];
   float y[kPatchSize];
-  float z[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
-    const float u = patch.center_x + patch.OffsetX(i);
-    const float v = patch.center_y + patch.OffsetY(i);
-    z[i] = h[6] * u + h[7] * v + h[8];
-    const float inverse = 1.f / z[i];
-    x[i] = (h[0] * u + h[1] * v + h[2]) * inverse;
-    y[i] = (h[3] * u + h[4] * v + h[5]) * inverse;
-  }
-  // Rounding keeps the order of numbers, so that z is smallest in a corner.
-  for (const int corner :
-       {0, kPatchSide - 1, kPatchSize - kPatchSide, kPatchSize - 1}) {
-    if (!(z[corner] > 0.f)) {
-      return false;
-    }
+    const float dx = patch.OffsetX(i);
+    const float dy = patch.OffsetY(i);
+    const float scale =
+        WindowHomography::Reciprocal(window.z_dy * dy + window.z_dx * dx);
+    x[i] = window.x + (window.x_dy * dy + window.x_dx * dx) * scale;
+    y[i] = window.y + (window.y_dy * dy + window.y_dx * dx) * scale;
   }
   float value[kPatchSize];
   SampleBilinearBySteps(other, x, y, value);
@@ -227,48 +324,48 @@ inline bool AddUpBySteps(const ReferencePatch& patch,
   float product[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
     const float difference = value[i] - center;
-    weighted[i] = patch.weight[i] * difference;
+    const ReferencePatch::Sample sample = patch.At(i);
+    weighted[i] = sample.weight * difference;
     square[i] = weighted[i] * difference;
-    product[i] = weighted[i] * patch.value[i];
+    product[i] = weighted[i] * sample.value;
   }
   for (int i = 0; i < kPatchSize; ++i) {
     sums->Add(weighted[i], square[i], product[i]);
   }
-  return true;
 }
 
 // 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
 // kUndefinedCost.
+template <typename Element>
 TSAR_HD inline float PatchCost(const ReferencePatch& patch,
                                const PlaneHomography& homography,
-                               const ImageView<const float>& other) {
+                               const ImageView<const Element>& other) {
   if (!patch.HasTexture()) {
     return kUndefinedCost;
   }
-  float x = 0.f;
-  float y = 0.f;
+  const WindowHomography window(
+      homography, patch.center_x, patch.center_y, patch.radius);
   // Half a pixel of grace: a pixel on the border that is mapped forth and back
   // may come out a rounding error beside itself.
-  if (!homography.Map(patch.center_x, patch.center_y, &x, &y) ||
-      !(x >= -0.5f) || !(y >= -0.5f) || !(x <= other.width - 0.5f) ||
-      !(y <= other.height - 0.5f)) {
+  if (!window.is_seen || !(window.x >= -0.5f) || !(window.y >= -0.5f) ||
+      !(window.x <= other.width - 0.5f) || !(window.y <= other.height - 0.5f)) {
     return kUndefinedCost;
   }
-  const float center = SampleBilinear(other, x, y);
+  const float center = SampleBilinear(other, window.x, window.y);
   PatchSums sums;
 #ifdef __CUDA_ARCH__
-  const bool is_seen = AddUpBySamples(patch, homography, other, center, &sums);
+  AddUpBySamples(patch, window, other, center, &sums);
 #else
-  const bool is_seen = AddUpBySteps(patch, homography, other, center, &sums);
+  AddUpBySteps(patch, window, other, center, &sums);
 #endif
-  if (!is_seen) {
+  const float mean = sums.values * patch.inverse_sum_weights;
+  const float variance = sums.squares * patch.inverse_sum_weights - mean * mean;
+  if (!(variance * (kGrayUnit<Element> * kGrayUnit<Element>) >=
+        kMinPatchVariance)) {
     return kUndefinedCost;
   }
-  const float variance = sums.squares - sums.values * sums.values;
-  if (!(variance >= kMinPatchVariance)) {
-    return kUndefinedCost;
-  }
-  const float covariance = sums.products - sums.values * patch.mean;
+  const float covariance =
+      sums.products * patch.inverse_sum_weights - mean * patch.mean;
   const float ncc = covariance / sqrtf(variance * patch.variance);
   return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
 }

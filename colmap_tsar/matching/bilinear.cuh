@@ -4,13 +4,17 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/rounding.h"
+#include "colmap_tsar/matching/gray_pair.h"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
+// Gray levels at positions between pixels, in units of kGrayUnit. Positions
+// outside take the border's; those that are no numbers count as 0.
 namespace tsar {
 
-// Grey level at a position between pixels; positions outside take the border's.
 TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
                                     float x,
                                     float y) {
@@ -27,9 +31,53 @@ TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
   return top + fy * (bottom - top);
 }
 
+// The two halves of a word as numbers.
+struct Halves {
+  float low;
+  float high_minus_low;
+};
+
+TSAR_HD inline Halves SplitWord(uint32_t word) {
+#ifdef __CUDA_ARCH__
+  // As the last bits of 2^23: a permutation and a subtraction are faster than a
+  // conversion.
+  const float low = __uint_as_float(__byte_perm(word, 0x4B000000u, 0x7410));
+  const float high = __uint_as_float(__byte_perm(word, 0x4B000000u, 0x7432));
+  return {low - 8388608.f, high - low};
+#else
+  const int low = static_cast<int>(word & 0xFFFFu);
+  const int high = static_cast<int>(word >> 16);
+  return {static_cast<float>(low), static_cast<float>(high - low)};
+#endif
+}
+
+TSAR_HD inline float SampleBilinear(const ImageView<const GrayPair>& image,
+                                    float x,
+                                    float y) {
+  x = fminf(fmaxf(x, 0.f), static_cast<float>(image.width - 1));
+  y = fminf(fmaxf(y, 0.f), static_cast<float>(image.height - 1));
+  // The pixel up to one to the left, and the row up to one above, with another
+  // one below it. On a pixel, it may be either, with the weight 0 or 1.
+  const int last_row = image.height > 1 ? image.height - 2 : 0;
+  const float left = (x - 0.5f) + kRounder;
+  const float above =
+      fminf((y - 0.5f) + kRounder, kRounder + static_cast<float>(last_row));
+  const float fx = x - (left - kRounder);
+  const float fy = y - (above - kRounder);
+  const GrayPair* pair =
+      image.data +
+      (IntegerBesideRounder(above) * image.width + IntegerBesideRounder(left));
+  const Halves top = SplitWord(pair->word);
+  const Halves bottom =
+      SplitWord(pair[image.height > 1 ? image.width : 0].word);
+  const float t = top.low + fx * top.high_minus_low;
+  const float b = bottom.low + fx * bottom.high_minus_low;
+  return t + fy * (b - t);
+}
+
 // The same for many positions at once, to the last bit, on the CPU: each step
 // is taken for all positions before the next one, in loops that compilers turn
-// into vector instructions. Positions that are no numbers count as 0, as above.
+// into vector instructions.
 template <int kCount>
 void SampleBilinearBySteps(const ImageView<const float>& image,
                            const float (&x)[kCount],
@@ -80,6 +128,47 @@ void SampleBilinearBySteps(const ImageView<const float>& image,
   for (int i = 0; i < kCount; ++i) {
     const float t = top[i].left + fx[i] * (top[i].right - top[i].left);
     const float b = bottom[i].left + fx[i] * (bottom[i].right - bottom[i].left);
+    values[i] = t + fy[i] * (b - t);
+  }
+}
+
+template <int kCount>
+void SampleBilinearBySteps(const ImageView<const GrayPair>& image,
+                           const float (&x)[kCount],
+                           const float (&y)[kCount],
+                           float (&values)[kCount]) {
+  const float max_x = static_cast<float>(image.width - 1);
+  const float max_y = static_cast<float>(image.height - 1);
+  const float last_row =
+      kRounder + static_cast<float>(image.height > 1 ? image.height - 2 : 0);
+  const int to_bottom = image.height > 1 ? image.width : 0;
+  int index[kCount];
+  float fx[kCount];
+  float fy[kCount];
+  for (int i = 0; i < kCount; ++i) {
+    const float from_x = x[i] > 0.f ? x[i] : 0.f;
+    const float from_y = y[i] > 0.f ? y[i] : 0.f;
+    const float inside_x = from_x < max_x ? from_x : max_x;
+    const float inside_y = from_y < max_y ? from_y : max_y;
+    const float left = (inside_x - 0.5f) + kRounder;
+    const float nearest = (inside_y - 0.5f) + kRounder;
+    const float above = nearest < last_row ? nearest : last_row;
+    fx[i] = inside_x - (left - kRounder);
+    fy[i] = inside_y - (above - kRounder);
+    index[i] =
+        IntegerBesideRounder(above) * image.width + IntegerBesideRounder(left);
+  }
+  uint32_t top[kCount];
+  uint32_t bottom[kCount];
+  for (int i = 0; i < kCount; ++i) {
+    top[i] = image.data[index[i]].word;
+    bottom[i] = image.data[index[i] + to_bottom].word;
+  }
+  for (int i = 0; i < kCount; ++i) {
+    const Halves above = SplitWord(top[i]);
+    const Halves below = SplitWord(bottom[i]);
+    const float t = above.low + fx[i] * above.high_minus_low;
+    const float b = below.low + fx[i] * below.high_minus_low;
     values[i] = t + fy[i] * (b - t);
   }
 }

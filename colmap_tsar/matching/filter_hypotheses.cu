@@ -24,17 +24,12 @@ struct FilterKernel {
   HypothesisFilterOptions options;
   float max_cos_angle;
   ImageView<float> filtered;
-  ImageView<uint8_t> follows_prior;  // Empty without a prior.
 
   TSAR_HD void operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
     const Vec3f ray = reference.intrinsics.Ray(x, y);
     const bool follows = FollowsPrior(x, y, ray, depth);
-    const bool is_kept = IsConfirmed(x, y, ray, depth, !follows);
-    filtered(x, y) = is_kept ? depth : 0.f;
-    if (!follows_prior.Empty()) {
-      follows_prior(x, y) = is_kept && follows ? 1 : 0;
-    }
+    filtered(x, y) = IsConfirmed(x, y, ray, depth, !follows) ? depth : 0.f;
   }
 
   TSAR_HD bool FollowsPrior(int x, int y, const Vec3f& ray, float depth) const {
@@ -107,23 +102,12 @@ struct FilterKernel {
 
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     const Buffer<SourceView>& sources,
+                                    ImageView<const Plane> prior,
                                     const HypothesisFilterOptions& options,
                                     Device& device) {
-  return FilterUnderPrior(reference, sources, {}, options, device).depth;
-}
-
-DepthsUnderPrior FilterUnderPrior(const ReferenceView& reference,
-                                  const Buffer<SourceView>& sources,
-                                  ImageView<const Plane> prior,
-                                  const HypothesisFilterOptions& options,
-                                  Device& device) {
   const int width = reference.depth.width;
   const int height = reference.depth.height;
-  DepthsUnderPrior filtered;
-  filtered.depth = DeviceImage<float>(device, width, height);
-  if (!prior.Empty()) {
-    filtered.follows_prior = DeviceImage<uint8_t>(device, width, height);
-  }
+  DeviceImage<float> filtered(device, width, height);
   ParallelFor(device,
               width,
               height,
@@ -134,8 +118,7 @@ DepthsUnderPrior FilterUnderPrior(const ReferenceView& reference,
                            options,
                            std::cos(options.min_triangulation_angle *
                                     3.14159265f / 180.f),
-                           filtered.depth.View(),
-                           filtered.follows_prior.View()});
+                           filtered.View()});
   return filtered;
 }
 

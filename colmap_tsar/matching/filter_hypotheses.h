@@ -30,26 +30,13 @@ struct HypothesisFilterOptions {
 // ray meets the reference's at an angle that tells depth. The others become 0.
 // Confirm nothing: the reference itself among the sources, and sources without
 // depth.
+// prior: where maps were found with one, else empty. Of depths on their prior
+// plane whose own texture is not distinct, the images need not match. If they
+// do, it says little: the plane was preferred to others that match as well.
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     const Buffer<SourceView>& sources,
+                                    ImageView<const Plane> prior,
                                     const HypothesisFilterOptions& options,
                                     Device& device);
-
-struct DepthsUnderPrior {
-  DeviceImage<float> depth;
-  // 1: the depth lies on the prior, and its own texture is too weak to tell
-  // whether it would without one.
-  DeviceImage<uint8_t> follows_prior;
-};
-
-// The same for maps that were found with a planar prior: of depths on their
-// prior plane whose own texture is not distinct, the images need not match. If
-// they do, it says little: the plane was preferred to others that match as
-// well.
-DepthsUnderPrior FilterUnderPrior(const ReferenceView& reference,
-                                  const Buffer<SourceView>& sources,
-                                  ImageView<const Plane> prior,
-                                  const HypothesisFilterOptions& options,
-                                  Device& device);
 
 }  // namespace tsar

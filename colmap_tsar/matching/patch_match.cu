@@ -97,6 +97,9 @@ struct FirstCostKernel {
 
 // Updates the pixels of one colour of the checkerboard.
 struct SweepKernel {
+  // 64 registers for each thread.
+  static constexpr int kMinBlocks = 8;
+
   ReferenceView reference;
   const SourceView* sources;
   int num_sources;
@@ -105,6 +108,7 @@ struct SweepKernel {
   int iteration;
   int color;
   ImageView<const Plane> prior;
+  ImageView<const uint8_t> keeps_plane;
   ImageView<Plane> planes;
   ImageView<float> costs;
   // By view and pixel.
@@ -114,7 +118,7 @@ struct SweepKernel {
     const int half_width = (planes.width + 1) / 2;
     const int y = static_cast<int>(i / half_width);
     const int x = 2 * static_cast<int>(i % half_width) + ((y + color) & 1);
-    if (x < planes.width) {
+    if (x < planes.width && (keeps_plane.Empty() || keeps_plane(x, y) == 0)) {
       Update(x, y);
     }
   }
@@ -334,6 +338,7 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               iteration,
                               color,
                               inputs.prior,
+                              inputs.keeps_plane,
                               hypotheses.planes.View(),
                               hypotheses.costs.View(),
                               weights.Data()});

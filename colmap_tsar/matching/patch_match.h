@@ -55,6 +55,9 @@ struct PatchMatchInputs {
   // Key of the random numbers: the same stream gives the same result.
   uint32_t stream = 0;
   ImageView<const Plane> prior = {};  // May be empty.
+  // 1 for pixels that keep their planes, which others may take over; may be
+  // empty.
+  ImageView<const uint8_t> keeps_plane = {};
 };
 
 // Planes through random points of the rays, with uniform inverse depth between

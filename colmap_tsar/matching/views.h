@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/matching/gray_pair.h"
 
 namespace tsar {
 
@@ -23,7 +24,7 @@ struct ReferenceView {
 struct SourceView {
   Intrinsics intrinsics;
   RelativePose from_reference;
-  ImageView<const float> gray;   // 0-255
+  ImageView<const GrayPair> gray;
   ImageView<const float> depth;  // z in the source's frame; may be empty
 };
 

@@ -8,12 +8,25 @@
 namespace tsar {
 namespace {
 
+TSAR_HD float GrayLevel(const Rgb& c) {
+  return 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+}
+
 struct GrayKernel {
   ImageView<const Rgb> color;
   ImageView<float> gray;
   TSAR_HD void operator()(int64_t i) const {
-    const Rgb c = color.data[i];
-    gray.data[i] = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+    gray.data[i] = GrayLevel(color.data[i]);
+  }
+};
+
+struct GrayPairKernel {
+  ImageView<const Rgb> color;
+  ImageView<GrayPair> pairs;
+  TSAR_HD void operator()(int x, int y) const {
+    const int right = x + 1 < color.width ? x + 1 : x;
+    pairs(x, y) =
+        MakeGrayPair(GrayLevel(color(x, y)), GrayLevel(color(right, y)));
   }
 };
 
@@ -43,6 +56,12 @@ DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
   DeviceImage<float> gray(device, color.width, color.height);
   ComputeGray(color, gray.View(), device);
   return gray;
+}
+
+void ComputeGrayPairs(ImageView<const Rgb> color,
+                      ImageView<GrayPair> pairs,
+                      Device& device) {
+  ParallelFor(device, color.width, color.height, GrayPairKernel{color, pairs});
 }
 
 DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/gray_pair.h"
 
 namespace tsar {
 
@@ -13,6 +14,11 @@ void ComputeGray(ImageView<const Rgb> color,
                  ImageView<float> gray,
                  Device& device);
 DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device);
+
+// The same in the form in which sources are interpolated.
+void ComputeGrayPairs(ImageView<const Rgb> color,
+                      ImageView<GrayPair> pairs,
+                      Device& device);
 
 // Half as wide and high, rounded down, but at least one pixel: each pixel is
 // the mean of four.

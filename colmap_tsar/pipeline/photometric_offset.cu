@@ -113,7 +113,7 @@ struct OffsetKernel {
       return 0.f;
     }
     const float unexplained =
-        kModelError + 2.f * noise_variance / patch.variance;
+        kModelError + 2.f * noise_variance / patch.GrayVariance();
     OffsetCurve halves[2];
     EpipolarMotion motion;
     int num_seen = 0;

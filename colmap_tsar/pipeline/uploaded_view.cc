@@ -22,13 +22,13 @@ std::shared_ptr<const UploadedView> UploadView(
   if (spare == nullptr || spare->depth.Width() != width ||
       spare->depth.Height() != height) {
     spare = std::make_shared<UploadedView>();
-    spare->gray = DeviceImage<float>(device, width, height);
+    spare->gray = DeviceImage<GrayPair>(device, width, height);
     spare->depth = DeviceImage<float>(device, width, height);
   }
   spare->camera = view.camera;
   spare->has_depth = HasDepth(view.depth);
   const DeviceImage<Rgb> color(device, view.color);
-  ComputeGray(color.View(), spare->gray.View(), device);
+  ComputeGrayPairs(color.View(), spare->gray.View(), device);
   // Not by Upload(): another device may have allocated the memory.
   device.CopyToDevice(spare->depth.View().data,
                       view.depth.Data(),
@@ -46,8 +46,7 @@ std::vector<std::shared_ptr<const UploadedView>> UploadViews(
 }
 
 int64_t UploadedViewBytes(int64_t num_pixels) {
-  const int64_t gray_and_depth = 2 * BytesOf<float>(num_pixels);
-  return gray_and_depth;
+  return BytesOf<GrayPair>(num_pixels) + BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
 #include <cstdint>
@@ -17,7 +18,7 @@ namespace tsar {
 struct UploadedView {
   Camera camera;
   bool has_depth = false;  // In any pixel.
-  DeviceImage<float> gray;
+  DeviceImage<GrayPair> gray;
   DeviceImage<float> depth;
 };
 

@@ -170,24 +170,23 @@ Image<Plane> TriangulatePlanes(const Image<float>& depth,
   return planes;
 }
 
-DeviceImage<Plane> FindPlanarPrior(const ReferenceView& reference,
-                                   const Buffer<SourceView>& sources,
-                                   float window_radius,
-                                   Device& device) {
+Image<Plane> FindPlanarPrior(const ReferenceView& reference,
+                             const Buffer<SourceView>& sources,
+                             float window_radius,
+                             Device& device) {
   HypothesisFilterOptions reliable;
   reliable.min_ncc = kMinNcc;
   reliable.min_triangulation_angle = kMinTriangulationAngle;
   reliable.min_num_consistent =
       std::clamp(static_cast<int>(sources.Size()), 1, kMinNumConsistent);
   reliable.window_radius = window_radius;
-  const Image<float> depth =
-      FilterHypotheses(reference, sources, reliable, device).ToHost();
-  return DeviceImage<Plane>(device,
-                            TriangulatePlanes(depth, reference.intrinsics));
+  return TriangulatePlanes(
+      FilterHypotheses(reference, sources, {}, reliable, device).ToHost(),
+      reference.intrinsics);
 }
 
 int64_t FindPlanarPriorWorkingBytes(int64_t num_pixels) {
-  return std::max(BytesOf<float>(num_pixels), BytesOf<Plane>(num_pixels));
+  return BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

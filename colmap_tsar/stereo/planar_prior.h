@@ -3,7 +3,7 @@
 
 #pragma once
 
-// The planar prior of the geometric passes (Xu and Tao, "Planar Prior Assisted
+// The planar prior (Xu and Tao, "Planar Prior Assisted
 // PatchMatch Multi-View Stereo", AAAI 2020): between depths that can be relied
 // on, a surface without texture is probably flat.
 
@@ -27,12 +27,12 @@ Image<Plane> TriangulatePlanes(const Image<float>& depth,
 
 // The planes of the triangles between those depths of the reference that match
 // well and that the depths of two sources confirm, or that of the only one.
-DeviceImage<Plane> FindPlanarPrior(const ReferenceView& reference,
-                                   const Buffer<SourceView>& sources,
-                                   float window_radius,
-                                   Device& device);
+Image<Plane> FindPlanarPrior(const ReferenceView& reference,
+                             const Buffer<SourceView>& sources,
+                             float window_radius,
+                             Device& device);
 
-// Of the device's memory, with the result.
+// Of the device's memory.
 int64_t FindPlanarPriorWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/pipeline/depth_interval.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/stereo/stereo_options.h"
@@ -13,9 +14,13 @@
 
 namespace tsar {
 
+// The cost of a depth that no image speaks for; files have no other word for
+// it.
+constexpr float kCostWithoutEvidence = 2.f;
+
 // The maps of one image. Costs are 1 - NCC, in [0, 2], as COLMAP's patch writes
-// them: 2 where there is no evidence. Geometric passes but the last leave them
-// empty.
+// them: kCostWithoutEvidence where there is none. Geometric passes but the last
+// leave them empty.
 struct StereoMaps {
   Image<float> depth;
   Image<Vec3f> normal;
@@ -35,7 +40,8 @@ StereoMaps MatchImage(const ViewData& reference,
 
 // Improves the depth and normal of the reference with regard to the depth of
 // the sources, some of which may have none. pass counts from 0. The last pass
-// filters: depths that too few sources confirm become 0, with their normals.
+// filters: depths that too few sources confirm become 0, with their normals, or
+// under a planar prior its own (FillWithPrior).
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
                                    const DepthInterval& range,
@@ -44,13 +50,16 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const StereoOptions& options,
                                    Device& device);
 
+// What confirms the depths of an image with so many sources.
+HypothesisFilterOptions FilterOptions(const StereoOptions& options,
+                                      int num_sources);
+
 // num_pixels: of the largest image, if the maps have its size; sources count as
 // large. Of the device's memory, with the sources.
 int64_t MatchImageWorkingBytes(const StereoOptions& options,
                                int64_t num_pixels,
                                int num_sources);
-int64_t MatchImageGeometricallyWorkingBytes(const StereoOptions& options,
-                                            int64_t num_pixels,
+int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
                                             int num_sources);
 // Bytes of main memory.
 int64_t StereoMapsBytes(int64_t num_pixels);

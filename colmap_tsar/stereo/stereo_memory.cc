@@ -4,6 +4,7 @@
 #include "colmap_tsar/stereo/stereo_memory.h"
 
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_image.h"
 
 #include <algorithm>
@@ -18,9 +19,13 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   // Each image uploads its sources anew: they count as work.
   plan.work = MatchImageWorkingBytes(options, num_pixels, plan.num_sources);
   if (options.geom_consistency) {
-    plan.work = std::max(plan.work,
-                         MatchImageGeometricallyWorkingBytes(
-                             options, num_pixels, plan.num_sources));
+    plan.work = std::max(
+        plan.work,
+        MatchImageGeometricallyWorkingBytes(num_pixels, plan.num_sources));
+  }
+  if (FillsUnderPrior(options)) {
+    plan.work = std::max(
+        plan.work, MatchUnderPriorWorkingBytes(num_pixels, plan.num_sources));
   }
   plan.view = ViewBytes(overview);
   plan.load = LoadBytes(overview);

@@ -20,7 +20,7 @@ struct StereoOptions {
   int num_levels = 2;
   bool geom_consistency = true;
   int num_geometric_passes = 2;  // Each over all images.
-  bool planar_prior = false;     // In the geometric passes.
+  bool planar_prior = true;      // Fills what was not measured.
   bool smooth_normals = true;    // Those of the geometric maps.
   // The filter of the geometric maps.
   double filter_min_ncc = 0.1;

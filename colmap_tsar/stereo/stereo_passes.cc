@@ -4,9 +4,13 @@
 #include "colmap_tsar/stereo/stereo_passes.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_claim.h"
 #include "colmap_tsar/workspace/map_io.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -37,21 +41,50 @@ void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
   WriteDepthMap(files.depth, maps.depth);
 }
 
+void ReadStereoMaps(const StereoMapFiles& files, ViewData* view) {
+  view->depth = ReadDepthMap(files.depth);
+  view->normal = ReadNormalMap(files.normal);
+  if (!files.cost) {
+    return;
+  }
+  const PlanarMap costs = ReadPlanarMap(*files.cost);
+  const size_t num_pixels = view->depth.NumPixels();
+  if (costs.values.size() != 2 * num_pixels ||
+      costs.width != view->depth.Width()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      files.cost->string(),
+                      "has another size than the depth map beside it",
+                      "delete both, and run tsar_stereo again");
+  }
+  view->min_cost = Image<float>(view->depth.Width(), view->depth.Height());
+  view->second_cost = view->min_cost;
+  const auto second =
+      costs.values.begin() + static_cast<std::ptrdiff_t>(num_pixels);
+  std::copy(costs.values.begin(), second, view->min_cost.begin());
+  std::copy(second, costs.values.end(), view->second_cost.begin());
+}
+
 StereoPasses::StereoPasses(const Workspace& workspace,
                            const StereoOptions& options)
     : workspace_(workspace),
       num_geometric_(options.geom_consistency ? options.num_geometric_passes
-                                              : 0) {}
+                                              : 0),
+      num_prior_(FillsUnderPrior(options) ? 1 : 0) {}
 
 StereoMapFiles StereoPasses::Files(int pass, int image) const {
-  if (pass > 0 && pass < num_geometric_) {
+  if (pass > 0 && pass + 1 < NumPasses()) {
     const std::string key =
         workspace_.Model().images[static_cast<size_t>(image)].name;
     const ContainedPath folder =
         GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
-    return {folder / "depth" / (key + ".bin"),
-            folder / "normal" / (key + ".bin"),
-            std::nullopt};
+    StereoMapFiles files{folder / "depth" / (key + ".bin"),
+                         folder / "normal" / (key + ".bin"),
+                         std::nullopt};
+    // Costs tell the next pass what was measured.
+    if (IsUnderPrior(pass + 1)) {
+      files.cost = folder / "cost" / (key + ".bin");
+    }
+    return files;
   }
   const MapPaths paths = workspace_.Paths(
       image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
@@ -59,11 +92,11 @@ StereoMapFiles StereoPasses::Files(int pass, int image) const {
 }
 
 bool StereoPasses::IsDone(int image) const {
-  return Files(0, image).Exist() && Files(num_geometric_, image).Exist();
+  return Files(0, image).Exist() && Files(NumPasses() - 1, image).Exist();
 }
 
 void StereoPasses::RemoveFilesBetween() const {
-  for (int pass = 1; pass < num_geometric_; ++pass) {
+  for (int pass = 1; pass + 1 < NumPasses(); ++pass) {
     RemoveTree(GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass)));
   }
 }

@@ -16,7 +16,7 @@ namespace tsar {
 struct StereoMapFiles {
   ContainedPath depth;
   ContainedPath normal;
-  std::optional<ContainedPath> cost;  // Not between the passes.
+  std::optional<ContainedPath> cost;  // Not of every pass.
 
   bool Exist() const;
 };
@@ -24,14 +24,18 @@ struct StereoMapFiles {
 // Each file in one step, the depth map last; creates the folders.
 void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps);
 
-// The passes over all images: the photometric one, number 0, and after it the
-// geometric ones.
+// Sets the view's maps, and its costs where there is a file of them.
+void ReadStereoMaps(const StereoMapFiles& files, ViewData* view);
+
+// The passes over all images: the photometric one, number 0, after it the
+// geometric ones, and the one that matches under the planar prior.
 class StereoPasses {
  public:
   // workspace must outlive this object.
   StereoPasses(const Workspace& workspace, const StereoOptions& options);
 
-  int NumPasses() const { return 1 + num_geometric_; }
+  int NumPasses() const { return 1 + num_geometric_ + num_prior_; }
+  bool IsUnderPrior(int pass) const { return pass > num_geometric_; }
   StereoMapFiles Files(int pass, int image) const;
   // Whether the image has all maps that the run is to leave.
   bool IsDone(int image) const;
@@ -41,6 +45,7 @@ class StereoPasses {
  private:
   const Workspace& workspace_;
   const int num_geometric_;
+  const int num_prior_;
 };
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/stereo/stereo_task.h"
 
 #include "colmap_tsar/base/image_name_hash.h"
+#include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_inputs.h"
 #include "colmap_tsar/workspace/map_io.h"
 
@@ -38,8 +39,7 @@ ViewCache::View StereoTask::Load(int image) const {
   if (pass_ > 0 && is_matched_[static_cast<size_t>(image)]) {
     const StereoMapFiles files = passes_.Files(pass_ - 1, image);
     if (files.Exist()) {
-      view->depth = ReadDepthMap(files.depth);
-      view->normal = ReadNormalMap(files.normal);
+      ReadStereoMaps(files, view.get());
     }
   }
   return view;
@@ -74,15 +74,14 @@ StereoMaps StereoTask::Compute(size_t index,
   const uint32_t stream =
       HashImageName(workspace_.Model().images[static_cast<size_t>(image)].name);
   Device& device = *workers_[worker].device;
-  return pass_ == 0
-             ? MatchImage(reference, sources, range, stream, options_, device)
-             : MatchImageGeometrically(reference,
-                                       sources,
-                                       range,
-                                       stream,
-                                       pass_ - 1,
-                                       options_,
-                                       device);
+  if (pass_ == 0) {
+    return MatchImage(reference, sources, range, stream, options_, device);
+  }
+  if (passes_.IsUnderPrior(pass_)) {
+    return MatchUnderPrior(reference, sources, range, stream, options_, device);
+  }
+  return MatchImageGeometrically(
+      reference, sources, range, stream, pass_ - 1, options_, device);
 }
 
 void StereoTask::Write(size_t index, StereoMaps maps, ImageReport* report) {

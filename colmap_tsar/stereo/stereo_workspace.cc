@@ -10,6 +10,7 @@
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/memory_plan.h"
 #include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_claim.h"
 #include "colmap_tsar/stereo/stereo_inputs.h"
 #include "colmap_tsar/stereo/stereo_memory.h"
@@ -55,6 +56,7 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
                           static_cast<int>(problem.sources.size())));
   }
   std::for_each(images.begin(), images.end(), look_at);
+  overview.has_costs = FillsUnderPrior(options);
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
 }

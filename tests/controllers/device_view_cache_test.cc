@@ -46,7 +46,8 @@ TEST(DeviceViewCache, HoldsWhatTheStagesNeed) {
   view.camera.width = 20;
   const DeviceViewCache::View uploaded = cache.Get(3, view, *device);
   EXPECT_EQ(DepthOf(uploaded), 7.f);
-  EXPECT_EQ(uploaded->gray.ToHost()(0, 0), 0.299f * 7);
+  EXPECT_EQ(uploaded->gray.ToHost()(0, 0).word,
+            MakeGrayPair(0.299f * 7, 0.299f * 7).word);
   EXPECT_EQ(uploaded->camera.width, 20);
   EXPECT_TRUE(uploaded->has_depth);
   EXPECT_FALSE(cache.Get(0, MakeView(0), *device)->has_depth);

@@ -7,6 +7,7 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/scene_planes/label_quality.h"
 
 #include <cstdint>
@@ -54,6 +55,9 @@ class StageResult {
   }
   static void Append(const Vec3f& value, std::vector<double>* values) {
     values->insert(values->end(), {value.x, value.y, value.z});
+  }
+  static void Append(const GrayPair& value, std::vector<double>* values) {
+    values->push_back(value.word);
   }
   static void Append(const LabelQuality& value, std::vector<double>* values) {
     values->insert(values->end(),

@@ -111,14 +111,15 @@ PlaneHypotheses FindThePlane(TexturedPlane& scene,
   options.depth_max = 6.f;
   const DeviceImage<float> gray(device, scene.Gray());
   std::vector<SourceView> sources = scene.Sources().ToHost();
-  std::vector<DeviceImage<float>> rasters;
+  std::vector<DeviceImage<GrayPair>> grays;
+  std::vector<DeviceImage<float>> depths;
   for (size_t i = 0; i < sources.size(); ++i) {
-    rasters.emplace_back(device, scene.SourceGray(static_cast<int>(i)));
-    sources[i].gray = std::as_const(rasters.back()).View();
+    grays.emplace_back(device, PairsOf(scene.SourceGray(static_cast<int>(i))));
+    sources[i].gray = std::as_const(grays.back()).View();
     sources[i].depth = {};
     if (with_depth) {
-      rasters.emplace_back(device, scene.SourceDepth(static_cast<int>(i)));
-      sources[i].depth = std::as_const(rasters.back()).View();
+      depths.emplace_back(device, scene.SourceDepth(static_cast<int>(i)));
+      sources[i].depth = std::as_const(depths.back()).View();
     }
   }
   const Intrinsics intrinsics = scene.Reference().intrinsics;
@@ -201,6 +202,7 @@ TEST_F(CudaTest, FilterHypotheses) {
                 result->Add("filtered",
                             FilterHypotheses(inputs.views.Reference(),
                                              inputs.views.Sources(),
+                                             {},
                                              options,
                                              device));
                 options.window_radius = 8.f;
@@ -208,34 +210,50 @@ TEST_F(CudaTest, FilterHypotheses) {
                 result->Add("strictly filtered",
                             FilterHypotheses(inputs.views.Reference(),
                                              inputs.views.Sources(),
+                                             {},
                                              options,
                                              device));
               });
 }
 
-TEST_F(CudaTest, PlanarPrior) {
-  ExpectAlike("FindPlanarPrior, RunPatchMatch and FilterUnderPrior with it",
+TEST_F(CudaTest, PairGray) {
+  ExpectAlike("PairGray",
               AllScenesAndWide(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
-                const ReferenceView reference = inputs.views.Reference();
-                const Buffer<SourceView>& sources = inputs.views.Sources();
-                const DeviceImage<Plane> prior =
-                    FindPlanarPrior(reference, sources, 5.f, device);
-                result->Add("prior", prior);
-                PatchMatchOptions options = BoundsAroundTheWall();
-                options.num_iterations = 1;
-                const PlaneHypotheses found =
-                    RunPatchMatch({reference, sources, 1, prior.View()},
-                                  PlanesOfTheMaps(inputs, device),
-                                  options,
-                                  device);
-                result->Add("planes", found.planes);
-                result->Add("costs", found.costs);
-                const DepthsUnderPrior filtered = FilterUnderPrior(
-                    reference, sources, prior.View(), {}, device);
-                result->Add("filtered", filtered.depth);
-                result->Add("follows the prior", filtered.follows_prior);
+                result->Add("pairs",
+                            PairGray(inputs.views.Reference().gray, device));
               });
+}
+
+TEST_F(CudaTest, PlanarPrior) {
+  ExpectAlike(
+      "FindPlanarPrior, RunPatchMatch and FilterHypotheses with it",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const ReferenceView reference = inputs.views.Reference();
+        const Buffer<SourceView>& sources = inputs.views.Sources();
+        const DeviceImage<Plane> prior(
+            device, FindPlanarPrior(reference, sources, 5.f, device));
+        result->Add("prior", prior);
+        PatchMatchOptions options = BoundsAroundTheWall();
+        options.num_iterations = 1;
+        // Every third pixel keeps its plane.
+        Image<uint8_t> keeps(inputs.views.Width(), inputs.views.Height());
+        for (size_t i = 0; i < keeps.NumPixels(); i += 3) {
+          keeps.Data()[i] = 1;
+        }
+        const DeviceImage<uint8_t> keeps_plane(device, keeps);
+        PatchMatchInputs search{reference, sources, 1};
+        search.prior = prior.View();
+        search.keeps_plane = keeps_plane.View();
+        const PlaneHypotheses found = RunPatchMatch(
+            search, PlanesOfTheMaps(inputs, device), options, device);
+        result->Add("planes", found.planes);
+        result->Add("costs", found.costs);
+        result->Add(
+            "filtered",
+            FilterHypotheses(reference, sources, prior.View(), {}, device));
+      });
 }
 
 TEST_F(CudaTest, SmoothNormals) {

@@ -303,7 +303,6 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuRefineToTheSameBytes) {
 
 TEST_F(WorkspaceOnCudaTest, CpuAndGpuMatchToTheSameBytes) {
   StereoOptions options;
-  options.planar_prior = true;
   options.depth_min = 0.5 * SyntheticWorkspace::kDepth;
   options.depth_max = 2.0 * SyntheticWorkspace::kDepth;
   options.max_image_size = SyntheticWorkspace::kWidth / 2;

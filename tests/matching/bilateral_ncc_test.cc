@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/matching/gray_pairs.h"
 #include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
@@ -120,14 +121,13 @@ TEST(ReferencePatch, HasARadiusOfFiveByDefault) {
   const ReferencePatch by_default(gray.View(), 16, 12);
   const ReferencePatch five(gray.View(), 16, 12, 5.f);
   EXPECT_EQ(five.radius, kPatchRadius);
-  EXPECT_EQ(five.step, 2.f);
   EXPECT_EQ(five.mean, by_default.mean);
   EXPECT_EQ(five.variance, by_default.variance);
   for (int i = 0; i < kPatchSize; ++i) {
     ASSERT_EQ(five.OffsetX(i), by_default.OffsetX(i));
     ASSERT_EQ(five.OffsetY(i), by_default.OffsetY(i));
-    ASSERT_EQ(five.value[i], by_default.value[i]);
-    ASSERT_EQ(five.weight[i], by_default.weight[i]);
+    ASSERT_EQ(five.At(i).value, by_default.At(i).value);
+    ASSERT_EQ(five.At(i).weight, by_default.At(i).weight);
   }
   // Every second pixel of 11 x 11.
   EXPECT_EQ(five.OffsetX(0), -5.f);
@@ -161,12 +161,12 @@ TEST(ReferencePatch, SamplesTwiceAsFarWithTwiceTheRadius) {
   for (int i = 0; i < kPatchSize; ++i) {
     ASSERT_EQ(wide.OffsetX(i), 2.f * patch.OffsetX(i));
     ASSERT_EQ(wide.OffsetY(i), 2.f * patch.OffsetY(i));
-    ASSERT_EQ(wide.value[i], patch.value[i]);
+    ASSERT_EQ(wide.At(i).value, patch.At(i).value);
     // The weights are spread like the samples.
-    ASSERT_FLOAT_EQ(wide.weight[i], patch.weight[i]);
+    ASSERT_NEAR(wide.At(i).weight, patch.At(i).weight, 1.f);
   }
-  EXPECT_FLOAT_EQ(wide.mean, patch.mean);
-  EXPECT_FLOAT_EQ(wide.variance, patch.variance);
+  EXPECT_NEAR(wide.mean, patch.mean, 1e-3f * std::sqrt(patch.variance));
+  EXPECT_NEAR(wide.variance, patch.variance, 1e-3f * patch.variance);
 }
 
 TEST(PatchCost, MapsTheWindowOfThePatch) {
@@ -191,10 +191,11 @@ TEST(ReferencePatch, HoldsTheSamplesOfTheWindow) {
         const ReferencePatch patch(view, x, y, radius);
         const float center = SampleBilinear(view, x, y);
         for (int i = 0; i < kPatchSize; ++i) {
-          ASSERT_EQ(
-              patch.value[i],
+          ASSERT_NEAR(
+              patch.At(i).value * ReferencePatch::kValueUnit,
               SampleBilinear(view, x + patch.OffsetX(i), y + patch.OffsetY(i)) -
-                  center)
+                  center,
+              0.6f * ReferencePatch::kValueUnit)
               << x << ", " << y << ", " << radius << ", " << i;
         }
       }
@@ -206,23 +207,26 @@ TEST(ReferencePatch, HoldsTheSamplesOfTheWindow) {
 struct Met {
   int num_inside = 0;
   int num_on_border = 0;
-  int num_behind = 0;
+  int num_unseen = 0;
 };
 
 // Both forms of the sum, which must not differ in a bit.
+template <typename Element>
 void ExpectSameSums(const ReferencePatch& patch,
                     const PlaneHomography& homography,
-                    const ImageView<const float>& other,
+                    const ImageView<const Element>& other,
                     Met* met) {
-  PatchSums by_samples;
-  PatchSums by_steps;
-  const bool is_seen =
-      AddUpBySamples(patch, homography, other, 100.f, &by_samples);
-  ASSERT_EQ(AddUpBySteps(patch, homography, other, 100.f, &by_steps), is_seen);
-  if (!is_seen) {
-    ++met->num_behind;
+  const WindowHomography window(
+      homography, patch.center_x, patch.center_y, patch.radius);
+  if (!window.is_seen) {
+    ++met->num_unseen;
+    EXPECT_EQ(PatchCost(patch, homography, other), kUndefinedCost);
     return;
   }
+  PatchSums by_samples;
+  PatchSums by_steps;
+  AddUpBySamples(patch, window, other, 100.f, &by_samples);
+  AddUpBySteps(patch, window, other, 100.f, &by_steps);
   ASSERT_TRUE(std::isfinite(by_samples.squares));
   ASSERT_EQ(by_steps.values, by_samples.values);
   ASSERT_EQ(by_steps.squares, by_samples.squares);
@@ -241,21 +245,18 @@ void ExpectSameSums(const ReferencePatch& patch,
   ++(is_inside ? met->num_inside : met->num_on_border);
 }
 
-TEST(AddUpBySteps, GivesTheSumsOfAddUpBySamples) {
-  const Image<float> gray = DrawNoise(1);
-  const Image<float> other = DrawNoise(2);
+// From planes seen from the front to those seen along their surface, a part of
+// which lies behind the cameras.
+template <typename Function>
+void ForHomographies(int count, const Function& function) {
   const Intrinsics intrinsics{50.f, 50.f, 16.f, 16.f};
   Philox random(3, 0, 0);
   const auto draw = [&](float scale) {
     return scale * (2.f * random.NextFloat() - 1.f);
   };
-  Met met;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < count; ++i) {
     const int x = static_cast<int>(random.NextBelow(kSize));
     const int y = static_cast<int>(random.NextBelow(kSize));
-    const ReferencePatch patch(gray.View(), x, y, i % 3 == 0 ? 8.f : 5.f);
-    // From planes seen from the front to those seen along their surface, a part
-    // of which lies behind the cameras.
     const Vec3f ray = intrinsics.Ray(x, y);
     Vec3f normal = Normalized({draw(1.f), draw(1.f), draw(i % 2)});
     if (Dot(normal, ray) > 0.f) {
@@ -272,15 +273,82 @@ TEST(AddUpBySteps, GivesTheSumsOfAddUpBySamples) {
         intrinsics,
         pose,
         Plane::FromPoint(ray, 1.5f + draw(0.5f), normal));
-    ASSERT_NO_FATAL_FAILURE(
-        ExpectSameSums(patch, homography, other.View(), &met));
+    function(x, y, i % 3 == 0 ? 8.f : 5.f, homography);
   }
-  EXPECT_GT(met.num_inside, 100);
-  EXPECT_GT(met.num_on_border, 1000);
-  EXPECT_GT(met.num_behind, 50);
 }
 
-TEST(AddUpBySteps, TakesAnyNumbersForAHomography) {
+TEST(AddUpBySteps, GivesTheSumsOfAddUpBySamples) {
+  const Image<float> gray = DrawNoise(1);
+  const Image<float> other = DrawNoise(2);
+  const Image<GrayPair> pairs = PairsOf(other);
+  Met met;
+  ForHomographies(
+      3000, [&](int x, int y, float radius, const PlaneHomography& homography) {
+        const ReferencePatch patch(gray.View(), x, y, radius);
+        ExpectSameSums(patch, homography, other.View(), &met);
+        ExpectSameSums(patch, homography, pairs.View(), &met);
+      });
+  EXPECT_GT(met.num_inside, 100);
+  EXPECT_GT(met.num_on_border, 1000);
+  EXPECT_GT(met.num_unseen, 50);
+}
+
+TEST(WindowHomography, MapsAsTheWholeOne) {
+  int num_seen = 0;
+  ForHomographies(
+      3000, [&](int x, int y, float radius, const PlaneHomography& homography) {
+        const WindowHomography window(homography, x, y, radius);
+        float mapped_x = 0.f;
+        float mapped_y = 0.f;
+        if (!window.is_seen) {
+          return;
+        }
+        ++num_seen;
+        ASSERT_TRUE(homography.Map(x, y, &mapped_x, &mapped_y));
+        ASSERT_NEAR(window.x, mapped_x, 1e-3f);
+        ASSERT_NEAR(window.y, mapped_y, 1e-3f);
+        for (const float dx : {-radius, 0.f, radius}) {
+          for (const float dy : {-radius, 0.f, radius}) {
+            ASSERT_TRUE(homography.Map(x + dx, y + dy, &mapped_x, &mapped_y));
+            const float change = window.z_dx * dx + window.z_dy * dy;
+            const float scale = WindowHomography::Reciprocal(change);
+            const float moved_x = window.x_dx * dx + window.x_dy * dy;
+            const float moved_y = window.y_dx * dx + window.y_dy * dy;
+            // Of the series, the first term that is left out.
+            const float error = std::pow(change, 4.f) / (1.f + change);
+            ASSERT_NEAR(window.x + moved_x * scale,
+                        mapped_x,
+                        1e-3f + 1.01f * error * std::abs(moved_x));
+            ASSERT_NEAR(window.y + moved_y * scale,
+                        mapped_y,
+                        1e-3f + 1.01f * error * std::abs(moved_y));
+          }
+        }
+      });
+  EXPECT_GT(num_seen, 1000);
+}
+
+TEST(WindowHomography, SeesNoPlaneAlongItsSurfaceNorBehindTheCamera) {
+  PlaneHomography homography = Shift(0.f);
+  EXPECT_TRUE(WindowHomography(homography, 16.f, 16.f, 5.f).is_seen);
+  for (const float slope : {-0.11f, -0.09f, 0.09f, 0.11f}) {
+    for (const int element : {6, 7}) {
+      PlaneHomography steep = homography;
+      steep.h[element] = slope;
+      steep.h[8] = 1.f - 16.f * slope;  // The centre's depth stays 1.
+      // It changes by a half five pixels off where the slope is 0.1.
+      EXPECT_EQ(WindowHomography(steep, 16.f, 16.f, 5.f).is_seen,
+                std::abs(slope) < 0.1f)
+          << slope << ", " << element;
+    }
+  }
+  homography.h[8] = -1.f;
+  EXPECT_FALSE(WindowHomography(homography, 16.f, 16.f, 5.f).is_seen);
+  homography.h[8] = 0.f;
+  EXPECT_FALSE(WindowHomography(homography, 16.f, 16.f, 5.f).is_seen);
+}
+
+TEST(PatchCost, TakesAnyNumbersForAHomography) {
   const Image<float> gray = DrawNoise(1);
   const Image<float> other = DrawNoise(2);
   const Image<float> small(1, 1, 70.f);
@@ -301,8 +369,12 @@ TEST(AddUpBySteps, TakesAnyNumbersForAHomography) {
         PlaneHomography homography = Shift(1.f);
         homography.h[element] = value;
         for (const Image<float>* image : {&other, &small, &column}) {
+          const Image<GrayPair> pairs = PairsOf(*image);
           ASSERT_NO_FATAL_FAILURE(
               ExpectSameSums(patch, homography, image->View(), &met))
+              << element << ", " << value;
+          ASSERT_NO_FATAL_FAILURE(
+              ExpectSameSums(patch, homography, pairs.View(), &met))
               << element << ", " << value;
         }
       }
@@ -310,29 +382,21 @@ TEST(AddUpBySteps, TakesAnyNumbersForAHomography) {
   }
   EXPECT_GT(met.num_inside, 0);
   EXPECT_GT(met.num_on_border, 0);
-  EXPECT_GT(met.num_behind, 0);
+  EXPECT_GT(met.num_unseen, 0);
 }
 
-// A window of which the plane's horizon cuts off one sample alone.
-TEST(AddUpBySteps, SeesEveryCornerBehindTheCamera) {
+// A source is kept in steps of 1/256 of a gray level.
+TEST(PatchCost, IsTheSameForPairsButForTheirSteps) {
   const Image<float> gray = DrawNoise(1);
-  const ReferencePatch patch(gray.View(), 16, 16);
-  for (const float sign_x : {-1.f, 1.f}) {
-    for (const float sign_y : {-1.f, 1.f}) {
-      PlaneHomography homography = Shift(0.f);
-      homography.h[6] = sign_x;
-      homography.h[7] = sign_y;
-      for (const bool is_seen : {false, true}) {
-        // z is 0 in that corner, or barely not.
-        homography.h[8] = 10.f - 16.f * (sign_x + sign_y) + (is_seen ? 1 : 0);
-        PatchSums sums;
-        EXPECT_EQ(AddUpBySteps(patch, homography, gray.View(), 100.f, &sums),
-                  is_seen);
-        EXPECT_EQ(AddUpBySamples(patch, homography, gray.View(), 100.f, &sums),
-                  is_seen);
-      }
-    }
-  }
+  const Image<float> other = DrawNoise(2);
+  const Image<GrayPair> pairs = PairsOf(other);
+  ForHomographies(
+      500, [&](int x, int y, float radius, const PlaneHomography& homography) {
+        const ReferencePatch patch(gray.View(), x, y, radius);
+        ASSERT_NEAR(PatchCost(patch, homography, other.View()),
+                    PatchCost(patch, homography, pairs.View()),
+                    1e-3f);
+      });
 }
 
 }  // namespace

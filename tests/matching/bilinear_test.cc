@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "tests/matching/gray_pairs.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -25,10 +26,57 @@ TEST(SampleBilinear, InterpolatesAndRepeatsTheBorder) {
   EXPECT_FLOAT_EQ(SampleBilinear(view, -3.f, 9.f), 20.f);
 }
 
+float SamplePairs(const Image<GrayPair>& pairs, float x, float y) {
+  return SampleBilinear(pairs.View(), x, y) * kGrayUnit<GrayPair>;
+}
+
+TEST(SampleBilinear, OfPairsIsThatOfTheirGrayLevels) {
+  Philox random(7, 0, 0);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), {1, 7}, {7, 1}, {2, 2}, {40, 30}}) {
+    Image<float> drawn(width, height);
+    for (float& value : drawn) {
+      value = 255.f * random.NextFloat();
+    }
+    const Image<GrayPair> pairs = PairsOf(drawn);
+    const Image<float> gray = LevelsOf(pairs);
+    for (size_t i = 0; i < gray.NumPixels(); ++i) {
+      ASSERT_NEAR(gray.Data()[i], drawn.Data()[i], 0.002f);
+    }
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        ASSERT_EQ(SamplePairs(pairs, x, y), gray(x, y)) << x << ", " << y;
+      }
+    }
+    for (int i = 0; i < 300; ++i) {
+      const float x = random.NextFloat() * (width + 2.f) - 1.5f;
+      const float y = random.NextFloat() * (height + 2.f) - 1.5f;
+      ASSERT_NEAR(
+          SamplePairs(pairs, x, y), SampleBilinear(gray.View(), x, y), 1e-3f)
+          << x << ", " << y << " in " << width << " x " << height;
+    }
+  }
+}
+
+TEST(PairGray, PairsEachPixelWithItsRightNeighbour) {
+  const auto device = Device::CreateCpu(2);
+  Image<float> gray(5, 3);
+  for (size_t i = 0; i < gray.NumPixels(); ++i) {
+    gray.Data()[i] = 17.1f * static_cast<float>(i);
+  }
+  const DeviceImage<float> on_device(*device, gray);
+  const Image<GrayPair> pairs = PairGray(on_device.View(), *device).ToHost();
+  const Image<GrayPair> expected = PairsOf(gray);
+  for (size_t i = 0; i < gray.NumPixels(); ++i) {
+    EXPECT_EQ(pairs.Data()[i].word, expected.Data()[i].word);
+  }
+}
+
 constexpr int kCount = 10;
 
 // Every one of kCount positions must get what it gets alone.
-void ExpectSameValues(const Image<float>& gray,
+template <typename Element>
+void ExpectSameValues(const Image<Element>& gray,
                       const float (&x)[kCount],
                       const float (&y)[kCount]) {
   float values[kCount];
@@ -58,6 +106,7 @@ TEST(SampleBilinearBySteps, GivesTheSameBitsAsOneByOne) {
           y[i] = random.NextFloat() * (height - 1 + 2.f * margin) - margin;
         }
         ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, x, y));
+        ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), x, y));
       }
     }
   }
@@ -80,6 +129,8 @@ TEST(SampleBilinearBySteps, TakesAnyNumbers) {
     }
     ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, all, others));
     ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, others, all));
+    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), all, others));
+    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), others, all));
   }
 }
 

@@ -36,18 +36,13 @@ class FilterUnderPriorTest : public testing::Test {
         PlanesFromMaps(truth.intrinsics, truth.depth, truth.normal, *device_);
   }
 
-  struct Filtered {
-    Image<float> depth;
-    Image<uint8_t> follows_prior;
-  };
-  Filtered Filter() {
-    const DepthsUnderPrior filtered =
-        FilterUnderPrior(scene_.Reference(),
-                         scene_.Sources(),
-                         std::as_const(prior_).View(),
-                         options_,
-                         *device_);
-    return {filtered.depth.ToHost(), filtered.follows_prior.ToHost()};
+  Image<float> Filter() {
+    return FilterHypotheses(scene_.Reference(),
+                            scene_.Sources(),
+                            std::as_const(prior_).View(),
+                            options_,
+                            *device_)
+        .ToHost();
   }
 
   std::unique_ptr<Device> device_;
@@ -62,36 +57,34 @@ constexpr int kBareX = 22;
 constexpr int kTexturedX = 42;
 constexpr int kY = 24;
 
-TEST_F(FilterUnderPriorTest, KeepsBareDepthsOnThePriorAndTellsThem) {
-  const Filtered filtered = Filter();
-  EXPECT_GT(filtered.depth(kBareX, kY), 0.f);
-  EXPECT_EQ(filtered.follows_prior(kBareX, kY), 1);
-  EXPECT_GT(filtered.depth(kTexturedX, kY), 0.f);
-  EXPECT_EQ(filtered.follows_prior(kTexturedX, kY), 0);
+TEST_F(FilterUnderPriorTest, KeepsBareDepthsOnThePrior) {
+  const Image<float> filtered = Filter();
+  EXPECT_GT(filtered(kBareX, kY), 0.f);
+  EXPECT_GT(filtered(kTexturedX, kY), 0.f);
   // Without a prior a bare depth needs a match that it cannot have.
   const Image<float> without =
-      FilterHypotheses(scene_.Reference(), scene_.Sources(), options_, *device_)
+      FilterHypotheses(
+          scene_.Reference(), scene_.Sources(), {}, options_, *device_)
           .ToHost();
   EXPECT_EQ(without(kBareX, kY), 0.f);
-  EXPECT_EQ(without(kTexturedX, kY), filtered.depth(kTexturedX, kY));
+  EXPECT_EQ(without(kTexturedX, kY), filtered(kTexturedX, kY));
 }
 
 TEST_F(FilterUnderPriorTest, RemovesBareDepthsOffThePrior) {
   scene_.Depth()(kBareX, kY) *= 1.02f;
   options_.geom_consistency_max_cost = 10.f;
-  EXPECT_EQ(Filter().depth(kBareX, kY), 0.f);
-  EXPECT_EQ(Filter().follows_prior(kBareX, kY), 0);
+  EXPECT_EQ(Filter()(kBareX, kY), 0.f);
   options_.prior_tolerance = 0.03f;
-  EXPECT_GT(Filter().depth(kBareX, kY), 0.f);
+  EXPECT_GT(Filter()(kBareX, kY), 0.f);
 }
 
 TEST_F(FilterUnderPriorTest, NeedsTheDepthsOfTheSources) {
   for (const int source : {0, 1}) {
     scene_.SourceDepth(source) = Image<float>(kWidth, kHeight, 0.f);
   }
-  EXPECT_EQ(Filter().depth(kBareX, kY), 0.f);
+  EXPECT_EQ(Filter()(kBareX, kY), 0.f);
   options_.min_num_consistent = 1;
-  EXPECT_GT(Filter().depth(kBareX, kY), 0.f);
+  EXPECT_GT(Filter()(kBareX, kY), 0.f);
 }
 
 TEST_F(FilterUnderPriorTest, DistinctTextureHasToMatch) {
@@ -100,19 +93,16 @@ TEST_F(FilterUnderPriorTest, DistinctTextureHasToMatch) {
       value = 255.f - value;
     }
   }
-  const Filtered filtered = Filter();
-  EXPECT_EQ(filtered.depth(kTexturedX, kY), 0.f);
-  EXPECT_GT(filtered.depth(kBareX, kY), 0.f);
+  const Image<float> filtered = Filter();
+  EXPECT_EQ(filtered(kTexturedX, kY), 0.f);
+  EXPECT_GT(filtered(kBareX, kY), 0.f);
 }
 
 TEST_F(FilterUnderPriorTest, WithoutAPlaneThereIsNothingToFollow) {
   prior_ = DeviceImage<Plane>(*device_, Image<Plane>(kWidth, kHeight));
-  const Filtered filtered = Filter();
-  EXPECT_EQ(filtered.depth(kBareX, kY), 0.f);
-  EXPECT_GT(filtered.depth(kTexturedX, kY), 0.f);
-  for (const uint8_t follows : filtered.follows_prior) {
-    ASSERT_EQ(follows, 0);
-  }
+  const Image<float> filtered = Filter();
+  EXPECT_EQ(filtered(kBareX, kY), 0.f);
+  EXPECT_GT(filtered(kTexturedX, kY), 0.f);
 }
 
 }  // namespace

@@ -92,12 +92,13 @@ class PatchMatchTest : public testing::Test {
                      const Buffer<SourceView>& sources,
                      DeviceImage<Plane> planes,
                      uint32_t stream = 1,
-                     ImageView<const Plane> prior = {}) {
+                     ImageView<const Plane> prior = {},
+                     ImageView<const uint8_t> keeps_plane = {}) {
     ReferenceView reference = scene.Reference();
     reference.depth = {};
     reference.normal = {};
     const PlaneHypotheses hypotheses =
-        RunPatchMatch({reference, sources, stream, prior},
+        RunPatchMatch({reference, sources, stream, prior, keeps_plane},
                       std::move(planes),
                       options_,
                       *device_);

@@ -83,5 +83,35 @@ TEST_F(PatchMatchPriorTest, IgnoresPixelsWithoutPrior) {
   EXPECT_TRUE(SameBytes(with.costs, without.costs));
 }
 
+// The left half keeps the planes that it has, right or wrong; the other finds
+// its own.
+TEST_F(PatchMatchPriorTest, PixelsKeepTheirPlanesIfToldSo) {
+  TexturedPlane scene = Scene(kTilt);
+  const Buffer<SourceView> sources = Images(scene);
+  Image<uint8_t> keeps(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth / 2; ++x) {
+      keeps(x, y) = 1;
+    }
+  }
+  const Image<Plane> drawn = Draw().ToHost();
+  const Image<Plane> found =
+      Run(scene, sources, Draw(), 1, {}, keeps.View()).planes;
+  const Image<float>& depth = scene.Depth();
+  int num_right = 0;
+  for (int y = kMargin; y < kHeight - kMargin; ++y) {
+    for (int x = kMargin; x < kWidth - kMargin; ++x) {
+      if (x < kWidth / 2) {
+        ASSERT_EQ(std::memcmp(&found(x, y), &drawn(x, y), sizeof(Plane)), 0);
+      } else {
+        const float error =
+            found(x, y).Depth(intrinsics_.Ray(x, y)) / depth(x, y) - 1.f;
+        num_right += std::abs(error) < 0.005f ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(num_right, 0.95 * (kWidth / 2 - kMargin) * (kHeight - 2 * kMargin));
+}
+
 }  // namespace
 }  // namespace tsar

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/matching/gray_pairs.h"
 #include "tests/support/synthetic_scene.h"
 
 namespace tsar {
@@ -35,7 +36,7 @@ class TexturedPlane {
     for (float& value : gray) {
       value = contrast * value + brightness;
     }
-    rasters_.push_back({std::move(gray), std::move(depth)});
+    rasters_.push_back({std::move(gray), {}, std::move(depth)});
     views_.push_back(
         {source.GetIntrinsics(), ComputeRelativePose(camera_, source), {}, {}});
   }
@@ -46,7 +47,8 @@ class TexturedPlane {
   }
   Buffer<SourceView> Sources() {
     for (size_t i = 0; i < views_.size(); ++i) {
-      views_[i].gray = std::as_const(rasters_[i].gray).View();
+      rasters_[i].pairs = PairsOf(rasters_[i].gray);
+      views_[i].gray = std::as_const(rasters_[i].pairs).View();
       views_[i].depth = std::as_const(rasters_[i].depth).View();
     }
     return Buffer<SourceView>(device_, views_);
@@ -60,6 +62,7 @@ class TexturedPlane {
  private:
   struct Rasters {
     Image<float> gray;
+    Image<GrayPair> pairs;
     Image<float> depth;
   };
 

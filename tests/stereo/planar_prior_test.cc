@@ -138,8 +138,7 @@ TEST(FindPlanarPriorTest, SpansABareWall) {
     }
   }
   const Image<Plane> prior =
-      FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device)
-          .ToHost();
+      FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device);
   const Vec3f ray = DrawnIntrinsics().Ray(kWidth / 2, kHeight / 2);
   const Plane& middle = prior(kWidth / 2, kHeight / 2);
   ASSERT_TRUE(middle.Valid());
@@ -154,8 +153,7 @@ TEST(FindPlanarPriorTest, NeedsTwoSourcesIfThereAreTwo) {
   scene.AddSource(SourceCamera(camera, {0.3, 0.05, 0.0}, -0.09));
   const auto count = [&] {
     return CountValid(
-        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device)
-            .ToHost());
+        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device));
   };
   EXPECT_GT(count(), kWidth * kHeight / 2);
   scene.AddSource(SourceCamera(camera, {-0.3, 0.05, 0.0}, 0.09));
@@ -169,8 +167,7 @@ TEST(FindPlanarPriorTest, TakesWhateverDepthsThereAre) {
   TexturedPlane scene(kWall, camera, *device);
   const auto count = [&] {
     return CountValid(
-        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device)
-            .ToHost());
+        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device));
   };
   EXPECT_EQ(count(), 0);  // Without sources.
   scene.AddSource(SourceCamera(camera, {0.3, 0.05, 0.0}, -0.09));

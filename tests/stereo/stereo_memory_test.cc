@@ -3,8 +3,10 @@
 
 #include "colmap_tsar/stereo/stereo_memory.h"
 
+#include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_image.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -20,6 +22,7 @@ namespace {
 struct Matched {
   int64_t photometric = 0;  // Bytes at a time.
   int64_t geometric = 0;
+  int64_t under_prior = 0;
   StereoMaps maps;
 };
 
@@ -51,6 +54,14 @@ Matched Match(const SyntheticViews& drawn,
                           options,
                           second);
   matched.geometric = static_cast<int64_t>(second.PeakMemory());
+  ViewData with_costs = drawn.views[0];
+  with_costs.min_cost = Image<float>(with_costs.depth.Width(),
+                                     with_costs.depth.Height(),
+                                     kCostWithoutEvidence);
+  with_costs.second_cost = with_costs.min_cost;
+  CountingDevice third("", SIZE_MAX, 2);
+  MatchUnderPrior(with_costs, sources, range, 1, options, third);
+  matched.under_prior = static_cast<int64_t>(third.PeakMemory());
   return matched;
 }
 
@@ -83,9 +94,13 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
         EXPECT_GE(photometric, matched.photometric);
         EXPECT_LE(photometric, 1.1 * matched.photometric);
         const int64_t geometric =
-            MatchImageGeometricallyWorkingBytes(options, num_pixels, num);
+            MatchImageGeometricallyWorkingBytes(num_pixels, num);
         EXPECT_GE(geometric, matched.geometric);
         EXPECT_LE(geometric, 1.1 * matched.geometric);
+        const int64_t under_prior =
+            MatchUnderPriorWorkingBytes(num_pixels, num);
+        EXPECT_GE(under_prior, matched.under_prior);
+        EXPECT_LE(under_prior, 1.1 * matched.under_prior);
         RecordProperty(
             std::to_string(width) + "_" + std::to_string(num_levels) + "_" +
                 std::to_string(num_sources),
@@ -97,7 +112,10 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
         overview.max_num_image_pixels = num_pixels;
         overview.max_num_sources = num;
         const MemoryPlan plan = PlanStereo(options, overview);
-        EXPECT_EQ(DeviceBytes(plan, 1), std::max(photometric, geometric));
+        EXPECT_EQ(DeviceBytes(plan, 1),
+                  std::max({photometric,
+                            geometric,
+                            options.planar_prior ? under_prior : 0}));
         EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
       }
     }

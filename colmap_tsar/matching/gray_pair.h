@@ -1,0 +1,37 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/device/buffer.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// An element of a gray image in the form in which it is interpolated: the gray
+// levels of a pixel and of its right neighbour, so that a bilinear sample takes
+// two loads instead of four. The last pixel of a row is its own neighbour.
+struct GrayPair {
+  uint32_t word = 0;  // The pixel's own level in the low half.
+};
+
+// What 1 stands for in the samples of an image, in gray levels (0-255).
+template <typename Element>
+inline constexpr float kGrayUnit = 1.f;
+template <>
+inline constexpr float kGrayUnit<GrayPair> = 1.f / 256.f;
+
+// left and right: gray levels, 0-255.
+TSAR_HD inline GrayPair MakeGrayPair(float own, float right) {
+  constexpr float kPerLevel = 1.f / kGrayUnit<GrayPair>;
+  return {static_cast<uint32_t>(own * kPerLevel + 0.5f) |
+          static_cast<uint32_t>(right * kPerLevel + 0.5f) << 16};
+}
+
+// The same image, of gray levels from 0 to 255.
+DeviceImage<GrayPair> PairGray(ImageView<const float> gray, Device& device);
+
+}  // namespace tsar

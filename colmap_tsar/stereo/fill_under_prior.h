@@ -1,0 +1,47 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/depth_interval.h"
+#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/stereo/stereo_image.h"
+#include "colmap_tsar/stereo/stereo_options.h"
+
+#include <cstdint>
+#include <vector>
+
+// Surfaces in which nothing was measured, since they have no texture, filled
+// under the planar prior. What was measured stays as it is, bit for bit, and
+// what is filled has no evidence (kCostWithoutEvidence), so that a refinement,
+// which knows more of the scene's planes, takes it for no measurement.
+namespace tsar {
+
+// Whether a run fills its maps, in one pass after the geometric ones.
+inline bool FillsUnderPrior(const StereoOptions& options) {
+  return options.geom_consistency && options.planar_prior;
+}
+
+// Gives pixels without a depth that of their prior plane, if it lies in the
+// range. prior: of the maps' size.
+void FillWithPrior(const Image<Plane>& prior,
+                   const Intrinsics& intrinsics,
+                   const DepthInterval& range,
+                   StereoMaps* maps);
+
+// Matches the pixels that FillWithPrior filled, with the depth and normal that
+// they were given as prior, and keeps what the sources' depths confirm, which
+// may be filled themselves. Of the reference, min_cost tells what was measured.
+StereoMaps MatchUnderPrior(const ViewData& reference,
+                           const std::vector<const ViewData*>& sources,
+                           const DepthInterval& range,
+                           uint32_t stream,
+                           const StereoOptions& options,
+                           Device& device);
+
+// As for MatchImageGeometrically.
+int64_t MatchUnderPriorWorkingBytes(int64_t num_pixels, int num_sources);
+
+}  // namespace tsar
