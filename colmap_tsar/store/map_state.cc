@@ -130,6 +130,15 @@ MapState InspectMap(const fs::path& current,
                             : CompareValues(current, *size, original, *written);
 }
 
+MapState InspectMapWithoutOriginal(const fs::path& current,
+                                   const std::vector<WrittenMap>* written,
+                                   std::optional<uint64_t> original_hash) {
+  if (original_hash && IsFile(current) && HashFile(current) == original_hash) {
+    return MapState::kOriginal;
+  }
+  return InspectMap(current, {}, written);
+}
+
 MapOwner FindOwner(std::optional<MapState> depth,
                    std::optional<MapState> normal) {
   const auto is_of_this_program = [](std::optional<MapState> state) {

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/workspace/written_map.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -29,6 +30,15 @@ enum class MapState {
 MapState InspectMap(const std::filesystem::path& current,
                     const std::filesystem::path& original,
                     const std::vector<WrittenMap>* written);
+
+// What stands under the name of a map of which no original is stored.
+// original_hash: the original's fingerprint; nothing where no record tells.
+// Where the map has the original's bytes it is the original, also if this
+// program has come to the same ones: a restoration that was interrupted has put
+// it there.
+MapState InspectMapWithoutOriginal(const std::filesystem::path& current,
+                                   const std::vector<WrittenMap>* written,
+                                   std::optional<uint64_t> original_hash);
 
 // Whose the maps of an image are, since depth and normals always come from one
 // source.

@@ -10,6 +10,7 @@
 #include "colmap_tsar/store/result_files.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct Map {
   const std::filesystem::path& current;
   const std::filesystem::path& stored;
   const std::vector<WrittenMap>* written;
+  std::optional<uint64_t> original_hash;
 };
 
 // Of a map of which nothing is stored.
@@ -29,7 +31,8 @@ OriginalState FindInPlace(const Map& map) {
   if (!Exists(map.current)) {
     return OriginalState::kMissing;
   }
-  const MapState state = InspectMap(map.current, {}, map.written);
+  const MapState state =
+      InspectMapWithoutOriginal(map.current, map.written, map.original_hash);
   if (state == MapState::kWritten || state == MapState::kEdited) {
     throw Error::File(ErrorCode::kMismatch,
                       map.current.string(),
@@ -86,10 +89,12 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
   const Map depth = {paths.depth,
                      paths.original_depth,
-                     record ? &record->written_depth : nullptr};
+                     record ? &record->written_depth : nullptr,
+                     record ? record->original_depth_hash : std::nullopt};
   const Map normal = {paths.normal,
                       paths.original_normal,
-                      record ? &record->written_normal : nullptr};
+                      record ? &record->written_normal : nullptr,
+                      record ? record->original_normal_hash : std::nullopt};
   const bool has_depth = Exists(depth.stored);
   const bool has_normal = Exists(normal.stored);
   OriginalMaps maps;

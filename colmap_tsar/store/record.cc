@@ -36,14 +36,16 @@ Error CorruptRecord(const std::filesystem::path& path) {
 }
 
 // As text, because JSON numbers are only exact up to 53 bits in many programs.
-std::string ToHex(uint64_t value) {
+// Zero stands for none.
+std::string ToHex(std::optional<uint64_t> hash) {
   char text[17];
-  std::snprintf(text, sizeof(text), "%016" PRIx64, value);
+  std::snprintf(text, sizeof(text), "%016" PRIx64, hash.value_or(0));
   return text;
 }
 
-uint64_t FromHex(const std::string& text) {
-  return std::stoull(text, nullptr, 16);
+std::optional<uint64_t> FromHex(const std::string& text) {
+  const uint64_t value = std::stoull(text, nullptr, 16);
+  return value == 0 ? std::nullopt : std::optional(value);
 }
 
 nlohmann::json ToJson(const std::vector<WrittenMap>& maps) {

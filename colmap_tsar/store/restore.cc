@@ -18,8 +18,10 @@
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <set>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -60,8 +62,8 @@ class ImageRestorer {
                         record_ ? &record_->written_normal : nullptr)) {}
 
   void Run() {
-    if (IsRefinedWithoutOriginal(depth_, paths_.depth) ||
-        IsRefinedWithoutOriginal(normal_, paths_.normal)) {
+    if (record_ && IsAnyRefinedWithoutOriginal()) {
+      // Without its record, a refined map would count as an original.
       return;
     }
     if (!depth_ && !normal_) {
@@ -113,19 +115,23 @@ class ImageRestorer {
                : std::nullopt;
   }
 
-  // Without its record, a refined map would count as an original.
-  bool IsRefinedWithoutOriginal(std::optional<MapState> state,
-                                const ContainedPath& current) {
-    if (state || !record_) {
-      return false;
-    }
-    const MapState found =
-        InspectMap(current,
-                   {},
-                   &current == &paths_.depth ? &record_->written_depth
-                                             : &record_->written_normal);
+  bool IsAnyRefinedWithoutOriginal() const {
+    return (!depth_ && IsRefined(paths_.depth,
+                                 record_->written_depth,
+                                 record_->original_depth_hash)) ||
+           (!normal_ && IsRefined(paths_.normal,
+                                  record_->written_normal,
+                                  record_->original_normal_hash));
+  }
+
+  // Of a map of which no original is stored.
+  static bool IsRefined(const ContainedPath& current,
+                        const std::vector<WrittenMap>& written,
+                        std::optional<uint64_t> original_hash) {
+    const MapState state =
+        InspectMapWithoutOriginal(current, &written, original_hash);
     const bool is_refined =
-        found == MapState::kWritten || found == MapState::kEdited;
+        state == MapState::kWritten || state == MapState::kEdited;
     if (is_refined) {
       Warn(current.string() +
            ": this map has been refined, and its original is gone; it is left "

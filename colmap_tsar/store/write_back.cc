@@ -186,12 +186,11 @@ void WriteBack::Commit() {
 void WriteBack::KeepOriginals() {
   const OriginalMaps originals =
       FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
-  if (workspace_.IsOutput()) {
-    record_.original_depth_hash = HashFile(originals.depth);
-    record_.original_normal_hash = HashFile(originals.normal);
-    return;
+  if (!workspace_.IsOutput()) {
+    KeepBoth(originals, paths_);
   }
-  KeepBoth(originals, paths_);
+  record_.original_depth_hash = HashFile(originals.depth);
+  record_.original_normal_hash = HashFile(originals.normal);
 }
 
 void WriteBack::RecordWriting() {
