@@ -21,7 +21,7 @@ MapType OtherType(MapType type) {
 }
 
 // The exported costs of one type of map. COLMAP gives windows without texture
-// and views that see nothing a cost of exactly 2: no evidence.
+// and views that see nothing a cost without evidence.
 PlanarMap ReadCosts(const std::filesystem::path& path, const ViewData& view) {
   PlanarMap costs = ReadPlanarMap(path);
   if (costs.channels != 2 || costs.width != view.depth.Width() ||
@@ -36,7 +36,7 @@ PlanarMap ReadCosts(const std::filesystem::path& path, const ViewData& view) {
                       "write it anew with patch_match_stereo or delete it");
   }
   for (float& cost : costs.values) {
-    if (!(cost >= 0.f && cost < 2.f)) {
+    if (!(cost >= 0.f && cost < kCostWithoutEvidence)) {
       cost = kUndefinedCost;
     }
   }

@@ -9,8 +9,6 @@
 namespace tsar {
 namespace {
 
-constexpr int kRadius = 2;
-
 struct ConfirmationKernel {
   ImageView<const float> gray;
   ImageView<const uint8_t> agreement;
@@ -28,7 +26,7 @@ struct ConfirmationKernel {
     if (agreement(x, y) == 0 || !can_be) {
       return Confirmation::kNone;
     }
-    const float texture = WindowVariance(gray, x, y, kRadius);
+    const float texture = OwnTexture(gray, x, y);
     if (texture < options.min_texture * noise.Variance(gray(x, y))) {
       return Confirmation::kNone;
     }

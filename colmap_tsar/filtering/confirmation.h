@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/noise/noise_curve.h"
+#include "colmap_tsar/noise/own_texture.h"
 
 #include <cstdint>
 
@@ -19,15 +20,12 @@ enum class Confirmation : uint8_t {
 };
 
 struct ConfirmationOptions {
-  // The 5 x 5 pixels around a depth that counts as measured vary by at least so
-  // many variances of the noise. Without texture of its own a pixel takes the
-  // depth of whatever edge lies in its matching window, and so it does in the
-  // other views, which then agree on a wrong depth.
+  // The own texture of a pixel whose depth counts as measured, in variances of
+  // the noise. Without any, it takes the depth of an edge nearby, and so it
+  // does in the other views, which then agree on a wrong depth.
   float min_texture = 2.f;
-  // The variance of these pixels, in squared grey levels, from which texture is
-  // distinct. With less, noise and the texture nearby move a depth by up to 2 %
-  // even where other views agree with it.
-  float min_distinct_texture = 64.f;
+  // In squared grey levels.
+  float min_distinct_texture = kDistinctTexture;
 };
 
 // The Confirmation of each pixel: other views agree with its depth, and the

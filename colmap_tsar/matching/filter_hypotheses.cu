@@ -13,9 +13,6 @@
 namespace tsar {
 namespace {
 
-// The 5 x 5 pixels whose texture is a pixel's own.
-constexpr int kTextureRadius = 2;
-
 struct FilterKernel {
   ReferenceView reference;
   const SourceView* sources;
@@ -39,8 +36,7 @@ struct FilterKernel {
     const float expected = prior(x, y).Depth(ray);
     return expected > 0.f &&
            fabsf(depth - expected) <= options.prior_tolerance * expected &&
-           WindowVariance(reference.gray, x, y, kTextureRadius) <
-               options.min_distinct_texture;
+           OwnTexture(reference.gray, x, y) < options.min_distinct_texture;
   }
 
   TSAR_HD bool IsConfirmed(
@@ -52,11 +48,24 @@ struct FilterKernel {
     if (!plane.Valid()) {
       return false;
     }
+    const Vec3f point = ray * depth;
+    if (!must_match) {
+      return AreEnoughConsistent(x, y, point, plane, nullptr);
+    }
     const ReferencePatch patch(reference.gray, x, y, options.window_radius);
+    return AreEnoughConsistent(x, y, point, plane, &patch);
+  }
+
+  // patch: what the sources have to match as well; null: nothing.
+  TSAR_HD bool AreEnoughConsistent(int x,
+                                   int y,
+                                   const Vec3f& point,
+                                   const Plane& plane,
+                                   const ReferencePatch* patch) const {
     int num_consistent = 0;
     for (int s = 0; s < num_sources; ++s) {
-      if (IsConsistent(sources[s], x, y, ray * depth) &&
-          (!must_match || Matches(sources[s], patch, plane))) {
+      if (IsConsistent(sources[s], x, y, point) &&
+          (patch == nullptr || Matches(sources[s], *patch, plane))) {
         ++num_consistent;
       }
     }

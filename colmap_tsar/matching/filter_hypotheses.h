@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
+#include "colmap_tsar/noise/own_texture.h"
 
 #include <cstdint>
 
@@ -18,11 +19,11 @@ struct HypothesisFilterOptions {
   int min_num_consistent = 2;             // Sources.
   float geom_consistency_max_cost = 1.f;  // Pixels of reprojection error.
   float window_radius = 5.f;              // Pixels.
-  // How far a depth may lie off its prior, as a share of it, and the variance
-  // of the 5 x 5 pixels around it, in squared grey levels, from which it has to
-  // match nevertheless: its own texture is distinct (see ConfirmationOptions).
+  // How far a depth may lie off its prior, as a share of it, and its pixel's
+  // own texture, in squared grey levels, from which it has to match
+  // nevertheless.
   float prior_tolerance = 0.01f;
-  float min_distinct_texture = 64.f;
+  float min_distinct_texture = kDistinctTexture;
 };
 
 // Keeps the depths that enough sources confirm: their image matches under the

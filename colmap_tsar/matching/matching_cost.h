@@ -11,6 +11,8 @@ namespace tsar {
 // The cost of a window that carries no evidence: its centre leaves the source
 // image, or one of the two windows has no texture. That is not bad evidence.
 constexpr float kUndefinedCost = -1.f;
+// What stands for it in files of costs, as COLMAP writes them.
+constexpr float kCostWithoutEvidence = 2.f;
 
 // How well each pixel's own plane explains the source images; kUndefinedCost
 // where nothing tells.

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/noise/own_texture.h"
 
 namespace tsar {
 
@@ -32,6 +33,13 @@ TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
   }
   const float mean = sum / count;
   return squares / count - mean * mean;
+}
+
+// See own_texture.h.
+TSAR_HD inline float OwnTexture(const ImageView<const float>& gray,
+                                int x,
+                                int y) {
+  return WindowVariance(gray, x, y, kOwnTextureRadius);
 }
 
 }  // namespace tsar

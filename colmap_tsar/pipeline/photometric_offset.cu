@@ -16,8 +16,6 @@ namespace {
 
 // Wide enough for NCC to tell noise, small enough for detail.
 constexpr float kWindowRadius = 3.f;
-// The 5 x 5 pixels whose texture is a pixel's own.
-constexpr int kTextureRadius = 2;
 constexpr float kStep = 0.25f;  // In pixels of disparity.
 // Offsets are tried beyond the largest that counts: where the last one is the
 // best, the surface is another one.
@@ -103,8 +101,7 @@ struct OffsetKernel {
     const float noise_variance = noise.Variance(gray(x, y));
     const Vec3f ray = intrinsics.Ray(x, y);
     const Plane plane = Plane::FromPoint(ray, own, normal(x, y));
-    if (!(WindowVariance(gray, x, y, kTextureRadius) >
-          options.min_texture * noise_variance) ||
+    if (!(OwnTexture(gray, x, y) > options.min_texture * noise_variance) ||
         !plane.Valid()) {
       return PhotometricOffsets::kNeverMoves;
     }

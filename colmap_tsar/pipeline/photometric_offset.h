@@ -26,7 +26,7 @@ struct PhotometricOptions {
   float max_sigma = 0.1f;
   float max_difference_of_halves = 0.2f;
   int min_num_sources = 4;
-  // Of the 5 x 5 pixels around it, in variances of the noise.
+  // The own texture of a pixel, in variances of the noise.
   float min_texture = 8.f;
   // How far the texture that tells the offset may lie to one side of the pixel.
   float max_texture_distance = 1.25f;

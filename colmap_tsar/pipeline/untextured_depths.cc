@@ -20,7 +20,6 @@ namespace {
 // than the margins; filters remove a tenth to a half.
 constexpr double kMinUnfiltered = 0.98;
 // As filtering/confirmation.h judges texture.
-constexpr int kRadius = 2;
 constexpr float kMinNoiseVariances = 2.f;
 // In squared grey levels: what shading and compression leave on bare walls,
 // where there is no other noise.
@@ -63,7 +62,7 @@ void DropUntexturedDepths(ViewData* view) {
                      kMinVariance,
                      kMaxVariance);
       if (view->is_to_refine(x, y) != 0 &&
-          WindowVariance(gray, x, y, kRadius) < min_variance) {
+          OwnTexture(gray, x, y) < min_variance) {
         DropDepth(x, y, view);
       }
     }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/filter_hypotheses.h"
+#include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/smooth_normals.h"

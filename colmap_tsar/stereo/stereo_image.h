@@ -14,10 +14,6 @@
 
 namespace tsar {
 
-// The cost of a depth that no image speaks for; files have no other word for
-// it.
-constexpr float kCostWithoutEvidence = 2.f;
-
 // The maps of one image. Costs are 1 - NCC, in [0, 2], as COLMAP's patch writes
 // them: kCostWithoutEvidence where there is none. Geometric passes but the last
 // leave them empty.
