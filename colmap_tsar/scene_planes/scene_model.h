@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/model_cylinder.h"
 
 #include <map>
 #include <vector>
@@ -45,6 +46,8 @@ struct SceneModel {
   std::vector<ModelPlane> planes;
   // Rotations whose columns are the axes, in the world frame.
   std::vector<Eigen::Matrix3d> frames;
+  // Columns and pipes; those along one axis follow each other.
+  std::vector<ModelCylinder> cylinders;
   // By image (index into the sparse model's images).
   std::map<int, ViewLabels> views;
 };

@@ -1,0 +1,48 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
+
+#include <cmath>
+
+namespace tsar {
+
+// A straight circular cylinder in a camera frame.
+struct Cylinder {
+  Vec3f point;  // On its axis: where heights begin.
+  Vec3f axis;   // A unit vector.
+  float radius = 0.f;
+
+  struct Hit {
+    float depth = 0.f;   // Along the camera's optical axis, > 0.
+    float height = 0.f;  // Along the cylinder's axis.
+    Vec3f normal;        // A unit vector that points to the camera.
+  };
+
+  // Where a ray with z = 1 from the camera's centre meets the outside first.
+  // False where it does not, or where it runs along the axis.
+  TSAR_HD bool Meets(const Vec3f& ray, Hit* hit) const {
+    const Vec3f across = ray - axis * Dot(ray, axis);
+    const Vec3f center = point - axis * Dot(point, axis);
+    const float a = Dot(across, across);
+    const float b = Dot(across, center);
+    const float c = Dot(center, center) - radius * radius;
+    const float discriminant = b * b - a * c;
+    if (!(discriminant > 0.f) || !(c > 0.f) || !(a > 0.f)) {
+      return false;
+    }
+    const float depth = (b - sqrtf(discriminant)) / a;
+    if (!(depth > 0.f)) {
+      return false;
+    }
+    hit->depth = depth;
+    hit->height = Dot(ray * depth - point, axis);
+    hit->normal = Normalized(across * depth - center);
+    return true;
+  }
+};
+
+}  // namespace tsar

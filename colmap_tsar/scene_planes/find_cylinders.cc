@@ -1,0 +1,332 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/find_cylinders.h"
+
+#include "colmap_tsar/scene_planes/axis_circle.h"
+#include "colmap_tsar/scene_planes/common_heights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr int kFitRounds = 3;
+// Of the heights that two views show of a cylinder, this share of the shorter
+// part is common to both.
+constexpr double kMinCommonHeights = 0.2;
+
+// A view that shows both outlines of a circle.
+struct Support {
+  const OutlineView* view = nullptr;
+  const OutlinePair* pair = nullptr;
+};
+using Supports = std::vector<Support>;
+
+struct Hypothesis {
+  AxisCircle circle;
+  // The views that propose it, and how many of their neighbours show it, in how
+  // many rows together.
+  size_t first = 0;
+  size_t second = 0;
+  size_t num_views = 0;
+  size_t num_rows = 0;
+};
+
+std::vector<CircleTangent> TangentsOf(const Supports& supports) {
+  std::vector<CircleTangent> tangents;
+  for (const Support& support : supports) {
+    const AxisCamera* camera = &support.view->camera;
+    tangents.push_back({camera, support.pair->left, true});
+    tangents.push_back({camera, support.pair->right, false});
+  }
+  return tangents;
+}
+
+bool Agrees(const OutlinePair& pair,
+            const CircleOutline& outline,
+            double max_difference) {
+  return std::abs(pair.left - outline.left) <= max_difference &&
+         std::abs(pair.right - outline.right) <= max_difference;
+}
+
+double MeanDistance(const CircleOutline& outline) {
+  return 0.5 * (outline.left_distance + outline.right_distance);
+}
+
+// From where to where along the axis a pair is seen.
+std::pair<double, double> HeightsOf(const OutlinePair& pair,
+                                    const AxisCamera& camera,
+                                    const CircleOutline& outline) {
+  const double distance = MeanDistance(outline);
+  return {camera.Height(pair.rows.front(), distance),
+          camera.Height(pair.rows.back(), distance)};
+}
+
+double Squared(double x) { return x * x; }
+
+class CylinderFinder {
+ public:
+  CylinderFinder(const std::vector<OutlineView>& views,
+                 const std::vector<std::vector<size_t>>& neighbours,
+                 const FindCylindersOptions& options)
+      : views_(views), neighbours_(neighbours), options_(options) {}
+
+  std::vector<Hypothesis> FindHypotheses() const {
+    std::vector<Hypothesis> hypotheses;
+    for (size_t i = 0; i < views_.size(); ++i) {
+      for (const size_t j : neighbours_[i]) {
+        if (j > i) {
+          FindInTwo(i, j, &hypotheses);
+        }
+      }
+    }
+    std::stable_sort(hypotheses.begin(),
+                     hypotheses.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) {
+                       return std::tuple(a.num_views, a.num_rows) >
+                              std::tuple(b.num_views, b.num_rows);
+                     });
+    return hypotheses;
+  }
+
+  // The cylinder of a hypothesis, fitted to all views around that show it.
+  std::optional<ModelCylinder> Fit(const Hypothesis& hypothesis,
+                                   const AxisFrame& frame,
+                                   AxisCircle* circle) const {
+    *circle = hypothesis.circle;
+    const std::vector<size_t> around =
+        ViewsAround(hypothesis.first, hypothesis.second);
+    Supports supports;
+    Eigen::Matrix3d covariance;
+    for (int round = 0; round < kFitRounds; ++round) {
+      supports = FindSupports(*circle, around);
+      if (supports.size() < options_.min_views) {
+        return std::nullopt;
+      }
+      const std::optional<AxisCircle> fitted =
+          FitCircle(TangentsOf(supports), circle, &covariance);
+      if (!fitted) {
+        return std::nullopt;
+      }
+      *circle = *fitted;
+    }
+    const std::optional<double> residual = Residual(supports, *circle);
+    if (!residual || *residual > options_.max_residual ||
+        !IsRound(supports, *residual) ||
+        MedianWidth(supports) < options_.min_width) {
+      return std::nullopt;
+    }
+    ModelCylinder cylinder;
+    cylinder.along = frame.along;
+    cylinder.across = frame.across;
+    cylinder.point =
+        circle->middle.x() * frame.across + circle->middle.y() * frame.Third();
+    cylinder.radius = circle->radius;
+    cylinder.covariance =
+        covariance * Squared(std::max(*residual, options_.least_residual));
+    return SetHeights(supports, *circle, &cylinder) ? std::optional(cylinder)
+                                                    : std::nullopt;
+  }
+
+ private:
+  // Two views and their neighbours.
+  std::vector<size_t> ViewsAround(size_t first, size_t second) const {
+    std::vector<size_t> around = neighbours_[first];
+    around.insert(
+        around.end(), neighbours_[second].begin(), neighbours_[second].end());
+    around.push_back(first);
+    around.push_back(second);
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    return around;
+  }
+
+  // Circles that two views may show, and that enough of their neighbours do.
+  void FindInTwo(size_t first,
+                 size_t second,
+                 std::vector<Hypothesis>* hypotheses) const {
+    const std::vector<size_t> around = ViewsAround(first, second);
+    for (const OutlinePair& a : views_[first].pairs) {
+      for (const OutlinePair& b : views_[second].pairs) {
+        if (!MayShowOneCircle({views_[first].camera, a.left, a.right},
+                              {views_[second].camera, b.left, b.right})) {
+          continue;
+        }
+        const Supports two = {{&views_[first], &a}, {&views_[second], &b}};
+        const std::optional<AxisCircle> circle =
+            FitCircle(TangentsOf(two), nullptr, nullptr);
+        if (!circle || !Explains(*circle, two)) {
+          continue;
+        }
+        const Supports supports = FindSupports(*circle, around);
+        if (supports.size() < options_.min_views) {
+          continue;
+        }
+        size_t num_rows = 0;
+        for (const Support& support : supports) {
+          num_rows += support.pair->rows.size();
+        }
+        hypotheses->push_back(
+            {*circle, first, second, supports.size(), num_rows});
+      }
+    }
+  }
+
+  // Whether both outlines are where two views show them, at heights that are
+  // the same in both.
+  bool Explains(const AxisCircle& circle, const Supports& two) const {
+    std::pair<double, double> heights[2];
+    for (size_t i = 0; i < 2; ++i) {
+      const AxisCamera& camera = two[i].view->camera;
+      const std::optional<CircleOutline> outline = OutlineOf(circle, camera);
+      if (!outline ||
+          !Agrees(*two[i].pair, *outline, options_.max_difference)) {
+        return false;
+      }
+      heights[i] = HeightsOf(*two[i].pair, camera, *outline);
+    }
+    const double common = std::min(heights[0].second, heights[1].second) -
+                          std::max(heights[0].first, heights[1].first);
+    return common >
+           kMinCommonHeights * std::min(heights[0].second - heights[0].first,
+                                        heights[1].second - heights[1].first);
+  }
+
+  // In each view the pair that is seen in most rows.
+  Supports FindSupports(const AxisCircle& circle,
+                        const std::vector<size_t>& views) const {
+    Supports supports;
+    for (const size_t i : views) {
+      const std::optional<CircleOutline> outline =
+          OutlineOf(circle, views_[i].camera);
+      const OutlinePair* best = nullptr;
+      for (const OutlinePair& pair : views_[i].pairs) {
+        if (outline && Agrees(pair, *outline, options_.max_difference) &&
+            (best == nullptr || pair.rows.size() > best->rows.size())) {
+          best = &pair;
+        }
+      }
+      if (best != nullptr) {
+        supports.push_back({&views_[i], best});
+      }
+    }
+    return supports;
+  }
+
+  // Root mean square, in pixels.
+  static std::optional<double> Residual(const Supports& supports,
+                                        const AxisCircle& circle) {
+    double sum = 0.0;
+    for (const Support& support : supports) {
+      const std::optional<CircleOutline> outline =
+          OutlineOf(circle, support.view->camera);
+      if (!outline) {
+        return std::nullopt;
+      }
+      sum += Squared(support.pair->left - outline->left) +
+             Squared(support.pair->right - outline->right);
+    }
+    return std::sqrt(sum / (2.0 * static_cast<double>(supports.size())));
+  }
+
+  // Whether two lines explain the outlines much worse than the circle does.
+  bool IsRound(const Supports& supports, double residual) const {
+    double sum = 0.0;
+    for (const bool is_left : {true, false}) {
+      std::vector<CircleTangent> side = TangentsOf(supports);
+      std::erase_if(side, [&](const CircleTangent& tangent) {
+        return tangent.is_left != is_left;
+      });
+      const std::optional<Eigen::Vector2d> point = FitPoint(side);
+      for (const CircleTangent& tangent : side) {
+        const std::optional<CircleOutline> seen =
+            point ? OutlineOf({*point, 0.0}, *tangent.camera) : std::nullopt;
+        if (!seen) {
+          return false;
+        }
+        sum += Squared(seen->left - tangent.column);
+      }
+    }
+    const double residual_of_lines =
+        std::sqrt(sum / (2.0 * static_cast<double>(supports.size())));
+    return residual_of_lines >=
+           options_.min_ratio * std::max(residual, options_.least_residual);
+  }
+
+  static double MedianWidth(const Supports& supports) {
+    std::vector<double> widths;
+    for (const Support& support : supports) {
+      widths.push_back(support.pair->right - support.pair->left);
+    }
+    std::sort(widths.begin(), widths.end());
+    return widths[widths.size() / 2];
+  }
+
+  // The longest part that at least half of the views show.
+  bool SetHeights(const Supports& supports,
+                  const AxisCircle& circle,
+                  ModelCylinder* cylinder) const {
+    std::vector<std::vector<double>> heights;
+    double bin = 0.0;  // The coarsest view leaves no gaps.
+    for (const Support& support : supports) {
+      const AxisCamera& camera = support.view->camera;
+      const std::optional<CircleOutline> outline = OutlineOf(circle, camera);
+      if (!outline) {
+        return false;
+      }
+      const double distance = MeanDistance(*outline);
+      bin = std::max(bin, distance / camera.focal);
+      heights.emplace_back();
+      for (const int row : support.pair->rows) {
+        heights.back().push_back(camera.Height(row, distance));
+      }
+    }
+    const HeightRange range =
+        LongestCommonHeights(heights, bin, (supports.size() + 1) / 2);
+    cylinder->min_height = range.min;
+    cylinder->max_height = range.max;
+    return range.max - range.min >= options_.min_length * bin;
+  }
+
+  const std::vector<OutlineView>& views_;
+  const std::vector<std::vector<size_t>>& neighbours_;
+  const FindCylindersOptions& options_;
+};
+
+}  // namespace
+
+std::vector<ModelCylinder> FindCylinders(
+    const std::vector<OutlineView>& views,
+    const std::vector<std::vector<size_t>>& neighbours,
+    const AxisFrame& frame,
+    const FindCylindersOptions& options) {
+  const CylinderFinder finder(views, neighbours, options);
+  std::vector<ModelCylinder> cylinders;
+  std::vector<AxisCircle> circles;
+  for (const Hypothesis& hypothesis : finder.FindHypotheses()) {
+    const auto is_in = [](const AxisCircle& circle) {
+      return [&circle](const AxisCircle& other) {
+        return (circle.middle - other.middle).norm() <
+               circle.radius + other.radius;
+      };
+    };
+    if (std::ranges::any_of(circles, is_in(hypothesis.circle))) {
+      continue;
+    }
+    AxisCircle circle;
+    const std::optional<ModelCylinder> cylinder =
+        finder.Fit(hypothesis, frame, &circle);
+    if (cylinder && std::ranges::none_of(circles, is_in(circle))) {
+      cylinders.push_back(*cylinder);
+      circles.push_back(circle);
+    }
+  }
+  return cylinders;
+}
+
+}  // namespace tsar

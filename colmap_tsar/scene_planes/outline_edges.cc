@@ -1,0 +1,167 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene_planes/outline_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace tsar {
+namespace {
+
+// Pixels of the raster along its border that tell nothing.
+constexpr double kMargin = 4.0;
+
+// Colours are averaged along the axis, and differentiated across it.
+constexpr std::array<float, 5> kSmoothing = {1.f, 2.f, 3.f, 2.f, 1.f};
+constexpr float kSumOfSmoothing = 9.f;
+constexpr int kReach = 2;
+// The derivative below of the least step that is an edge, of 4 grey levels.
+constexpr float kMinSlope = 4.f * 3.f / 8.f;
+
+using Channel = Image<float>;
+
+struct TurnedImage {
+  std::array<Channel, 3> channels;
+  Image<uint8_t> is_valid;
+};
+
+bool Source(const Camera& camera,
+            const AxisCamera& axis_camera,
+            double column,
+            double row,
+            double* x,
+            double* y) {
+  const Eigen::Vector3d ray =
+      axis_camera.to_view *
+      Eigen::Vector3d((column - axis_camera.cx) / axis_camera.focal,
+                      (row - axis_camera.cy) / axis_camera.focal,
+                      1.0);
+  if (!(ray.z() > 0.0)) {
+    return false;
+  }
+  *x = camera.fx * ray.x() / ray.z() + camera.cx;
+  *y = camera.fy * ray.y() / ray.z() + camera.cy;
+  return *x >= kMargin && *y >= kMargin && *x < camera.width - 1 - kMargin &&
+         *y < camera.height - 1 - kMargin;
+}
+
+TurnedImage Turn(const Image<Rgb>& color,
+                 const Camera& camera,
+                 const AxisCamera& axis_camera) {
+  TurnedImage turned;
+  for (Channel& channel : turned.channels) {
+    channel = Channel(axis_camera.width, axis_camera.height);
+  }
+  turned.is_valid = Image<uint8_t>(axis_camera.width, axis_camera.height);
+  for (int row = 0; row < axis_camera.height; ++row) {
+    for (int column = 0; column < axis_camera.width; ++column) {
+      double x = 0.0;
+      double y = 0.0;
+      if (!Source(camera, axis_camera, column, row, &x, &y)) {
+        continue;
+      }
+      const int left = static_cast<int>(x);
+      const int above = static_cast<int>(y);
+      const auto right_share = static_cast<float>(x - left);
+      const auto below_share = static_cast<float>(y - above);
+      const auto mean = [&](uint8_t Rgb::*channel) {
+        const auto at = [&](int i, int j) {
+          return static_cast<float>(color(left + i, above + j).*channel);
+        };
+        return (at(0, 0) * (1.f - right_share) + at(1, 0) * right_share) *
+                   (1.f - below_share) +
+               (at(0, 1) * (1.f - right_share) + at(1, 1) * right_share) *
+                   below_share;
+      };
+      turned.channels[0](column, row) = mean(&Rgb::r);
+      turned.channels[1](column, row) = mean(&Rgb::g);
+      turned.channels[2](column, row) = mean(&Rgb::b);
+      turned.is_valid(column, row) = 1;
+    }
+  }
+  return turned;
+}
+
+// The mean square of the channels' derivatives across the axis in one row; 0
+// where not all that it takes is in the image.
+std::vector<float> SquaredSlopes(const TurnedImage& turned, int row) {
+  const int width = turned.is_valid.Width();
+  std::vector<float> slopes(static_cast<size_t>(width), 0.f);
+  std::vector<uint8_t> is_valid(static_cast<size_t>(width), 1);
+  for (int y = row - kReach; y <= row + kReach; ++y) {
+    for (int x = 0; x < width; ++x) {
+      is_valid[static_cast<size_t>(x)] &= turned.is_valid(x, y);
+    }
+  }
+  std::vector<float> smooth(static_cast<size_t>(width));
+  for (const Channel& channel : turned.channels) {
+    std::fill(smooth.begin(), smooth.end(), 0.f);
+    for (int y = -kReach; y <= kReach; ++y) {
+      const float weight =
+          kSmoothing[static_cast<size_t>(y + kReach)] / kSumOfSmoothing;
+      for (int x = 0; x < width; ++x) {
+        smooth[static_cast<size_t>(x)] += weight * channel(x, row + y);
+      }
+    }
+    for (size_t x = kReach; x + kReach < smooth.size(); ++x) {
+      const float slope = (smooth[x + 2] - smooth[x - 2] +
+                           2.f * (smooth[x + 1] - smooth[x - 1])) /
+                          8.f;
+      slopes[x] += slope * slope / 3.f;
+    }
+  }
+  for (size_t x = 0; x < slopes.size(); ++x) {
+    for (int i = -kReach; i <= kReach; ++i) {
+      const size_t other = x + static_cast<size_t>(i);
+      if (other >= slopes.size() || is_valid[other] == 0) {
+        slopes[x] = 0.f;
+      }
+    }
+  }
+  return slopes;
+}
+
+}  // namespace
+
+std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
+    const Image<Rgb>& color,
+    const Camera& camera,
+    const AxisCamera& axis_camera) {
+  const TurnedImage turned = Turn(color, camera, axis_camera);
+  std::vector<std::vector<AcrossEdge>> edges(
+      static_cast<size_t>(axis_camera.height));
+  for (int row = kReach; row < axis_camera.height - kReach; ++row) {
+    std::vector<float> slopes = SquaredSlopes(turned, row);
+    for (float& slope : slopes) {
+      slope = std::sqrt(slope);
+    }
+    for (size_t x = 1; x + 1 < slopes.size(); ++x) {
+      const float before = slopes[x - 1];
+      const float peak = slopes[x];
+      const float after = slopes[x + 1];
+      if (peak > kMinSlope && peak >= before && peak > after) {
+        const float bend = before + after - 2.f * peak;
+        edges[static_cast<size_t>(row)].push_back(
+            {static_cast<float>(x) + 0.5f * (before - after) / bend, peak});
+      }
+    }
+  }
+  return edges;
+}
+
+bool IsInRaster(const Camera& camera,
+                const AxisCamera& axis_camera,
+                double column,
+                double row) {
+  double x = 0.0;
+  double y = 0.0;
+  // The derivative takes pixels around.
+  return Source(camera, axis_camera, column - kReach, row - kReach, &x, &y) &&
+         Source(camera, axis_camera, column + kReach, row + kReach, &x, &y);
+}
+
+}  // namespace tsar

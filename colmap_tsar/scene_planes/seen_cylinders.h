@@ -1,0 +1,69 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/cylinder.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/model_cylinder.h"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// A cylinder of the scene in a view: where the view shows its outlines, nothing
+// hides it. Copied by value into kernels.
+struct SeenCylinder {
+  static constexpr int kNumBins = 256;
+
+  // In the view's camera frame. Heights begin where the known part does.
+  Cylinder cylinder;
+  float length = 0.f;  // Of the known part, along the axis.
+  // Of each of as many parts of it, whether the view shows its outlines.
+  uint8_t is_seen[kNumBins] = {};
+  // The directions that the covariance of its ModelCylinder is about, in the
+  // camera frame, and that covariance: variances, then those of the first and
+  // second, the first and third, the second and third parameter.
+  Vec3f across;
+  Vec3f third;
+  float variances[3] = {};
+  float covariances[3] = {};
+
+  TSAR_HD bool IsSeenAt(float height) const {
+    const float bin = height / length * kNumBins;
+    return bin >= 0.f && bin < kNumBins && is_seen[static_cast<int>(bin)] != 0;
+  }
+
+  // The variance of the depth at which a ray with z = 1 meets it.
+  TSAR_HD float DepthVariance(const Vec3f& ray, const Vec3f& normal) const {
+    // At the very outline, where rays graze it, the depth does not follow from
+    // what it is to first order.
+    const float least = kLeastSlope * Norm(ray);
+    const float slope = fmaxf(-Dot(normal, ray), least);
+    const float a = Dot(normal, across);
+    const float b = Dot(normal, third);
+    const float variance =
+        a * a * variances[0] + b * b * variances[1] + variances[2] +
+        2.f *
+            (a * b * covariances[0] + a * covariances[1] + b * covariances[2]);
+    return fmaxf(variance, 0.f) / (slope * slope);
+  }
+
+ private:
+  static constexpr float kLeastSlope = 0.1f;
+};
+
+// view: with the colours of its evidence.
+std::vector<SeenCylinder> FindSeenCylinders(
+    const ObservedView& view, const std::vector<ModelCylinder>& cylinders);
+
+// The cylinder as it is in the camera's frame, of which nothing is known to be
+// seen.
+SeenCylinder ToCameraCylinder(const ModelCylinder& cylinder,
+                              const Camera& camera);
+
+}  // namespace tsar
