@@ -60,6 +60,24 @@ std::optional<std::string> FindPlaneFault(const ModelPlane& plane,
   return std::nullopt;
 }
 
+std::optional<std::string> FindCylinderFault(const ModelCylinder& cylinder) {
+  Eigen::Matrix3d axes;
+  axes << cylinder.across, cylinder.Third(), cylinder.along;
+  if (!axes.allFinite() || !IsRotation(axes)) {
+    return "a cylinder whose directions are not unit vectors at right angles";
+  }
+  if (!cylinder.point.allFinite() || !std::isfinite(cylinder.radius) ||
+      !(cylinder.radius > 0.0) || !std::isfinite(cylinder.min_height) ||
+      !std::isfinite(cylinder.max_height) ||
+      !(cylinder.min_height < cylinder.max_height)) {
+    return "a cylinder's invalid place or size";
+  }
+  if (!cylinder.covariance.allFinite() || !IsCovariance(cylinder.covariance)) {
+    return "a cylinder's invalid covariance";
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::string> FindSceneModelFault(const SceneModel& model) {
@@ -70,6 +88,11 @@ std::optional<std::string> FindSceneModelFault(const SceneModel& model) {
   }
   for (const ModelPlane& plane : model.planes) {
     if (auto fault = FindPlaneFault(plane, model.frames.size())) {
+      return fault;
+    }
+  }
+  for (const ModelCylinder& cylinder : model.cylinders) {
+    if (auto fault = FindCylinderFault(cylinder)) {
       return fault;
     }
   }

@@ -20,6 +20,7 @@ struct Header {
   StateFileStart start;
   uint64_t num_planes = 0;
   uint64_t num_frames = 0;
+  uint64_t num_cylinders = 0;
   uint64_t num_views = 0;
   uint64_t num_labels = 0;  // Of all views together.
   uint64_t planes_fingerprint = 0;
@@ -30,18 +31,21 @@ struct Header {
   std::vector<StateFileArray> Arrays() const {
     return {{num_planes, sizeof(StoredPlane)},
             {num_frames, sizeof(StoredFrame)},
+            {num_cylinders, sizeof(StoredCylinder)},
             {num_views, sizeof(StoredView)},
             {num_labels, sizeof(int32_t)},
             {num_labels, sizeof(LabelEvidence)},
             {num_labels, sizeof(LabelQuality)}};
   }
 };
-static_assert(sizeof(Header) == 72);
+static_assert(sizeof(Header) == 80);
 
 // For writing and for reading.
 template <typename Arrays>
 auto PlaneBytes(Arrays& arrays) {
-  return std::vector{BytesOf(arrays.planes), BytesOf(arrays.frames)};
+  return std::vector{BytesOf(arrays.planes),
+                     BytesOf(arrays.frames),
+                     BytesOf(arrays.cylinders)};
 }
 template <typename Arrays>
 auto LabelBytes(Arrays& arrays) {
@@ -66,7 +70,7 @@ Error CorruptModel(const std::filesystem::path& path, const std::string& what) {
 }
 
 constexpr StateFileKind kModelFile = {{'T', 'S', 'A', 'R', 'P', 'L', 'A', 'N'},
-                                      /*version=*/3,
+                                      /*version=*/4,
                                       &MissingModel,
                                       &CorruptModel};
 
@@ -87,6 +91,7 @@ void WriteSceneModel(const ContainedPath& path,
   Header header;
   header.num_planes = planes.planes.size();
   header.num_frames = planes.frames.size();
+  header.num_cylinders = planes.cylinders.size();
   header.num_views = labels.views.size();
   header.num_labels = labels.planes.size();
   const ReadableArrays plane_bytes = PlaneBytes(planes);
@@ -104,6 +109,7 @@ SceneModel ReadSceneModel(const std::filesystem::path& path,
   PlaneArrays planes;
   planes.planes.resize(header.num_planes);
   planes.frames.resize(header.num_frames);
+  planes.cylinders.resize(header.num_cylinders);
   reader.Read(PlaneBytes(planes), header.planes_fingerprint);
   SceneModel model = FromPlaneArrays(planes);
   if (parts == SceneModelParts::kAll) {

@@ -15,9 +15,9 @@ namespace tsar {
 // The file that keeps the planes of the whole scene, stereo/tsar/planes.bin.
 // Little-endian, without padding: a header of fixed size (magic, format
 // version, all counts, fingerprints), the options hash, the planes, the frames,
-// then the labels: for each view its image and number of superpixels, the
-// planes of all superpixels, their evidence, their qualities. Planes with their
-// frames, and labels, have a fingerprint each.
+// the cylinders, then the labels: for each view its image and number of
+// superpixels, the planes of all superpixels, their evidence, their qualities.
+// Planes with frames and cylinders, and labels, have a fingerprint each.
 
 enum class SceneModelParts {
   kAll,

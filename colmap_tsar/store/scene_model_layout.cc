@@ -50,6 +50,30 @@ ModelPlane FromStored(const StoredPlane& stored) {
   return plane;
 }
 
+StoredCylinder ToStored(const ModelCylinder& cylinder) {
+  StoredCylinder stored = {};
+  Store(cylinder.point, &stored.point);
+  Store(cylinder.along, &stored.along);
+  Store(cylinder.across, &stored.across);
+  stored.radius = cylinder.radius;
+  stored.min_height = cylinder.min_height;
+  stored.max_height = cylinder.max_height;
+  Store(cylinder.covariance, &stored.covariance);
+  return stored;
+}
+
+ModelCylinder FromStored(const StoredCylinder& stored) {
+  ModelCylinder cylinder;
+  Load(stored.point, &cylinder.point);
+  Load(stored.along, &cylinder.along);
+  Load(stored.across, &cylinder.across);
+  cylinder.radius = stored.radius;
+  cylinder.min_height = stored.min_height;
+  cylinder.max_height = stored.max_height;
+  Load(stored.covariance, &cylinder.covariance);
+  return cylinder;
+}
+
 }  // namespace
 
 PlaneArrays ToPlaneArrays(const SceneModel& model) {
@@ -59,6 +83,9 @@ PlaneArrays ToPlaneArrays(const SceneModel& model) {
   }
   for (const Eigen::Matrix3d& frame : model.frames) {
     Store(frame, &arrays.frames.emplace_back());
+  }
+  for (const ModelCylinder& cylinder : model.cylinders) {
+    arrays.cylinders.push_back(ToStored(cylinder));
   }
   return arrays;
 }
@@ -84,6 +111,9 @@ SceneModel FromPlaneArrays(const PlaneArrays& arrays) {
   }
   for (const StoredFrame& frame : arrays.frames) {
     Load(frame, &model.frames.emplace_back());
+  }
+  for (const StoredCylinder& cylinder : arrays.cylinders) {
+    model.cylinders.push_back(FromStored(cylinder));
   }
   return model;
 }

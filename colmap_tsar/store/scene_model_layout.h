@@ -39,6 +39,18 @@ static_assert(sizeof(StoredPlane) == 200 &&
 
 using StoredFrame = std::array<double, 9>;
 
+struct StoredCylinder {
+  std::array<double, 3> point;
+  std::array<double, 3> along;
+  std::array<double, 3> across;
+  double radius;
+  double min_height;
+  double max_height;
+  std::array<double, 9> covariance;
+};
+static_assert(sizeof(StoredCylinder) == 168 &&
+              std::is_trivially_copyable_v<StoredCylinder>);
+
 struct StoredView {
   int32_t image;
   uint32_t num_labels;
@@ -50,6 +62,7 @@ static_assert(sizeof(StoredView) == 8 &&
 struct PlaneArrays {
   std::vector<StoredPlane> planes;
   std::vector<StoredFrame> frames;
+  std::vector<StoredCylinder> cylinders;
 };
 struct LabelArrays {
   std::vector<StoredView> views;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/content_hash.h"
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -17,9 +18,10 @@ namespace tsar {
 namespace {
 
 constexpr const char* kOptionsHash = "0123456789abcdef";
-constexpr size_t kHeaderSize = 72;
+constexpr size_t kHeaderSize = 80;
 constexpr size_t kPlaneSize = 200;
 constexpr size_t kFrameSize = 72;
+constexpr size_t kCylinderSize = 168;
 
 void ExpectSamePlanes(const SceneModel& a, const SceneModel& b) {
   ASSERT_EQ(a.planes.size(), b.planes.size());
@@ -36,6 +38,16 @@ void ExpectSamePlanes(const SceneModel& a, const SceneModel& b) {
     EXPECT_EQ(a.planes[i].axis, b.planes[i].axis);
   }
   EXPECT_EQ(a.frames, b.frames);
+  ASSERT_EQ(a.cylinders.size(), b.cylinders.size());
+  for (size_t i = 0; i < a.cylinders.size(); ++i) {
+    EXPECT_EQ(a.cylinders[i].point, b.cylinders[i].point);
+    EXPECT_EQ(a.cylinders[i].along, b.cylinders[i].along);
+    EXPECT_EQ(a.cylinders[i].across, b.cylinders[i].across);
+    EXPECT_EQ(a.cylinders[i].radius, b.cylinders[i].radius);
+    EXPECT_EQ(a.cylinders[i].min_height, b.cylinders[i].min_height);
+    EXPECT_EQ(a.cylinders[i].max_height, b.cylinders[i].max_height);
+    EXPECT_EQ(a.cylinders[i].covariance, b.cylinders[i].covariance);
+  }
 }
 
 void ExpectSame(const SceneModel& a, const SceneModel& b) {
@@ -105,7 +117,7 @@ TEST_F(SceneModelFileTest, LeavesLabelsOut) {
   EXPECT_TRUE(read.views.empty());
   EXPECT_EQ(ReadSceneModelHash(path_), "");
   EXPECT_EQ(std::filesystem::file_size(path_),
-            kHeaderSize + 3 * kPlaneSize + kFrameSize);
+            kHeaderSize + 3 * kPlaneSize + kFrameSize + kCylinderSize);
 }
 
 TEST_F(SceneModelFileTest, KeepsNothingAndExtremes) {
@@ -141,6 +153,18 @@ TEST_F(SceneModelFileTest, RefusesToWriteWhatItWouldNotRead) {
           {"no frame has", [](auto* m) { m->planes[0].frame = 0; }},
           {"no rotation", [](auto* m) { m->frames[0].col(0) *= -1.0; }},
           {"no rotation", [](auto* m) { m->frames[0](0, 0) = kNan; }},
+          {"directions",
+           [](auto* m) { m->cylinders[0].across = m->cylinders[0].along; }},
+          {"directions", [](auto* m) { m->cylinders[0].along.x() = kNan; }},
+          {"place or size", [](auto* m) { m->cylinders[0].point.y() = kNan; }},
+          {"place or size", [](auto* m) { m->cylinders[0].radius = 0; }},
+          {"place or size", [](auto* m) { m->cylinders[0].radius = kNan; }},
+          {"place or size", [](auto* m) { m->cylinders[0].max_height = -1.5; }},
+          {"place or size", [](auto* m) { m->cylinders[0].min_height = kNan; }},
+          {"cylinder's invalid covariance",
+           [](auto* m) { m->cylinders[0].covariance(2, 2) = -1; }},
+          {"cylinder's invalid covariance",
+           [](auto* m) { m->cylinders[0].covariance(0, 0) = INFINITY; }},
           {"no plane has", [](auto* m) { m->views[0].planes[0] = 3; }},
           {"no plane has", [](auto* m) { m->views[0].planes[0] = -2; }},
           {"do not fit", [](auto* m) { m->views[0].planes.pop_back(); }},
@@ -188,7 +212,7 @@ TEST_F(SceneModelFileTest, RefusesOtherFilesAndVersions) {
   std::string bytes = GoodBytes();
   bytes[8] = 1;
   WriteText(path_, bytes);
-  ExpectCorrupt("version 1, this program reads version 3");
+  ExpectCorrupt("version 1, this program reads version 4");
 }
 
 TEST_F(SceneModelFileTest, RefusesFilesOfAnotherLength) {
@@ -221,7 +245,7 @@ TEST_F(SceneModelFileTest, SeesEveryChangedByte) {
 TEST_F(SceneModelFileTest, RefusesAbsurdSizesBeforeAllocating) {
   const std::string good = GoodBytes();
   constexpr uint64_t kMax = std::numeric_limits<uint64_t>::max();
-  for (const size_t position : {16, 24, 32, 40}) {
+  for (const size_t position : {16, 24, 32, 40, 48}) {
     for (const uint64_t count :
          {kMax, kMax / 8 + 1, kMax / 5 + 1, uint64_t{1} << 40, uint64_t{100}}) {
       SCOPED_TRACE(position);
@@ -249,7 +273,7 @@ TEST_F(SceneModelFileTest, RefusesLabelsOfNoView) {
     bytes.replace(view_begin, view.size(), view);
     ContentHash hash;
     hash.Update(bytes.data() + view_begin, bytes.size() - view_begin);
-    WriteText(path_, WithCount(bytes, 56, hash.Value()));
+    WriteText(path_, WithCount(bytes, 64, hash.Value()));
     ExpectCorrupt("labels that are not those of its views");
   }
 }

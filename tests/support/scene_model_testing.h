@@ -35,8 +35,8 @@ inline int AddAlignedPlane(const Eigen::Vector3d& normal,
   return static_cast<int>(model->planes.size()) - 1;
 }
 
-// Three planes, one of which lies along an axis of a frame, and three views;
-// the second one has no superpixels.
+// Three planes, one of which lies along an axis of a frame, a cylinder, and
+// three views; the second one has no superpixels.
 inline SceneModel MakeSceneModel() {
   SceneModel model;
   model.frames.push_back(
@@ -50,6 +50,15 @@ inline SceneModel MakeSceneModel() {
   model.planes[0].component = 2;
   model.planes[1].frame = 0;
   model.planes[1].axis = 1;
+  ModelCylinder cylinder;
+  cylinder.point = {1, -2, 3e5};
+  cylinder.along = model.frames[0].col(2);
+  cylinder.across = model.frames[0].col(0);
+  cylinder.radius = 0.25;
+  cylinder.min_height = -1.5;
+  cylinder.max_height = 2.5;
+  cylinder.covariance << 4, 1, 0, 1, 5, 2, 0, 2, 6;
+  model.cylinders.push_back(cylinder);
   model.views[0] = {
       {0, -1, 2},
       {LabelEvidence::kMeasured, LabelEvidence::kNone, LabelEvidence::kCarried},
