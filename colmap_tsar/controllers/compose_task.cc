@@ -123,6 +123,7 @@ std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,
                            LabelsOf(reference, scene->own),
                            options_,
                            device);
+  scene->found.cylinders = FindSeenCylinders(scene->views[0], model_.cylinders);
   return scene;
 }
 

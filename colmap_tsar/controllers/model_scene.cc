@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/controllers/for_each_view.h"
 #include "colmap_tsar/controllers/label_sweeps.h"
+#include "colmap_tsar/controllers/scene_cylinders.h"
 #include "colmap_tsar/controllers/view_blocks.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/find_scene.h"
@@ -82,6 +83,12 @@ class SceneModeler {
     }
     for (size_t i = 0; i < views_.size(); ++i) {
       model_.views[views_[i].image] = std::move((*labels)[i]);
+    }
+    if (refine_options_.cylinders) {
+      FindCylinders();
+      if (should_stop_()) {
+        return std::nullopt;
+      }
     }
     return std::move(model_);
   }
@@ -311,6 +318,28 @@ class SceneModeler {
       sweeps->Bound(std::move(creases));
     }
     return has_creases;
+  }
+
+  void FindCylinders() {
+    std::vector<const ViewLabels*> labels;
+    for (const SceneView& view : views_) {
+      labels.push_back(&model_.views.at(view.image));
+    }
+    model_.cylinders = FindSceneCylinders(
+        model_.frames,
+        neighbours_,
+        model_.planes,
+        labels,
+        [this](const auto& name, const auto& function) {
+          ForEachEvidence(name, function);
+        },
+        [this](const auto& name, const auto& function) {
+          VisitViews(name, [&](size_t view) {
+            const std::shared_ptr<const ViewEvidence> evidence =
+                evidence_.get(view);
+            function(view, Observed(view, *evidence));
+          });
+        });
   }
 
   void ForEachEvidence(

@@ -15,6 +15,7 @@
 #include "colmap_tsar/scene_planes/measured_planes.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
+#include "colmap_tsar/scene_planes/seen_cylinders.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -96,6 +97,8 @@ struct FoundScene {
   std::vector<int> plane_numbers;
   std::vector<InverseDepthError> plane_errors;
   CurvedView curved;
+  // Columns and pipes whose outlines the image shows.
+  std::vector<SeenCylinder> cylinders;
   std::map<std::string, double> seconds;  // That it took, per stage.
 };
 

@@ -271,6 +271,11 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->curved_surfaces,
        "Let smooth curved surfaces stand where they explain the depths better "
        "than planes do."},
+      {"cylinders",
+       &options->cylinders,
+       "Find bare columns and pipes by their outlines in four or more views, "
+       "and fill them: round ones along an axis of the Manhattan frame. Has no "
+       "effect without manhattan_frame."},
       {"off_plane_depths",
        &options->off_plane_depths,
        "Let depths that were measured off their plane stand."},

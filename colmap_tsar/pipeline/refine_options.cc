@@ -43,6 +43,7 @@ RefineOptions RefineOptions::Paper() {
   options.pixel_borders = false;
   options.photometric = false;
   options.curved_surfaces = false;
+  options.cylinders = false;
   return options;
 }
 

@@ -71,6 +71,7 @@ struct RefineOptions {
   bool bounded_planes = true;
   bool bounding_creases = true;
   bool curved_surfaces = true;
+  bool cylinders = true;
   bool off_plane_depths = true;
   bool pixel_borders = true;
   bool photometric = true;

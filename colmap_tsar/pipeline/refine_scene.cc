@@ -10,6 +10,7 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
+#include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/pack_ratings.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
@@ -303,18 +304,30 @@ RefineResult ComposeImage(
                                       scene.composition,
                                       device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
+  const LaidCylinders laid = LayCylinders(found.cylinders,
+                                          std::as_const(ratings).View(),
+                                          view.MapIntrinsics(),
+                                          evidence.resolution,
+                                          &composed,
+                                          device);
   FillHoles(
       view.color.View(), view.MapIntrinsics(), options, &composed, device);
   DeviceImage<float> confidence = RateSceneConfidence(composed, inputs, device);
+  RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
                device);
   if (options.sigma_maps) {
-    result.maps.sigma =
-        ComputeSceneSigma(
-            composed, inputs, evidence.resolution, evidence.noise, {}, device)
-            .ToHost();
+    DeviceImage<uint16_t> sigma = ComputeSceneSigma(
+        composed, inputs, evidence.resolution, evidence.noise, {}, device);
+    SetSigmaOfCylinders(laid,
+                        view.MapIntrinsics(),
+                        evidence.resolution,
+                        composed.map,
+                        &sigma,
+                        device);
+    result.maps.sigma = sigma.ToHost();
   }
   timer.Finish("composition");
   const DeviceImage<uint16_t> plane_numbers(device,

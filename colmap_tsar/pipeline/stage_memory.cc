@@ -9,6 +9,7 @@
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
+#include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/stage_options.h"
@@ -152,8 +153,10 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                     num_judged_pixels,
                     std::min(num_sources, kMaxPhotometricSources))
           : 0;
+  const int64_t cylinders =
+      options.cylinders ? LaidCylindersBytes(num_pixels) : 0;
   const int64_t composing =
-      planes_of_scene_and_regions + superpixels + of_superpixel +
+      planes_of_scene_and_regions + superpixels + of_superpixel + cylinders +
       std::max(ComposeSceneWorkingBytes(num_pixels),
                provenance +
                    std::max({FillHolesWorkingBytes(options, num_pixels),

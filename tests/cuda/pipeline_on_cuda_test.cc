@@ -1,9 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/depth_sigma.h"
+#include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
@@ -148,6 +150,68 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
                                   Provenance::kRegionPlane,
                                   Provenance::kOtherViews,
                                   Provenance::kGuessed}));
+}
+
+TEST_F(CudaTest, LayCylindersAndRateThem) {
+  ExpectAlike(
+      "LayCylinders, RateCylinders, SetSigmaOfCylinders",
+      AllScenesAndWide(),
+      [](StageInputs& inputs, Device& device, StageResult* result) {
+        const int width = inputs.views.Width();
+        const int height = inputs.views.Height();
+        // Upright, seen in every other eighth, in two sizes.
+        std::vector<SeenCylinder> cylinders(2);
+        for (int k = 0; k < 2; ++k) {
+          SeenCylinder& seen = cylinders[static_cast<size_t>(k)];
+          const float distance = inputs.drawn.wall.offset * (0.5f + 0.2f * k);
+          seen.cylinder = {{0.1f * k * distance, -distance, distance},
+                           {0.f, 1.f, 0.f},
+                           0.2f * distance};
+          seen.length = 2.f * distance;
+          for (int bin = 0; bin < SeenCylinder::kNumBins; ++bin) {
+            seen.is_seen[bin] = (8 * bin / SeenCylinder::kNumBins + k) % 2;
+          }
+          seen.across = {1.f, 0.f, 0.f};
+          seen.third = {0.f, 0.f, 1.f};
+          seen.variances[0] = 1e-4f;
+          seen.variances[1] = 2e-4f;
+          seen.variances[2] = 3e-4f;
+          seen.covariances[1] = -5e-5f;
+        }
+        ComposedMap composed{inputs.views.TakeHypotheses(),
+                             DeviceImage<uint8_t>(device, width, height)};
+        Fill(device,
+             composed.provenance.View().data,
+             composed.provenance.View().NumPixels(),
+             static_cast<uint8_t>(Provenance::kMeasured));
+        // All kinds of ratings.
+        Image<uint8_t> ratings(width, height);
+        Philox random(24, 0, 0);
+        for (uint8_t& rating : ratings) {
+          rating = static_cast<uint8_t>(random.NextBelow(256));
+        }
+        const DeviceImage<uint8_t> device_ratings(device, ratings);
+        const LaidCylinders laid = LayCylinders(cylinders,
+                                                device_ratings.View(),
+                                                inputs.views.MapIntrinsics(),
+                                                inputs.views.Scale(),
+                                                &composed,
+                                                device);
+        result->Add("depth", composed.map.depth);
+        result->Add("normal", composed.map.normal);
+        result->Add("provenance", composed.provenance);
+        DeviceImage<float> confidence(device, Image<float>(width, height));
+        RateCylinders(laid, &confidence, device);
+        result->Add("confidence", confidence);
+        DeviceImage<uint16_t> sigma(device, Image<uint16_t>(width, height));
+        SetSigmaOfCylinders(laid,
+                            inputs.views.MapIntrinsics(),
+                            inputs.views.Scale(),
+                            composed.map,
+                            &sigma,
+                            device);
+        result->Add("sigma", sigma);
+      });
 }
 
 TEST_F(CudaTest, LiftRatings) {

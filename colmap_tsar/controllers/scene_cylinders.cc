@@ -1,0 +1,85 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/scene_cylinders.h"
+
+#include "colmap_tsar/scene_planes/cylinder_evidence.h"
+#include "colmap_tsar/scene_planes/find_cylinders.h"
+#include "colmap_tsar/scene_planes/outline_edges.h"
+
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+std::vector<AxisFrame> AxesOf(const std::vector<Eigen::Matrix3d>& frames) {
+  std::vector<AxisFrame> axes;
+  for (const Eigen::Matrix3d& frame : frames) {
+    for (int axis = 0; axis < 3; ++axis) {
+      axes.push_back({frame.col(axis), frame.col((axis + 1) % 3)});
+    }
+  }
+  return axes;
+}
+
+OutlineView FindOutlines(const ObservedView& view, const AxisFrame& axis) {
+  const std::optional<AxisCamera> camera = MakeAxisCamera(view.camera, axis);
+  if (!camera) {
+    return {};
+  }
+  return {*camera,
+          FindOutlinePairs(
+              FindEdgesAcross(view.evidence->color, view.camera, *camera), {})};
+}
+
+}  // namespace
+
+std::vector<ModelCylinder> FindSceneCylinders(
+    const std::vector<Eigen::Matrix3d>& frames,
+    const std::vector<std::vector<size_t>>& neighbours,
+    const std::vector<ModelPlane>& planes,
+    const std::vector<const ViewLabels*>& labels,
+    const ObservedViewVisitor& visit_all,
+    const ObservedViewVisitor& visit) {
+  const std::vector<AxisFrame> axes = AxesOf(frames);
+  if (axes.empty()) {
+    return {};
+  }
+  std::vector<std::vector<OutlineView>> outlines(
+      axes.size(), std::vector<OutlineView>(neighbours.size()));
+  visit_all("outlines", [&](size_t view, const ObservedView& observed) {
+    for (size_t axis = 0; axis < axes.size(); ++axis) {
+      outlines[axis][view] = FindOutlines(observed, axes[axis]);
+    }
+  });
+  std::vector<ModelCylinder> cylinders;
+  for (size_t axis = 0; axis < axes.size(); ++axis) {
+    const std::vector<ModelCylinder> along =
+        FindCylinders(outlines[axis], neighbours, axes[axis], {});
+    cylinders.insert(cylinders.end(), along.begin(), along.end());
+  }
+  if (cylinders.empty()) {
+    return cylinders;
+  }
+  std::vector<CylinderEvidence> evidence(cylinders.size());
+  std::mutex mutex;
+  visit("columns", [&](size_t view, const ObservedView& observed) {
+    const std::vector<CylinderEvidence> of_view =
+        TestCylinders(observed, planes, *labels[view], cylinders);
+    const std::lock_guard lock(mutex);
+    for (size_t k = 0; k < evidence.size(); ++k) {
+      evidence[k] += of_view[k];
+    }
+  });
+  std::vector<ModelCylinder> result;
+  for (size_t k = 0; k < cylinders.size(); ++k) {
+    if (!evidence[k].IsContradicted()) {
+      result.push_back(cylinders[k]);
+    }
+  }
+  return result;
+}
+
+}  // namespace tsar

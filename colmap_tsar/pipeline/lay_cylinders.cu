@@ -1,0 +1,191 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/lay_cylinders.h"
+
+#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr size_t kMaxCylinders = 255;
+// A measured depth further than this from a cylinder does not lie on it, in
+// relative depths of one pixel of disparity: as for planes.
+constexpr float kOnCylinder = 1.2f;
+// Where the cosine between ray and normal is less, outlines are close: matching
+// finds these, which are elsewhere in each view.
+constexpr float kMinSlope = 0.5f;
+// About the share of depths on cylinders that are right to 1 %.
+constexpr float kConfidence = 0.9f;
+// What the fit of a cylinder does not know of its error, in the same unit.
+constexpr float kSigma = 0.1f;
+
+struct LayKernel {
+  const SeenCylinder* cylinders;
+  int num_cylinders;
+  ImageView<const uint8_t> ratings;
+  Intrinsics intrinsics;
+  DepthResolution resolution;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+  ImageView<uint8_t> numbers;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Vec3f ray =
+        intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+    Cylinder::Hit nearest;
+    int number = 0;
+    for (int k = 0; k < num_cylinders; ++k) {
+      Cylinder::Hit hit;
+      if (cylinders[k].cylinder.Meets(ray, &hit) &&
+          cylinders[k].IsSeenAt(hit.height) &&
+          (number == 0 || hit.depth < nearest.depth)) {
+        nearest = hit;
+        number = k + 1;
+      }
+    }
+    if (number > 0 && Stands(x, y, ray, nearest)) {
+      number = 0;
+    }
+    numbers(x, y) = static_cast<uint8_t>(number);
+    if (number > 0) {
+      depth(x, y) = nearest.depth;
+      normal(x, y) = nearest.normal;
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kInterpolated);
+    }
+  }
+
+  // Whether what was measured in the pixel is another surface.
+  TSAR_HD bool Stands(int x,
+                      int y,
+                      const Vec3f& ray,
+                      const Cylinder::Hit& hit) const {
+    if (provenance(x, y) != static_cast<uint8_t>(Provenance::kMeasured)) {
+      return false;
+    }
+    const float gap = (depth(x, y) - hit.depth) /
+                      (hit.depth * resolution.RelativeDepthError(hit.depth));
+    const bool is_in_the_middle = -Dot(hit.normal, ray) > kMinSlope * Norm(ray);
+    return gap < -kOnCylinder ||
+           (gap > kOnCylinder && is_in_the_middle &&
+            MeasurementRating::IsConfirmedDistinctly(ratings(x, y)));
+  }
+};
+
+struct RateKernel {
+  ImageView<const uint8_t> numbers;
+  ImageView<float> confidence;
+
+  TSAR_HD void operator()(int x, int y) const {
+    if (numbers(x, y) > 0) {
+      confidence(x, y) = kConfidence;
+    }
+  }
+};
+
+struct SigmaOfCylindersKernel {
+  const SeenCylinder* cylinders;
+  Intrinsics intrinsics;
+  DepthResolution resolution;
+  ImageView<const uint8_t> numbers;
+  ImageView<const float> depth;
+  ImageView<const Vec3f> normal;
+  ImageView<uint16_t> sigma;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const int number = numbers(x, y);
+    const float z = depth(x, y);
+    if (number == 0 || !(z > 0.f)) {
+      return;
+    }
+    const Vec3f ray =
+        intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+    const float matching = kSigma * z * resolution.RelativeDepthError(z);
+    sigma(x, y) = ToPositiveHalf(
+        sqrtf(matching * matching +
+              cylinders[number - 1].DepthVariance(ray, normal(x, y))));
+  }
+};
+
+}  // namespace
+
+LaidCylinders LayCylinders(const std::vector<SeenCylinder>& cylinders,
+                           ImageView<const uint8_t> ratings,
+                           const Intrinsics& intrinsics,
+                           const DepthResolution& resolution,
+                           ComposedMap* composed,
+                           Device& device) {
+  LaidCylinders laid;
+  if (cylinders.empty()) {
+    return laid;
+  }
+  const size_t count = std::min(cylinders.size(), kMaxCylinders);
+  laid.cylinders = Buffer<SeenCylinder>(
+      device,
+      std::vector<SeenCylinder>(
+          cylinders.begin(),
+          cylinders.begin() + static_cast<std::ptrdiff_t>(count)));
+  const int width = composed->map.depth.Width();
+  const int height = composed->map.depth.Height();
+  laid.numbers = DeviceImage<uint8_t>(device, width, height);
+  ParallelFor(device,
+              width,
+              height,
+              LayKernel{laid.cylinders.Data(),
+                        static_cast<int>(count),
+                        ratings,
+                        intrinsics,
+                        resolution,
+                        composed->map.depth.View(),
+                        composed->map.normal.View(),
+                        composed->provenance.View(),
+                        laid.numbers.View()});
+  return laid;
+}
+
+void RateCylinders(const LaidCylinders& laid,
+                   DeviceImage<float>* confidence,
+                   Device& device) {
+  if (!laid.numbers.Empty()) {
+    ParallelFor(device,
+                laid.numbers.Width(),
+                laid.numbers.Height(),
+                RateKernel{laid.numbers.View(), confidence->View()});
+  }
+}
+
+void SetSigmaOfCylinders(const LaidCylinders& laid,
+                         const Intrinsics& intrinsics,
+                         const DepthResolution& resolution,
+                         const DepthNormalImages& map,
+                         DeviceImage<uint16_t>* sigma,
+                         Device& device) {
+  if (!laid.numbers.Empty()) {
+    ParallelFor(device,
+                laid.numbers.Width(),
+                laid.numbers.Height(),
+                SigmaOfCylindersKernel{laid.cylinders.Data(),
+                                       intrinsics,
+                                       resolution,
+                                       laid.numbers.View(),
+                                       map.depth.View(),
+                                       map.normal.View(),
+                                       sigma->View()});
+  }
+}
+
+int64_t LaidCylindersBytes(int64_t num_pixels) {
+  return BytesOf<uint8_t>(num_pixels) +
+         BytesOf<SeenCylinder>(int64_t{kMaxCylinders});
+}
+
+}  // namespace tsar

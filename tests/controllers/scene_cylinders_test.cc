@@ -1,0 +1,182 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/controllers/scene_cylinders.h"
+
+#include <cmath>
+
+#include "tests/support/drawn_column.h"
+#include "tests/support/scene_model_testing.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+const Eigen::Matrix3d kUpright = Eigen::Matrix3d::Identity();
+
+// A wall behind it all.
+std::vector<ModelPlane> WallBehind() {
+  return {MakeModelPlane({0.0, -1.0, 0.0}, {0.0, 3.5, 0.0})};
+}
+
+// Superpixels that nobody measured.
+const ViewLabels kUnlabelled = {
+    {-1}, {LabelEvidence::kNone}, std::vector<LabelQuality>(1)};
+
+std::vector<ModelCylinder> Find(
+    const DrawnViews& drawn,
+    const std::vector<Eigen::Matrix3d>& frames = {kUpright},
+    const ViewLabels& labels = kUnlabelled) {
+  const ObservedViewVisitor visit = [&](const auto&, const auto& function) {
+    for (size_t view = 0; view < drawn.Views().size(); ++view) {
+      function(view, drawn.Views()[view]);
+    }
+  };
+  return FindSceneCylinders(
+      frames,
+      drawn.Neighbours(),
+      WallBehind(),
+      std::vector<const ViewLabels*>(drawn.Views().size(), &labels),
+      visit,
+      visit);
+}
+
+// middle: where the axis is in the plane z = 0 of the frame.
+void ExpectColumn(const std::vector<ModelCylinder>& found,
+                  const Eigen::Matrix3d& rotation,
+                  double tolerance) {
+  const DrawnColumn column;
+  ASSERT_EQ(found.size(), 1u);
+  const ModelCylinder& cylinder = found[0];
+  EXPECT_NEAR(cylinder.radius, column.radius, tolerance);
+  EXPECT_NEAR(std::abs(cylinder.along.dot(rotation * Eigen::Vector3d::UnitZ())),
+              1.0,
+              1e-9);
+  const Eigen::Vector3d point = rotation.transpose() * cylinder.point;
+  EXPECT_NEAR(point.x(), column.middle.x(), tolerance);
+  EXPECT_NEAR(point.y(), column.middle.y(), tolerance);
+  const double sign = cylinder.along.dot(rotation * Eigen::Vector3d::UnitZ());
+  const double bottom = point.z() + sign * cylinder.min_height;
+  const double top = point.z() + sign * cylinder.max_height;
+  EXPECT_NEAR(std::min(bottom, top), column.bottom, 0.06);
+  EXPECT_NEAR(std::max(bottom, top), column.top, 0.06);
+  // Of what a third of a pixel would make of it, at most.
+  const double pixel = 3.0 / DrawnViews::kFocal;
+  EXPECT_GT(cylinder.covariance(2, 2), 0.0);
+  EXPECT_LT(std::sqrt(cylinder.covariance(2, 2)), 0.33 * pixel);
+}
+
+TEST(SceneCylindersTest, FindsABareColumn) {
+  const DrawnViews drawn(DrawnColumn(), 7);
+  ExpectColumn(Find(drawn), kUpright, 0.002);
+}
+
+TEST(SceneCylindersTest, FindsItInNoise) {
+  const DrawnViews drawn(DrawnColumn(), 7, kUpright, 4.0);
+  ExpectColumn(Find(drawn), kUpright, 0.006);
+}
+
+// Any axis of any of the frames, whatever the world's directions are.
+TEST(SceneCylindersTest, FindsItInATurnedWorld) {
+  const Eigen::Matrix3d turned =
+      Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 0.5).normalized())
+          .toRotationMatrix();
+  const Eigen::Matrix3d other_order =
+      Eigen::AngleAxisd(std::acos(-1.0) / 2.0, Eigen::Vector3d::UnitX())
+          .toRotationMatrix();
+  const Eigen::Matrix3d oblique =
+      Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 1, 0).normalized())
+          .toRotationMatrix();
+  const DrawnViews drawn(DrawnColumn(), 7, turned);
+  ExpectColumn(
+      Find(drawn, {turned * oblique, turned * other_order}), turned, 0.002);
+  EXPECT_TRUE(Find(drawn, {turned * oblique}).empty());
+  EXPECT_TRUE(Find(drawn, {}).empty());
+}
+
+TEST(SceneCylindersTest, FindsItInAnyUnit) {
+  for (const double scale : {1e-6, 1e6}) {
+    SCOPED_TRACE(scale);
+    const std::vector<ModelCylinder> found =
+        Find(DrawnViews(DrawnColumn(), 7, kUpright, 0.0, scale));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(found[0].radius / scale, 0.25, 0.002);
+    EXPECT_NEAR(found[0].min_height / scale, DrawnColumn().bottom, 0.06);
+    EXPECT_NEAR(found[0].max_height / scale, DrawnColumn().top, 0.06);
+    EXPECT_GT(std::sqrt(found[0].covariance(2, 2)) / scale, 1e-5);
+    EXPECT_LT(std::sqrt(found[0].covariance(2, 2)) / scale, 0.005);
+  }
+}
+
+TEST(SceneCylindersTest, NeedsFourViews) {
+  EXPECT_EQ(Find(DrawnViews(DrawnColumn(), 4)).size(), 1u);
+  EXPECT_TRUE(Find(DrawnViews(DrawnColumn(), 3)).empty());
+}
+
+TEST(SceneCylindersTest, TakesNoBoardForAColumn) {
+  EXPECT_TRUE(
+      Find(DrawnViews(DrawnWalls{{{-0.2, 3.1}, {0.3, 2.9}}}, 7)).empty());
+}
+
+TEST(SceneCylindersTest, TakesNoSquarePillarForAColumn) {
+  EXPECT_TRUE(Find(DrawnViews(DrawnWalls{{{-0.2, 2.8},
+                                          {0.2, 2.8},
+                                          {0.2, 3.2},
+                                          {-0.2, 3.2},
+                                          {-0.2, 2.8}}},
+                              7))
+                  .empty());
+}
+
+TEST(SceneCylindersTest, FindsTwoSideBySide) {
+  DrawnColumn left;
+  left.middle.x() = -0.4;
+  DrawnColumn right;
+  right.middle.x() = 0.5;
+  right.radius = 0.15;
+  const auto both = [&](const Eigen::Vector3d& from,
+                        const Eigen::Vector3d& direction) {
+    return std::max(left(from, direction), right(from, direction));
+  };
+  const std::vector<ModelCylinder> found = Find(DrawnViews(both, 7));
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NEAR(std::max(found[0].radius, found[1].radius), 0.25, 0.002);
+  EXPECT_NEAR(std::min(found[0].radius, found[1].radius), 0.15, 0.002);
+}
+
+// Views that saw what is behind it, all over it.
+TEST(SceneCylindersTest, DropsWhatIsSeenThrough) {
+  DrawnViews drawn(DrawnColumn(), 7);
+  const auto set_depths = [&](float depth, int step) {
+    for (size_t view = 0; view < 7; ++view) {
+      Image<float>& depths = drawn.Evidence(view).confident_depth;
+      for (int y = 0; y < depths.Height(); ++y) {
+        for (int x = y % step; x < depths.Width(); x += step) {
+          depths(x, y) = depth;
+        }
+      }
+    }
+  };
+  // Some are wrong.
+  set_depths(5.f, 8);
+  EXPECT_EQ(Find(drawn).size(), 1u);
+  set_depths(5.f, 2);
+  EXPECT_TRUE(Find(drawn).empty());
+  // Something else is before it, as everywhere.
+  set_depths(1.f, 1);
+  EXPECT_EQ(Find(drawn).size(), 1u);
+}
+
+// Where views measured a plane between the outlines, these belong to something
+// else, such as windows beside a wall.
+TEST(SceneCylindersTest, DropsWhatWasMeasuredOnAPlane) {
+  const DrawnViews drawn(DrawnColumn(), 7);
+  ViewLabels labels = {
+      {0}, {LabelEvidence::kMeasured}, std::vector<LabelQuality>(1)};
+  EXPECT_TRUE(Find(drawn, {kUpright}, labels).empty());
+  labels.evidence = {LabelEvidence::kCarried};
+  EXPECT_EQ(Find(drawn, {kUpright}, labels).size(), 1u);
+}
+
+}  // namespace
+}  // namespace tsar

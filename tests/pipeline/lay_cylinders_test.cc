@@ -1,0 +1,204 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/pipeline/lay_cylinders.h"
+
+#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+constexpr Intrinsics kIntrinsics = {40.f, 40.f, 20.f, 15.f};
+constexpr float kWall = 4.f;
+// Pixels before the cylinder's middle and beside it.
+constexpr int kBefore = 20;
+constexpr int kBeside = 5;
+
+// Upright before the camera, seen in the lower half of its two units.
+SeenCylinder MakeCylinder(float distance, float radius) {
+  SeenCylinder seen;
+  seen.cylinder = {{0.f, -1.f, distance}, {0.f, 1.f, 0.f}, radius};
+  seen.length = 2.f;
+  for (int bin = SeenCylinder::kNumBins / 2; bin < SeenCylinder::kNumBins;
+       ++bin) {
+    seen.is_seen[bin] = 1;
+  }
+  seen.across = {1.f, 0.f, 0.f};
+  seen.third = {0.f, 0.f, 1.f};
+  return seen;
+}
+
+class LayCylindersTest : public testing::Test {
+ protected:
+  LayCylindersTest() {
+    // One pixel of disparity is 1 % of a depth of 2.
+    resolution_.error_per_depth = 0.005f;
+  }
+
+  void Lay(const std::vector<SeenCylinder>& cylinders, int num_threads = 1) {
+    // They are of the device of the time before.
+    composed_ = {};
+    laid_ = {};
+    device_ = Device::CreateCpu(num_threads);
+    composed_.map.depth = DeviceImage<float>(*device_, depth_);
+    composed_.map.normal = DeviceImage<Vec3f>(
+        *device_, Image<Vec3f>(kWidth, kHeight, {0.f, 0.f, -1.f}));
+    composed_.provenance = DeviceImage<uint8_t>(*device_, provenance_);
+    const DeviceImage<uint8_t> ratings(*device_, ratings_);
+    laid_ = LayCylinders(cylinders,
+                         ratings.View(),
+                         kIntrinsics,
+                         resolution_,
+                         &composed_,
+                         *device_);
+    depth_ = composed_.map.depth.ToHost();
+    normal_ = composed_.map.normal.ToHost();
+    provenance_ = composed_.provenance.ToHost();
+  }
+
+  DepthResolution resolution_;
+  Image<float> depth_{kWidth, kHeight, kWall};
+  Image<Vec3f> normal_;
+  Image<uint8_t> provenance_{
+      kWidth, kHeight, static_cast<uint8_t>(Provenance::kMeasured)};
+  Image<uint8_t> ratings_{kWidth, kHeight};
+  std::unique_ptr<Device> device_;
+  ComposedMap composed_;
+  LaidCylinders laid_;
+};
+
+TEST_F(LayCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
+  Lay({MakeCylinder(2.5f, 0.5f)});
+  int num_laid = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const float u = (x - 20) / 40.f;
+      const float v = (y - 15) / 40.f;
+      // (u z)² + (z - 2.5)² = 0.5²
+      const float a = u * u + 1.f;
+      const float discriminant = 6.25f - a * 6.f;
+      const float z =
+          discriminant > 0.f ? (2.5f - std::sqrt(discriminant)) / a : 0.f;
+      if (z > 0.f && v * z >= 0.f && v * z < 1.f) {
+        ++num_laid;
+        EXPECT_NEAR(depth_(x, y), z, 1e-4f);
+        EXPECT_NEAR(normal_(x, y).x, u * z / 0.5f, 1e-3f);
+        EXPECT_NEAR(normal_(x, y).z, (z - 2.5f) / 0.5f, 1e-3f);
+        EXPECT_EQ(provenance_(x, y),
+                  static_cast<uint8_t>(Provenance::kInterpolated));
+      } else {
+        EXPECT_EQ(depth_(x, y), kWall);
+        EXPECT_EQ(normal_(x, y).z, -1.f);
+        EXPECT_EQ(provenance_(x, y),
+                  static_cast<uint8_t>(Provenance::kMeasured));
+      }
+    }
+  }
+  EXPECT_GT(num_laid, 150);
+}
+
+TEST_F(LayCylindersTest, KeepsWhatWasMeasuredBeforeIt) {
+  const auto guessed = static_cast<uint8_t>(Provenance::kGuessed);
+  depth_(kBefore, 18) = 1.97f;  // 1.2 u before it are at 1.976.
+  depth_(kBefore, 19) = 1.98f;
+  depth_(kBefore, 20) = 1.9f;
+  provenance_(kBefore, 20) = guessed;
+  depth_(kBefore, 21) = 0.f;
+  provenance_(kBefore, 21) = static_cast<uint8_t>(Provenance::kNone);
+  Lay({MakeCylinder(2.5f, 0.5f)});
+  EXPECT_EQ(depth_(kBefore, 18), 1.97f);
+  EXPECT_EQ(provenance_(kBefore, 18),
+            static_cast<uint8_t>(Provenance::kMeasured));
+  for (const int y : {19, 20, 21}) {
+    EXPECT_NEAR(depth_(kBefore, y), 2.f, 1e-4f);
+  }
+}
+
+TEST_F(LayCylindersTest, KeepsWhatOtherViewsConfirmOnDistinctTexture) {
+  const uint8_t distinct =
+      MeasurementRating::Pack(false, Confirmation::kDistinct);
+  ratings_(kBefore, 18) = distinct;
+  ratings_(kBefore, 19) = MeasurementRating::Pack(true, Confirmation::kWeak);
+  // Close to the outline, which is 8 pixels beside the middle.
+  ratings_(kBefore + 8, 20) = distinct;
+  depth_(kBefore, 21) = 2.02f;
+  ratings_(kBefore, 21) = distinct;
+  Lay({MakeCylinder(2.5f, 0.5f)});
+  EXPECT_EQ(depth_(kBefore, 18), kWall);
+  EXPECT_NEAR(depth_(kBefore, 19), 2.f, 1e-4f);
+  EXPECT_LT(depth_(kBefore + 8, 20), 2.5f);
+  EXPECT_NEAR(depth_(kBefore, 21), 2.f, 1e-4f);
+}
+
+TEST_F(LayCylindersTest, LaysTheNearestOfTwo) {
+  const SeenCylinder near = MakeCylinder(1.5f, 0.1f);
+  const SeenCylinder far = MakeCylinder(3.f, 0.5f);
+  const std::vector<std::vector<SeenCylinder>> orders = {{near, far},
+                                                         {far, near}};
+  for (const std::vector<SeenCylinder>& order : orders) {
+    std::fill(depth_.begin(), depth_.end(), kWall);
+    Lay(order);
+    EXPECT_NEAR(depth_(kBefore, 20), 1.4f, 1e-4f);
+    EXPECT_LT(std::abs(depth_(kBefore + 4, 20) - 2.6f), 0.1f);
+  }
+}
+
+TEST_F(LayCylindersTest, RatesWhatItLaidAlone) {
+  SeenCylinder cylinder = MakeCylinder(2.5f, 0.5f);
+  cylinder.variances[2] = 0.03f * 0.03f;
+  Lay({cylinder});
+  DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
+  RateCylinders(laid_, &confidence, *device_);
+  DeviceImage<uint16_t> sigma(
+      *device_, Image<uint16_t>(kWidth, kHeight, ToPositiveHalf(1.f)));
+  // Dropped in the meantime.
+  Image<float> depth = depth_;
+  depth(kBefore, 25) = 0.f;
+  composed_.map.depth = DeviceImage<float>(*device_, depth);
+  SetSigmaOfCylinders(
+      laid_, kIntrinsics, resolution_, composed_.map, &sigma, *device_);
+  const Image<float> confidences = confidence.ToHost();
+  EXPECT_GT(confidences(kBefore, 20), 0.5f);
+  EXPECT_LE(confidences(kBefore, 20), 1.f);
+  EXPECT_EQ(confidences(kBeside, 20), 0.25f);
+  const Image<uint16_t> sigmas = sigma.ToHost();
+  EXPECT_EQ(sigmas(kBeside, 20), ToPositiveHalf(1.f));
+  EXPECT_EQ(sigmas(kBefore, 25), ToPositiveHalf(1.f));
+  // 3 cm of its radius, and some of u, which is 2 cm there.
+  const float in_the_middle = HalfToFloat(sigmas(kBefore, 20));
+  EXPECT_GT(in_the_middle, 0.03f);
+  EXPECT_LT(in_the_middle, 0.04f);
+  EXPECT_GT(HalfToFloat(sigmas(kBefore + 7, 20)), in_the_middle);
+}
+
+TEST_F(LayCylindersTest, DoesNothingWithoutCylinders) {
+  Lay({});
+  EXPECT_EQ(depth_(kBefore, 20), kWall);
+  DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
+  RateCylinders(laid_, &confidence, *device_);
+  EXPECT_EQ(confidence.ToHost()(kBefore, 20), 0.25f);
+}
+
+TEST_F(LayCylindersTest, ThreadsDoNotMatter) {
+  Lay({MakeCylinder(2.5f, 0.5f), MakeCylinder(1.5f, 0.1f)}, 1);
+  const Image<float> one = depth_;
+  std::fill(depth_.begin(), depth_.end(), kWall);
+  std::fill(provenance_.begin(),
+            provenance_.end(),
+            static_cast<uint8_t>(Provenance::kMeasured));
+  Lay({MakeCylinder(2.5f, 0.5f), MakeCylinder(1.5f, 0.1f)}, 4);
+  EXPECT_TRUE(std::equal(one.begin(), one.end(), depth_.begin()));
+}
+
+}  // namespace
+}  // namespace tsar
