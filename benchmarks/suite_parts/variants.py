@@ -12,7 +12,8 @@ SWITCHES = ("denoise", "filter", "filter_confidence",
             "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",
             "foreground_fattening", "manhattan_frame", "bounded_planes",
             "adjust_planes", "bounding_creases",
-            "pixel_borders", "photometric", "curved_surfaces", "off_plane_depths")
+            "pixel_borders", "photometric", "curved_surfaces", "cylinders",
+            "off_plane_depths")
 # Off by default: the ablation switches each of them on.
 OPTIONAL_SWITCHES = ("distrust_untextured", "free_space")
 # The numbers of the method, with their defaults: each is halved and doubled.
