@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
 
+#include <cmath>
 #include <cstdint>
 
 namespace tsar {
@@ -24,14 +25,17 @@ inline constexpr float kGrayUnit = 1.f;
 template <>
 inline constexpr float kGrayUnit<GrayPair> = 1.f / 256.f;
 
-// left and right: gray levels, 0-255.
-TSAR_HD inline GrayPair MakeGrayPair(float own, float right) {
-  constexpr float kPerLevel = 1.f / kGrayUnit<GrayPair>;
-  return {static_cast<uint32_t>(own * kPerLevel + 0.5f) |
-          static_cast<uint32_t>(right * kPerLevel + 0.5f) << 16};
+// A gray level as an integer, within 0-255; what is no number becomes 0.
+TSAR_HD inline uint32_t QuantizeGray(float gray) {
+  return static_cast<uint32_t>(fminf(fmaxf(gray, 0.f), 255.f) *
+                               (1.f / kGrayUnit<GrayPair>)+0.5f);
 }
 
-// The same image, of gray levels from 0 to 255.
+TSAR_HD inline GrayPair MakeGrayPair(float own, float right) {
+  return {QuantizeGray(own) | QuantizeGray(right) << 16};
+}
+
+// The same image.
 DeviceImage<GrayPair> PairGray(ImageView<const float> gray, Device& device);
 
 }  // namespace tsar

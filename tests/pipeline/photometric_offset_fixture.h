@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/photometric_offset.h"
 
@@ -69,11 +70,13 @@ class MeasureOffsetsTest : public testing::Test {
         *device,
         Image<uint8_t>(
             width, height, static_cast<uint8_t>(Provenance::kMeasured)));
+    std::vector<DeviceImage<GrayPair>> grays;
     std::vector<SourceView> views;
     for (const OffsetSource& source : sources_) {
+      grays.push_back(PairGray(source.gray.View(), *device));
       views.push_back({source.camera.GetIntrinsics(),
                        ComputeRelativePose(camera_, source.camera),
-                       source.gray.View(),
+                       grays.back().View(),
                        source.depth.View()});
     }
     const Buffer<SourceView> buffer(*device, views);

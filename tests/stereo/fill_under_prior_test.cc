@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/stereo/fill_under_prior.h"
 
+#include "colmap_tsar/matching/matching_cost.h"
+
 #include <cstring>
 #include <limits>
 #include <utility>

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/stereo/stereo_memory.h"
 
+#include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_image.h"
 
