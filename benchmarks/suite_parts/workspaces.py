@@ -12,7 +12,10 @@ from suite_parts.photographs import convert_image
 from suite_parts.sparse_model import read_model, write_text
 
 # Raised where a workspace of the cache would be made in another way.
-VERSION = 1
+VERSION = 2
+# tsar_refine takes what the planar prior fills for missing: it must not count
+# as a depth that was there before.
+STEREO_OPTIONS = ("--TsarStereo.planar_prior", "0")
 INPUTS = ("images", "sparse", "stereo/depth_maps", "stereo/normal_maps",
           "stereo/patch-match.cfg", "stereo/fusion.cfg")
 TRUTHS = ("ground_truth", "scans")
@@ -69,7 +72,7 @@ class Workspaces:
         record.unlink(missing_ok=True)
         self._write(configuration, workspace)
         run([self.program, "tsar_stereo", "--workspace_path", workspace,
-             *self.stereo_options])
+             *STEREO_OPTIONS, *self.stereo_options])
         record.write_text(json.dumps(key))
         return workspace
 

@@ -101,21 +101,31 @@ void FillFromOtherType(const Workspace& workspace, int image, ViewData* view) {
   }
   view->num_not_finite += other.num_not_finite;
   const bool has_costs = !view->min_cost.Empty();
+  const bool is_filtered = type == MapType::kGeometric;
   PlanarMap costs;
-  if (has_costs && std::filesystem::exists(workspace.CostPath(image, type))) {
+  if ((has_costs || is_filtered) &&
+      std::filesystem::exists(workspace.CostPath(image, type))) {
     costs = ReadCosts(workspace.CostPath(image, type), *view);
   }
   for (size_t i = 0; i < view->depth.NumPixels(); ++i) {
     if (IsValid(*view, i)) {
       continue;
     }
+    if (is_filtered && !costs.values.empty() &&
+        costs.values[i] == kUndefinedCost) {
+      // Not measured: a planar prior filled it.
+      continue;
+    }
     view->depth.Data()[i] = other.depth.Data()[i];
     view->normal.Data()[i] = other.normal.Data()[i];
-    if (!costs.values.empty()) {
-      SetCosts(costs, i, view);
-    } else if (has_costs) {
+    if (!has_costs) {
+      continue;
+    }
+    if (costs.values.empty()) {
       // The costs at hand are those of the hypothesis that COLMAP rejected.
       DropCosts(i, view);
+    } else {
+      SetCosts(costs, i, view);
     }
   }
 }

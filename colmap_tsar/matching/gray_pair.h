@@ -27,8 +27,9 @@ inline constexpr float kGrayUnit<GrayPair> = 1.f / 256.f;
 
 // A gray level as an integer, within 0-255; what is no number becomes 0.
 TSAR_HD inline uint32_t QuantizeGray(float gray) {
-  return static_cast<uint32_t>(fminf(fmaxf(gray, 0.f), 255.f) *
-                               (1.f / kGrayUnit<GrayPair>)+0.5f);
+  constexpr float kPerLevel = 1.f / kGrayUnit<GrayPair>;
+  return static_cast<uint32_t>(fminf(fmaxf(gray, 0.f), 255.f) * kPerLevel +
+                               0.5f);
 }
 
 TSAR_HD inline GrayPair MakeGrayPair(float own, float right) {

@@ -17,12 +17,12 @@
 namespace tsar {
 namespace {
 
-// A second one changes the clouds by .003 at most.
+// A second one changes the clouds by 0.003 at most.
 constexpr int kNumIterations = 1;
 
 bool IsFilled(const ViewData& view, size_t pixel) {
   return view.depth.Data()[pixel] > 0.f &&
-         view.min_cost.Data()[pixel] >= kCostWithoutEvidence;
+         view.min_cost.Data()[pixel] == kUndefinedCost;
 }
 
 // The planes of the filled pixels. Without one, a pixel has nothing to gain.
@@ -57,6 +57,8 @@ StereoMaps Merge(const ViewData& view,
       const bool is_kept = depth.Data()[i] > 0.f;
       maps.depth.Data()[i] = is_kept ? depth.Data()[i] : 0.f;
       maps.normal.Data()[i] = is_kept ? normal.Data()[i] : Vec3f{};
+      maps.min_cost.Data()[i] = kCostWithoutEvidence;
+      maps.second_cost.Data()[i] = kCostWithoutEvidence;
     }
   }
   return maps;
@@ -78,8 +80,8 @@ void FillWithPrior(const Image<Plane>& prior,
       if (depth >= range.min && depth <= range.max) {
         maps->depth(x, y) = depth;
         maps->normal(x, y) = plane.normal;
-        maps->min_cost(x, y) = kCostWithoutEvidence;
-        maps->second_cost(x, y) = kCostWithoutEvidence;
+        maps->min_cost(x, y) = kUndefinedCost;
+        maps->second_cost(x, y) = kUndefinedCost;
       }
     }
   }

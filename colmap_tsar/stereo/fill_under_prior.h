@@ -15,8 +15,9 @@
 
 // Surfaces in which nothing was measured, since they have no texture, filled
 // under the planar prior. What was measured stays as it is, bit for bit, and
-// what is filled has no evidence (kCostWithoutEvidence), so that a refinement,
-// which knows more of the scene's planes, takes it for no measurement.
+// what is filled has no evidence (kCostWithoutEvidence in the final maps), so
+// that a refinement, which knows more of the scene's planes, takes it for no
+// measurement.
 namespace tsar {
 
 // Whether a run fills its maps, in one pass after the geometric ones.
@@ -25,7 +26,9 @@ inline bool FillsUnderPrior(const StereoOptions& options) {
 }
 
 // Gives pixels without a depth that of their prior plane, if it lies in the
-// range. prior: of the maps' size.
+// range, and marks them by kUndefinedCost, which no measured pixel of these
+// maps has: one that was measured without a defined cost has
+// kCostWithoutEvidence. prior: of the maps' size.
 void FillWithPrior(const Image<Plane>& prior,
                    const Intrinsics& intrinsics,
                    const DepthInterval& range,
@@ -33,7 +36,8 @@ void FillWithPrior(const Image<Plane>& prior,
 
 // Matches the pixels that FillWithPrior filled, with the depth and normal that
 // they were given as prior, and keeps what the sources' depths confirm, which
-// may be filled themselves. Of the reference, min_cost tells what was measured.
+// may be filled themselves. Filled pixels are those of the reference whose
+// min_cost is kUndefinedCost.
 StereoMaps MatchUnderPrior(const ViewData& reference,
                            const std::vector<const ViewData*>& sources,
                            const DepthInterval& range,

@@ -29,9 +29,13 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   }
   plan.view = ViewBytes(overview);
   plan.load = LoadBytes(overview);
-  // Costs are copied into one array for their file.
+  // Costs are copied into one array for their file; before that, prior planes
+  // lie beside the maps, or depth and normal beside those they are merged with.
   const int64_t costs = 2 * BytesOf<float>(num_pixels);
-  plan.result = StereoMapsBytes(num_pixels) + costs;
+  const int64_t filling =
+      BytesOf<Plane>(num_pixels) + BytesOf<float>(num_pixels);
+  plan.result = StereoMapsBytes(num_pixels) +
+                (FillsUnderPrior(options) ? std::max(costs, filling) : costs);
   return plan;
 }
 

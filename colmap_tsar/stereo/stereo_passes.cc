@@ -41,10 +41,12 @@ void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
   WriteDepthMap(files.depth, maps.depth);
 }
 
-void ReadStereoMaps(const StereoMapFiles& files, ViewData* view) {
+void ReadStereoMaps(const StereoMapFiles& files,
+                    bool with_costs,
+                    ViewData* view) {
   view->depth = ReadDepthMap(files.depth);
   view->normal = ReadNormalMap(files.normal);
-  if (!files.cost) {
+  if (!with_costs) {
     return;
   }
   const PlanarMap costs = ReadPlanarMap(*files.cost);
@@ -53,7 +55,7 @@ void ReadStereoMaps(const StereoMapFiles& files, ViewData* view) {
       costs.width != view->depth.Width()) {
     throw Error::File(ErrorCode::kMismatch,
                       files.cost->string(),
-                      "has another size than the depth map beside it",
+                      "has another size than its depth map",
                       "delete both, and run tsar_stereo again");
   }
   view->min_cost = Image<float>(view->depth.Width(), view->depth.Height());
@@ -80,7 +82,7 @@ StereoMapFiles StereoPasses::Files(int pass, int image) const {
     StereoMapFiles files{folder / "depth" / (key + ".bin"),
                          folder / "normal" / (key + ".bin"),
                          std::nullopt};
-    // Costs tell the next pass what was measured.
+    // Costs tell the next pass what was filled.
     if (IsUnderPrior(pass + 1)) {
       files.cost = folder / "cost" / (key + ".bin");
     }

@@ -24,8 +24,10 @@ struct StereoMapFiles {
 // Each file in one step, the depth map last; creates the folders.
 void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps);
 
-// Sets the view's maps, and its costs where there is a file of them.
-void ReadStereoMaps(const StereoMapFiles& files, ViewData* view);
+// Sets the view's maps, and its costs if asked for; then files must name them.
+void ReadStereoMaps(const StereoMapFiles& files,
+                    bool with_costs,
+                    ViewData* view);
 
 // The passes over all images: the photometric one, number 0, after it the
 // geometric ones, and the one that matches under the planar prior.

@@ -39,7 +39,7 @@ ViewCache::View StereoTask::Load(int image) const {
   if (pass_ > 0 && is_matched_[static_cast<size_t>(image)]) {
     const StereoMapFiles files = passes_.Files(pass_ - 1, image);
     if (files.Exist()) {
-      ReadStereoMaps(files, view.get());
+      ReadStereoMaps(files, passes_.IsUnderPrior(pass_), view.get());
     }
   }
   return view;

@@ -42,7 +42,7 @@ TEST_F(GpuWorkersTest, SaysWhatAnImageNeedsWhereNoneFits) {
   overview_.max_num_pixels = 23000000;
   memory_[0] = kGigabyte;
   const std::vector<std::string> texts = {"GPU 0 (Card)",
-                                          "needs 1.1 GB",
+                                          "needs 1.2 GB",
                                           "1.0 GB are free",
                                           "close other programs",
                                           "gpu_index",

@@ -79,6 +79,40 @@ TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   EXPECT_GT(num_of_other, 100);
 }
 
+// Those of tsar_stereo's geometric maps that a planar prior filled.
+TEST_F(LoadViewTest, DepthsWithoutEvidenceFillNoPhotometricMap) {
+  const MapPaths other = GetMapPaths(root_, "v1.png", MapType::kGeometric);
+  // A photometric map with a hole in its upper half.
+  const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kPhotometric);
+  Image<float> depth = ReadDepthMap(paths.depth);
+  const size_t half = depth.NumPixels() / 2;
+  std::fill_n(depth.begin(), half, 0.f);
+  WriteDepthMap(paths.depth, depth);
+  const ViewData before = Load(MapType::kPhotometric);
+  PlanarMap costs;
+  costs.width = depth.Width();
+  costs.height = depth.Height();
+  costs.channels = 2;
+  costs.values.assign(2 * depth.NumPixels(), 0.1f);
+  std::fill_n(costs.values.begin(), half / 2, 2.f);
+  CreateFolders(other.cost.Parent());
+  WritePlanarMap(other.cost, costs);
+  const ViewData view = Load(MapType::kPhotometric);
+  int num_filled_before = 0;
+  int num_filled = 0;
+  for (size_t i = 0; i < depth.NumPixels(); ++i) {
+    if (i < half / 2) {
+      ASSERT_EQ(view.depth.Data()[i], 0.f) << i;
+      num_filled_before += before.depth.Data()[i] > 0.f ? 1 : 0;
+    } else {
+      ASSERT_EQ(view.depth.Data()[i], before.depth.Data()[i]) << i;
+      num_filled += i < half && view.depth.Data()[i] > 0.f ? 1 : 0;
+    }
+  }
+  EXPECT_GT(num_filled_before, 100);
+  EXPECT_GT(num_filled, 100);
+}
+
 TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {
   std::filesystem::remove(
       GetMapPaths(root_, "v1.png", MapType::kPhotometric).depth);

@@ -153,7 +153,7 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 25.5 GB of main memory",
+                 "needs 25.7 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
@@ -180,7 +180,7 @@ TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
   memory_[0] = 4 * kGigabyte;
   ExpectRefusal(
       ErrorCode::kDevice,
-      {"needs 6.0 GB of GPU memory", "4.0 GB are free", "max_image_size"},
+      {"needs 6.1 GB of GPU memory", "4.0 GB are free", "max_image_size"},
       1);
   memory_[0] = 40 * kGigabyte;
   EXPECT_EQ(Create(1).workers.size(), 2u);

@@ -12,15 +12,17 @@ namespace tsar {
 namespace {
 
 // Of the header, see scene_model_file.cc.
-constexpr size_t kHeaderSize = 72;
-constexpr SignedLayout kLayout = {kHeaderSize, 48, 56, 64};
+constexpr size_t kHeaderSize = 80;
+constexpr SignedLayout kLayout = {kHeaderSize, 56, 64, 72};
 constexpr size_t kPlaneSize = 200;
 constexpr size_t kFrameSize = 72;
+constexpr size_t kCylinderSize = 168;
 
 std::vector<uint8_t> SignedModel(std::span<const uint8_t> input) {
   return Signed(input, kLayout, [](const std::vector<uint8_t>& bytes) {
     return kPlaneSize * ValueAt<uint16_t>(bytes, 16) +
-           kFrameSize * ValueAt<uint16_t>(bytes, 24);
+           kFrameSize * ValueAt<uint16_t>(bytes, 24) +
+           kCylinderSize * ValueAt<uint16_t>(bytes, 32);
   });
 }
 
@@ -42,6 +44,8 @@ std::vector<std::string> MakeSeeds() {
   model.planes.resize(2);
   model.planes[1].frame = 0;
   model.planes[1].axis = 2;
+  model.cylinders.emplace_back();
+  model.cylinders[0].max_height = 1.0;
   model.views[0] = {{0, -1},
                     {LabelEvidence::kMeasured, LabelEvidence::kNone},
                     std::vector<LabelQuality>(2)};

@@ -32,7 +32,7 @@ Image<Plane> Wall(float depth) {
   return Image<Plane>(kWidth, kHeight, Plane{{0.f, 0.f, -1.f}, depth});
 }
 
-TEST(FillWithPrior, GivesEmptyPixelsTheirPlanesDepthAndNoEvidence) {
+TEST(FillWithPrior, GivesEmptyPixelsTheirPlanesDepthAndAMark) {
   StereoMaps maps = EmptyMaps();
   maps.depth(2, 1) = 2.5f;
   maps.normal(2, 1) = {0.6f, 0.f, -0.8f};
@@ -52,8 +52,9 @@ TEST(FillWithPrior, GivesEmptyPixelsTheirPlanesDepthAndNoEvidence) {
         const bool has_prior = x != 4 || y != 2;
         EXPECT_EQ(maps.depth(x, y), has_prior ? 3.f : 0.f) << x << ", " << y;
         EXPECT_EQ(maps.normal(x, y).z, has_prior ? -1.f : 0.f);
-        EXPECT_EQ(maps.min_cost(x, y), kCostWithoutEvidence);
-        EXPECT_EQ(maps.second_cost(x, y), kCostWithoutEvidence);
+        const float cost = has_prior ? kUndefinedCost : kCostWithoutEvidence;
+        EXPECT_EQ(maps.min_cost(x, y), cost);
+        EXPECT_EQ(maps.second_cost(x, y), cost);
       }
     }
   }
@@ -72,16 +73,18 @@ TEST(FillWithPrior, StaysWithinTheRange) {
 
 class MatchUnderPriorTest : public testing::Test {
  protected:
-  // Of the first view, every pixel with an even column is said to be measured.
+  // Of the first view, every second pixel is said to be measured: some of them
+  // without a defined cost, as those whose window has no texture.
   MatchUnderPriorTest() : drawn_(MakeSyntheticViews({})) {
     options_.num_iterations = 1;
     for (ViewData& view : drawn_.views) {
       const int width = view.depth.Width();
-      view.min_cost =
-          Image<float>(width, view.depth.Height(), kCostWithoutEvidence);
-      for (size_t i = 0; i < view.depth.NumPixels(); i += 2) {
-        if (view.depth.Data()[i] > 0.f) {
-          view.min_cost.Data()[i] = 0.1f;
+      view.min_cost = Image<float>(width, view.depth.Height(), kUndefinedCost);
+      for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+        if (!(view.depth.Data()[i] > 0.f)) {
+          view.min_cost.Data()[i] = kCostWithoutEvidence;
+        } else if (i % 2 == 0) {
+          view.min_cost.Data()[i] = i % 4 == 0 ? 0.1f : kCostWithoutEvidence;
         }
       }
       view.second_cost = view.min_cost;
@@ -99,7 +102,7 @@ class MatchUnderPriorTest : public testing::Test {
   }
 
   bool IsMeasured(size_t pixel) const {
-    return drawn_.views[0].min_cost.Data()[pixel] < kCostWithoutEvidence;
+    return drawn_.views[0].min_cost.Data()[pixel] != kUndefinedCost;
   }
 
   SyntheticViews drawn_;
@@ -119,7 +122,7 @@ TEST_F(MatchUnderPriorTest, LeavesWhatWasMeasuredBitForBit) {
           std::memcmp(
               &after.normal.Data()[i], &before.normal.Data()[i], sizeof(Vec3f)),
           0);
-      ASSERT_EQ(after.min_cost.Data()[i], 0.1f);
+      ASSERT_EQ(after.min_cost.Data()[i], before.min_cost.Data()[i]);
     } else {
       ASSERT_EQ(after.min_cost.Data()[i], kCostWithoutEvidence);
       ASSERT_EQ(after.second_cost.Data()[i], kCostWithoutEvidence);

@@ -56,9 +56,8 @@ Matched Match(const SyntheticViews& drawn,
                           second);
   matched.geometric = static_cast<int64_t>(second.PeakMemory());
   ViewData with_costs = drawn.views[0];
-  with_costs.min_cost = Image<float>(with_costs.depth.Width(),
-                                     with_costs.depth.Height(),
-                                     kCostWithoutEvidence);
+  with_costs.min_cost = Image<float>(
+      with_costs.depth.Width(), with_costs.depth.Height(), kUndefinedCost);
   with_costs.second_cost = with_costs.min_cost;
   CountingDevice third("", SIZE_MAX, 2);
   MatchUnderPrior(with_costs, sources, range, 1, options, third);
