@@ -23,8 +23,8 @@ constexpr const char* kSummary =
     "Makes the depth and normal maps of a dense workspace from its images, as "
     "patch_match_stereo does, on NVIDIA GPUs and also without any. It needs "
     "the undistorted images and the sparse model, and writes photometric maps "
-    "(all depths), geometric maps (those that other images confirm) and their "
-    "matching costs. Run it after image_undistorter, and tsar_refine or "
+    "(all depths), geometric maps (those that other images confirm, and between "
+    "them what a planar prior fills) and their matching costs. Run it after image_undistorter, and tsar_refine or "
     "stereo_fusion after it. It can be interrupted at any time: the same "
     "command goes on where it stopped.";
 
@@ -100,12 +100,12 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
                {1, 20});
   options->Add(group + "planar_prior",
                &stereo->planar_prior,
-               "Fill what was not measured, in one more pass that expects "
-               "surfaces between reliable depths to be flat: for maps that "
-               "are fused as they are. What was measured stays as it is, and "
-               "the costs of what is filled say that there is no evidence: "
-               "tsar_refine, which knows more about planes, gives the same "
-               "result with and without.");
+               "Fill pixels without a depth, in one more pass after the "
+               "geometric ones that expects surfaces between reliable depths "
+               "to be flat: for maps that are fused as they are. Measured "
+               "depths stay as they are. The costs of filled ones are 2, no "
+               "evidence: tsar_refine, which knows more about planes, takes "
+               "them for missing. Has no effect without geom_consistency.");
   options->Add(group + "smooth_normals",
                &stereo->smooth_normals,
                "Average the normals of the geometric maps with those of the "
