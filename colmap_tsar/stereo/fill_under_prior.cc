@@ -19,6 +19,8 @@ namespace {
 
 // A second one changes the clouds by 0.003 at most.
 constexpr int kNumIterations = 1;
+// A surface that one other view confirms is one too; fusion asks for more.
+constexpr int kMinNumConsistent = 1;
 
 bool IsFilled(const ViewData& view, size_t pixel) {
   return view.depth.Data()[pixel] > 0.f &&
@@ -118,12 +120,12 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
   }
   view.depth = std::as_const(maps.depth).View();
   view.normal = std::as_const(maps.normal).View();
+  HypothesisFilterOptions filter =
+      FilterOptions(options, static_cast<int>(sources.size()));
+  filter.min_num_consistent =
+      std::min(filter.min_num_consistent, kMinNumConsistent);
   maps.depth =
-      FilterHypotheses(view,
-                       source_views,
-                       prior.View(),
-                       FilterOptions(options, static_cast<int>(sources.size())),
-                       device);
+      FilterHypotheses(view, source_views, prior.View(), filter, device);
   if (options.smooth_normals) {
     maps.normal = SmoothNormals(view.intrinsics,
                                 std::as_const(maps.depth).View(),

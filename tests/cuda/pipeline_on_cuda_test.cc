@@ -178,12 +178,13 @@ TEST_F(CudaTest, LayCylindersAndRateThem) {
           seen.variances[2] = 3e-4f;
           seen.covariances[1] = -5e-5f;
         }
-        ComposedMap composed{inputs.views.TakeHypotheses(),
-                             DeviceImage<uint8_t>(device, width, height)};
-        Fill(device,
-             composed.provenance.View().data,
-             composed.provenance.View().NumPixels(),
-             static_cast<uint8_t>(Provenance::kMeasured));
+        ComposedMap composed{
+            inputs.views.TakeHypotheses(),
+            DeviceImage<uint8_t>(
+                device,
+                Image<uint8_t>(width,
+                               height,
+                               static_cast<uint8_t>(Provenance::kMeasured)))};
         // All kinds of ratings.
         Image<uint8_t> ratings(width, height);
         Philox random(24, 0, 0);
