@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/controllers/load_view.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
+#include "colmap_tsar/pipeline/unmatched_depths.h"
 #include "colmap_tsar/store/write_back.h"
 
 #include <algorithm>
@@ -58,19 +59,22 @@ ImageCatalogue::ImageCatalogue(const Workspace& workspace,
                                std::string options_hash,
                                InputFingerprints& inputs,
                                bool reuses_results,
-                               bool distrust_untextured)
+                               bool distrust_unmatched)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_hash_(std::move(options_hash)),
       inputs_(inputs),
       reuses_results_(reuses_results),
-      distrust_untextured_(distrust_untextured),
+      distrust_unmatched_(distrust_unmatched),
       is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
+      index_of_(workspace.Model().images.size(), -1),
       users_(workspace.Model().images.size()),
       seconds_(workspace.Problems().size()),
       file_mutexes_(workspace.Model().images.size()) {
   for (size_t index = 0; index < NumImages(); ++index) {
+    index_of_[static_cast<size_t>(Reference(index))] =
+        static_cast<int64_t>(index);
     if (CanRefine(index)) {
       for (const int view : SourcesAndReference(index)) {
         users_[static_cast<size_t>(view)].push_back(index);
@@ -160,10 +164,36 @@ void ImageCatalogue::WarnOfChanges(size_t index) {
 }
 
 ViewCache::View ImageCatalogue::Load(int image) {
-  const std::lock_guard<std::mutex> lock(
-      file_mutexes_[static_cast<size_t>(image)]);
-  return std::make_shared<const ViewData>(
-      LoadView(workspace_, image, distrust_untextured_));
+  const auto view = std::make_shared<ViewData>();
+  const int64_t index = index_of_[static_cast<size_t>(image)];
+  bool drops_unmatched = false;
+  {
+    const std::lock_guard<std::mutex> lock(
+        file_mutexes_[static_cast<size_t>(image)]);
+    *view = LoadView(workspace_, image);
+    drops_unmatched =
+        distrust_unmatched_ && index >= 0 && IsUnfiltered(workspace_, image);
+  }
+  if (drops_unmatched) {
+    DropUnmatchedDepths(static_cast<size_t>(index), view.get());
+  }
+  return view;
+}
+
+void ImageCatalogue::DropUnmatchedDepths(size_t index, ViewData* view) {
+  const std::vector<int> sources = Sources(index);
+  UnmatchedDepths unmatched(*view, static_cast<int>(sources.size()));
+  for (const int source : sources) {
+    const ViewData other = [&] {
+      // One at a time: two threads that load each other's source do not wait
+      // for each other.
+      const std::lock_guard<std::mutex> lock(
+          file_mutexes_[static_cast<size_t>(source)]);
+      return LoadDepthAndColor(workspace_, source);
+    }();
+    unmatched.CompareWith(other);
+  }
+  unmatched.Drop(view);
 }
 
 ViewCache::View ImageCatalogue::LoadReduced(int image) {

@@ -28,13 +28,13 @@ class ImageCatalogue {
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // options_hash: of the options that the images are refined with.
   // reuses_results: whether images that were refined before the run stay so.
-  // distrust_untextured: see RefineOptions.
+  // distrust_unmatched: see RefineOptions.
   ImageCatalogue(const Workspace& workspace,
                  std::vector<bool> has_maps,
                  std::string options_hash,
                  InputFingerprints& inputs,
                  bool reuses_results,
-                 bool distrust_untextured);
+                 bool distrust_unmatched);
 
   size_t NumImages() const { return workspace_.Problems().size(); }
   int Reference(size_t index) const { return Problem(index).reference; }
@@ -81,19 +81,23 @@ class ImageCatalogue {
   const StereoProblem& Problem(size_t index) const {
     return workspace_.Problems()[index];
   }
+  // See RefineOptions::distrust_unmatched.
+  void DropUnmatchedDepths(size_t index, ViewData* view);
 
   const Workspace& workspace_;
   const std::vector<bool> has_maps_;
   const std::string options_hash_;
   InputFingerprints& inputs_;
   const bool reuses_results_;
-  const bool distrust_untextured_;
+  const bool distrust_unmatched_;
   // By image of the run: whether it had been refined before the run, once the
   // flag is set.
   std::vector<std::once_flag> is_done_flags_;
   std::vector<uint8_t> is_done_;
   std::once_flag is_any_needed_flag_;
   bool is_any_needed_ = false;
+  // By image of the sparse model, its place among those of the run; -1: none.
+  std::vector<int64_t> index_of_;
   // By image of the sparse model, the images of the run that need it, as their
   // reference or as a source.
   std::vector<std::vector<size_t>> users_;

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/untextured_depths.h"
+#include "colmap_tsar/pipeline/unmatched_depths.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <filesystem>
@@ -141,11 +141,17 @@ void MarkThoseToRefine(ViewData* view) {
   }
 }
 
+// At the size of the maps, with the camera of that size.
+void ReadColor(const Workspace& workspace, int image, ViewData* view) {
+  const int width = view->depth.Width();
+  const int height = view->depth.Height();
+  view->color = workspace.ReadImage(image, width, height);
+  view->camera = workspace.Model().images[image].camera.Resized(width, height);
+}
+
 }  // namespace
 
-ViewData LoadView(const Workspace& workspace,
-                  int image,
-                  bool distrust_untextured) {
+ViewData LoadView(const Workspace& workspace, int image) {
   ViewData view = ReadMaps(workspace, image);
   MarkThoseToRefine(&view);
   FillFromOtherType(workspace, image, &view);
@@ -157,14 +163,20 @@ ViewData LoadView(const Workspace& workspace,
       view.is_to_refine.Data()[i] = 0;
     }
   }
-  const int width = view.depth.Width();
-  const int height = view.depth.Height();
-  view.color = workspace.ReadImage(image, width, height);
-  view.camera = workspace.Model().images[image].camera.Resized(width, height);
-  if (distrust_untextured) {
-    DropUntexturedDepths(&view);
-  }
+  ReadColor(workspace, image, &view);
   return view;
+}
+
+ViewData LoadDepthAndColor(const Workspace& workspace, int image) {
+  ViewData view;
+  view.depth = workspace.ReadOriginalMaps(image, workspace.Type()).depth;
+  ReadColor(workspace, image, &view);
+  return view;
+}
+
+bool IsUnfiltered(const Workspace& workspace, int image) {
+  return IsUnfiltered(
+      workspace.ReadOriginalMaps(image, workspace.Type()).depth);
 }
 
 }  // namespace tsar

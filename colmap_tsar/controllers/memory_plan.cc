@@ -10,7 +10,7 @@
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/stage_memory.h"
-#include "colmap_tsar/pipeline/untextured_depths.h"
+#include "colmap_tsar/pipeline/unmatched_depths.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
@@ -49,6 +49,11 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.uploaded_view = UploadedViewBytes(num_pixels);
   plan.view = ViewBytes(overview);
   plan.load = LoadBytes(overview);
+  if (options.distrust_unmatched) {
+    plan.load = std::max(
+        plan.load,
+        UnmatchedDepthsWorkingBytes(num_pixels, overview.max_num_image_pixels));
+  }
   plan.result =
       RefinedMapsBytes(num_pixels) + kEncodingBytesPerPixel * num_pixels;
   if (!NeedsEvidence(options)) {
@@ -102,9 +107,7 @@ int64_t LoadBytes(const WorkspaceOverview& overview) {
   // As it was decoded, and as it was scaled.
   const int64_t color =
       BytesOf<Rgb>(overview.max_num_image_pixels) + BytesOf<Rgb>(num_pixels);
-  return std::max({other_maps + costs,
-                   color,
-                   DropUntexturedDepthsWorkingBytes(num_pixels)});
+  return std::max(other_maps + costs, color);
 }
 
 bool HasReducedViews(const WorkspaceOverview& overview) {

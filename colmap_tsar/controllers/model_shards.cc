@@ -56,7 +56,7 @@ void Model(const WorkspaceRefineOptions& options,
                            options_hash,
                            inputs,
                            /*reuses_results=*/true,
-                           refine_options.distrust_untextured);
+                           refine_options.distrust_unmatched);
   const SceneModelStore store(workspace, inputs, options_hash);
   if (store.IsCurrent() || !catalogue.IsAnyNeeded()) {
     return;

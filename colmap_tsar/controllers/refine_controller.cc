@@ -93,7 +93,7 @@ RunSummary RefineController::Run() {
                            options_hash,
                            inputs,
                            /*reuses_results=*/observer_ == nullptr,
-                           refine_options_.distrust_untextured);
+                           refine_options_.distrust_unmatched);
   const RefineRun run = {options_,
                          refine_options_,
                          workspace_,

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
-#include "colmap_tsar/matching/reprojection.cuh"
+#include "colmap_tsar/matching/consistency.cuh"
 #include "colmap_tsar/noise/window_variance.cuh"
 
 #include <cmath>
@@ -76,22 +76,13 @@ struct FilterKernel {
                             int x,
                             int y,
                             const Vec3f& point) const {
-    SeenThroughSource seen;
-    if (!LookThroughSource(reference.intrinsics, source, point, &seen)) {
-      return false;
-    }
-    const float dx = seen.x - static_cast<float>(x);
-    const float dy = seen.y - static_cast<float>(y);
-    if (!(dx * dx + dy * dy <= options.geom_consistency_max_cost *
-                                   options.geom_consistency_max_cost)) {
-      return false;
-    }
-    // From the point to the cameras.
-    const RelativePose& pose = source.from_reference;
-    const Vec3f to_source =
-        -TransposeTimes(pose.rotation, pose.translation) - point;
-    return Dot(-point, to_source) <=
-           max_cos_angle * Norm(point) * Norm(to_source);
+    return IsConsistentWith(reference.intrinsics,
+                            source,
+                            x,
+                            y,
+                            point,
+                            options.geom_consistency_max_cost,
+                            max_cos_angle);
   }
 
   TSAR_HD bool Matches(const SourceView& source,

@@ -39,12 +39,12 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        "Take the noise out of the images in which superpixels, regions, "
        "textures and borders are found. Matching sees the images as they "
        "are."},
-      {"distrust_untextured",
-       &options->distrust_untextured,
+      {"distrust_unmatched",
+       &options->distrust_unmatched,
        "In maps without holes, from which no filter removed anything, let "
-       "depths count as measured only where the image has texture of its own "
-       "there. For maps that fill bare walls by guesses, as ACMMP's do; not "
-       "where faint texture is all that tells a wall."},
+       "depths count only where two sources agree and match better there than "
+       "at depths beside. For maps that fill bare walls by guesses, as ACMMP's "
+       "do; not for those of sensors and networks."},
       {"filter",
        &options->filter,
        "Tell reliable depths from wrong ones. If 0, every depth counts as "

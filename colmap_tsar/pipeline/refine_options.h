@@ -14,7 +14,7 @@ struct RefineOptions {
   bool denoise = true;
 
   // Of maps from which nothing was filtered.
-  bool distrust_untextured = false;
+  bool distrust_unmatched = false;
 
   // Joint hypothesis filtering.
   bool filter = true;

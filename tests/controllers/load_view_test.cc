@@ -18,8 +18,8 @@ class LoadViewTest : public testing::Test {
  protected:
   void SetUp() override { MakeSyntheticWorkspace(root_); }
 
-  ViewData Load(MapType type, bool distrust_untextured = true) const {
-    return LoadView(Workspace(root_, type), 1, distrust_untextured);
+  ViewData Load(MapType type) const {
+    return LoadView(Workspace(root_, type), 1);
   }
 
   TemporaryFolder folder_;
@@ -124,44 +124,34 @@ TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {
   }
 }
 
-// The photometric maps have all pixels, the geometric ones that fill them not.
-TEST_F(LoadViewTest, DropsUntexturedDepthsOfMapsWithoutHoles) {
-  const ViewData before =
-      Load(MapType::kPhotometric, /*distrust_untextured=*/false);
-  const auto num_pixels = static_cast<int64_t>(before.depth.NumPixels());
-  EXPECT_EQ(before.num_depths_to_refine, num_pixels);
-  const ViewData view = Load(MapType::kPhotometric);
-  int64_t num_bare = 0;
-  int64_t num_dropped = 0;
-  for (int y = 2; y + 2 < view.depth.Height(); ++y) {
-    for (int x = 2; x + 2 < view.depth.Width(); ++x) {
-      const bool is_dropped = view.depth(x, y) == 0.f;
-      ASSERT_EQ(view.is_to_refine(x, y), is_dropped ? 0 : 1);
-      ASSERT_EQ(view.normal(x, y) == Vec3f{}, is_dropped);
-      bool is_bare = true;
-      for (int v = y - 2; v <= y + 2; ++v) {
-        for (int u = x - 2; u <= x + 2; ++u) {
-          is_bare = is_bare && SyntheticWorkspace::IsBare(1, u, v);
-        }
-      }
-      num_bare += is_bare ? 1 : 0;
-      num_dropped += is_dropped ? 1 : 0;
-      ASSERT_TRUE(is_dropped || !is_bare) << x << " " << y;
-    }
-  }
-  EXPECT_GT(num_bare, 500);
-  EXPECT_LT(num_dropped, num_bare + num_bare / 10);
-  EXPECT_EQ(view.num_depths_to_refine,
-            std::count(view.is_to_refine.begin(), view.is_to_refine.end(), 1));
+TEST_F(LoadViewTest, DepthAndColorAreThoseOfTheView) {
+  const Workspace workspace(root_, MapType::kPhotometric);
+  const ViewData view = LoadView(workspace, 1);
+  const ViewData read = LoadDepthAndColor(workspace, 1);
+  ASSERT_TRUE(read.depth.HasSizeOf(view.depth));
+  EXPECT_TRUE(
+      std::equal(read.depth.begin(), read.depth.end(), view.depth.begin()));
+  ASSERT_TRUE(read.color.HasSizeOf(view.color));
+  EXPECT_TRUE(std::equal(read.color.begin(),
+                         read.color.end(),
+                         view.color.begin(),
+                         [](const Rgb& a, const Rgb& b) {
+                           return a.r == b.r && a.g == b.g && a.b == b.b;
+                         }));
+  EXPECT_EQ(read.camera.fx, view.camera.fx);
+  EXPECT_EQ(read.camera.translation, view.camera.translation);
 }
 
-TEST_F(LoadViewTest, LeavesFilteredMapsAsTheyAre) {
-  const ViewData with = Load(MapType::kGeometric);
-  const ViewData without =
-      Load(MapType::kGeometric, /*distrust_untextured=*/false);
-  EXPECT_EQ(with.num_depths_to_refine, without.num_depths_to_refine);
-  EXPECT_TRUE(
-      std::equal(with.depth.begin(), with.depth.end(), without.depth.begin()));
+TEST_F(LoadViewTest, TellsMapsThatNothingWasFilteredOutOf) {
+  EXPECT_FALSE(IsUnfiltered(Workspace(root_, MapType::kGeometric), 1));
+  EXPECT_TRUE(IsUnfiltered(Workspace(root_, MapType::kPhotometric), 1));
+  // Half of the depths have no normal.
+  const ContainedPath path =
+      GetMapPaths(root_, "v1.png", MapType::kPhotometric).normal;
+  Image<Vec3f> normal = ReadNormalMap(path);
+  std::fill(normal.begin(), normal.begin() + normal.NumPixels() / 2, Vec3f{});
+  WriteNormalMap(path, normal);
+  EXPECT_TRUE(IsUnfiltered(Workspace(root_, MapType::kPhotometric), 1));
 }
 
 }  // namespace

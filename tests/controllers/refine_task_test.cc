@@ -74,7 +74,7 @@ class RefineTaskTest : public testing::Test {
                           HashRefineOptions(options),
                           inputs,
                           /*reuses_results=*/true,
-                          options.distrust_untextured);
+                          options.distrust_unmatched);
     const RefineTaskInputs task_inputs = {images, options, workers};
     ViewCache cache(
         1 << 30, 1 << 20, [&](int image) { return images.Load(image); });

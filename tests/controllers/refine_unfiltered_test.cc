@@ -26,7 +26,7 @@ class RefineUnfilteredTest : public RefineWorkspaceTest {
 
   static RefineOptions Distrusting() {
     RefineOptions options;
-    options.distrust_untextured = true;
+    options.distrust_unmatched = true;
     return options;
   }
 
