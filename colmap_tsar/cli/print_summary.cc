@@ -4,6 +4,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/pipeline/unmatched_depths.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -220,6 +221,12 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
   if (num_shown < summary.warnings.size()) {
     out << "WARNING: and " << summary.warnings.size() - num_shown
         << " more like these\n";
+  }
+  if (IsUnfiltered(summary.num_with_depth, summary.num_pixels)) {
+    out << "These maps have hardly any holes. If they are of a stereo program "
+           "that fills bare walls, as ACMMP and APD do, "
+           "--TsarRefine.distrust_unmatched 1 lets only those depths count "
+           "that the images confirm\n";
   }
   out << "Next: colmap_tsar tsar_refine --workspace_path "
       << Quoted(summary.workspace_path) << " --input_type "

@@ -334,6 +334,7 @@ const std::vector<RenamedOption>& RenamedRefineOptions() {
       {"regular_directions", "manhattan_frame"},
       {"see_through", "free_space"},
       {"cost_of_none", "unlabelled_cost"},
+      {"distrust_untextured", "distrust_unmatched"},
   };
   return renamed;
 }

@@ -14,10 +14,6 @@
 namespace tsar {
 namespace {
 
-// Of the pixels of a map. Programs that filter nothing leave out little more
-// than the margins; filters remove a tenth to a half.
-constexpr double kMinUnfiltered = 0.98;
-
 void DropDepth(int x, int y, ViewData* view) {
   view->depth(x, y) = 0.f;
   view->normal(x, y) = {};
@@ -31,12 +27,18 @@ void DropDepth(int x, int y, ViewData* view) {
 
 }  // namespace
 
+bool IsUnfiltered(int64_t num_depths, int64_t num_pixels) {
+  // Programs that filter nothing leave out little more than the margins;
+  // filters remove a tenth to a half.
+  constexpr double kMinShare = 0.98;
+  return num_depths > 0 && static_cast<double>(num_depths) >=
+                               kMinShare * static_cast<double>(num_pixels);
+}
+
 bool IsUnfiltered(const Image<float>& depth) {
   const auto num_depths = std::count_if(
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });
-  return num_depths > 0 &&
-         static_cast<double>(num_depths) >=
-             kMinUnfiltered * static_cast<double>(depth.NumPixels());
+  return IsUnfiltered(num_depths, static_cast<int64_t>(depth.NumPixels()));
 }
 
 UnmatchedDepths::UnmatchedDepths(const ViewData& view, int num_sources)

@@ -11,8 +11,9 @@
 
 namespace tsar {
 
-// Whether a depth map has no holes, so that no filter has removed what follows
-// from a prior or from chance.
+// Whether maps have so few holes that no filter has removed what follows from a
+// prior or from chance.
+bool IsUnfiltered(int64_t num_depths, int64_t num_pixels);
 bool IsUnfiltered(const Image<float>& depth);
 
 // Tells the depths of such a map that the images confirm from the others. As

@@ -98,6 +98,20 @@ TEST_F(TsarImportTest, PrintsTheFirstOfManyWarnings) {
               HasSubstr("WARNING: something\nWARNING: and 10 more"));
 }
 
+TEST_F(TsarImportTest, TellsWhatToDoWithMapsWithoutHoles) {
+  for (const int64_t num_with_depth : {0, 979, 980, 1000}) {
+    ImportSummary summary;
+    summary.num_with_depth = num_with_depth;
+    summary.num_pixels = 1000;
+    std::ostringstream text;
+    PrintSummary(summary, text);
+    EXPECT_EQ(text.str().find("--TsarRefine.distrust_unmatched 1") !=
+                  std::string::npos,
+              num_with_depth >= 980)
+        << text.str();
+  }
+}
+
 TEST_F(TsarImportTest, WarnsOfEmptyMaps) {
   WriteText(other_ / "v0.pfm",
             PfmBytes(96, 72, 1, std::vector<float>(96 * 72, NAN), true));
