@@ -16,15 +16,16 @@ struct Cylinder {
   Vec3f axis;   // A unit vector.
   float radius = 0.f;
 
-  struct Hit {
+  struct Intersection {
     float depth = 0.f;   // Along the camera's optical axis, > 0.
     float height = 0.f;  // Along the cylinder's axis.
     Vec3f normal;        // A unit vector that points to the camera.
   };
 
-  // Where a ray with z = 1 from the camera's centre meets the outside first.
-  // False where it does not, or where it runs along the axis.
-  TSAR_HD bool Meets(const Vec3f& ray, Hit* hit) const {
+  // The first intersection of a ray with z = 1 from the camera's centre with
+  // the outside. False where there is none, or where the ray runs along the
+  // axis.
+  TSAR_HD bool Intersect(const Vec3f& ray, Intersection* intersection) const {
     const Vec3f across = ray - axis * Dot(ray, axis);
     const Vec3f center = point - axis * Dot(point, axis);
     const float a = Dot(across, across);
@@ -38,9 +39,9 @@ struct Cylinder {
     if (!(depth > 0.f)) {
       return false;
     }
-    hit->depth = depth;
-    hit->height = Dot(ray * depth - point, axis);
-    hit->normal = Normalized(across * depth - center);
+    intersection->depth = depth;
+    intersection->height = Dot(ray * depth - point, axis);
+    intersection->normal = Normalized(across * depth - center);
     return true;
   }
 };

@@ -16,23 +16,27 @@
 
 namespace tsar {
 
+// A measured depth further than this from a plane or a cylinder does not lie on
+// it, in relative depths of one pixel of disparity.
+inline constexpr float kOnSurface = 1.2f;
+
 struct ComposeSceneOptions {
   // Whether measurements off their plane may stand at all.
   bool keep_off_plane = true;
   // A measurement further from its plane keeps its own depth,
-  PlaneTolerance on_plane{0.f, 1.2f};
+  PlaneTolerance on_plane{0.f, kOnSurface};
   // if at least so many pixels of the raster do so side by side, since specks
   // are noise,
   int min_blob = 20;
   // or if another view confirms it: thin and detailed things,
   bool keep_confirmed = true;
   // and lies further than this from its plane: where its texture is distinct,
-  PlaneTolerance on_plane_distinct{0.f, 1.2f};
+  PlaneTolerance on_plane_distinct{0.f, kOnSurface};
   // and where it is weak. A plane within 1.5 % of a depth that is right to 1 %
   // is itself right to 2.5 %, and more often right than such depths are. A
   // depth that is trusted but not confirmed stands off its plane from 1.2
   // pixels of disparity on, but never alone.
-  PlaneTolerance on_plane_weak{0.015f, 1.2f};
+  PlaneTolerance on_plane_weak{0.015f, kOnSurface};
 };
 
 // How a superpixel came by its plane, and how likely its depths are right.

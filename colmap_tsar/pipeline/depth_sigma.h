@@ -28,6 +28,8 @@ struct SceneSigmaOptions {
   float no_plane = 0.54f;
   float moved_to_curved = 0.19f;
   float interpolated = 0.74f;
+  // Beside the error of the cylinder itself (SetSigmaOfCylinders).
+  float on_cylinder = 0.1f;
 };
 
 // The same where an image is refined on its own, by provenance alone.

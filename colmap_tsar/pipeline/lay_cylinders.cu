@@ -6,7 +6,9 @@
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
+#include "colmap_tsar/scene_planes/surface_confidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +19,6 @@ namespace tsar {
 namespace {
 
 constexpr size_t kMaxCylinders = 255;
-// A measured depth further than this from a cylinder does not lie on it, in
-// relative depths of one pixel of disparity: as for planes.
-constexpr float kOnCylinder = 1.2f;
-// Where the cosine between ray and normal is less, outlines are close: matching
-// finds these, which are elsewhere in each view.
-constexpr float kMinSlope = 0.5f;
-// About the share of depths on cylinders that are right to 1 %.
-constexpr float kConfidence = 0.9f;
-// What the fit of a cylinder does not know of its error, in the same unit.
-constexpr float kSigma = 0.1f;
 
 struct LayKernel {
   const SeenCylinder* cylinders;
@@ -42,14 +34,14 @@ struct LayKernel {
   TSAR_HD void operator()(int x, int y) const {
     const Vec3f ray =
         intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
-    Cylinder::Hit nearest;
+    Cylinder::Intersection nearest;
     int number = 0;
     for (int k = 0; k < num_cylinders; ++k) {
-      Cylinder::Hit hit;
-      if (cylinders[k].cylinder.Meets(ray, &hit) &&
-          cylinders[k].IsSeenAt(hit.height) &&
-          (number == 0 || hit.depth < nearest.depth)) {
-        nearest = hit;
+      Cylinder::Intersection intersection;
+      if (cylinders[k].cylinder.Intersect(ray, &intersection) &&
+          cylinders[k].IsSeenAt(intersection.height) &&
+          (number == 0 || intersection.depth < nearest.depth)) {
+        nearest = intersection;
         number = k + 1;
       }
     }
@@ -68,15 +60,18 @@ struct LayKernel {
   TSAR_HD bool Stands(int x,
                       int y,
                       const Vec3f& ray,
-                      const Cylinder::Hit& hit) const {
+                      const Cylinder::Intersection& on_cylinder) const {
     if (provenance(x, y) != static_cast<uint8_t>(Provenance::kMeasured)) {
       return false;
     }
-    const float gap = (depth(x, y) - hit.depth) /
-                      (hit.depth * resolution.RelativeDepthError(hit.depth));
-    const bool is_in_the_middle = -Dot(hit.normal, ray) > kMinSlope * Norm(ray);
-    return gap < -kOnCylinder ||
-           (gap > kOnCylinder && is_in_the_middle &&
+    const float gap =
+        (depth(x, y) - on_cylinder.depth) /
+        (on_cylinder.depth * resolution.RelativeDepthError(on_cylinder.depth));
+    // Close to the outlines matching finds these, which are elsewhere in each
+    // view.
+    return gap < -kOnSurface ||
+           (gap > kOnSurface &&
+            SeenCylinder::FacesCamera(on_cylinder.normal, ray) &&
             MeasurementRating::IsConfirmedDistinctly(ratings(x, y)));
   }
 };
@@ -87,7 +82,7 @@ struct RateKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     if (numbers(x, y) > 0) {
-      confidence(x, y) = kConfidence;
+      confidence(x, y) = kConfidenceOfCylinder;
     }
   }
 };
@@ -100,6 +95,7 @@ struct SigmaOfCylindersKernel {
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
   ImageView<uint16_t> sigma;
+  float on_cylinder;
 
   TSAR_HD void operator()(int x, int y) const {
     const int number = numbers(x, y);
@@ -109,7 +105,7 @@ struct SigmaOfCylindersKernel {
     }
     const Vec3f ray =
         intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
-    const float matching = kSigma * z * resolution.RelativeDepthError(z);
+    const float matching = on_cylinder * z * resolution.RelativeDepthError(z);
     sigma(x, y) = ToPositiveHalf(
         sqrtf(matching * matching +
               cylinders[number - 1].DepthVariance(ray, normal(x, y))));
@@ -167,6 +163,7 @@ void SetSigmaOfCylinders(const LaidCylinders& laid,
                          const Intrinsics& intrinsics,
                          const DepthResolution& resolution,
                          const DepthNormalImages& map,
+                         const SceneSigmaOptions& options,
                          DeviceImage<uint16_t>* sigma,
                          Device& device) {
   if (!laid.numbers.Empty()) {
@@ -179,7 +176,8 @@ void SetSigmaOfCylinders(const LaidCylinders& laid,
                                        laid.numbers.View(),
                                        map.depth.View(),
                                        map.normal.View(),
-                                       sigma->View()});
+                                       sigma->View(),
+                                       options.on_cylinder});
   }
 }
 

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/scene_planes/seen_cylinders.h"
 
 #include <cstdint>
@@ -47,6 +48,7 @@ void SetSigmaOfCylinders(const LaidCylinders& laid,
                          const Intrinsics& intrinsics,
                          const DepthResolution& resolution,
                          const DepthNormalImages& map,
+                         const SceneSigmaOptions& options,
                          DeviceImage<uint16_t>* sigma,
                          Device& device);
 

@@ -319,12 +319,18 @@ RefineResult ComposeImage(
                &confidence,
                device);
   if (options.sigma_maps) {
-    DeviceImage<uint16_t> sigma = ComputeSceneSigma(
-        composed, inputs, evidence.resolution, evidence.noise, {}, device);
+    const SceneSigmaOptions sigma_options;
+    DeviceImage<uint16_t> sigma = ComputeSceneSigma(composed,
+                                                    inputs,
+                                                    evidence.resolution,
+                                                    evidence.noise,
+                                                    sigma_options,
+                                                    device);
     SetSigmaOfCylinders(laid,
                         view.MapIntrinsics(),
                         evidence.resolution,
                         composed.map,
+                        sigma_options,
                         &sigma,
                         device);
     result.maps.sigma = sigma.ToHost();

@@ -23,9 +23,10 @@ struct AxisFrame {
   }
 };
 
-// A camera turned about its centre until the columns of its image are parallel
-// to an axis: each column is then a direction in the plane across the axis.
-// Pixels are about those of the view's raster.
+// The camera of a view that is rectified for an axis: turned about its centre
+// until the columns of its image are parallel to the axis, each of which is
+// then a direction in the plane across the axis. Pixels are about those of the
+// view's raster.
 struct AxisCamera {
   int width = 0;
   int height = 0;

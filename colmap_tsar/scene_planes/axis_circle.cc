@@ -12,7 +12,7 @@
 namespace tsar {
 namespace {
 
-// A camera is at least so many radii from the middle.
+// A camera is at least so many radii from the centre.
 constexpr double kMinDistance = 1.2;
 // The least cosine between a tangent and the camera's forward direction.
 constexpr double kMinCosine = 0.3;
@@ -60,26 +60,26 @@ Line LineOf(const CircleTangent& tangent) {
 
 // What one pixel of the camera spans at the circle.
 double PixelAt(const AxisCircle& circle, const AxisCamera& camera) {
-  return (circle.middle - camera.center).norm() / camera.focal;
+  return (circle.center - camera.center).norm() / camera.focal;
 }
 
 }  // namespace
 
 std::optional<CircleOutline> OutlineOf(const AxisCircle& circle,
                                        const AxisCamera& camera) {
-  const Eigen::Vector2d to_middle = circle.middle - camera.center;
-  const double distance = to_middle.norm();
+  const Eigen::Vector2d to_center = circle.center - camera.center;
+  const double distance = to_center.norm();
   if (!(distance > kMinDistance * circle.radius)) {
     return std::nullopt;
   }
   const double length =
       std::sqrt(distance * distance - circle.radius * circle.radius);
-  const Eigen::Vector2d aside(-to_middle.y(), to_middle.x());
+  const Eigen::Vector2d aside(-to_center.y(), to_center.x());
   CircleOutline outline;
   bool is_first = true;
   for (const double side : {-1.0, 1.0}) {
     const Eigen::Vector2d tangent =
-        (to_middle * length + side * circle.radius * aside) /
+        (to_center * length + side * circle.radius * aside) /
         (distance * distance);
     const double forward = tangent.dot(camera.forward);
     if (!(forward > kMinCosine * tangent.norm())) {

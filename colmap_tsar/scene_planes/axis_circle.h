@@ -14,7 +14,7 @@ namespace tsar {
 
 // A cylinder along an axis, as the plane across the axis cuts it.
 struct AxisCircle {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double radius = 0.0;
 };
 
@@ -52,7 +52,7 @@ struct CircleTangent {
 
 // Least squares of the distances from the tangents, each in units of what one
 // pixel spans where it touches `near`; without `near`, in units of the model.
-// covariance: of middle and radius, for tangents that are wrong by one pixel;
+// covariance: of centre and radius, for tangents that are wrong by one pixel;
 // may be null. Nothing where the tangents do not tell.
 std::optional<AxisCircle> FitCircle(const std::vector<CircleTangent>& tangents,
                                     const AxisCircle* near,

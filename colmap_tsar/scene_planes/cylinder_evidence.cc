@@ -16,9 +16,6 @@ namespace {
 // How far off the cylinder a depth is another surface's, in relative depths of
 // one pixel of disparity.
 constexpr float kMinGap = 3.f;
-// The least cosine between ray and normal on its front: close to the outlines
-// matching finds the depth of either side.
-constexpr float kMinSlope = 0.5f;
 
 }  // namespace
 
@@ -40,27 +37,29 @@ std::vector<CylinderEvidence> TestCylinders(
       for (int x = 0; x < evidence.width; ++x) {
         const Vec3f ray =
             intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
-        Cylinder::Hit hit;
-        if (!seen.cylinder.Meets(ray, &hit) || hit.height < 0.f ||
-            hit.height > seen.length ||
-            -Dot(hit.normal, ray) < kMinSlope * Norm(ray)) {
+        Cylinder::Intersection intersection;
+        if (!seen.cylinder.Intersect(ray, &intersection) ||
+            intersection.height < 0.f || intersection.height > seen.length ||
+            !seen.FacesCamera(intersection.normal, ray)) {
           continue;
         }
-        const float gap = kMinGap * hit.depth *
-                          evidence.resolution.RelativeDepthError(hit.depth);
+        const float gap =
+            kMinGap * intersection.depth *
+            evidence.resolution.RelativeDepthError(intersection.depth);
         const float measured = evidence.confident_depth(x, y);
-        if (measured > 0.f && measured < hit.depth - gap) {
+        if (measured > 0.f && measured < intersection.depth - gap) {
           continue;
         }
         ++result[k].area;
-        result[k].through += measured > hit.depth + gap ? 1 : 0;
+        result[k].through += measured > intersection.depth + gap ? 1 : 0;
         const size_t superpixel = evidence.superpixels(x, y);
         const int label = labels.planes[superpixel];
         if (label >= 0 &&
             labels.evidence[superpixel] == LabelEvidence::kMeasured) {
           const float depth =
               camera_planes[static_cast<size_t>(label)].Depth(ray);
-          result[k].on_planes += std::abs(depth - hit.depth) > gap ? 1 : 0;
+          result[k].on_planes +=
+              std::abs(depth - intersection.depth) > gap ? 1 : 0;
         }
       }
     }

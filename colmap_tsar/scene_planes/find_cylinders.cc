@@ -125,7 +125,7 @@ class CylinderFinder {
     cylinder.along = frame.along;
     cylinder.across = frame.across;
     cylinder.point =
-        circle->middle.x() * frame.across + circle->middle.y() * frame.Third();
+        circle->center.x() * frame.across + circle->center.y() * frame.Third();
     cylinder.radius = circle->radius;
     cylinder.covariance =
         covariance * Squared(std::max(*residual, options_.least_residual));
@@ -311,7 +311,7 @@ std::vector<ModelCylinder> FindCylinders(
   for (const Hypothesis& hypothesis : finder.FindHypotheses()) {
     const auto is_in = [](const AxisCircle& circle) {
       return [&circle](const AxisCircle& other) {
-        return (circle.middle - other.middle).norm() <
+        return (circle.center - other.center).norm() <
                circle.radius + other.radius;
       };
     };

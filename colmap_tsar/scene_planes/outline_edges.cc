@@ -24,7 +24,7 @@ constexpr float kMinSlope = 4.f * 3.f / 8.f;
 
 using Channel = Image<float>;
 
-struct TurnedImage {
+struct RectifiedImage {
   std::array<Channel, 3> channels;
   Image<uint8_t> is_valid;
 };
@@ -49,14 +49,14 @@ bool Source(const Camera& camera,
          *y < camera.height - 1 - kMargin;
 }
 
-TurnedImage Turn(const Image<Rgb>& color,
-                 const Camera& camera,
-                 const AxisCamera& axis_camera) {
-  TurnedImage turned;
-  for (Channel& channel : turned.channels) {
+RectifiedImage Rectify(const Image<Rgb>& color,
+                       const Camera& camera,
+                       const AxisCamera& axis_camera) {
+  RectifiedImage rectified;
+  for (Channel& channel : rectified.channels) {
     channel = Channel(axis_camera.width, axis_camera.height);
   }
-  turned.is_valid = Image<uint8_t>(axis_camera.width, axis_camera.height);
+  rectified.is_valid = Image<uint8_t>(axis_camera.width, axis_camera.height);
   for (int row = 0; row < axis_camera.height; ++row) {
     for (int column = 0; column < axis_camera.width; ++column) {
       double x = 0.0;
@@ -77,28 +77,28 @@ TurnedImage Turn(const Image<Rgb>& color,
                (at(0, 1) * (1.f - right_share) + at(1, 1) * right_share) *
                    below_share;
       };
-      turned.channels[0](column, row) = mean(&Rgb::r);
-      turned.channels[1](column, row) = mean(&Rgb::g);
-      turned.channels[2](column, row) = mean(&Rgb::b);
-      turned.is_valid(column, row) = 1;
+      rectified.channels[0](column, row) = mean(&Rgb::r);
+      rectified.channels[1](column, row) = mean(&Rgb::g);
+      rectified.channels[2](column, row) = mean(&Rgb::b);
+      rectified.is_valid(column, row) = 1;
     }
   }
-  return turned;
+  return rectified;
 }
 
 // The mean square of the channels' derivatives across the axis in one row; 0
 // where not all that it takes is in the image.
-std::vector<float> SquaredSlopes(const TurnedImage& turned, int row) {
-  const int width = turned.is_valid.Width();
+std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
+  const int width = rectified.is_valid.Width();
   std::vector<float> slopes(static_cast<size_t>(width), 0.f);
   std::vector<uint8_t> is_valid(static_cast<size_t>(width), 1);
   for (int y = row - kReach; y <= row + kReach; ++y) {
     for (int x = 0; x < width; ++x) {
-      is_valid[static_cast<size_t>(x)] &= turned.is_valid(x, y);
+      is_valid[static_cast<size_t>(x)] &= rectified.is_valid(x, y);
     }
   }
   std::vector<float> smooth(static_cast<size_t>(width));
-  for (const Channel& channel : turned.channels) {
+  for (const Channel& channel : rectified.channels) {
     std::fill(smooth.begin(), smooth.end(), 0.f);
     for (int y = -kReach; y <= kReach; ++y) {
       const float weight =
@@ -131,11 +131,11 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
     const Image<Rgb>& color,
     const Camera& camera,
     const AxisCamera& axis_camera) {
-  const TurnedImage turned = Turn(color, camera, axis_camera);
+  const RectifiedImage rectified = Rectify(color, camera, axis_camera);
   std::vector<std::vector<AcrossEdge>> edges(
       static_cast<size_t>(axis_camera.height));
   for (int row = kReach; row < axis_camera.height - kReach; ++row) {
-    std::vector<float> slopes = SquaredSlopes(turned, row);
+    std::vector<float> slopes = SquaredSlopes(rectified, row);
     for (float& slope : slopes) {
       slope = std::sqrt(slope);
     }

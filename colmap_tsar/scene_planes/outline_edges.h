@@ -18,7 +18,7 @@ struct AcrossEdge {
   float strength = 0.f;  // The slope of the colour, in grey levels per pixel.
 };
 
-// For each row of the turned camera the columns at which the colour changes
+// For each row of the rectified image the columns at which the colour changes
 // most, in ascending order. color: the view's raster, of the camera that
 // `axis_camera` was made of.
 std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
@@ -27,7 +27,7 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
     const AxisCamera& axis_camera);
 
 // Whether the view's raster, without a margin in which no edge is found, holds
-// the pixel of the turned camera.
+// the pixel of the rectified image.
 bool IsInRaster(const Camera& camera,
                 const AxisCamera& axis_camera,
                 double column,

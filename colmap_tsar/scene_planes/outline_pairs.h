@@ -12,6 +12,8 @@ namespace tsar {
 
 // Two straight edges parallel to an axis with nothing as strong between them,
 // in the image of an AxisCamera: perhaps the outlines of a column or a pipe.
+// Outlines are its occluding contours, at which it turns away from the camera:
+// other lines of its surface in each view.
 struct OutlinePair {
   float left = 0.f;  // Columns.
   float right = 0.f;

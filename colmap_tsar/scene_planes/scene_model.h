@@ -41,7 +41,8 @@ struct ModelPlane {
   int axis = -1;
 };
 
-// The planes of a whole scene, and what every view shows of them.
+// The planes, columns and pipes of a whole scene, and what every view shows of
+// the planes.
 struct SceneModel {
   std::vector<ModelPlane> planes;
   // Rotations whose columns are the axes, in the world frame.

@@ -16,8 +16,11 @@
 namespace tsar {
 
 // A cylinder of the scene in a view: where the view shows its outlines, nothing
-// hides it. Copied by value into kernels.
+// hides it. Kernels read it from a buffer.
 struct SeenCylinder {
+  // The least cosine between its normal and the direction to the camera where
+  // it faces the camera. Beyond, outlines are close.
+  static constexpr float kMinCosine = 0.5f;
   static constexpr int kNumBins = 256;
 
   // In the view's camera frame. Heights begin where the known part does.
@@ -38,23 +41,28 @@ struct SeenCylinder {
     return bin >= 0.f && bin < kNumBins && is_seen[static_cast<int>(bin)] != 0;
   }
 
-  // The variance of the depth at which a ray with z = 1 meets it.
+  // Whether it does in the pixel with a ray with z = 1. normal: of it there.
+  TSAR_HD static bool FacesCamera(const Vec3f& normal, const Vec3f& ray) {
+    return -Dot(normal, ray) > kMinCosine * Norm(ray);
+  }
+
+  // The variance of the depth at which a ray with z = 1 intersects it.
   TSAR_HD float DepthVariance(const Vec3f& ray, const Vec3f& normal) const {
     // At the very outline, where rays graze it, the depth does not follow from
     // what it is to first order.
-    const float least = kLeastSlope * Norm(ray);
-    const float slope = fmaxf(-Dot(normal, ray), least);
+    const float least = kMinCosineOfVariance * Norm(ray);
+    const float cosine = fmaxf(-Dot(normal, ray), least);
     const float a = Dot(normal, across);
     const float b = Dot(normal, third);
     const float variance =
         a * a * variances[0] + b * b * variances[1] + variances[2] +
         2.f *
             (a * b * covariances[0] + a * covariances[1] + b * covariances[2]);
-    return fmaxf(variance, 0.f) / (slope * slope);
+    return fmaxf(variance, 0.f) / (cosine * cosine);
   }
 
  private:
-  static constexpr float kLeastSlope = 0.1f;
+  static constexpr float kMinCosineOfVariance = 0.1f;
 };
 
 // view: with the colours of its evidence.

@@ -34,6 +34,9 @@ inline constexpr SurfaceConfidence kConfidenceOfCurved = {
     .standing = 0.43f,
     .standing_weakly = 0.34f};
 
+// On columns and pipes between their outlines.
+inline constexpr float kConfidenceOfCylinder = 0.9f;
+
 // Where the scene has no plane: of the plane of a region, and of what the
 // weighted median interpolated.
 inline constexpr float kConfidenceOfRegion = 0.47f;

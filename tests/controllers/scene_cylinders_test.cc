@@ -41,7 +41,8 @@ std::vector<ModelCylinder> Find(
       visit);
 }
 
-// middle: where the axis is in the plane z = 0 of the frame.
+// rotation: of the scene, whose plane z = 0 the axis meets at the column's
+// centre.
 void ExpectColumn(const std::vector<ModelCylinder>& found,
                   const Eigen::Matrix3d& rotation,
                   double tolerance) {
@@ -53,8 +54,8 @@ void ExpectColumn(const std::vector<ModelCylinder>& found,
               1.0,
               1e-9);
   const Eigen::Vector3d point = rotation.transpose() * cylinder.point;
-  EXPECT_NEAR(point.x(), column.middle.x(), tolerance);
-  EXPECT_NEAR(point.y(), column.middle.y(), tolerance);
+  EXPECT_NEAR(point.x(), column.center.x(), tolerance);
+  EXPECT_NEAR(point.y(), column.center.y(), tolerance);
   const double sign = cylinder.along.dot(rotation * Eigen::Vector3d::UnitZ());
   const double bottom = point.z() + sign * cylinder.min_height;
   const double top = point.z() + sign * cylinder.max_height;
@@ -130,9 +131,9 @@ TEST(SceneCylindersTest, TakesNoSquarePillarForAColumn) {
 
 TEST(SceneCylindersTest, FindsTwoSideBySide) {
   DrawnColumn left;
-  left.middle.x() = -0.4;
+  left.center.x() = -0.4;
   DrawnColumn right;
-  right.middle.x() = 0.5;
+  right.center.x() = 0.5;
   right.radius = 0.15;
   const auto both = [&](const Eigen::Vector3d& from,
                         const Eigen::Vector3d& direction) {

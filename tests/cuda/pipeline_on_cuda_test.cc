@@ -209,6 +209,7 @@ TEST_F(CudaTest, LayCylindersAndRateThem) {
                             inputs.views.MapIntrinsics(),
                             inputs.views.Scale(),
                             composed.map,
+                            {},
                             &sigma,
                             device);
         result->Add("sigma", sigma);

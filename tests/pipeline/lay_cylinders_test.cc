@@ -20,7 +20,7 @@ constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 constexpr Intrinsics kIntrinsics = {40.f, 40.f, 20.f, 15.f};
 constexpr float kWall = 4.f;
-// Pixels before the cylinder's middle and beside it.
+// Pixels before the cylinder's axis and beside it.
 constexpr int kBefore = 20;
 constexpr int kBeside = 5;
 
@@ -166,7 +166,7 @@ TEST_F(LayCylindersTest, RatesWhatItLaidAlone) {
   depth(kBefore, 25) = 0.f;
   composed_.map.depth = DeviceImage<float>(*device_, depth);
   SetSigmaOfCylinders(
-      laid_, kIntrinsics, resolution_, composed_.map, &sigma, *device_);
+      laid_, kIntrinsics, resolution_, composed_.map, {}, &sigma, *device_);
   const Image<float> confidences = confidence.ToHost();
   EXPECT_GT(confidences(kBefore, 20), 0.5f);
   EXPECT_LE(confidences(kBefore, 20), 1.f);

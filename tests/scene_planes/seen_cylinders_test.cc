@@ -15,7 +15,7 @@ namespace {
 ModelCylinder ColumnInModel() {
   const DrawnColumn column;
   ModelCylinder cylinder;
-  cylinder.point = {column.middle.x(), column.middle.y(), 0.0};
+  cylinder.point = {column.center.x(), column.center.y(), 0.0};
   cylinder.radius = column.radius;
   cylinder.min_height = column.bottom;
   cylinder.max_height = column.top;
@@ -82,10 +82,10 @@ TEST(SeenCylindersTest, EndsWhereSomethingHidesIt) {
 TEST(SeenCylindersTest, NeedsOnlyTheOutlinesWithinTheImage) {
   // The first view shows its right outline alone.
   DrawnColumn column;
-  column.middle.x() = -1.6;
+  column.center.x() = -1.6;
   column.radius = 0.35;
   ModelCylinder cylinder = ColumnInModel();
-  cylinder.point.x() = column.middle.x();
+  cylinder.point.x() = column.center.x();
   cylinder.radius = column.radius;
   const DrawnViews drawn(column, 5);
   const std::vector<SeenCylinder> seen =
@@ -122,19 +122,21 @@ TEST(SeenCylindersTest, KnowsHowItsErrorsMoveDepths) {
   for (const float offset : {-0.05f, 0.f, 0.04f}) {
     const Vec3f middle = seen.cylinder.point * (1.f / seen.cylinder.point.z);
     const Vec3f ray = {middle.x + offset, 0.01f, 1.f};
-    Cylinder::Hit hit;
-    ASSERT_TRUE(seen.cylinder.Meets(ray, &hit));
+    Cylinder::Intersection intersection;
+    ASSERT_TRUE(seen.cylinder.Intersect(ray, &intersection));
     double variance = 0.0;
     for (int i = 0; i < 3; ++i) {
       ModelCylinder moved = cylinder;
       moved.point +=
           root(0, i) * cylinder.across + root(1, i) * cylinder.Third();
       moved.radius += root(2, i);
-      Cylinder::Hit other;
-      ASSERT_TRUE(ToCameraCylinder(moved, camera).cylinder.Meets(ray, &other));
-      variance += (other.depth - hit.depth) * (other.depth - hit.depth);
+      Cylinder::Intersection other;
+      ASSERT_TRUE(
+          ToCameraCylinder(moved, camera).cylinder.Intersect(ray, &other));
+      variance += (other.depth - intersection.depth) *
+                  (other.depth - intersection.depth);
     }
-    EXPECT_NEAR(std::sqrt(seen.DepthVariance(ray, hit.normal)),
+    EXPECT_NEAR(std::sqrt(seen.DepthVariance(ray, intersection.normal)),
                 std::sqrt(variance),
                 0.03 * std::sqrt(variance));
   }

@@ -31,7 +31,7 @@ struct DrawnColumn {
   static constexpr double kBackground = 90.0;
   static constexpr double kColumn = 160.0;
 
-  Eigen::Vector2d middle = {0.1, 3.0};
+  Eigen::Vector2d center = {0.1, 3.0};
   double radius = 0.25;
   double bottom = -0.6;
   double top = 0.7;
@@ -39,9 +39,9 @@ struct DrawnColumn {
   double operator()(const Eigen::Vector3d& from,
                     const Eigen::Vector3d& direction) const {
     const Eigen::Vector2d across = direction.head<2>();
-    const Eigen::Vector2d center = middle - from.head<2>();
-    const double along = center.dot(across) / across.norm();
-    const double beside = center.squaredNorm() - along * along;
+    const Eigen::Vector2d to_center = center - from.head<2>();
+    const double along = to_center.dot(across) / across.norm();
+    const double beside = to_center.squaredNorm() - along * along;
     if (!(beside < radius * radius)) {
       return kBackground;
     }
