@@ -3,15 +3,21 @@
 
 #include "colmap_tsar/scene_planes/axis_camera.h"
 
+#include <algorithm>
+
 namespace tsar {
 namespace {
 
-// The least cosine between the optical axis and the plane across the axis, and
-// between it and the corners of the image.
+// The least cosine between the optical axis and the plane across the axis.
 constexpr double kMinCosine = 0.6;
+// The least depth in the rectified camera of the image's corners at a depth of
+// one in the view.
 constexpr double kMinCornerDepth = 0.2;
-// The turned image reaches no further, in focal lengths.
+// The rectified image reaches no further, in focal lengths,
 constexpr double kMaxSlope = 1.5;
+// and its sides are no longer than this multiple of the raster's together.
+constexpr double kMaxEnlargement = 4.0;
+
 }  // namespace
 
 std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
@@ -25,14 +31,15 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   forward.normalize();
   const Eigen::Vector3d right = frame.along.cross(forward);
   AxisCamera result;
-  result.focal = camera.fx;
+  // Where pixels are not square, the rectified ones are as the longer side is.
+  result.focal = std::min(camera.fx, camera.fy);
   result.center = frame.Across(camera.Center());
   result.center_height = frame.along.dot(camera.Center());
   result.right = frame.Across(right);
   result.forward = frame.Across(forward);
-  Eigen::Matrix3d turned;  // Its axes in the world.
-  turned << right, frame.along, forward;
-  result.to_view = camera.rotation * turned;
+  Eigen::Matrix3d axes;  // Of the rectified camera, in the world.
+  axes << right, frame.along, forward;
+  result.to_view = camera.rotation * axes;
   Eigen::Array2d low(kMaxSlope, kMaxSlope);
   Eigen::Array2d high = -low;
   for (const double x : {0.0, camera.width - 1.0}) {
@@ -51,10 +58,18 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   }
   low = low.max(-kMaxSlope);
   high = high.min(kMaxSlope);
+  const Eigen::Array2d size = (high - low) * result.focal;
+  // Not numbers, either.
+  if (!(size.minCoeff() >= 0.0) ||
+      !(size.maxCoeff() <=
+        kMaxEnlargement *
+            (static_cast<double>(camera.width) + camera.height))) {
+    return std::nullopt;
+  }
   result.cx = -low.x() * result.focal;
   result.cy = -low.y() * result.focal;
-  result.width = static_cast<int>((high.x() - low.x()) * result.focal) + 1;
-  result.height = static_cast<int>((high.y() - low.y()) * result.focal) + 1;
+  result.width = static_cast<int>(size.x()) + 1;
+  result.height = static_cast<int>(size.y()) + 1;
   return result;
 }
 

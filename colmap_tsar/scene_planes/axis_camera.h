@@ -54,7 +54,8 @@ struct AxisCamera {
 };
 
 // camera: of the raster. Nothing where the camera looks along the axis, or
-// nearly so.
+// nearly so, or where its focal lengths differ so much that the rectified image
+// would be many times as large as the raster.
 std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
                                          const AxisFrame& frame);
 
