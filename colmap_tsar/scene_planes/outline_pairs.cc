@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace tsar {
@@ -66,7 +67,8 @@ float Median(const std::vector<EdgePair>& pairs, float EdgePair::*column) {
   return *middle;
 }
 
-// Of the pairs those that lie where most do.
+// Of the pairs those that lie where most do, one in each row: an edge may be
+// double.
 OutlinePair Join(std::vector<EdgePair> pairs,
                  const OutlinePairOptions& options) {
   const float left = Median(pairs, &EdgePair::left);
@@ -75,9 +77,23 @@ OutlinePair Join(std::vector<EdgePair> pairs,
     return std::abs(pair.left - left) > options.tolerance ||
            std::abs(pair.right - right) > options.tolerance;
   });
-  std::sort(pairs.begin(),
-            pairs.end(),
-            [](const EdgePair& a, const EdgePair& b) { return a.row < b.row; });
+  const auto key = [&](const EdgePair& pair) {
+    return std::tuple(
+        pair.row,
+        std::max(std::abs(pair.left - left), std::abs(pair.right - right)),
+        pair.left,
+        pair.right);
+  };
+  std::sort(
+      pairs.begin(), pairs.end(), [&](const EdgePair& a, const EdgePair& b) {
+        return key(a) < key(b);
+      });
+  pairs.erase(std::unique(pairs.begin(),
+                          pairs.end(),
+                          [](const EdgePair& a, const EdgePair& b) {
+                            return a.row == b.row;
+                          }),
+              pairs.end());
   OutlinePair result;
   double sum_left = 0.0;
   double sum_right = 0.0;
