@@ -6,6 +6,7 @@
 #include "colmap_tsar/device/scoped_synchronization.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
+#include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
 #include <algorithm>
@@ -123,7 +124,9 @@ std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,
                            LabelsOf(reference, scene->own),
                            options_,
                            device);
+  StageTimer timer(device, &scene->found.seconds);
   scene->found.cylinders = FindSeenCylinders(scene->views[0], model_.cylinders);
+  timer.Finish("columns and pipes");
   return scene;
 }
 

@@ -325,21 +325,24 @@ class SceneModeler {
     for (const SceneView& view : views_) {
       labels.push_back(&model_.views.at(view.image));
     }
+    CylinderSearch search;
+    search.visit_all = [this](const auto& name, const auto& function) {
+      ForEachEvidence(name, function);
+    };
+    search.visit = [this](const auto& name, const auto& function) {
+      VisitViews(name, [&](size_t view) {
+        const std::shared_ptr<const ViewEvidence> evidence =
+            evidence_.get(view);
+        function(view, Observed(view, *evidence));
+      });
+    };
+    search.visit_axes =
+        [this](const auto& name, size_t num_axes, const auto& function) {
+          Visit(name, num_axes, resources_.num_threads, function);
+        };
+    search.should_stop = should_stop_;
     model_.cylinders = FindSceneCylinders(
-        model_.frames,
-        neighbours_,
-        model_.planes,
-        labels,
-        [this](const auto& name, const auto& function) {
-          ForEachEvidence(name, function);
-        },
-        [this](const auto& name, const auto& function) {
-          VisitViews(name, [&](size_t view) {
-            const std::shared_ptr<const ViewEvidence> evidence =
-                evidence_.get(view);
-            function(view, Observed(view, *evidence));
-          });
-        });
+        model_.frames, neighbours_, model_.planes, labels, search);
   }
 
   void ForEachEvidence(
@@ -355,16 +358,21 @@ class SceneModeler {
   // part of the pass.
   void VisitViews(const std::string& name,
                   const std::function<void(size_t view)>& function) {
-    progress_.Start(static_cast<int>(views_.size()), pass_ + " " + name + ":");
-    ForEachView(views_.size(),
-                resources_.num_views,
-                resources_.num_threads,
-                [&](size_t view, Device&) {
-                  if (!should_stop_()) {
-                    function(view);
-                    progress_.Advance(/*was_work=*/true);
-                  }
-                });
+    Visit(name, views_.size(), resources_.num_views, function);
+  }
+
+  void Visit(const std::string& name,
+             size_t count,
+             int max_at_a_time,
+             const std::function<void(size_t i)>& function) {
+    progress_.Start(static_cast<int>(count), pass_ + " " + name + ":");
+    ForEachView(
+        count, max_at_a_time, resources_.num_threads, [&](size_t i, Device&) {
+          if (!should_stop_()) {
+            function(i);
+            progress_.Advance(/*was_work=*/true);
+          }
+        });
     progress_.Finish();
   }
 

@@ -68,7 +68,8 @@ struct ModelResources {
 //   if there are any, repeats the first sweep.
 // Time grows with the number of views; memory holds the evidence of the blocks
 // and views at work, samples of the planes, some twenty bytes per superpixel of
-// all views, and as many of the costs of labels as max_kept_bytes allows.
+// all views, and as many of the costs of labels as max_kept_bytes allows; once
+// these are freed, the outlines of all views (FindSceneCylinders).
 //
 // views: in an order in which those that look at the same things are close to
 // each other (OrderByNeighbours): it decides which views share a block. Result:

@@ -34,6 +34,33 @@ OutlineView FindOutlines(const ObservedView& view, const AxisFrame& axis) {
               FindEdgesAcross(view.evidence->color, view.camera, *camera), {})};
 }
 
+// Along all axes, by the outlines of all views, which are freed.
+std::vector<ModelCylinder> FindByOutlines(
+    const std::vector<AxisFrame>& axes,
+    const std::vector<std::vector<size_t>>& neighbours,
+    const CylinderSearch& search) {
+  std::vector<std::vector<OutlineView>> outlines(
+      axes.size(), std::vector<OutlineView>(neighbours.size()));
+  search.visit_all("outlines", [&](size_t view, const ObservedView& observed) {
+    for (size_t axis = 0; axis < axes.size(); ++axis) {
+      outlines[axis][view] = FindOutlines(observed, axes[axis]);
+    }
+  });
+  if (search.should_stop()) {
+    return {};
+  }
+  std::vector<std::vector<ModelCylinder>> along(axes.size());
+  search.visit_axes("circles", axes.size(), [&](size_t axis) {
+    along[axis] = FindCylinders(outlines[axis], neighbours, axes[axis], {});
+    outlines[axis] = {};
+  });
+  std::vector<ModelCylinder> cylinders;
+  for (const std::vector<ModelCylinder>& of_axis : along) {
+    cylinders.insert(cylinders.end(), of_axis.begin(), of_axis.end());
+  }
+  return cylinders;
+}
+
 }  // namespace
 
 std::vector<ModelCylinder> FindSceneCylinders(
@@ -41,31 +68,19 @@ std::vector<ModelCylinder> FindSceneCylinders(
     const std::vector<std::vector<size_t>>& neighbours,
     const std::vector<ModelPlane>& planes,
     const std::vector<const ViewLabels*>& labels,
-    const ObservedViewVisitor& visit_all,
-    const ObservedViewVisitor& visit) {
+    const CylinderSearch& search) {
   const std::vector<AxisFrame> axes = AxesOf(frames);
   if (axes.empty()) {
     return {};
   }
-  std::vector<std::vector<OutlineView>> outlines(
-      axes.size(), std::vector<OutlineView>(neighbours.size()));
-  visit_all("outlines", [&](size_t view, const ObservedView& observed) {
-    for (size_t axis = 0; axis < axes.size(); ++axis) {
-      outlines[axis][view] = FindOutlines(observed, axes[axis]);
-    }
-  });
-  std::vector<ModelCylinder> cylinders;
-  for (size_t axis = 0; axis < axes.size(); ++axis) {
-    const std::vector<ModelCylinder> along =
-        FindCylinders(outlines[axis], neighbours, axes[axis], {});
-    cylinders.insert(cylinders.end(), along.begin(), along.end());
-  }
-  if (cylinders.empty()) {
-    return cylinders;
+  const std::vector<ModelCylinder> cylinders =
+      FindByOutlines(axes, neighbours, search);
+  if (cylinders.empty() || search.should_stop()) {
+    return {};
   }
   std::vector<CylinderEvidence> evidence(cylinders.size());
   std::mutex mutex;
-  visit("columns", [&](size_t view, const ObservedView& observed) {
+  search.visit("columns", [&](size_t view, const ObservedView& observed) {
     const std::vector<CylinderEvidence> of_view =
         TestCylinders(observed, planes, *labels[view], cylinders);
     const std::lock_guard lock(mutex);

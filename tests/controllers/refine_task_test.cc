@@ -244,6 +244,7 @@ TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
   EXPECT_TRUE(ReadMaps() == maps);
   for (const ImageReport& report : reports_) {
     EXPECT_GT(report.seconds.count("curved surfaces"), 0u);
+    EXPECT_GT(report.seconds.count("columns and pipes"), 0u);
   }
 }
 

@@ -4,9 +4,12 @@
 #include "colmap_tsar/controllers/scene_cylinders.h"
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "tests/support/drawn_column.h"
 #include "tests/support/scene_model_testing.h"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -23,22 +26,34 @@ std::vector<ModelPlane> WallBehind() {
 const ViewLabels kUnlabelled = {
     {-1}, {LabelEvidence::kNone}, std::vector<LabelQuality>(1)};
 
-std::vector<ModelCylinder> Find(
-    const DrawnViews& drawn,
-    const std::vector<Eigen::Matrix3d>& frames = {kUpright},
-    const ViewLabels& labels = kUnlabelled) {
-  const ObservedViewVisitor visit = [&](const auto&, const auto& function) {
+// One after the other, without an end.
+CylinderSearch SearchIn(const DrawnViews& drawn) {
+  CylinderSearch search;
+  search.visit_all = [&](const auto&, const auto& function) {
     for (size_t view = 0; view < drawn.Views().size(); ++view) {
       function(view, drawn.Views()[view]);
     }
   };
+  search.visit = search.visit_all;
+  search.visit_axes = [](const auto&, size_t num_axes, const auto& function) {
+    for (size_t axis = 0; axis < num_axes; ++axis) {
+      function(axis);
+    }
+  };
+  search.should_stop = [] { return false; };
+  return search;
+}
+
+std::vector<ModelCylinder> Find(
+    const DrawnViews& drawn,
+    const std::vector<Eigen::Matrix3d>& frames = {kUpright},
+    const ViewLabels& labels = kUnlabelled) {
   return FindSceneCylinders(
       frames,
       drawn.Neighbours(),
       WallBehind(),
       std::vector<const ViewLabels*>(drawn.Views().size(), &labels),
-      visit,
-      visit);
+      SearchIn(drawn));
 }
 
 // rotation: of the scene, whose plane z = 0 the axis meets at the column's
@@ -143,6 +158,40 @@ TEST(SceneCylindersTest, FindsTwoSideBySide) {
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NEAR(std::max(found[0].radius, found[1].radius), 0.25, 0.002);
   EXPECT_NEAR(std::min(found[0].radius, found[1].radius), 0.15, 0.002);
+}
+
+// Not with the outlines of some of the views.
+TEST(SceneCylindersTest, SearchesNoFurtherOnceItIsToStop) {
+  const DrawnViews drawn(DrawnColumn(), 7);
+  const auto parts_until = [&](const std::string& last) {
+    std::vector<std::string> parts;
+    const auto note = [&](const auto& visitor) {
+      return [&parts, visitor](const std::string& name, const auto&... rest) {
+        parts.push_back(name);
+        visitor(name, rest...);
+      };
+    };
+    CylinderSearch search = SearchIn(drawn);
+    search.visit_all = note(search.visit_all);
+    search.visit = note(search.visit);
+    search.visit_axes = note(search.visit_axes);
+    search.should_stop = [&] { return parts.back() == last; };
+    const bool is_found =
+        !FindSceneCylinders(
+             {kUpright},
+             drawn.Neighbours(),
+             WallBehind(),
+             std::vector<const ViewLabels*>(drawn.Views().size(), &kUnlabelled),
+             search)
+             .empty();
+    EXPECT_EQ(is_found, last.empty());
+    return parts;
+  };
+  EXPECT_THAT(parts_until("outlines"), testing::ElementsAre("outlines"));
+  EXPECT_THAT(parts_until("circles"),
+              testing::ElementsAre("outlines", "circles"));
+  EXPECT_THAT(parts_until(""),
+              testing::ElementsAre("outlines", "circles", "columns"));
 }
 
 // Views that saw what is behind it, all over it.
