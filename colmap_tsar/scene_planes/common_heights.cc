@@ -30,26 +30,26 @@ void AddView(std::vector<double> heights,
   }
 }
 
-// As a half-open range of bins.
-std::pair<size_t, size_t> LongestRun(const std::vector<size_t>& num_views,
-                                     size_t min_views) {
-  std::pair<size_t, size_t> longest = {0, 0};
+// As half-open ranges of bins.
+std::vector<std::pair<size_t, size_t>> RunsOf(
+    const std::vector<size_t>& num_views, size_t min_views) {
+  std::vector<std::pair<size_t, size_t>> runs;
   size_t begin = 0;
   for (size_t i = 0; i <= num_views.size(); ++i) {
     if (i < num_views.size() && num_views[i] >= min_views) {
       continue;
     }
-    if (i - begin > longest.second - longest.first) {
-      longest = {begin, i};
+    if (i > begin) {
+      runs.emplace_back(begin, i);
     }
     begin = i + 1;
   }
-  return longest;
+  return runs;
 }
 
 }  // namespace
 
-HeightRange LongestCommonHeights(
+std::vector<HeightRange> FindCommonHeights(
     const std::vector<std::vector<double>>& heights,
     double bin,
     size_t min_views) {
@@ -69,9 +69,12 @@ HeightRange LongestCommonHeights(
   for (const std::vector<double>& of_view : heights) {
     AddView(of_view, lowest, bin, &num_views);
   }
-  const auto [begin, end] = LongestRun(num_views, min_views);
-  return {lowest + bin * static_cast<double>(begin),
-          lowest + bin * static_cast<double>(end)};
+  std::vector<HeightRange> ranges;
+  for (const auto& [begin, end] : RunsOf(num_views, min_views)) {
+    ranges.push_back({lowest + bin * static_cast<double>(begin),
+                      lowest + bin * static_cast<double>(end)});
+  }
+  return ranges;
 }
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -12,13 +13,26 @@ namespace tsar {
 struct HeightRange {
   double min = 0.0;
   double max = 0.0;
+
+  double Length() const { return max - min; }
+  HeightRange Intersection(const HeightRange& other) const {
+    return {std::max(min, other.min), std::min(max, other.max)};
+  }
+  // Whether more than a small part of the shorter one is common to both.
+  bool Overlaps(const HeightRange& other) const {
+    return Intersection(other).Length() >
+           kMinOverlap * std::min(Length(), other.Length());
+  }
+
+ private:
+  static constexpr double kMinOverlap = 0.2;
 };
 
-// The longest part of an axis at which at least min_views views see something;
-// empty where there is none. heights: by view, those at which it sees it,
+// The parts of an axis at which at least min_views views see something, in
+// ascending order. heights: by view, those at which it sees it,
 // either ascending or descending. bin: the length that counts as one height;
 // gaps of a few bins in one view are closed.
-HeightRange LongestCommonHeights(
+std::vector<HeightRange> FindCommonHeights(
     const std::vector<std::vector<double>>& heights,
     double bin,
     size_t min_views);

@@ -16,9 +16,6 @@ namespace tsar {
 namespace {
 
 constexpr int kFitRounds = 3;
-// Of the heights that two views show of a cylinder, this share of the shorter
-// part is common to both.
-constexpr double kMinCommonHeights = 0.2;
 
 // A view that shows both outlines of a circle.
 struct Support {
@@ -29,6 +26,7 @@ using Supports = std::vector<Support>;
 
 struct Hypothesis {
   AxisCircle circle;
+  HeightRange heights;  // That both views show which propose it.
   // The views that propose it, and how many of their neighbours show it, in how
   // many rows together.
   size_t first = 0;
@@ -59,9 +57,9 @@ double MeanDistance(const CircleOutline& outline) {
 }
 
 // From where to where along the axis a pair is seen.
-std::pair<double, double> HeightsOf(const OutlinePair& pair,
-                                    const AxisCamera& camera,
-                                    const CircleOutline& outline) {
+HeightRange HeightsOf(const OutlinePair& pair,
+                      const AxisCamera& camera,
+                      const CircleOutline& outline) {
   const double distance = MeanDistance(outline);
   return {camera.Height(pair.rows.front(), distance),
           camera.Height(pair.rows.back(), distance)};
@@ -94,43 +92,48 @@ class CylinderFinder {
     return hypotheses;
   }
 
-  // The cylinder of a hypothesis, fitted to all views around that show it.
-  std::optional<ModelCylinder> Fit(const Hypothesis& hypothesis,
-                                   const AxisFrame& frame,
-                                   AxisCircle* circle) const {
-    *circle = hypothesis.circle;
+  // The cylinders of a hypothesis, fitted to all views around that show it:
+  // one above the other, by their heights.
+  std::vector<ModelCylinder> Fit(const Hypothesis& hypothesis,
+                                 const AxisFrame& frame) const {
+    AxisCircle circle = hypothesis.circle;
     const std::vector<size_t> around =
         ViewsAround(hypothesis.first, hypothesis.second);
     Supports supports;
     Eigen::Matrix3d covariance;
     for (int round = 0; round < kFitRounds; ++round) {
-      supports = FindSupports(*circle, around);
+      supports = FindSupports(circle, hypothesis.heights, around);
       if (supports.size() < options_.min_views) {
-        return std::nullopt;
+        return {};
       }
       const std::optional<AxisCircle> fitted =
-          FitCircle(TangentsOf(supports), circle, &covariance);
+          FitCircle(TangentsOf(supports), &circle, &covariance);
       if (!fitted) {
-        return std::nullopt;
+        return {};
       }
-      *circle = *fitted;
+      circle = *fitted;
     }
-    const std::optional<double> residual = Residual(supports, *circle);
+    const std::optional<double> residual = Residual(supports, circle);
     if (!residual || *residual > options_.max_residual ||
         !IsRound(supports, *residual) ||
         MedianWidth(supports) < options_.min_width) {
-      return std::nullopt;
+      return {};
     }
     ModelCylinder cylinder;
     cylinder.along = frame.along;
     cylinder.across = frame.across;
     cylinder.point =
-        circle->center.x() * frame.across + circle->center.y() * frame.Third();
-    cylinder.radius = circle->radius;
+        circle.center.x() * frame.across + circle.center.y() * frame.Third();
+    cylinder.radius = circle.radius;
     cylinder.covariance =
         covariance * Squared(std::max(*residual, options_.least_residual));
-    return SetHeights(supports, *circle, &cylinder) ? std::optional(cylinder)
-                                                    : std::nullopt;
+    std::vector<ModelCylinder> cylinders;
+    for (const HeightRange& range : CommonHeights(supports, circle)) {
+      cylinder.min_height = range.min;
+      cylinder.max_height = range.max;
+      cylinders.push_back(cylinder);
+    }
+    return cylinders;
   }
 
  private:
@@ -160,10 +163,12 @@ class CylinderFinder {
         const Supports two = {{&views_[first], &a}, {&views_[second], &b}};
         const std::optional<AxisCircle> circle =
             FitCircle(TangentsOf(two), nullptr, nullptr);
-        if (!circle || !Explains(*circle, two)) {
+        const std::optional<HeightRange> heights =
+            circle ? ExplainedHeights(*circle, two) : std::nullopt;
+        if (!heights) {
           continue;
         }
-        const Supports supports = FindSupports(*circle, around);
+        const Supports supports = FindSupports(*circle, *heights, around);
         if (supports.size() < options_.min_views) {
           continue;
         }
@@ -172,33 +177,33 @@ class CylinderFinder {
           num_rows += support.pair->rows.size();
         }
         hypotheses->push_back(
-            {*circle, first, second, supports.size(), num_rows});
+            {*circle, *heights, first, second, supports.size(), num_rows});
       }
     }
   }
 
-  // Whether both outlines are where two views show them, at heights that are
-  // the same in both.
-  bool Explains(const AxisCircle& circle, const Supports& two) const {
-    std::pair<double, double> heights[2];
+  // The heights at which both of two views show both outlines where they
+  // should.
+  std::optional<HeightRange> ExplainedHeights(const AxisCircle& circle,
+                                              const Supports& two) const {
+    HeightRange heights[2];
     for (size_t i = 0; i < 2; ++i) {
       const AxisCamera& camera = two[i].view->camera;
       const std::optional<CircleOutline> outline = OutlineOf(circle, camera);
       if (!outline ||
           !Agrees(*two[i].pair, *outline, options_.max_difference)) {
-        return false;
+        return std::nullopt;
       }
       heights[i] = HeightsOf(*two[i].pair, camera, *outline);
     }
-    const double common = std::min(heights[0].second, heights[1].second) -
-                          std::max(heights[0].first, heights[1].first);
-    return common >
-           kMinCommonHeights * std::min(heights[0].second - heights[0].first,
-                                        heights[1].second - heights[1].first);
+    return heights[0].Overlaps(heights[1])
+               ? std::optional(heights[0].Intersection(heights[1]))
+               : std::nullopt;
   }
 
-  // In each view the pair that is seen in most rows.
+  // In each view the pair that is seen in most rows, of those at such heights.
   Supports FindSupports(const AxisCircle& circle,
+                        const HeightRange& heights,
                         const std::vector<size_t>& views) const {
     Supports supports;
     for (const size_t i : views) {
@@ -207,7 +212,8 @@ class CylinderFinder {
       const OutlinePair* best = nullptr;
       for (const OutlinePair& pair : views_[i].pairs) {
         if (outline && Agrees(pair, *outline, options_.max_difference) &&
-            (best == nullptr || pair.rows.size() > best->rows.size())) {
+            (best == nullptr || pair.rows.size() > best->rows.size()) &&
+            HeightsOf(pair, views_[i].camera, *outline).Overlaps(heights)) {
           best = &pair;
         }
       }
@@ -267,17 +273,16 @@ class CylinderFinder {
     return widths[widths.size() / 2];
   }
 
-  // The longest part that at least half of the views show.
-  bool SetHeights(const Supports& supports,
-                  const AxisCircle& circle,
-                  ModelCylinder* cylinder) const {
+  // The parts that at least half of the views show.
+  std::vector<HeightRange> CommonHeights(const Supports& supports,
+                                         const AxisCircle& circle) const {
     std::vector<std::vector<double>> heights;
     double bin = 0.0;  // The coarsest view leaves no gaps.
     for (const Support& support : supports) {
       const AxisCamera& camera = support.view->camera;
       const std::optional<CircleOutline> outline = OutlineOf(circle, camera);
       if (!outline) {
-        return false;
+        return {};
       }
       const double distance = MeanDistance(*outline);
       bin = std::max(bin, distance / camera.focal);
@@ -286,17 +291,28 @@ class CylinderFinder {
         heights.back().push_back(camera.Height(row, distance));
       }
     }
-    const HeightRange range =
-        LongestCommonHeights(heights, bin, (supports.size() + 1) / 2);
-    cylinder->min_height = range.min;
-    cylinder->max_height = range.max;
-    return range.max - range.min >= options_.min_length * bin;
+    std::vector<HeightRange> ranges =
+        FindCommonHeights(heights, bin, (supports.size() + 1) / 2);
+    std::erase_if(ranges, [&](const HeightRange& range) {
+      return range.Length() < options_.min_length * bin;
+    });
+    return ranges;
   }
 
   const std::vector<OutlineView>& views_;
   const std::vector<std::vector<size_t>>& neighbours_;
   const FindCylindersOptions& options_;
 };
+
+// Whether a circle is in a cylinder, or cuts it, at some of these heights.
+bool IsIn(const ModelCylinder& cylinder,
+          const AxisFrame& frame,
+          const AxisCircle& circle,
+          const HeightRange& heights) {
+  return (circle.center - frame.Across(cylinder.point)).norm() <
+             circle.radius + cylinder.radius &&
+         heights.Overlaps({cylinder.min_height, cylinder.max_height});
+}
 
 }  // namespace
 
@@ -307,23 +323,21 @@ std::vector<ModelCylinder> FindCylinders(
     const FindCylindersOptions& options) {
   const CylinderFinder finder(views, neighbours, options);
   std::vector<ModelCylinder> cylinders;
-  std::vector<AxisCircle> circles;
+  const auto is_taken = [&](const AxisCircle& circle,
+                            const HeightRange& heights) {
+    return std::ranges::any_of(cylinders, [&](const ModelCylinder& other) {
+      return IsIn(other, frame, circle, heights);
+    });
+  };
   for (const Hypothesis& hypothesis : finder.FindHypotheses()) {
-    const auto is_in = [](const AxisCircle& circle) {
-      return [&circle](const AxisCircle& other) {
-        return (circle.center - other.center).norm() <
-               circle.radius + other.radius;
-      };
-    };
-    if (std::ranges::any_of(circles, is_in(hypothesis.circle))) {
+    if (is_taken(hypothesis.circle, hypothesis.heights)) {
       continue;
     }
-    AxisCircle circle;
-    const std::optional<ModelCylinder> cylinder =
-        finder.Fit(hypothesis, frame, &circle);
-    if (cylinder && std::ranges::none_of(circles, is_in(circle))) {
-      cylinders.push_back(*cylinder);
-      circles.push_back(circle);
+    for (const ModelCylinder& cylinder : finder.Fit(hypothesis, frame)) {
+      if (!is_taken({frame.Across(cylinder.point), cylinder.radius},
+                    {cylinder.min_height, cylinder.max_height})) {
+        cylinders.push_back(cylinder);
+      }
     }
   }
   return cylinders;

@@ -40,7 +40,7 @@ struct FindCylindersOptions {
 
 // Circular cylinders along the axis of `frame` whose outlines are among the
 // pairs of several views. neighbours: by view, the others that look at the same
-// things. A cylinder that stands in another one is left out.
+// things. Of cylinders that are in each other at the same heights, one remains.
 std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
     const std::vector<std::vector<size_t>>& neighbours,

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/controllers/scene_cylinders.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -82,6 +83,25 @@ void ExpectColumn(const std::vector<ModelCylinder>& found,
   EXPECT_LT(std::sqrt(cylinder.covariance(2, 2)), 0.33 * pixel);
 }
 
+// What is drawn brightest of two.
+DrawnScene Both(const DrawnColumn& a, const DrawnColumn& b) {
+  return [=](const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+    return std::max(a(from, direction), b(from, direction));
+  };
+}
+
+// From the lower to the upper.
+void SortByHeight(std::vector<ModelCylinder>* cylinders) {
+  // Heights are along any of the two directions of the axis.
+  const auto height = [](const ModelCylinder& cylinder) {
+    return cylinder.along.z() * (cylinder.min_height + cylinder.max_height);
+  };
+  std::sort(
+      cylinders->begin(), cylinders->end(), [&](const auto& a, const auto& b) {
+        return height(a) < height(b);
+      });
+}
+
 TEST(SceneCylindersTest, FindsABareColumn) {
   const DrawnViews drawn(DrawnColumn(), 7);
   ExpectColumn(Find(drawn), kUpright, 0.002);
@@ -150,14 +170,70 @@ TEST(SceneCylindersTest, FindsTwoSideBySide) {
   DrawnColumn right;
   right.center.x() = 0.5;
   right.radius = 0.15;
-  const auto both = [&](const Eigen::Vector3d& from,
-                        const Eigen::Vector3d& direction) {
-    return std::max(left(from, direction), right(from, direction));
-  };
-  const std::vector<ModelCylinder> found = Find(DrawnViews(both, 7));
+  const std::vector<ModelCylinder> found =
+      Find(DrawnViews(Both(left, right), 7));
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NEAR(std::max(found[0].radius, found[1].radius), 0.25, 0.002);
   EXPECT_NEAR(std::min(found[0].radius, found[1].radius), 0.15, 0.002);
+}
+
+TEST(SceneCylindersTest, FindsTheBaseOfAColumnAndItsShaft) {
+  DrawnColumn base;
+  base.radius = 0.35;
+  base.top = -0.1;
+  DrawnColumn shaft;
+  shaft.bottom = base.top;
+  shaft.top = 0.8;
+  std::vector<ModelCylinder> found = Find(DrawnViews(Both(base, shaft), 7));
+  ASSERT_EQ(found.size(), 2u);
+  SortByHeight(&found);
+  EXPECT_NEAR(found[0].radius, 0.35, 0.003);
+  EXPECT_NEAR(found[0].max_height - found[0].min_height, 0.5, 0.08);
+  EXPECT_NEAR(found[1].radius, 0.25, 0.003);
+  EXPECT_NEAR(found[1].max_height - found[1].min_height, 0.9, 0.08);
+}
+
+TEST(SceneCylindersTest, FindsAColumnOnTwoStoreys) {
+  DrawnColumn lower;
+  lower.bottom = -0.8;
+  lower.top = -0.2;
+  DrawnColumn upper;
+  upper.bottom = 0.2;
+  upper.top = 0.6;
+  std::vector<ModelCylinder> found = Find(DrawnViews(Both(lower, upper), 7));
+  ASSERT_EQ(found.size(), 2u);
+  SortByHeight(&found);
+  for (const ModelCylinder& cylinder : found) {
+    EXPECT_NEAR(cylinder.radius, 0.25, 0.003);
+  }
+  EXPECT_NEAR(found[0].max_height - found[0].min_height, 0.6, 0.08);
+  EXPECT_NEAR(found[1].max_height - found[1].min_height, 0.4, 0.08);
+}
+
+// Some views look at one storey, some at the other.
+TEST(SceneCylindersTest, FindsStoreysThatDifferentViewsShow) {
+  DrawnColumn lower;
+  lower.bottom = -0.8;
+  lower.top = -0.2;
+  DrawnColumn upper;
+  upper.bottom = 0.2;
+  upper.top = 0.6;
+  DrawnViews drawn(Both(lower, upper), 11);
+  for (size_t view = 0; view < drawn.Views().size(); ++view) {
+    Image<Rgb>& color = drawn.Evidence(view).color;
+    const bool shows_upper = view % 3 == 0;
+    for (int y = 0; y < color.Height(); ++y) {
+      for (int x = 0; x < color.Width(); ++x) {
+        if ((y < color.Height() / 2) != shows_upper) {
+          color(x, y) = {90, 90, 90};
+        }
+      }
+    }
+  }
+  std::vector<ModelCylinder> found = Find(drawn);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NEAR(found[0].radius, 0.25, 0.003);
+  EXPECT_NEAR(found[1].radius, 0.25, 0.003);
 }
 
 // Not with the outlines of some of the views.

@@ -23,36 +23,48 @@ std::vector<double> Heights(double begin, double end) {
 TEST(CommonHeightsTest, FindsWhatEnoughViewsSee) {
   const std::vector<std::vector<double>> heights = {
       Heights(0.0, 4.0), Heights(5.0, 2.0), Heights(3.0, 9.0)};
-  HeightRange range = LongestCommonHeights(heights, 0.1, 2);
-  EXPECT_NEAR(range.min, 2.0, 0.11);
-  EXPECT_NEAR(range.max, 5.0, 0.11);
-  range = LongestCommonHeights(heights, 0.1, 3);
-  EXPECT_NEAR(range.min, 3.0, 0.11);
-  EXPECT_NEAR(range.max, 4.0, 0.11);
-  range = LongestCommonHeights(heights, 0.1, 4);
-  EXPECT_EQ(range.max - range.min, 0.0);
+  std::vector<HeightRange> ranges = FindCommonHeights(heights, 0.1, 2);
+  ASSERT_EQ(ranges.size(), 1u);
+  EXPECT_NEAR(ranges[0].min, 2.0, 0.11);
+  EXPECT_NEAR(ranges[0].max, 5.0, 0.11);
+  ranges = FindCommonHeights(heights, 0.1, 3);
+  ASSERT_EQ(ranges.size(), 1u);
+  EXPECT_NEAR(ranges[0].min, 3.0, 0.11);
+  EXPECT_NEAR(ranges[0].max, 4.0, 0.11);
+  EXPECT_TRUE(FindCommonHeights(heights, 0.1, 4).empty());
 }
 
 TEST(CommonHeightsTest, ClosesSmallGapsAlone) {
   std::vector<double> heights = Heights(0.0, 2.0);
   const std::vector<double> above = Heights(2.7, 4.0);
   heights.insert(heights.end(), above.begin(), above.end());
-  HeightRange range = LongestCommonHeights({heights}, 0.1, 1);
-  EXPECT_NEAR(range.max - range.min, 4.0, 0.2);
+  std::vector<HeightRange> ranges = FindCommonHeights({heights}, 0.1, 1);
+  ASSERT_EQ(ranges.size(), 1u);
+  EXPECT_NEAR(ranges[0].Length(), 4.0, 0.2);
   // The same gap in bins half as long.
-  range = LongestCommonHeights({heights}, 0.05, 1);
-  EXPECT_NEAR(range.min, 0.0, 0.1);
-  EXPECT_NEAR(range.max, 2.0, 0.1);
+  ranges = FindCommonHeights({heights}, 0.05, 1);
+  ASSERT_EQ(ranges.size(), 2u);
+  EXPECT_NEAR(ranges[0].min, 0.0, 0.1);
+  EXPECT_NEAR(ranges[0].max, 2.0, 0.1);
+  EXPECT_NEAR(ranges[1].min, 2.7, 0.1);
+  EXPECT_NEAR(ranges[1].max, 4.0, 0.1);
 }
 
 TEST(CommonHeightsTest, FindsNothingInNothing) {
-  for (const HeightRange& range :
-       {LongestCommonHeights({}, 0.1, 1),
-        LongestCommonHeights({{}, {}}, 0.1, 1),
-        LongestCommonHeights({{0.0, 1e9}}, 0.1, 1)}) {
-    EXPECT_EQ(range.min, 0.0);
-    EXPECT_EQ(range.max, 0.0);
-  }
+  EXPECT_TRUE(FindCommonHeights({}, 0.1, 1).empty());
+  EXPECT_TRUE(FindCommonHeights({{}, {}}, 0.1, 1).empty());
+  EXPECT_TRUE(FindCommonHeights({{0.0, 1e9}}, 0.1, 1).empty());
+}
+
+TEST(CommonHeightsTest, RangesThatMeetDoNotOverlap) {
+  const HeightRange range = {1.0, 2.0};
+  EXPECT_TRUE(range.Overlaps(range));
+  EXPECT_TRUE(range.Overlaps({1.7, 9.0}));
+  EXPECT_TRUE(range.Overlaps({1.4, 1.5}));
+  EXPECT_FALSE(range.Overlaps({1.9, 9.0}));
+  EXPECT_FALSE(range.Overlaps({2.0, 3.0}));
+  EXPECT_FALSE(range.Overlaps({5.0, 6.0}));
+  EXPECT_FALSE(range.Overlaps({1.5, 1.5}));
 }
 
 }  // namespace
