@@ -8,7 +8,9 @@
 //   fit_confidence MODELLED=REFINED [MODELLED=REFINED ...]
 //
 // MODELLED: a workspace with ground_truth/depth after tsar_refine's passes
-// observe and model; REFINED: a copy of it after pass compose too.
+// observe and model; REFINED: a copy of it after pass compose too; all passes
+// with --TsarRefine.cylinders 0, since depths on columns and pipes, which have
+// a constant, would count as interpolated ones.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
@@ -27,6 +29,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/require_no_cylinders.h"
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
@@ -171,6 +174,7 @@ SamplesOfScene CollectScene(const std::string& modelled_root,
   const Workspace modelled(modelled_root, MapType::kGeometric);
   const Workspace refined(refined_root, MapType::kGeometric);
   const SceneModel model = ReadSceneModel(GetSceneModelPath(modelled.Root()));
+  RequireNoCylinders(model, modelled.Root());
   SamplesOfScene samples;
   for (const auto& [image, labels] : model.views) {
     const std::string& name =

@@ -10,16 +10,18 @@
 //   fit_sigma REFINED [REFINED ...]
 //
 // REFINED: a workspace with ground_truth/depth that tsar_refine has refined, or
-// an output workspace of one, all with scene_planes or all without. Prints a
-// table for a standard deviation of one pixel of disparity, one for the sigma
-// maps, and for each kind of depth the constant for which the median of the
-// scenes' first shares is 0.68.
+// an output workspace of one, all with scene_planes or all without, with
+// --TsarRefine.cylinders 0: depths on columns and pipes would count as
+// interpolated ones. Prints a table for a standard deviation of one pixel of
+// disparity, one for the sigma maps, and for each kind of depth the constant
+// for which the median of the scenes' first shares is 0.68.
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
+#include "colmap_tsar/store/scene_model_file.h"
 #include "colmap_tsar/store/workspace.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/require_size.h"
@@ -33,6 +35,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "benchmarks/require_no_cylinders.h"
 
 namespace tsar {
 namespace {
@@ -205,6 +209,11 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
 
 Scene CollectScene(const std::string& root) {
   const Workspace workspace(root, MapType::kGeometric);
+  if (std::filesystem::exists(GetSceneModelPath(workspace.Root()))) {
+    RequireNoCylinders(ReadSceneModel(GetSceneModelPath(workspace.Root()),
+                                      SceneModelParts::kWithoutLabels),
+                       workspace.Root());
+  }
   Scene scene;
   scene.name = std::filesystem::path(root).lexically_normal().filename();
   const int num_images = static_cast<int>(workspace.Model().images.size());
