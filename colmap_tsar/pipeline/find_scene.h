@@ -97,9 +97,11 @@ struct FoundScene {
   std::vector<int> plane_numbers;
   std::vector<InverseDepthError> plane_errors;
   CurvedView curved;
-  // Columns and pipes whose outlines the image shows.
+  // Columns and pipes whose outlines the image shows. FindScene leaves them to
+  // its caller, as it does their time.
   std::vector<SeenCylinder> cylinders;
-  std::map<std::string, double> seconds;  // That it took, per stage.
+  // That it took, per stage: "labels", "curved surfaces", "columns and pipes".
+  std::map<std::string, double> seconds;
 };
 
 // views: that of the reference, whose labels these are, then those that look at

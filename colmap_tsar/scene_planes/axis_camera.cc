@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/axis_camera.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tsar {
 namespace {
@@ -40,7 +41,7 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   Eigen::Matrix3d axes;  // Of the rectified camera, in the world.
   axes << right, frame.along, forward;
   result.to_view = camera.rotation * axes;
-  Eigen::Array2d low(kMaxSlope, kMaxSlope);
+  Eigen::Array2d low = Eigen::Array2d::Constant(HUGE_VAL);
   Eigen::Array2d high = -low;
   for (const double x : {0.0, camera.width - 1.0}) {
     for (const double y : {0.0, camera.height - 1.0}) {
@@ -59,7 +60,7 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   low = low.max(-kMaxSlope);
   high = high.min(kMaxSlope);
   const Eigen::Array2d size = (high - low) * result.focal;
-  // Not numbers, either.
+  // Nothing of the image, or what is no number.
   if (!(size.minCoeff() >= 0.0) ||
       !(size.maxCoeff() <=
         kMaxEnlargement *

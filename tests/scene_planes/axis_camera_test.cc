@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene_planes/axis_camera.h"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include <gtest/gtest.h>
@@ -134,7 +133,7 @@ TEST(AxisCameraTest, IsNeverMuchLargerThanTheRaster) {
 
 // A principal point far outside the image, and what is no number.
 TEST(AxisCameraTest, TakesNothingFromCamerasThatCannotBe) {
-  for (const double wrong : {1e9, 1e300, INFINITY, -INFINITY, NAN}) {
+  for (const double wrong : {1e9, 1e300, HUGE_VAL, -HUGE_VAL, std::nan("")}) {
     Camera camera = MakeCamera();
     camera.cx = wrong;
     EXPECT_FALSE(MakeAxisCamera(camera, kUpright)) << wrong;
