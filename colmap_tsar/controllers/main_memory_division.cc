@@ -80,13 +80,10 @@ int MainMemoryDivision::NumCpuWorkers(const MemoryBudget& budget,
 }
 
 MainMemoryDivision::Sizes MainMemoryDivision::Divide(
-    const MemoryBudget& budget,
-    int num_workers,
-    int max_num_files_threads) const {
+    const MemoryBudget& budget, int num_workers, int max_num_loaders) const {
   Sizes result;
   int64_t rest = 0;
-  for (int num_threads = max_num_files_threads; num_threads > 0;
-       --num_threads) {
+  for (int num_threads = max_num_loaders; num_threads > 0; --num_threads) {
     result.pipeline = MakeSizes(num_threads, num_workers);
     rest = budget.NumBytes() -
            BytesBesideViews(plan_, num_workers, result.pipeline);
@@ -115,15 +112,17 @@ MainMemoryDivision::Sizes MainMemoryDivision::Divide(
   return result;
 }
 
-PipelineSizes MainMemoryDivision::MakeSizes(int num_files_threads,
+PipelineSizes MainMemoryDivision::MakeSizes(int num_loaders,
                                             int num_workers) const {
   if (on_cpu_) {
-    return {num_files_threads, num_files_threads, 1, 1};
+    return {num_loaders, num_loaders, 1, 1};
   }
-  return {num_files_threads,
-          num_files_threads,
+  // Who reads also finds the scene, which takes longer than writing.
+  const int num_writers = std::max(1, num_loaders * 3 / 5);
+  return {num_loaders,
+          num_writers,
           static_cast<size_t>(num_workers),
-          static_cast<size_t>(num_files_threads)};
+          static_cast<size_t>(num_writers)};
 }
 
 int64_t MainMemoryDivision::BytesBesideViews(const MemoryPlan& plan,

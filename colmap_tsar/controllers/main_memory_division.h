@@ -51,15 +51,15 @@ class MainMemoryDivision {
   // thread that reads and one that writes.
   int NumCpuWorkers(const MemoryBudget& budget, int max_num_workers) const;
 
-  // Takes fewer than max_num_files_threads where the views of one image would
+  // Takes fewer than max_num_loaders where the views of one image would
   // not fit beside what they hold. A warning says where not even one fits into
   // the budget. Throws kOutOfMemory where the machine cannot hold even that.
   Sizes Divide(const MemoryBudget& budget,
                int num_workers,
-               int max_num_files_threads) const;
+               int max_num_loaders) const;
 
  private:
-  PipelineSizes MakeSizes(int num_files_threads, int num_workers) const;
+  PipelineSizes MakeSizes(int num_loaders, int num_workers) const;
   // Main memory that is not for views: what the workers need, results, each of
   // which is with a worker, waits, or is being written, and what is only there
   // while a view is read.

@@ -87,7 +87,6 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
     plan.view = ReducedViewBytes(overview);
     // The whole view is there until it has been reduced.
     plan.load += plan.whole_view;
-    plan.own_evidence += ReducedHypothesesBytes(num_judged_pixels);
   }
   return plan;
 }

@@ -13,11 +13,11 @@
 namespace tsar {
 namespace {
 
-// Reading and writing an image each take up to ten times as long as one GPU
-// needs for it with its two workers.
-constexpr int kFilesThreadsPerGpu = 10;
+// Reading an image takes up to ten times as long as one GPU needs for it with
+// its two workers.
+constexpr int kLoadersPerGpu = 10;
 // A CPU computes on an image for so long that one thread keeps many supplied.
-constexpr int kCpuWorkersPerFilesThread = 8;
+constexpr int kCpuWorkersPerLoader = 8;
 
 std::string Describe(const std::vector<GpuWorkers>& gpus) {
   std::string text;
@@ -83,25 +83,24 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
   AddGpus(opened, plan, &result.model);
   const MainMemoryDivision division(
       planner, overview, num_images, /*on_cpu=*/opened.empty());
-  int max_num_files_threads = 0;
+  int max_num_loaders = 0;
   if (opened.empty()) {
     const int num_workers =
         division.NumCpuWorkers(budget, std::min(num_threads, num_images));
     AddCpuWorkers(num_workers, plan, num_threads, &result);
-    max_num_files_threads = (num_workers + kCpuWorkersPerFilesThread - 1) /
-                            kCpuWorkersPerFilesThread;
+    max_num_loaders =
+        (num_workers + kCpuWorkersPerLoader - 1) / kCpuWorkersPerLoader;
   } else {
-    // As many write as read, and the workers copy.
-    max_num_files_threads = std::clamp(
-        num_threads * 2 / 5,
+    // Those that write (see MainMemoryDivision) and the workers need the rest.
+    max_num_loaders = std::clamp(
+        num_threads * 5 / 8,
         1,
-        std::min(num_images,
-                 kFilesThreadsPerGpu * static_cast<int>(opened.size())));
+        std::min(num_images, kLoadersPerGpu * static_cast<int>(opened.size())));
     AddGpuWorkers(std::move(opened), plan, &result);
     result.finds_scenes_ahead = true;
   }
   const MainMemoryDivision::Sizes sizes = division.Divide(
-      budget, static_cast<int>(result.workers.size()), max_num_files_threads);
+      budget, static_cast<int>(result.workers.size()), max_num_loaders);
   result.sizes = sizes.pipeline;
   result.cache_num_bytes = sizes.view_bytes;
   return result;

@@ -8,6 +8,7 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/pipeline/reduce_hypotheses.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 
 #include <climits>
@@ -119,12 +120,11 @@ DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
   if (factor == 1) {
     return ratings;
   }
-  const ViewData reduced = ReduceHypotheses(reference, factor);
-  const DeviceImage<float> depth(device, reduced.depth);
-  const DeviceImage<Vec3f> normal(device, reduced.normal);
+  const DepthNormalImages reduced =
+      ReduceHypotheses(view, reference.is_to_refine, factor, device);
   return LiftRatings({ratings.View(),
-                      {depth.View(), normal.View()},
-                      reduced.camera.GetIntrinsics(),
+                      {reduced.depth.View(), reduced.normal.View()},
+                      ReduceCamera(view.camera, factor).GetIntrinsics(),
                       factor},
                      view.hypotheses.depth.View(),
                      view.MapIntrinsics(),
@@ -140,6 +140,8 @@ int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels) {
   const int64_t judged = BytesOf<float>(num_judged_pixels) +
                          BytesOf<Vec3f>(num_judged_pixels) +
                          BytesOf<uint8_t>(num_judged_pixels);
+  // What the reduction uploads takes as much, and is gone when ratings are
+  // lifted.
   return lifted + judged;
 }
 

@@ -26,6 +26,9 @@ int ReductionFactor(int width, int height, int max_side = kMaxJudgingSide);
 // factor does that.
 int FactorBetween(int width, int height, int reduced_width, int reduced_height);
 
+// The camera of the reduced view.
+Camera ReduceCamera(const Camera& camera, int factor);
+
 // The view with one pixel for each square of factor x factor pixels, those at
 // the right and at the bottom cut off by the map's end: ceil(width / factor) x
 // ceil(height / factor) of them. Rays go through the middle of whole squares.
@@ -39,13 +42,6 @@ int FactorBetween(int width, int height, int reduced_width, int reduced_height);
 // costs are those of that pixel.
 ViewData ReduceView(const ViewData& view, int factor);
 
-// The same without colours and costs.
-ViewData ReduceHypotheses(const ViewData& view, int factor);
-
 // Whether the reduced view has a depth in any pixel.
 bool HasReducedDepth(const ViewData& view, int factor);
-
-// Of main memory, with maps of this many pixels after the reduction.
-int64_t ReducedHypothesesBytes(int64_t num_pixels);
-
 }  // namespace tsar

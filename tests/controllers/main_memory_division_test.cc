@@ -88,10 +88,11 @@ TEST_F(MainMemoryDivisionTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   // The decoded images are much larger than the maps.
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
-  EXPECT_EQ(Create(1).sizes.num_loaders, 6);
+  EXPECT_EQ(Create(1).sizes.num_loaders, 10);
+  EXPECT_EQ(Create(1).sizes.num_writers, 6);
   options_.cache_size = 1.8;
   const RefineDevices devices = Create(1);
-  EXPECT_EQ(devices.sizes.num_loaders, 2);
+  EXPECT_EQ(devices.sizes.num_loaders, 3);
   EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes), 11 * Plan().view);
 }
 

@@ -8,6 +8,7 @@
 #include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
+#include "colmap_tsar/pipeline/reduce_hypotheses.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 
@@ -241,6 +242,21 @@ TEST_F(CudaTest, LiftRatings) {
                                           inputs.views.MapIntrinsics(),
                                           inputs.views.Scale(),
                                           device));
+                }
+              });
+}
+
+TEST_F(CudaTest, ReduceHypotheses) {
+  ExpectAlike("ReduceHypotheses",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                const ViewData& view = inputs.drawn.views[0];
+                const DeviceReference uploaded(view, device);
+                for (const int factor : {2, 3, 7}) {
+                  const DepthNormalImages reduced = ReduceHypotheses(
+                      uploaded, view.is_to_refine, factor, device);
+                  result->Add("depth", reduced.depth);
+                  result->Add("normal", reduced.normal);
                 }
               });
 }

@@ -43,7 +43,7 @@ class LiftRatingTest : public testing::Test {
   static uint8_t RatingOf(int x, int y) {
     return static_cast<uint8_t>(1 + 11 * y + x);
   }
-  void Reduce() { reduced_ = ReduceHypotheses(view_, kFactor); }
+  void Reduce() { reduced_ = ReduceView(view_, kFactor); }
 
   Image<uint8_t> Lift(const DepthResolution& resolution = kFine) {
     const DeviceImage<uint8_t> ratings(*device_, ratings_);

@@ -4,6 +4,8 @@
 #include "colmap_tsar/pipeline/reduce_view.h"
 
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/pipeline/device_views.h"
+#include "colmap_tsar/pipeline/reduce_hypotheses.h"
 
 #include <cmath>
 #include <cstring>
@@ -217,16 +219,31 @@ TEST(ReduceView, StraysAreNothing) {
   EXPECT_FALSE(HasReducedDepth(FlatView(4, 4, 0.f), 1));
 }
 
-TEST(ReduceHypotheses, AreThoseOfTheView) {
-  const ViewData view = MakeSyntheticViews({}).views[0];
-  const ViewData reduced = ReduceView(view, 3);
-  const ViewData hypotheses = ReduceHypotheses(view, 3);
-  EXPECT_TRUE(SameBytes(hypotheses.depth, reduced.depth));
-  EXPECT_TRUE(SameBytes(hypotheses.normal, reduced.normal));
-  EXPECT_TRUE(hypotheses.color.Empty());
-  EXPECT_EQ(static_cast<int64_t>(hypotheses.NumBytes()),
-            ReducedHypothesesBytes(
-                static_cast<int64_t>(hypotheses.depth.NumPixels())));
+TEST(ReduceHypotheses, AreThoseOfTheReducedView) {
+  const auto device = Device::CreateCpu(3);
+  ViewData view = MakeSyntheticViews({}).views[0];
+  // Some pixels are of the other type, and some have no depth.
+  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
+    view.is_to_refine.Data()[i] = i / 40 % 3 == 0 ? 0 : 1;
+    if (i % 23 == 0) {
+      view.depth.Data()[i] = 0.f;
+    }
+  }
+  for (const bool has_mask : {true, false}) {
+    if (!has_mask) {
+      view.is_to_refine = {};
+    }
+    const DeviceReference uploaded(view, *device);
+    for (const int factor : {2, 3, 4, 7, 1000}) {
+      const ViewData reduced = ReduceView(view, factor);
+      const DepthNormalImages hypotheses =
+          ReduceHypotheses(uploaded, view.is_to_refine, factor, *device);
+      EXPECT_TRUE(SameBytes(hypotheses.depth.ToHost(), reduced.depth))
+          << factor;
+      EXPECT_TRUE(SameBytes(hypotheses.normal.ToHost(), reduced.normal))
+          << factor;
+    }
+  }
 }
 
 }  // namespace

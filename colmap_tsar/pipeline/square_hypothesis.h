@@ -1,0 +1,159 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/vector.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace tsar {
+
+// Finds the pixel whose hypothesis stands for a square of pixels of a map, as
+// ReduceView() says. Takes no memory and sorts nothing, so that both devices
+// can do it: squares are small.
+struct SquareHypothesis {
+  ImageView<const float> depth;
+  ImageView<const Vec3f> normal;
+  // Where the map to refine has a hypothesis; empty: everywhere.
+  ImageView<const uint8_t> is_to_refine;
+  Intrinsics intrinsics;
+  int factor = 1;
+
+  // The pixel's place in the map, or -1 where there is none.
+  TSAR_HD ptrdiff_t Find(int x, int y) const {
+    const Square square = {x * factor,
+                           y * factor,
+                           Smaller(x * factor + factor, depth.width),
+                           Smaller(y * factor + factor, depth.height)};
+    const ptrdiff_t own = FindOf(square, true);
+    return own >= 0 || is_to_refine.Empty() ? own : FindOf(square, false);
+  }
+
+  // The depth of a pixel's hypothesis, taken along its plane to another ray.
+  TSAR_HD float DepthOnRay(ptrdiff_t pixel, const Vec3f& ray) const {
+    return DepthOnRay(PlaneOf(pixel), depth.data[pixel], ray);
+  }
+
+ private:
+  TSAR_HD Vec3f RayOf(int column, int row) const {
+    return intrinsics.Ray(static_cast<float>(column), static_cast<float>(row));
+  }
+
+  TSAR_HD Plane PlaneOf(ptrdiff_t pixel) const {
+    return Plane::FromPoint(RayOf(static_cast<int>(pixel % depth.width),
+                                  static_cast<int>(pixel / depth.width)),
+                            depth.data[pixel],
+                            normal.data[pixel]);
+  }
+
+  TSAR_HD static float DepthOnRay(const Plane& plane,
+                                  float depth,
+                                  const Vec3f& ray) {
+    // Along a plane seen at a grazing angle, half a square can be far.
+    constexpr float kMaxDepthChange = 0.02f;
+    const float on_ray = plane.Depth(ray);
+    return on_ray > 0.f && fabsf(on_ray - depth) <= kMaxDepthChange * depth
+               ? on_ray
+               : depth;
+  }
+
+  // From begin on, up to before end.
+  struct Square {
+    int begin_x;
+    int begin_y;
+    int end_x;
+    int end_y;
+
+    template <typename Function>
+    TSAR_HD void ForEach(const Function& visit) const {
+      for (int y = begin_y; y < end_y; ++y) {
+        for (int x = begin_x; x < end_x; ++x) {
+          visit(x, y);
+        }
+      }
+    }
+  };
+
+  TSAR_HD static int Smaller(int a, int b) { return a < b ? a : b; }
+
+  // Whether a pixel has a depth, from the map to refine or from the other type.
+  TSAR_HD bool Counts(size_t pixel, bool is_own) const {
+    return depth.data[pixel] > 0.f &&
+           (is_to_refine.Empty() || is_to_refine.data[pixel] != 0) == is_own;
+  }
+
+  TSAR_HD ptrdiff_t FindOf(const Square& square, bool is_own) const {
+    // A square was measured if no more than one pixel in this many is without
+    // the depth that stands for it.
+    constexpr int kPixelsPerGap = 8;
+    const int num_pixels =
+        (square.end_x - square.begin_x) * (square.end_y - square.begin_y);
+    const int min_count = num_pixels - num_pixels / kPixelsPerGap;
+    int count = 0;
+    square.ForEach([&](int x, int y) {
+      count += Counts(depth.Index(x, y), is_own) ? 1 : 0;
+    });
+    if (count < min_count) {
+      return -1;
+    }
+    const ptrdiff_t median = Median(square, is_own, (count - 1) / 2);
+    return CountOnPlane(square, is_own, median) >= min_count ? median : -1;
+  }
+
+  // The first pixel with the median depth.
+  TSAR_HD ptrdiff_t Median(const Square& square, bool is_own, int rank) const {
+    ptrdiff_t median = -1;
+    for (int y = square.begin_y; y < square.end_y; ++y) {
+      for (int x = square.begin_x; x < square.end_x; ++x) {
+        const size_t pixel = depth.Index(x, y);
+        if (!Counts(pixel, is_own)) {
+          continue;
+        }
+        median = static_cast<ptrdiff_t>(pixel);
+        const float one = depth.data[pixel];
+        int num_nearer = 0;
+        int num_as_near = 0;
+        square.ForEach([&](int u, int v) {
+          const size_t other = depth.Index(u, v);
+          const int counts = Counts(other, is_own) ? 1 : 0;
+          num_nearer += depth.data[other] < one ? counts : 0;
+          num_as_near += depth.data[other] == one ? counts : 0;
+        });
+        if (num_nearer <= rank && rank < num_nearer + num_as_near) {
+          return median;
+        }
+      }
+    }
+    return median;
+  }
+
+  // How many of the square's depths lie on the plane of one of them.
+  TSAR_HD int CountOnPlane(const Square& square,
+                           bool is_own,
+                           ptrdiff_t one) const {
+    // How far off the plane that stands for a square its depths may lie.
+    constexpr float kMaxResidual = 0.005f;
+    const float own_depth = depth.data[one];
+    const Plane plane = PlaneOf(one);
+    int count = 0;
+    square.ForEach([&](int x, int y) {
+      const size_t pixel = depth.Index(x, y);
+      if (Counts(pixel, is_own)) {
+        const float expected = DepthOnRay(plane, own_depth, RayOf(x, y));
+        count += fabsf(depth.data[pixel] - expected) <= kMaxResidual * own_depth
+                     ? 1
+                     : 0;
+      }
+    });
+    return count;
+  }
+};
+
+}  // namespace tsar
