@@ -338,7 +338,11 @@ class SceneModeler {
     };
     search.visit_axes =
         [this](const auto& name, size_t num_axes, const auto& function) {
-          Visit(name, num_axes, resources_.num_threads, function);
+          Visit(name,
+                num_axes,
+                resources_.num_threads,
+                /*are_views=*/false,
+                function);
         };
     search.should_stop = should_stop_;
     model_.cylinders = FindSceneCylinders(
@@ -358,19 +362,25 @@ class SceneModeler {
   // part of the pass.
   void VisitViews(const std::string& name,
                   const std::function<void(size_t view)>& function) {
-    Visit(name, views_.size(), resources_.num_views, function);
+    Visit(name,
+          views_.size(),
+          resources_.num_views,
+          /*are_views=*/true,
+          function);
   }
 
   void Visit(const std::string& name,
              size_t count,
              int max_at_a_time,
+             bool are_views,
              const std::function<void(size_t i)>& function) {
     progress_.Start(static_cast<int>(count), pass_ + " " + name + ":");
     ForEachView(
         count, max_at_a_time, resources_.num_threads, [&](size_t i, Device&) {
           if (!should_stop_()) {
             function(i);
-            progress_.Advance(/*was_work=*/true);
+            // The speed that it tells is one of images.
+            progress_.Advance(/*was_work=*/are_views);
           }
         });
     progress_.Finish();

@@ -13,12 +13,14 @@
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/stereo/stereo_workspace.h"
+#include "colmap_tsar/store/scene_model_file.h"
 
 #include <cstring>
 #include <map>
 #include <sstream>
 #include <thread>
 
+#include "tests/support/column_workspace.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
@@ -299,6 +301,21 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuRefineToTheSameBytes) {
     EXPECT_GE(expected.size(), 16u) << preset;
     ExpectSameFiles(expected, Maps(preset + " on a GPU"));
   }
+}
+
+// Columns are found on the host, and filled on the device.
+TEST_F(WorkspaceOnCudaTest, CpuAndGpuFillAColumnWithTheSameBytes) {
+  MakeColumnWorkspace(root_);
+  EXPECT_EQ(Refine(Cpu(), "on the CPU", {}).num_refined,
+            ColumnWorkspace::kNumViews);
+  EXPECT_EQ(Refine("0", "on a GPU").num_refined, ColumnWorkspace::kNumViews);
+  for (const char* run : {"on the CPU", "on a GPU"}) {
+    EXPECT_EQ(ReadSceneModel(folder_.Path() / run / "stereo/tsar/planes.bin")
+                  .cylinders.size(),
+              1u)
+        << run;
+  }
+  ExpectSameFiles(Maps("on the CPU"), Maps("on a GPU"));
 }
 
 TEST_F(WorkspaceOnCudaTest, CpuAndGpuMatchToTheSameBytes) {
