@@ -8,9 +8,9 @@
 
 namespace tsar {
 
-// A column or a pipe of the scene, which is known by its outlines (OutlinePair):
-// a straight circular cylinder along an axis of a Manhattan frame. World frame, units of
-// the sparse model.
+// A column or a pipe of the scene, which is known by its outlines
+// (OutlinePair): a straight circular cylinder along an axis of a Manhattan
+// frame. World frame, units of the sparse model.
 struct ModelCylinder {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // On its axis.
   // Unit vectors at right angles: along the cylinder, and across it.
