@@ -23,8 +23,10 @@ constexpr const char* kSummary =
     "Makes the depth and normal maps of a dense workspace from its images, as "
     "patch_match_stereo does, on NVIDIA GPUs and also without any. It needs "
     "the undistorted images and the sparse model, and writes photometric maps "
-    "(all depths), geometric maps (those that other images confirm, and between "
-    "them what a planar prior fills) and their matching costs. Run it after image_undistorter, and tsar_refine or "
+    "(all depths), geometric maps (those that other images confirm, and "
+    "between "
+    "them what a planar prior fills) and their matching costs. Run it after "
+    "image_undistorter, and tsar_refine or "
     "stereo_fusion after it. It can be interrupted at any time: the same "
     "command goes on where it stopped.";
 

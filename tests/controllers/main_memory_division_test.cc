@@ -154,7 +154,7 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 25.7 GB of main memory",
+                 "needs 25.6 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
