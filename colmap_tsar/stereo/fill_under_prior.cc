@@ -4,15 +4,11 @@
 #include "colmap_tsar/stereo/fill_under_prior.h"
 
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/matching/patch_match.h"
-#include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/matching/smooth_normals.h"
 #include "colmap_tsar/stereo/stereo_views.h"
+#include "colmap_tsar/stereo/update_maps.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -97,7 +93,7 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
                            Device& device) {
   const StereoViews views(reference, sources, 1, device);
   const Buffer<SourceView> source_views = views.Sources(0);
-  ReferenceView view = views.Reference(0);
+  const ReferenceView view = views.Reference(0);
   PatchMatchOptions search = SearchOptions(options, range);
   search.num_past_iterations = options.num_iterations - 1;
   search.num_iterations = kNumIterations;
@@ -107,47 +103,23 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
   PatchMatchInputs inputs{view, source_views, StreamOf(stream, 2000)};
   inputs.prior = prior.View();
   inputs.keeps_plane = keeps_plane.View();
-  PlaneMaps maps;
-  {
-    const DeviceImage<float> depth(device, reference.depth);
-    const DeviceImage<Vec3f> normal(device, reference.normal);
-    const PlaneHypotheses found = RunPatchMatch(
-        inputs,
-        PlanesFromMaps(view.intrinsics, depth.View(), normal.View(), device),
-        search,
-        device);
-    maps = MapsFromPlanes(view.intrinsics, found.planes.View(), device);
-  }
-  view.depth = std::as_const(maps.depth).View();
-  view.normal = std::as_const(maps.normal).View();
+  PlaneMaps maps = UpdateMaps(reference, inputs, search, device);
   HypothesisFilterOptions filter =
       FilterOptions(options, static_cast<int>(sources.size()));
   filter.min_num_consistent =
       std::min(filter.min_num_consistent, kMinNumConsistent);
-  maps.depth =
-      FilterHypotheses(view, source_views, prior.View(), filter, device);
-  if (options.smooth_normals) {
-    maps.normal = SmoothNormals(view.intrinsics,
-                                std::as_const(maps.depth).View(),
-                                std::as_const(maps.normal).View(),
-                                {},
-                                device);
-  }
+  FilterMaps(inputs, filter, options.smooth_normals, device, &maps);
   return Merge(reference, maps.depth.ToHost(), maps.normal.ToHost());
 }
 
 int64_t MatchUnderPriorWorkingBytes(int64_t num_pixels, int num_sources) {
-  const int64_t maps = BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
-  const int64_t planes = BytesOf<Plane>(num_pixels);
-  const int64_t found = planes + BytesOf<float>(num_pixels);
-  const int64_t prior = planes + BytesOf<uint8_t>(num_pixels);
-  const int64_t matching =
-      maps +
-      std::max(planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
-               found + maps);
+  const int64_t prior =
+      BytesOf<Plane>(num_pixels) + BytesOf<uint8_t>(num_pixels);
+  const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
   return StereoViewsBytes(num_pixels, 1, num_sources) +
          num_sources * BytesOf<float>(num_pixels) + prior +
-         std::max(matching, maps + BytesOf<Vec3f>(num_pixels));
+         std::max(UpdateMapsWorkingBytes(num_pixels, num_sources),
+                  PlaneMapsBytes(num_pixels) + smoothed_normals);
 }
 
 }  // namespace tsar

@@ -7,10 +7,10 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/matching/smooth_normals.h"
 #include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/planar_prior.h"
 #include "colmap_tsar/stereo/stereo_views.h"
+#include "colmap_tsar/stereo/update_maps.h"
 
 #include <algorithm>
 #include <utility>
@@ -65,11 +65,6 @@ int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
     ++num_levels;
   }
   return num_levels;
-}
-
-// The depth and normal that planes stand for.
-int64_t PlaneMapsBytes(int64_t num_pixels) {
-  return BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
 }
 
 int64_t MatchingCostsBytes(int64_t num_pixels) {
@@ -128,32 +123,17 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   search.num_past_iterations =
       options.num_iterations - 1 + pass * kGeometricIterations;
   search.num_iterations = kGeometricIterations;
-  PlaneMaps maps;
-  {
-    const DeviceImage<float> depth(device, reference.depth);
-    const DeviceImage<Vec3f> normal(device, reference.normal);
-    const PlaneHypotheses found = RunPatchMatch(
-        {view, level_sources, StreamOf(stream, 1000 + pass)},
-        PlanesFromMaps(view.intrinsics, depth.View(), normal.View(), device),
-        search,
-        device);
-    maps = MapsFromPlanes(view.intrinsics, found.planes.View(), device);
-  }
+  const PatchMatchInputs inputs{
+      view, level_sources, StreamOf(stream, 1000 + pass)};
+  PlaneMaps maps = UpdateMaps(reference, inputs, search, device);
   if (pass + 1 < options.num_geometric_passes) {
     return ToHost(maps);
   }
-  const HypothesisFilterOptions filter =
-      FilterOptions(options, static_cast<int>(sources.size()));
-  view.depth = std::as_const(maps.depth).View();
-  view.normal = std::as_const(maps.normal).View();
-  maps.depth = FilterHypotheses(view, level_sources, {}, filter, device);
-  if (options.smooth_normals) {
-    maps.normal = SmoothNormals(view.intrinsics,
-                                std::as_const(maps.depth).View(),
-                                std::as_const(maps.normal).View(),
-                                {},
-                                device);
-  }
+  FilterMaps(inputs,
+             FilterOptions(options, static_cast<int>(sources.size())),
+             options.smooth_normals,
+             device,
+             &maps);
   StereoMaps host = ToHostWithCosts(view, level_sources, maps, device);
   if (FillsUnderPrior(options)) {
     view.depth = std::as_const(maps.depth).View();
@@ -165,20 +145,6 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
         &host);
   }
   return host;
-}
-
-HypothesisFilterOptions FilterOptions(const StereoOptions& options,
-                                      int num_sources) {
-  HypothesisFilterOptions filter;
-  filter.min_ncc = static_cast<float>(options.filter_min_ncc);
-  filter.min_triangulation_angle =
-      static_cast<float>(options.filter_min_triangulation_angle);
-  filter.min_num_consistent =
-      std::min(options.filter_min_num_consistent, num_sources);
-  filter.geom_consistency_max_cost =
-      static_cast<float>(options.filter_geom_consistency_max_cost);
-  filter.window_radius = static_cast<float>(options.window_radius);
-  return filter;
 }
 
 int64_t MatchImageWorkingBytes(const StereoOptions& options,
@@ -199,21 +165,14 @@ int64_t MatchImageWorkingBytes(const StereoOptions& options,
 
 int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
                                             int num_sources) {
-  const int64_t maps = PlaneMapsBytes(num_pixels);
-  const int64_t planes = BytesOf<Plane>(num_pixels);
-  const int64_t found = planes + BytesOf<float>(num_pixels);
-  // Maps go in and, smoothed or not, come out.
-  const int64_t matching =
-      maps +
-      std::max(planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
-               found + maps);
   const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
   return StereoViewsBytes(num_pixels, 1, num_sources) +
          num_sources * BytesOf<float>(num_pixels) +
-         std::max(matching,
-                  maps + std::max({smoothed_normals,
-                                   MatchingCostsBytes(num_pixels),
-                                   FindPlanarPriorWorkingBytes(num_pixels)}));
+         std::max(UpdateMapsWorkingBytes(num_pixels, num_sources),
+                  PlaneMapsBytes(num_pixels) +
+                      std::max({smoothed_normals,
+                                MatchingCostsBytes(num_pixels),
+                                FindPlanarPriorWorkingBytes(num_pixels)}));
 }
 
 int64_t StereoMapsBytes(int64_t num_pixels) {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/pipeline/depth_interval.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/stereo/stereo_options.h"
@@ -36,8 +35,9 @@ StereoMaps MatchImage(const ViewData& reference,
 
 // Improves the depth and normal of the reference with regard to the depth of
 // the sources, some of which may have none. pass counts from 0. The last pass
-// filters: depths that too few sources confirm become 0, with their normals, or
-// under a planar prior its own (FillWithPrior).
+// filters: depths that too few sources confirm become 0, with their normals;
+// where the run fills its maps, they then get those of the planar prior
+// (FillWithPrior).
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
                                    const DepthInterval& range,
@@ -45,10 +45,6 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    int pass,
                                    const StereoOptions& options,
                                    Device& device);
-
-// What confirms the depths of an image with so many sources.
-HypothesisFilterOptions FilterOptions(const StereoOptions& options,
-                                      int num_sources);
 
 // num_pixels: of the largest image, if the maps have its size; sources count as
 // large. Of the device's memory, with the sources.
