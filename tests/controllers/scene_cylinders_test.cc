@@ -90,6 +90,17 @@ DrawnScene Both(const DrawnColumn& a, const DrawnColumn& b) {
   };
 }
 
+// A column that a floor cuts in two.
+DrawnScene TwoStoreys() {
+  DrawnColumn lower;
+  lower.bottom = -0.8;
+  lower.top = -0.2;
+  DrawnColumn upper;
+  upper.bottom = 0.2;
+  upper.top = 0.6;
+  return Both(lower, upper);
+}
+
 // From the lower to the upper.
 void SortByHeight(std::vector<ModelCylinder>* cylinders) {
   // Heights are along any of the two directions of the axis.
@@ -194,13 +205,7 @@ TEST(SceneCylindersTest, FindsTheBaseOfAColumnAndItsShaft) {
 }
 
 TEST(SceneCylindersTest, FindsAColumnOnTwoStoreys) {
-  DrawnColumn lower;
-  lower.bottom = -0.8;
-  lower.top = -0.2;
-  DrawnColumn upper;
-  upper.bottom = 0.2;
-  upper.top = 0.6;
-  std::vector<ModelCylinder> found = Find(DrawnViews(Both(lower, upper), 7));
+  std::vector<ModelCylinder> found = Find(DrawnViews(TwoStoreys(), 7));
   ASSERT_EQ(found.size(), 2u);
   SortByHeight(&found);
   for (const ModelCylinder& cylinder : found) {
@@ -212,13 +217,7 @@ TEST(SceneCylindersTest, FindsAColumnOnTwoStoreys) {
 
 // Some views look at one storey, some at the other.
 TEST(SceneCylindersTest, FindsStoreysThatDifferentViewsShow) {
-  DrawnColumn lower;
-  lower.bottom = -0.8;
-  lower.top = -0.2;
-  DrawnColumn upper;
-  upper.bottom = 0.2;
-  upper.top = 0.6;
-  DrawnViews drawn(Both(lower, upper), 11);
+  DrawnViews drawn(TwoStoreys(), 11);
   for (size_t view = 0; view < drawn.Views().size(); ++view) {
     Image<Rgb>& color = drawn.Evidence(view).color;
     const bool shows_upper = view % 3 == 0;
