@@ -3,20 +3,28 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/store/workspace.h"
 
 namespace tsar {
 
-// Reads image number `image` with all its evidence. Throws what the
-// workspace's readers throw; kMismatch when two of its maps differ in size.
+// Reads image number `image` with all its evidence, of which there is none
+// where the image is masked. Throws what the workspace's readers throw;
+// kMismatch when two of its maps differ in size.
 ViewData LoadView(const Workspace& workspace, int image);
 
-// Reads only the camera, the colours and the depths of the map to refine.
+// The same at the size at which it is judged, or where max_side says else:
+// ReduceView() of that view, of which a few rows are in memory at a time.
+ViewData LoadReducedView(const Workspace& workspace,
+                         int image,
+                         int max_side = kMaxJudgingSide);
+
+// Reads only the camera, the colours and the depths of the map to refine, which
+// are 0 where the image is masked.
 ViewData LoadDepthAndColor(const Workspace& workspace, int image);
 
-// See pipeline/unmatched_depths.h. A view does not tell: it lacks the depths
-// that have no normal, as isolated ones where normals follow from depth.
-bool IsUnfiltered(const Workspace& workspace, int image);
+// Whether the map to refine has depths, and all of them are masked.
+bool IsMaskedAway(const Workspace& workspace, int image);
 
 }  // namespace tsar

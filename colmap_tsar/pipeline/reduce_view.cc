@@ -4,7 +4,6 @@
 #include "colmap_tsar/pipeline/reduce_view.h"
 
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/square_hypothesis.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -17,13 +16,128 @@ namespace {
 
 int CeilOfQuotient(int a, int b) { return (a - 1) / b + 1; }
 
-SquareHypothesis SquaresOf(const ViewData& view, int factor) {
-  return {view.depth.View(),
-          view.normal.View(),
-          view.is_to_refine.View(),
-          view.camera.GetIntrinsics(),
-          factor};
+SquareHypothesis SquaresOf(const ViewData& rows,
+                           const Camera& camera,
+                           int factor,
+                           int first_row) {
+  return {rows.depth.View(),
+          rows.normal.View(),
+          rows.is_to_refine.View(),
+          camera.GetIntrinsics(),
+          factor,
+          first_row};
 }
+
+// SquareHypothesis::Find() with memory, which makes it several times as fast on
+// a CPU: the depths of a square are gathered once, and rays come from tables.
+class SquareFinder {
+ public:
+  explicit SquareFinder(const SquareHypothesis& squares)
+      : squares_(squares),
+        own_(squares.factor),
+        other_(squares.factor),
+        rays_(static_cast<size_t>(squares.depth.width)) {
+    for (int x = 0; x < squares.depth.width; ++x) {
+      rays_[static_cast<size_t>(x)] = squares.RayOf(x, 0).x;
+    }
+  }
+
+  ptrdiff_t Find(int x, int y) {
+    const int factor = squares_.factor;
+    const int end_x = std::min(x * factor + factor, squares_.depth.width);
+    const int end_y = std::min(y * factor + factor, squares_.depth.height);
+    own_.count = 0;
+    other_.count = 0;
+    for (int row = y * factor; row < end_y; ++row) {
+      for (int column = x * factor; column < end_x; ++column) {
+        Gather(column, row);
+      }
+    }
+    const int min_count =
+        SquareHypothesis::MinCount((end_x - x * factor) * (end_y - y * factor));
+    const ptrdiff_t own = FindAmong(own_, min_count);
+    return own >= 0 ? own : FindAmong(other_, min_count);
+  }
+
+ private:
+  // The first `count` of each list.
+  struct Depths {
+    explicit Depths(int factor)
+        : depth(static_cast<size_t>(factor) * static_cast<size_t>(factor)),
+          column(depth.size()),
+          row(depth.size()) {}
+
+    int count = 0;
+    std::vector<float> depth;
+    std::vector<int> column;
+    std::vector<int> row;
+  };
+
+  // Without branches, since holes come at random.
+  void Gather(int column, int row) {
+    const size_t pixel = squares_.depth.Index(column, row);
+    const float depth = squares_.depth.data[pixel];
+    const bool is_own =
+        squares_.is_to_refine.Empty() || squares_.is_to_refine.data[pixel] != 0;
+    Append(depth, column, row, is_own, &own_);
+    Append(depth, column, row, !is_own, &other_);
+  }
+
+  static void Append(
+      float depth, int column, int row, bool counts, Depths* depths) {
+    // What does not count is overwritten by the next.
+    const auto place = static_cast<size_t>(depths->count);
+    depths->depth[place] = depth;
+    depths->column[place] = column;
+    depths->row[place] = row;
+    depths->count += counts && depth > 0.f ? 1 : 0;
+  }
+
+  ptrdiff_t FindAmong(const Depths& depths, int min_count) const {
+    if (depths.count < min_count) {
+      return -1;
+    }
+    const auto median = static_cast<size_t>(Median(depths));
+    const auto pixel = static_cast<ptrdiff_t>(
+        squares_.depth.Index(depths.column[median], depths.row[median]));
+    const Plane plane = squares_.PlaneOf(pixel);
+    int count = 0;
+    for (size_t i = 0; i < static_cast<size_t>(depths.count); ++i) {
+      const Vec3f ray = {rays_[static_cast<size_t>(depths.column[i])],
+                         squares_.RayOf(0, depths.row[i]).y,
+                         1.f};
+      count += SquareHypothesis::IsOnPlane(
+                   depths.depth[i], ray, plane, depths.depth[median])
+                   ? 1
+                   : 0;
+    }
+    return count >= min_count ? pixel : -1;
+  }
+
+  // The first one with the lower median.
+  static int Median(const Depths& depths) {
+    const int rank = (depths.count - 1) / 2;
+    for (int i = 0; i < depths.count; ++i) {
+      const float one = depths.depth[static_cast<size_t>(i)];
+      int num_nearer = 0;
+      int num_as_near = 0;
+      for (int j = 0; j < depths.count; ++j) {
+        const float other = depths.depth[static_cast<size_t>(j)];
+        num_nearer += other < one ? 1 : 0;
+        num_as_near += other == one ? 1 : 0;
+      }
+      if (num_nearer <= rank && rank < num_nearer + num_as_near) {
+        return i;
+      }
+    }
+    return 0;
+  }
+
+  const SquareHypothesis& squares_;
+  Depths own_;
+  Depths other_;
+  std::vector<float> rays_;  // x of those of each column.
+};
 
 Image<Rgb> MeanColors(const Image<Rgb>& color,
                       int factor,
@@ -102,51 +216,76 @@ int FactorBetween(int width,
   return 0;
 }
 
+ViewReducer::ViewReducer(const Camera& camera, int factor, bool has_costs)
+    : camera_(camera), factor_(factor) {
+  reduced_.camera = ReduceCamera(camera, factor);
+  const int width = reduced_.camera.width;
+  const int height = reduced_.camera.height;
+  reduced_.depth = Image<float>(width, height);
+  reduced_.normal = Image<Vec3f>(width, height);
+  reduced_.is_to_refine = Image<uint8_t>(width, height);
+  if (has_costs) {
+    reduced_.min_cost = Image<float>(width, height, kUndefinedCost);
+    reduced_.second_cost = reduced_.min_cost;
+  }
+}
+
+void ViewReducer::Add(const ViewData& rows) {
+  const SquareHypothesis squares = SquaresOf(rows, camera_, factor_, num_rows_);
+  SquareFinder finder(squares);
+  const int first_row = num_rows_ / factor_;
+  const int num_squares = CeilOfQuotient(rows.depth.Height(), factor_);
+  for (int y = 0; y < num_squares; ++y) {
+    for (int x = 0; x < reduced_.depth.Width(); ++x) {
+      const ptrdiff_t pixel = finder.Find(x, y);
+      if (pixel >= 0) {
+        Set(rows, squares, pixel, x, first_row + y);
+      }
+    }
+  }
+  num_rows_ += rows.depth.Height();
+}
+
+void ViewReducer::Set(const ViewData& rows,
+                      const SquareHypothesis& squares,
+                      ptrdiff_t pixel,
+                      int x,
+                      int y) {
+  const auto place = static_cast<size_t>(pixel);
+  reduced_.depth(x, y) =
+      squares.DepthOnRay(pixel,
+                         reduced_.camera.GetIntrinsics().Ray(
+                             static_cast<float>(x), static_cast<float>(y)));
+  reduced_.normal(x, y) = rows.normal.Data()[place];
+  const bool is_to_refine =
+      rows.is_to_refine.Empty() || rows.is_to_refine.Data()[place] != 0;
+  reduced_.is_to_refine(x, y) = is_to_refine ? 1 : 0;
+  reduced_.num_depths_to_refine += is_to_refine ? 1 : 0;
+  if (!reduced_.min_cost.Empty()) {
+    reduced_.min_cost(x, y) = rows.min_cost.Data()[place];
+    reduced_.second_cost(x, y) = rows.second_cost.Data()[place];
+  }
+}
+
+ViewData ViewReducer::Finish(const Image<Rgb>& color) {
+  reduced_.color = MeanColors(
+      color, factor_, reduced_.depth.Width(), reduced_.depth.Height());
+  return std::move(reduced_);
+}
+
 ViewData ReduceView(const ViewData& view, int factor) {
   if (factor == 1) {
     return view;
   }
-  ViewData reduced;
-  reduced.camera = ReduceCamera(view.camera, factor);
+  ViewReducer reducer(view.camera, factor, !view.min_cost.Empty());
+  reducer.Add(view);
+  ViewData reduced = reducer.Finish(view.color);
   reduced.num_not_finite = view.num_not_finite;
-  const int width = reduced.camera.width;
-  const int height = reduced.camera.height;
-  reduced.color = MeanColors(view.color, factor, width, height);
-  reduced.depth = Image<float>(width, height);
-  reduced.normal = Image<Vec3f>(width, height);
-  reduced.is_to_refine = Image<uint8_t>(width, height);
-  const bool has_costs = !view.min_cost.Empty();
-  if (has_costs) {
-    reduced.min_cost = Image<float>(width, height, kUndefinedCost);
-    reduced.second_cost = reduced.min_cost;
-  }
-  const SquareHypothesis squares = SquaresOf(view, factor);
-  const Intrinsics intrinsics = reduced.camera.GetIntrinsics();
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const ptrdiff_t found = squares.Find(x, y);
-      if (found < 0) {
-        continue;
-      }
-      const auto pixel = static_cast<size_t>(found);
-      reduced.depth(x, y) = squares.DepthOnRay(
-          found, intrinsics.Ray(static_cast<float>(x), static_cast<float>(y)));
-      reduced.normal(x, y) = view.normal.Data()[pixel];
-      const bool is_to_refine =
-          view.is_to_refine.Empty() || view.is_to_refine.Data()[pixel] != 0;
-      reduced.is_to_refine(x, y) = is_to_refine ? 1 : 0;
-      reduced.num_depths_to_refine += is_to_refine ? 1 : 0;
-      if (has_costs) {
-        reduced.min_cost(x, y) = view.min_cost.Data()[pixel];
-        reduced.second_cost(x, y) = view.second_cost.Data()[pixel];
-      }
-    }
-  }
   return reduced;
 }
 
 bool HasReducedDepth(const ViewData& view, int factor) {
-  const SquareHypothesis squares = SquaresOf(view, factor);
+  const SquareHypothesis squares = SquaresOf(view, view.camera, factor, 0);
   for (int y = 0; y < CeilOfQuotient(view.depth.Height(), factor); ++y) {
     for (int x = 0; x < CeilOfQuotient(view.depth.Width(), factor); ++x) {
       if (squares.Find(x, y) >= 0) {

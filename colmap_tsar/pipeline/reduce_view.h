@@ -3,9 +3,11 @@
 
 #pragma once
 
+#include "colmap_tsar/pipeline/square_hypothesis.h"
 #include "colmap_tsar/pipeline/view_data.h"
 
-#include <cstdint>
+#include <cstddef>
+#include <vector>
 
 namespace tsar {
 
@@ -42,6 +44,34 @@ Camera ReduceCamera(const Camera& camera, int factor);
 // costs are those of that pixel.
 ViewData ReduceView(const ViewData& view, int factor);
 
+// ReduceView() of a view of which only some rows are in memory at a time.
+class ViewReducer {
+ public:
+  // camera: of the whole view. has_costs: whether it has exported costs.
+  ViewReducer(const Camera& camera, int factor, bool has_costs);
+
+  // The next rows of the view's maps, without colours: whole squares, but where
+  // the view ends.
+  void Add(const ViewData& rows);
+
+  // After all rows. color: of the whole view.
+  ViewData Finish(const Image<Rgb>& color);
+
+ private:
+  // Makes the hypothesis of a square that of a pixel among the rows.
+  void Set(const ViewData& rows,
+           const SquareHypothesis& squares,
+           ptrdiff_t pixel,
+           int x,
+           int y);
+
+  const Camera camera_;
+  const int factor_;
+  ViewData reduced_;
+  int num_rows_ = 0;  // Of the whole view, those that were added.
+};
+
 // Whether the reduced view has a depth in any pixel.
 bool HasReducedDepth(const ViewData& view, int factor);
+
 }  // namespace tsar

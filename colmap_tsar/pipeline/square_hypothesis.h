@@ -16,17 +16,19 @@
 namespace tsar {
 
 // Finds the pixel whose hypothesis stands for a square of pixels of a map, as
-// ReduceView() says. Takes no memory and sorts nothing, so that both devices
-// can do it: squares are small.
+// ReduceView() says. Takes no memory and sorts nothing, so that a thread of a
+// GPU can do it: squares are small.
 struct SquareHypothesis {
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
   // Where the map to refine has a hypothesis; empty: everywhere.
   ImageView<const uint8_t> is_to_refine;
-  Intrinsics intrinsics;
+  Intrinsics intrinsics;  // Of the whole map.
   int factor = 1;
+  int first_row = 0;  // Of the whole map, the first one in the rasters.
 
-  // The pixel's place in the map, or -1 where there is none.
+  // The pixel's place in the rasters, or -1 where there is none. (x, y): of the
+  // square, in the rasters.
   TSAR_HD ptrdiff_t Find(int x, int y) const {
     const Square square = {x * factor,
                            y * factor,
@@ -41,11 +43,6 @@ struct SquareHypothesis {
     return DepthOnRay(PlaneOf(pixel), depth.data[pixel], ray);
   }
 
- private:
-  TSAR_HD Vec3f RayOf(int column, int row) const {
-    return intrinsics.Ray(static_cast<float>(column), static_cast<float>(row));
-  }
-
   TSAR_HD Plane PlaneOf(ptrdiff_t pixel) const {
     return Plane::FromPoint(RayOf(static_cast<int>(pixel % depth.width),
                                   static_cast<int>(pixel / depth.width)),
@@ -53,6 +50,30 @@ struct SquareHypothesis {
                             normal.data[pixel]);
   }
 
+  TSAR_HD Vec3f RayOf(int column, int row) const {
+    return intrinsics.Ray(static_cast<float>(column),
+                          static_cast<float>(first_row + row));
+  }
+
+  // A square was measured if no more than one pixel in some is without the
+  // depth that stands for it.
+  TSAR_HD static int MinCount(int num_pixels) {
+    constexpr int kPixelsPerGap = 8;
+    return num_pixels - num_pixels / kPixelsPerGap;
+  }
+
+  // Whether a depth lies on the plane of another. ray: of the former.
+  TSAR_HD static bool IsOnPlane(float depth,
+                                const Vec3f& ray,
+                                const Plane& plane,
+                                float depth_of_plane) {
+    // How far off the plane that stands for a square its depths may lie.
+    constexpr float kMaxResidual = 0.005f;
+    const float expected = DepthOnRay(plane, depth_of_plane, ray);
+    return fabsf(depth - expected) <= kMaxResidual * depth_of_plane;
+  }
+
+ private:
   TSAR_HD static float DepthOnRay(const Plane& plane,
                                   float depth,
                                   const Vec3f& ray) {
@@ -90,12 +111,8 @@ struct SquareHypothesis {
   }
 
   TSAR_HD ptrdiff_t FindOf(const Square& square, bool is_own) const {
-    // A square was measured if no more than one pixel in this many is without
-    // the depth that stands for it.
-    constexpr int kPixelsPerGap = 8;
-    const int num_pixels =
-        (square.end_x - square.begin_x) * (square.end_y - square.begin_y);
-    const int min_count = num_pixels - num_pixels / kPixelsPerGap;
+    const int min_count = MinCount((square.end_x - square.begin_x) *
+                                   (square.end_y - square.begin_y));
     int count = 0;
     square.ForEach([&](int x, int y) {
       count += Counts(depth.Index(x, y), is_own) ? 1 : 0;
@@ -138,18 +155,13 @@ struct SquareHypothesis {
   TSAR_HD int CountOnPlane(const Square& square,
                            bool is_own,
                            ptrdiff_t one) const {
-    // How far off the plane that stands for a square its depths may lie.
-    constexpr float kMaxResidual = 0.005f;
-    const float own_depth = depth.data[one];
     const Plane plane = PlaneOf(one);
     int count = 0;
     square.ForEach([&](int x, int y) {
       const size_t pixel = depth.Index(x, y);
-      if (Counts(pixel, is_own)) {
-        const float expected = DepthOnRay(plane, own_depth, RayOf(x, y));
-        count += fabsf(depth.data[pixel] - expected) <= kMaxResidual * own_depth
-                     ? 1
-                     : 0;
+      if (Counts(pixel, is_own) &&
+          IsOnPlane(depth.data[pixel], RayOf(x, y), plane, depth.data[one])) {
+        ++count;
       }
     });
     return count;

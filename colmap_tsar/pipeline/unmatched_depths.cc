@@ -35,12 +35,6 @@ bool IsUnfiltered(int64_t num_depths, int64_t num_pixels) {
                                kMinShare * static_cast<double>(num_pixels);
 }
 
-bool IsUnfiltered(const Image<float>& depth) {
-  const auto num_depths = std::count_if(
-      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
-  return IsUnfiltered(num_depths, static_cast<int64_t>(depth.NumPixels()));
-}
-
 UnmatchedDepths::UnmatchedDepths(const ViewData& view, int num_sources)
     : view_(view),
       min_num_matches_(

@@ -14,7 +14,6 @@ namespace tsar {
 // Whether maps have so few holes that no filter has removed what follows from a
 // prior or from chance.
 bool IsUnfiltered(int64_t num_depths, int64_t num_pixels);
-bool IsUnfiltered(const Image<float>& depth);
 
 // Tells the depths of such a map that the images confirm from the others. As
 // views agree on a prior as well, a source confirms a depth if its own map

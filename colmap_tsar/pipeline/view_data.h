@@ -28,6 +28,9 @@ struct ViewData {
   Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
+  // Whether hardly a depth is missing in the map to refine (see
+  // pipeline/unmatched_depths.h), also where no normal tells of it.
+  bool is_unfiltered = false;
 
   size_t NumBytes() const;
 };

@@ -5,149 +5,16 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/finite.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
 #include <span>
 #include <string>
-#include <system_error>
 #include <utility>
 
 namespace tsar {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "maps are little-endian and read as they are");
-
-Error CorruptMap(const std::filesystem::path& path, const std::string& what) {
-  return Error::File(ErrorCode::kCorrupt,
-                     path.string(),
-                     "not a complete map: " + what,
-                     "run patch_match_stereo again for this image");
-}
-
-// Reads "123&" and returns 123, or -1 for anything else. Nine digits are more
-// than any file can have and fit an int.
-int ReadHeaderNumber(std::istream& stream) {
-  int number = 0;
-  for (int num_digits = 0; num_digits < 10; ++num_digits) {
-    const int character = stream.get();
-    if (character == '&') {
-      return num_digits > 0 ? number : -1;
-    }
-    if (character < '0' || character > '9' || num_digits == 9) {
-      return -1;
-    }
-    number = 10 * number + (character - '0');
-  }
-  return -1;
-}
-
-// An open map whose header agrees with the length of the file.
-class MapReader {
- public:
-  explicit MapReader(const std::filesystem::path& path) : path_(path) {
-    file_.Open(path);
-    if (file_.IsMissing()) {
-      throw Error::File(ErrorCode::kNotFound,
-                        path.string(),
-                        "no such map",
-                        "run patch_match_stereo for this image");
-    }
-    if (file_.IsNoFile()) {
-      throw CorruptMap(path, file_.Reason());
-    }
-    if (!file_) {
-      throw Error::File(ErrorCode::kIo,
-                        path.string(),
-                        "the map cannot be opened (" + file_.Reason() + ")",
-                        "check that you may read it");
-    }
-    ReadHeader(file_.Size());
-  }
-
-  const MapSize& Size() const { return size_; }
-
-  void RequireChannels(int channels, const char* kind) const {
-    if (size_.channels != channels) {
-      throw CorruptMap(path_,
-                       std::string(kind) + " has " + std::to_string(channels) +
-                           " channel(s), the header says " +
-                           std::to_string(size_.channels));
-    }
-  }
-
-  void Read(std::span<float> values) { Read(0, 0, values); }
-
-  // Values of one channel, from the given pixel on.
-  void Read(int channel, size_t first_pixel, std::span<float> values) {
-    const size_t num_pixels =
-        static_cast<size_t>(size_.width) * static_cast<size_t>(size_.height);
-    const size_t first =
-        static_cast<size_t>(channel) * num_pixels + first_pixel;
-    file_.seekg(
-        static_cast<std::streamoff>(header_size_ + first * sizeof(float)));
-    file_.read(reinterpret_cast<char*>(values.data()),
-               static_cast<std::streamsize>(values.size_bytes()));
-    if (!file_) {
-      throw CorruptMap(path_, "reading it failed");
-    }
-  }
-
- private:
-  void ReadHeader(uintmax_t num_bytes) {
-    if (num_bytes == 0) {
-      throw CorruptMap(path_, "the file is empty");
-    }
-    size_.width = ReadHeaderNumber(file_);
-    size_.height = ReadHeaderNumber(file_);
-    size_.channels = ReadHeaderNumber(file_);
-    if (!file_ || size_.width < 1 || size_.height < 1 || size_.channels < 1) {
-      throw CorruptMap(
-          path_, "it does not begin with WIDTH&HEIGHT&CHANNELS& in digits");
-    }
-    header_size_ = static_cast<size_t>(file_.tellg());
-    const uintmax_t num_values = (num_bytes - header_size_) / sizeof(float);
-    const auto num_pixels = static_cast<uintmax_t>(size_.width) *
-                            static_cast<uintmax_t>(size_.height);
-    // Divisions, since the product of three hostile numbers overflows.
-    const bool fits =
-        num_values / num_pixels == static_cast<uintmax_t>(size_.channels) &&
-        num_values % num_pixels == 0 &&
-        (num_bytes - header_size_) % sizeof(float) == 0;
-    if (!fits) {
-      throw CorruptMap(path_,
-                       "the header says " + std::to_string(size_.width) +
-                           " x " + std::to_string(size_.height) + " x " +
-                           std::to_string(size_.channels) + ", the file has " +
-                           std::to_string(num_bytes) + " bytes");
-    }
-  }
-
-  std::filesystem::path path_;
-  InputFile file_;
-  MapSize size_;
-  size_t header_size_ = 0;
-};
-
-// Calls function(begin, end) for consecutive pieces of [0, num_pixels) that
-// stay in the processor's cache.
-template <typename Function>
-void ForEachPiece(size_t num_pixels, Function function) {
-  constexpr size_t kPiece = size_t{1} << 14;
-  for (size_t begin = 0; begin < num_pixels; begin += kPiece) {
-    function(begin, std::min(num_pixels, begin + kPiece));
-  }
-}
-
-// Without branches: the difference of what is not finite to itself is not zero.
-bool IsFinite(float value) { return value - value == 0.f; }
-bool IsFinite(const Vec3f& n) {
-  return IsFinite(n.x) && IsFinite(n.y) && IsFinite(n.z);
-}
 
 void SetCount(int64_t* target, int64_t count) {
   if (target != nullptr) {
@@ -171,8 +38,8 @@ class MapWriter {
   }
 
   void Write(std::span<const float> values) {
-    ForEachPiece(values.size(), [&](size_t begin, size_t end) {
-      const std::span<const float> piece = values.subspan(begin, end - begin);
+    ForEachPiece(values.size(), [&](size_t first, size_t count) {
+      const std::span<const float> piece = values.subspan(first, count);
       bool is_finite = true;
       for (const float value : piece) {
         is_finite &= IsFinite(value);
@@ -228,47 +95,25 @@ MapSize ReadMapSize(const std::filesystem::path& path) {
 
 Image<float> ReadDepthMap(const std::filesystem::path& path,
                           int64_t* num_not_finite) {
-  MapReader reader(path);
-  reader.RequireChannels(1, "a depth map");
-  Image<float> depth(reader.Size().width, reader.Size().height);
-  int64_t count = 0;
-  ForEachPiece(depth.NumPixels(), [&](size_t begin, size_t end) {
-    const std::span<float> piece(depth.Data() + begin, end - begin);
-    reader.Read(0, begin, piece);
-    int num_bad = 0;
-    for (float& value : piece) {
-      const bool is_finite = IsFinite(value);
-      num_bad += is_finite ? 0 : 1;
-      value = is_finite && value > 0.f ? value : 0.f;
-    }
-    count += num_bad;
+  DepthMapReader reader(path);
+  auto depth =
+      Image<float>::Uninitialized(reader.Size().width, reader.Size().height);
+  ForEachPiece(depth.NumPixels(), [&](size_t first, size_t count) {
+    reader.Read(first, {depth.Data() + first, count});
   });
-  SetCount(num_not_finite, count);
+  SetCount(num_not_finite, reader.NumNotFinite());
   return depth;
 }
 
 Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
                            int64_t* num_not_finite) {
-  MapReader reader(path);
-  reader.RequireChannels(3, "a normal map");
-  Image<Vec3f> normal(reader.Size().width, reader.Size().height);
-  std::array<std::vector<float>, 3> channels;
-  int64_t count = 0;
-  ForEachPiece(normal.NumPixels(), [&](size_t begin, size_t end) {
-    for (size_t c = 0; c < channels.size(); ++c) {
-      channels[c].resize(end - begin);
-      reader.Read(static_cast<int>(c), begin, channels[c]);
-    }
-    for (size_t i = begin; i < end; ++i) {
-      const Vec3f n = {channels[0][i - begin],
-                       channels[1][i - begin],
-                       channels[2][i - begin]};
-      const bool is_finite = IsFinite(n);
-      normal.Data()[i] = is_finite ? n : Vec3f{};
-      count += is_finite ? 0 : 1;
-    }
+  NormalMapReader reader(path);
+  auto normal =
+      Image<Vec3f>::Uninitialized(reader.Size().width, reader.Size().height);
+  ForEachPiece(normal.NumPixels(), [&](size_t first, size_t count) {
+    reader.Read(first, {normal.Data() + first, count});
   });
-  SetCount(num_not_finite, count);
+  SetCount(num_not_finite, reader.NumNotFinite());
   return normal;
 }
 
@@ -278,10 +123,9 @@ PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
   map.width = reader.Size().width;
   map.height = reader.Size().height;
   map.channels = reader.Size().channels;
-  map.values.resize(static_cast<size_t>(map.width) *
-                    static_cast<size_t>(map.height) *
+  map.values.resize(reader.Size().NumPixels() *
                     static_cast<size_t>(map.channels));
-  reader.Read(map.values);
+  reader.Read(0, 0, map.values);
   return map;
 }
 
@@ -295,10 +139,10 @@ WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
   MapWriter writer(normal.Width(), normal.Height(), 3, file);
   std::vector<float> channel;
   for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
-    ForEachPiece(normal.NumPixels(), [&](size_t begin, size_t end) {
-      channel.resize(end - begin);
-      for (size_t i = begin; i < end; ++i) {
-        channel[i - begin] = normal.Data()[i].*element;
+    ForEachPiece(normal.NumPixels(), [&](size_t first, size_t count) {
+      channel.resize(count);
+      for (size_t i = 0; i < count; ++i) {
+        channel[i] = normal.Data()[first + i].*element;
       }
       writer.Write(channel);
     });

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/workspace/map_reader.h"
 #include "colmap_tsar/workspace/written_map.h"
 
 #include <cstdint>
@@ -23,12 +24,6 @@ namespace tsar {
 // All readers throw Error: kNotFound where there is no such file, kCorrupt
 // where the header is not exactly of this form or the file is not exactly as
 // long as the header says. The length is checked before memory is allocated.
-
-struct MapSize {
-  int width = 0;
-  int height = 0;
-  int channels = 0;
-};
 
 // Element (x, y) of channel c is values[(c * height + y) * width + x].
 struct PlanarMap {

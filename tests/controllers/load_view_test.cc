@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tests/support/same_bytes.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
@@ -124,6 +125,42 @@ TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {
   }
 }
 
+TEST_F(LoadViewTest, AReducedViewIsTheViewReduced) {
+  const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kGeometric);
+  Image<float> depth = ReadDepthMap(paths.depth);
+  for (const bool has_costs : {false, true}) {
+    if (has_costs) {
+      PlanarMap costs = {depth.Width(), depth.Height(), 2, {}};
+      for (size_t i = 0; i < 2 * depth.NumPixels(); ++i) {
+        costs.values.push_back(i % 11 == 0 ? 2.f
+                                           : static_cast<float>(i % 7) / 10.f);
+      }
+      CreateFolders(paths.cost.Parent());
+      WritePlanarMap(paths.cost, costs);
+    }
+    const Workspace workspace(root_, MapType::kGeometric);
+    const ViewData view = LoadView(workspace, 1);
+    ASSERT_NE(view.min_cost.Empty(), has_costs);
+    for (const int max_side : {48, 40, 25, 7, 96, 1000}) {
+      SCOPED_TRACE(max_side);
+      const ViewData reduced = LoadReducedView(workspace, 1, max_side);
+      const ViewData expected = ReduceView(
+          view,
+          ReductionFactor(view.depth.Width(), view.depth.Height(), max_side));
+      EXPECT_TRUE(SameBytes(reduced.depth, expected.depth));
+      EXPECT_TRUE(SameBytes(reduced.normal, expected.normal));
+      EXPECT_TRUE(SameBytes(reduced.color, expected.color));
+      EXPECT_TRUE(SameBytes(reduced.is_to_refine, expected.is_to_refine));
+      EXPECT_TRUE(SameBytes(reduced.min_cost, expected.min_cost));
+      EXPECT_TRUE(SameBytes(reduced.second_cost, expected.second_cost));
+      EXPECT_EQ(reduced.num_depths_to_refine, expected.num_depths_to_refine);
+      EXPECT_EQ(reduced.num_not_finite, expected.num_not_finite);
+      EXPECT_EQ(reduced.camera.fx, expected.camera.fx);
+      EXPECT_EQ(reduced.camera.cy, expected.camera.cy);
+    }
+  }
+}
+
 TEST_F(LoadViewTest, DepthAndColorAreThoseOfTheView) {
   const Workspace workspace(root_, MapType::kPhotometric);
   const ViewData view = LoadView(workspace, 1);
@@ -143,15 +180,15 @@ TEST_F(LoadViewTest, DepthAndColorAreThoseOfTheView) {
 }
 
 TEST_F(LoadViewTest, TellsMapsThatNothingWasFilteredOutOf) {
-  EXPECT_FALSE(IsUnfiltered(Workspace(root_, MapType::kGeometric), 1));
-  EXPECT_TRUE(IsUnfiltered(Workspace(root_, MapType::kPhotometric), 1));
+  EXPECT_FALSE(Load(MapType::kGeometric).is_unfiltered);
+  EXPECT_TRUE(Load(MapType::kPhotometric).is_unfiltered);
   // Half of the depths have no normal.
   const ContainedPath path =
       GetMapPaths(root_, "v1.png", MapType::kPhotometric).normal;
   Image<Vec3f> normal = ReadNormalMap(path);
   std::fill(normal.begin(), normal.begin() + normal.NumPixels() / 2, Vec3f{});
   WriteNormalMap(path, normal);
-  EXPECT_TRUE(IsUnfiltered(Workspace(root_, MapType::kPhotometric), 1));
+  EXPECT_TRUE(Load(MapType::kPhotometric).is_unfiltered);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include "colmap_tsar/pipeline/reduce_hypotheses.h"
 
 #include <cmath>
-#include <cstring>
 #include <vector>
 
+#include "tests/support/same_bytes.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/synthetic_views.h"
 #include <gtest/gtest.h>
@@ -27,13 +27,6 @@ ViewData FlatView(int width, int height, float depth) {
   view.normal = Image<Vec3f>(width, height, Vec3f{0.f, 0.f, -1.f});
   view.is_to_refine = Image<uint8_t>(width, height, 1);
   return view;
-}
-
-template <typename T>
-bool SameBytes(const Image<T>& a, const Image<T>& b) {
-  return a.HasSizeOf(b) &&
-         (a.Empty() ||
-          std::memcmp(a.Data(), b.Data(), a.NumPixels() * sizeof(T)) == 0);
 }
 
 TEST(ReductionFactor, LeavesMapsUpToTheLimit) {

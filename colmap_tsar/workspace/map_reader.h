@@ -1,0 +1,97 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/vector.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tsar {
+
+struct MapSize {
+  int width = 0;
+  int height = 0;
+  int channels = 0;
+
+  size_t NumPixels() const {
+    return static_cast<size_t>(width) * static_cast<size_t>(height);
+  }
+};
+
+// An open map (see map_io.h), of which any part can be read: maps of hundreds
+// of megabytes then pass through the processor's cache instead of through
+// memory. Pixels are counted row by row. The file stays the same one when
+// another takes its name.
+class MapReader {
+ public:
+  // Throws what the readers of map_io.h throw.
+  explicit MapReader(const std::filesystem::path& path);
+
+  const MapSize& Size() const { return size_; }
+  // Throws kCorrupt. kind: for the message, as "a depth map".
+  void RequireChannels(int channels, const char* kind) const;
+
+  // Values of one channel from the given pixel on. Throws kCorrupt where the
+  // file has become shorter.
+  void Read(int channel, size_t first_pixel, std::span<float> values);
+
+ private:
+  void ReadHeader(uintmax_t num_bytes);
+
+  std::filesystem::path path_;
+  std::unique_ptr<InputFile> file_;
+  MapSize size_;
+  size_t header_size_ = 0;
+};
+
+// A MapReader that makes of depths that are negative, NaN or infinite 0.
+class DepthMapReader {
+ public:
+  explicit DepthMapReader(const std::filesystem::path& path);
+
+  const MapSize& Size() const { return reader_.Size(); }
+  void Read(size_t first_pixel, std::span<float> depths);
+  // NaN and infinite values among those that were read.
+  int64_t NumNotFinite() const { return num_not_finite_; }
+
+ private:
+  MapReader reader_;
+  int64_t num_not_finite_ = 0;
+};
+
+// A MapReader that makes of normals with an element that is NaN or infinite
+// (0, 0, 0).
+class NormalMapReader {
+ public:
+  explicit NormalMapReader(const std::filesystem::path& path);
+
+  const MapSize& Size() const { return reader_.Size(); }
+  void Read(size_t first_pixel, std::span<Vec3f> normals);
+  // Normals that were not finite among those that were read.
+  int64_t NumNotFinite() const { return num_not_finite_; }
+
+ private:
+  MapReader reader_;
+  std::array<std::vector<float>, 3> channels_;
+  int64_t num_not_finite_ = 0;
+};
+
+// Calls function(first, count) for consecutive pieces of [0, num_pixels) that
+// stay in the processor's cache.
+template <typename Function>
+void ForEachPiece(size_t num_pixels, const Function& function) {
+  constexpr size_t kPiece = size_t{1} << 13;
+  for (size_t first = 0; first < num_pixels; first += kPiece) {
+    function(first, num_pixels - first < kPiece ? num_pixels - first : kPiece);
+  }
+}
+
+}  // namespace tsar
