@@ -366,23 +366,25 @@ class SceneModeler {
           views_.size(),
           resources_.num_views,
           /*are_views=*/true,
-          function);
+          [&](size_t view, Device&) { function(view); });
   }
 
   void Visit(const std::string& name,
              size_t count,
              int max_at_a_time,
              bool are_views,
-             const std::function<void(size_t i)>& function) {
+             const std::function<void(size_t i, Device& cpu)>& function) {
     progress_.Start(static_cast<int>(count), pass_ + " " + name + ":");
-    ForEachView(
-        count, max_at_a_time, resources_.num_threads, [&](size_t i, Device&) {
-          if (!should_stop_()) {
-            function(i);
-            // The speed that it tells is one of images.
-            progress_.Advance(/*was_work=*/are_views);
-          }
-        });
+    ForEachView(count,
+                max_at_a_time,
+                resources_.num_threads,
+                [&](size_t i, Device& cpu) {
+                  if (!should_stop_()) {
+                    function(i, cpu);
+                    // The speed that it tells is one of images.
+                    progress_.Advance(/*was_work=*/are_views);
+                  }
+                });
     progress_.Finish();
   }
 

@@ -50,8 +50,9 @@ std::vector<ModelCylinder> FindByOutlines(
     return {};
   }
   std::vector<std::vector<ModelCylinder>> along(axes.size());
-  search.visit_axes("circles", axes.size(), [&](size_t axis) {
-    along[axis] = FindCylinders(outlines[axis], neighbours, axes[axis], {});
+  search.visit_axes("circles", axes.size(), [&](size_t axis, Device& cpu) {
+    along[axis] = FindCylinders(
+        outlines[axis], neighbours, axes[axis], {}, cpu.Threads());
     outlines[axis] = {};
   });
   std::vector<ModelCylinder> cylinders;

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/model_cylinder.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
@@ -20,7 +21,8 @@ namespace tsar {
 // threads, and not at all once the run is to stop.
 struct CylinderSearch {
   using OfView = std::function<void(size_t view, const ObservedView&)>;
-  using OfAxis = std::function<void(size_t axis)>;
+  // cpu: with the threads of this axis.
+  using OfAxis = std::function<void(size_t axis, Device& cpu)>;
 
   // For each view once, with all parts of its evidence, or with those for
   // neighbours.

@@ -16,17 +16,14 @@ BorderCosts::BorderCosts(const ViewEvidence& evidence,
                          float full_gap)
     : borders_(evidence.borders),
       resolution_(resolution),
-      full_gap_(full_gap),
-      num_planes_(static_cast<int>(planes.size())) {
-  constexpr auto kNumPixels = static_cast<size_t>(SuperpixelBorder::kNumPixels);
-  depths_.resize(borders_.size() * planes.size() * kNumPixels);
-  float* depth = depths_.data();
+      planes_(planes),
+      full_gap_(full_gap) {
+  rays_.reserve(borders_.size() *
+                static_cast<size_t>(SuperpixelBorder::kNumPixels));
   for (const SuperpixelBorder& border : borders_) {
-    for (const Plane& plane : planes) {
-      for (const int pixel : border.pixels) {
-        *depth++ = plane.Depth(
-            intrinsics.Ray(pixel % evidence.width, pixel / evidence.width));
-      }
+    for (const int pixel : border.pixels) {
+      rays_.push_back(
+          intrinsics.Ray(pixel % evidence.width, pixel / evidence.width));
     }
   }
 }
@@ -36,19 +33,23 @@ float BorderCosts::operator()(int edge, int a, int b) const {
     return 0.f;
   }
   const float weight = borders_[static_cast<size_t>(edge)].weight;
-  if (a == num_planes_ || b == num_planes_) {
+  if (static_cast<size_t>(std::max(a, b)) == planes_.size()) {
     return weight;
   }
-  const float* first = Depths(edge, a);
-  const float* second = Depths(edge, b);
+  const Plane& first = planes_[static_cast<size_t>(a)];
+  const Plane& second = planes_[static_cast<size_t>(b)];
+  const Vec3f* rays =
+      rays_.data() + static_cast<size_t>(edge) * SuperpixelBorder::kNumPixels;
   float sum = 0.f;
   for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
-    const float nearer = std::min(first[i], second[i]);
+    const float first_depth = first.Depth(rays[i]);
+    const float second_depth = second.Depth(rays[i]);
+    const float nearer = std::min(first_depth, second_depth);
     if (!(nearer > 0.f)) {
       sum += 1.f;
       continue;
     }
-    const float gap = std::abs(first[i] - second[i]) /
+    const float gap = std::abs(first_depth - second_depth) /
                       (nearer * resolution_.RelativeDepthError(nearer));
     sum += std::min(gap / full_gap_, 1.f);
   }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <vector>
@@ -13,7 +14,8 @@
 namespace tsar {
 
 // What a border between two superpixels costs for each pair of labels, of which
-// the last one is 'none'. Keeps a reference to the evidence.
+// the last one is 'none'. Keeps references to the evidence and the
+// planes.
 class BorderCosts {
  public:
   // full_gap: see LabelOptions.
@@ -27,19 +29,13 @@ class BorderCosts {
   float operator()(int edge, int a, int b) const;
 
  private:
-  const float* Depths(int edge, int plane) const {
-    return depths_.data() +
-           (static_cast<size_t>(edge) * static_cast<size_t>(num_planes_) +
-            static_cast<size_t>(plane)) *
-               SuperpixelBorder::kNumPixels;
-  }
-
   const std::vector<SuperpixelBorder>& borders_;
   DepthResolution resolution_;
+  const std::vector<Plane>& planes_;
   float full_gap_;
-  int num_planes_;
-  // Depths of each plane at the pixels of each border.
-  std::vector<float> depths_;
+  // Of the pixels of each border. Depths along them are computed when they are
+  // asked for: most planes are too dear for both superpixels.
+  std::vector<Vec3f> rays_;
 };
 
 }  // namespace tsar

@@ -36,14 +36,14 @@ std::vector<int> Seeds(const SurfaceCosts& costs) {
 
 // The surfaces that gain most come first.
 std::vector<GrownSurface> Candidates(const SurfaceCosts& costs,
-                                     const SurfaceGrower& grower) {
+                                     SurfaceGrower* grower) {
   std::vector<GrownSurface> candidates;
   std::vector<char> is_covered(static_cast<size_t>(costs.Count()), 0);
   for (const int seed : Seeds(costs)) {
     if (is_covered[static_cast<size_t>(seed)]) {
       continue;
     }
-    GrownSurface grown = grower.Grow(seed);
+    GrownSurface grown = grower->Grow(seed);
     if (grown.gain > 0.0) {
       for (const int s : grown.members) {
         is_covered[static_cast<size_t>(s)] = 1;
@@ -69,7 +69,7 @@ CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
   CurvedView result;
   result.labels.assign(static_cast<size_t>(costs.Count()), -1);
   result.evidence = labeled.evidence;
-  for (GrownSurface& grown : Candidates(costs, grower)) {
+  for (GrownSurface& grown : Candidates(costs, &grower)) {
     const bool is_touched =
         std::any_of(grown.members.begin(), grown.members.end(), [&](int s) {
           return grower.IsTaken(s);

@@ -42,7 +42,7 @@ class Discovery {
         options_(options),
         device_(&device),
         scorer_(observations, options.tolerance, device),
-        fitter_(observations, scorer_, options.tolerance) {}
+        fitter_(observations, scorer_, options.tolerance, device) {}
 
   std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
     ChooseCandidates(candidates);
@@ -108,7 +108,8 @@ class Discovery {
     bool improved = true;
     for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
       improved = false;
-      std::vector<Ranking> rankings = Rank(planes_, observations_.Count());
+      std::vector<Ranking> rankings =
+          Rank(planes_, observations_.Count(), device_->Threads());
       const std::vector<std::vector<int>> members =
           AssignedSuperpixels(rankings, planes_.size());
       std::vector<WorldPlane> fits(num_planes);
@@ -125,7 +126,7 @@ class Discovery {
         if (PlaneGain(fitted[p], best_of_others) >
             PlaneGain(planes_[p], best_of_others)) {
           std::swap(planes_[p], fitted[p]);
-          UpdateRankings(planes_, p, fitted[p], &rankings);
+          UpdateRankings(planes_, p, fitted[p], device_->Threads(), &rankings);
           improved = true;
         }
       }
@@ -134,7 +135,8 @@ class Discovery {
 
   // Aligns planes where that costs little of what is assigned to them.
   void AlignPlanes() {
-    const std::vector<Ranking> rankings = Rank(planes_, observations_.Count());
+    const std::vector<Ranking> rankings =
+        Rank(planes_, observations_.Count(), device_->Threads());
     const std::vector<std::vector<int>> members =
         AssignedSuperpixels(rankings, planes_.size());
     std::vector<MeasuredPlane> measured;
@@ -233,7 +235,8 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
     result.frame = reference.rotation.transpose() * frame->rotation;
   }
 
-  const std::vector<Ranking> rankings = Rank(planes, observations.Count());
+  const std::vector<Ranking> rankings =
+      Rank(planes, observations.Count(), device.Threads());
   std::vector<double> supports(planes.size(), 0.0);
   for (const Ranking& ranking : rankings) {
     if (ranking.planes[0] >= 0) {

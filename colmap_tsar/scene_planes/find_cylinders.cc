@@ -16,6 +16,8 @@ namespace tsar {
 namespace {
 
 constexpr int kFitRounds = 3;
+// Hypotheses that are fitted at a time.
+constexpr size_t kFitBatch = 64;
 
 // A view that shows both outlines of a circle.
 struct Support {
@@ -67,6 +69,15 @@ HeightRange HeightsOf(const OutlinePair& pair,
 
 double Squared(double x) { return x * x; }
 
+template <typename Function>
+void ForEach(size_t count, ThreadPool& threads, const Function& function) {
+  threads.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      function(static_cast<size_t>(i));
+    }
+  });
+}
+
 class CylinderFinder {
  public:
   CylinderFinder(const std::vector<OutlineView>& views,
@@ -74,14 +85,18 @@ class CylinderFinder {
                  const FindCylindersOptions& options)
       : views_(views), neighbours_(neighbours), options_(options) {}
 
-  std::vector<Hypothesis> FindHypotheses() const {
-    std::vector<Hypothesis> hypotheses;
-    for (size_t i = 0; i < views_.size(); ++i) {
+  std::vector<Hypothesis> FindHypotheses(ThreadPool& threads) const {
+    std::vector<std::vector<Hypothesis>> of_views(views_.size());
+    ForEach(of_views.size(), threads, [&](size_t i) {
       for (const size_t j : neighbours_[i]) {
         if (j > i) {
-          FindInTwo(i, j, &hypotheses);
+          FindInTwo(i, j, &of_views[i]);
         }
       }
+    });
+    std::vector<Hypothesis> hypotheses;
+    for (const std::vector<Hypothesis>& of_view : of_views) {
+      hypotheses.insert(hypotheses.end(), of_view.begin(), of_view.end());
     }
     std::stable_sort(hypotheses.begin(),
                      hypotheses.end(),
@@ -320,7 +335,8 @@ std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
     const std::vector<std::vector<size_t>>& neighbours,
     const AxisFrame& frame,
-    const FindCylindersOptions& options) {
+    const FindCylindersOptions& options,
+    ThreadPool& threads) {
   const CylinderFinder finder(views, neighbours, options);
   std::vector<ModelCylinder> cylinders;
   const auto is_taken = [&](const AxisCircle& circle,
@@ -329,14 +345,27 @@ std::vector<ModelCylinder> FindCylinders(
       return IsIn(other, frame, circle, heights);
     });
   };
-  for (const Hypothesis& hypothesis : finder.FindHypotheses()) {
-    if (is_taken(hypothesis.circle, hypothesis.heights)) {
-      continue;
-    }
-    for (const ModelCylinder& cylinder : finder.Fit(hypothesis, frame)) {
-      if (!is_taken({frame.Across(cylinder.point), cylinder.radius},
-                    {cylinder.min_height, cylinder.max_height})) {
-        cylinders.push_back(cylinder);
+  const std::vector<Hypothesis> hypotheses = finder.FindHypotheses(threads);
+  for (size_t begin = 0; begin < hypotheses.size(); begin += kFitBatch) {
+    const size_t count = std::min(kFitBatch, hypotheses.size() - begin);
+    std::vector<std::vector<ModelCylinder>> fits(count);
+    ForEach(count, threads, [&](size_t i) {
+      const Hypothesis& hypothesis = hypotheses[begin + i];
+      if (!is_taken(hypothesis.circle, hypothesis.heights)) {
+        fits[i] = finder.Fit(hypothesis, frame);
+      }
+    });
+    for (size_t i = 0; i < count; ++i) {
+      const Hypothesis& hypothesis = hypotheses[begin + i];
+      // By one of the same batch.
+      if (is_taken(hypothesis.circle, hypothesis.heights)) {
+        continue;
+      }
+      for (const ModelCylinder& cylinder : fits[i]) {
+        if (!is_taken({frame.Across(cylinder.point), cylinder.radius},
+                      {cylinder.min_height, cylinder.max_height})) {
+          cylinders.push_back(cylinder);
+        }
       }
     }
   }

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/scene_planes/axis_camera.h"
 #include "colmap_tsar/scene_planes/model_cylinder.h"
 #include "colmap_tsar/scene_planes/outline_pairs.h"
@@ -41,10 +42,12 @@ struct FindCylindersOptions {
 // Circular cylinders along the axis of `frame` whose outlines are among the
 // pairs of several views. neighbours: by view, the others that look at the same
 // things. Of cylinders that are in each other at the same heights, one remains.
+// The same for any number of threads.
 std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
     const std::vector<std::vector<size_t>>& neighbours,
     const AxisFrame& frame,
-    const FindCylindersOptions& options);
+    const FindCylindersOptions& options,
+    ThreadPool& threads);
 
 }  // namespace tsar

@@ -27,8 +27,10 @@ struct FittedSurface {
 
 // Least squares of the inverse depth with Cauchy weights. Nothing where the
 // superpixels do not tell a surface. members: superpixels of `costs`.
+// residuals: those of the members on it.
 std::optional<FittedSurface> FitCurvedSurface(const SurfaceCosts& costs,
-                                              const std::vector<int>& members);
+                                              const std::vector<int>& members,
+                                              std::vector<float>* residuals);
 
 // Whether the surface's depth is known at a superpixel's pixels, and possible.
 bool IsKnown(const FittedSurface& fitted,

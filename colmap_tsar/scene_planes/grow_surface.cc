@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -22,6 +21,15 @@ constexpr int kMaxRounds = 24;
 // walls, all over which it would grow else.
 constexpr int kFirstRounds = 2;
 
+// Whether there are measurements all around a point.
+bool IsSurrounded(const Vec3f& middle, const std::vector<Vec3f>& measured) {
+  DirectionSectors sectors;
+  for (const Vec3f& other : measured) {
+    sectors.Add(other.x - middle.x, other.y - middle.y);
+  }
+  return sectors.Count() >= DirectionSectors::kNumKnown;
+}
+
 }  // namespace
 
 SurfaceGrower::SurfaceGrower(const SurfaceCosts& costs)
@@ -31,9 +39,12 @@ void SurfaceGrower::Take(const std::vector<int>& superpixels) {
   for (const int s : superpixels) {
     taken_[static_cast<size_t>(s)] = 1;
   }
+  for (auto& [members, trial] : trials_) {
+    trial.parts.clear();
+  }
 }
 
-GrownSurface SurfaceGrower::Grow(int seed) const {
+GrownSurface SurfaceGrower::Grow(int seed) {
   GrownSurface grown;
   grown.seed = seed;
   if (IsTaken(seed)) {
@@ -48,14 +59,11 @@ GrownSurface SurfaceGrower::Grow(int seed) const {
   }
   std::sort(members.begin(), members.end());
   for (int round = 0; round < kMaxRounds; ++round) {
-    const std::optional<FittedSurface> fitted =
-        FitCurvedSurface(costs_, members);
-    if (!fitted || (round < kFirstRounds
-                        ? !BeatsPlanesAround(costs_, fitted->surface, members)
-                        : !Improves(costs_, fitted->surface, members))) {
+    Trials::value_type& tried = Try(members);
+    if (!IsBetter(round, &tried)) {
       return grown;
     }
-    std::vector<int> next = Connected(seed, *fitted, members);
+    std::vector<int> next = Next(seed, &tried);
     if (next == members) {
       break;
     }
@@ -64,45 +72,87 @@ GrownSurface SurfaceGrower::Grow(int seed) const {
     }
     members = std::move(next);
   }
-  const std::optional<FittedSurface> fitted = FitCurvedSurface(costs_, members);
-  if (!fitted) {
-    return grown;
+  Trials::value_type& tried = Try(members);
+  if (!tried.second.finished) {
+    tried.second.finished = Finish(tried);
   }
-  std::vector<int> kept = Keep(*fitted, members);
-  if (static_cast<int>(kept.size()) < costs_.Options().min_superpixels) {
-    return grown;
-  }
-  members = std::move(kept);
-  const std::optional<FittedSurface> refitted =
-      FitCurvedSurface(costs_, members);
-  if (refitted && IsSound(costs_, *refitted, members)) {
-    grown.fitted = *refitted;
-    grown.gain = CriterionGain(costs_, refitted->surface, members);
-  }
+  grown = *tried.second.finished;
+  grown.seed = seed;
   return grown;
 }
 
+SurfaceGrower::Trials::value_type& SurfaceGrower::Try(
+    std::vector<int> members) {
+  const auto [tried, is_new] = trials_.try_emplace(std::move(members));
+  if (is_new) {
+    Trial& trial = tried->second;
+    trial.fitted = FitCurvedSurface(costs_, tried->first, &trial.residuals);
+  }
+  return *tried;
+}
+
+bool SurfaceGrower::IsBetter(int round, Trials::value_type* tried) const {
+  auto& [members, trial] = *tried;
+  if (!trial.fitted) {
+    return false;
+  }
+  std::optional<bool>& is_better =
+      round < kFirstRounds ? trial.beats_planes_around : trial.improves;
+  if (!is_better) {
+    is_better = round < kFirstRounds
+                    ? BeatsPlanesAround(costs_, members, trial.residuals)
+                    : Improves(costs_, members, trial.residuals);
+  }
+  return *is_better;
+}
+
+// As Connected(). Whatever hangs together with a seed does so with any other of
+// the members that are part of it.
+std::vector<int> SurfaceGrower::Next(int seed,
+                                     Trials::value_type* tried) const {
+  std::vector<std::vector<int>>& parts = tried->second.parts;
+  const auto found =
+      std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
+        return std::binary_search(part.begin(), part.end(), seed);
+      });
+  if (found != parts.end()) {
+    return *found;
+  }
+  std::vector<int> part = Connected(seed, *tried);
+  if (!part.empty()) {
+    parts.push_back(part);
+  }
+  return part;
+}
+
 // The measured superpixels that the surface explains about as well as what
-// they have, as far as they hang together with the seed, one ring around the
-// present ones at most.
+// they have, as far as they hang together with the seed, which is a member, one
+// ring around the present ones at most.
 std::vector<int> SurfaceGrower::Connected(
-    int seed,
-    const FittedSurface& fitted,
-    const std::vector<int>& members) const {
+    int seed, const Trials::value_type& tried) const {
+  const auto& [members, trial] = tried;
+  const FittedSurface& fitted = *trial.fitted;
+  std::vector<char> is_member(static_cast<size_t>(costs_.Count()), 0);
+  std::vector<float> residuals(static_cast<size_t>(costs_.Count()));
+  for (size_t i = 0; i < members.size(); ++i) {
+    is_member[static_cast<size_t>(members[i])] = 1;
+    residuals[static_cast<size_t>(members[i])] = trial.residuals[i];
+  }
   const auto holds = [&](int s) {
     const Superpixel& superpixel = costs_.At(s);
-    return superpixel.IsMeasured() && !IsTaken(s) &&
-           costs_.Residual(superpixel, fitted.surface) <=
-               costs_.Options().max_residual_of_superpixel &&
+    if (!superpixel.IsMeasured() || IsTaken(s)) {
+      return false;
+    }
+    const float residual =
+        is_member[static_cast<size_t>(s)]
+            ? residuals[static_cast<size_t>(s)]
+            : costs_.Measure(superpixel, fitted.surface).residual;
+    return residual <= costs_.Options().max_residual_of_superpixel &&
            IsKnown(fitted, costs_, superpixel) &&
-           costs_.Cost(superpixel, fitted.surface) <=
-               superpixel.cost +
+           costs_.Cost(superpixel, fitted.surface, residual) <=
+               costs_.PresentCost(s) +
                    costs_.Options().growth_slack * superpixel.weight;
   };
-  std::vector<char> is_member(static_cast<size_t>(costs_.Count()), 0);
-  for (const int s : members) {
-    is_member[static_cast<size_t>(s)] = 1;
-  }
   std::vector<char> is_seen(static_cast<size_t>(costs_.Count()), 0);
   std::vector<int> result;
   if (!holds(seed)) {
@@ -130,27 +180,72 @@ std::vector<int> SurfaceGrower::Connected(
   return result;
 }
 
+GrownSurface SurfaceGrower::Finish(const Trials::value_type& tried) {
+  GrownSurface grown;
+  grown.members = tried.first;
+  if (!tried.second.fitted) {
+    return grown;
+  }
+  std::vector<int> kept = Keep(tried.first, CostsOn(tried));
+  if (static_cast<int>(kept.size()) < costs_.Options().min_superpixels) {
+    return grown;
+  }
+  const Trials::value_type& refitted = Try(std::move(kept));
+  grown.members = refitted.first;
+  const Trial& trial = refitted.second;
+  if (trial.fitted &&
+      IsSound(costs_, *trial.fitted, grown.members, trial.residuals)) {
+    grown.fitted = *trial.fitted;
+    grown.gain = CriterionGain(costs_, grown.members, CostsOn(refitted));
+  }
+  return grown;
+}
+
+std::vector<float> SurfaceGrower::CostsOn(
+    const Trials::value_type& tried) const {
+  const auto& [members, trial] = tried;
+  std::vector<float> costs;
+  for (size_t i = 0; i < members.size(); ++i) {
+    costs.push_back(costs_.Cost(
+        costs_.At(members[i]), trial.fitted->surface, trial.residuals[i]));
+  }
+  return costs;
+}
+
 // Of the members with each plane those that the surface explains better, or
-// all where none of the plane is left then, and it pays.
-std::vector<int> SurfaceGrower::Keep(const FittedSurface& fitted,
-                                     const std::vector<int>& members) const {
+// all where none of the plane is left then, and it pays. costs: of the members
+// on the surface.
+std::vector<int> SurfaceGrower::Keep(const std::vector<int>& members,
+                                     const std::vector<float>& costs) const {
+  struct Share {
+    std::vector<int> members;
+    double increase = 0.0;  // Of what these cost.
+
+    void Add(int s, double cost) {
+      members.push_back(s);
+      increase += cost;
+    }
+  };
   const double saving = CostOfPlane(costs_, members);
   std::vector<int> kept;
   for (int k = -1; k < costs_.NumPlanes(); ++k) {
-    std::vector<int> all;
-    std::vector<int> better;
-    for (const int s : members) {
-      if (costs_.LabelOf(s) == k) {
-        all.push_back(s);
-        if (costs_.Cost(costs_.At(s), fitted.surface) < costs_.At(s).cost) {
-          better.push_back(s);
-        }
+    Share all;
+    Share better;
+    for (size_t i = 0; i < members.size(); ++i) {
+      const int s = members[i];
+      if (costs_.LabelOf(s) != k) {
+        continue;
+      }
+      const float present = costs_.PresentCost(s);
+      const double increase = static_cast<double>(costs[i]) - present;
+      all.Add(s, increase);
+      if (costs[i] < present) {
+        better.Add(s, increase);
       }
     }
-    const bool pays = k >= 0 && IsWhole(costs_, k, all) &&
-                      CostIncrease(costs_, fitted.surface, all) - saving <
-                          CostIncrease(costs_, fitted.surface, better);
-    const std::vector<int>& chosen = pays ? all : better;
+    const bool pays = k >= 0 && IsWhole(costs_, k, all.members.size()) &&
+                      all.increase - saving < better.increase;
+    const std::vector<int>& chosen = pays ? all.members : better.members;
     kept.insert(kept.end(), chosen.begin(), chosen.end());
   }
   std::sort(kept.begin(), kept.end());
@@ -198,6 +293,10 @@ void SurfaceGrower::FillBetween(GrownSurface* surface) const {
   for (const int s : measured) {
     replaced.insert(costs_.LabelOf(s));
   }
+  std::vector<Vec3f> middles;
+  for (const int s : measured) {
+    middles.push_back(costs_.MiddleOf(s));
+  }
   std::vector<int>& members = surface->members;
   for (size_t i = 0; i < members.size(); ++i) {
     // Not a reference: the list grows.
@@ -211,24 +310,14 @@ void SurfaceGrower::FillBetween(GrownSurface* surface) const {
       if (!costs_.At(t).IsMeasured() && !IsTaken(t) &&
           (costs_.LabelOf(t) < 0 ? !costs_.OpposesRegion(t, fitted.surface)
                                  : replaced.count(costs_.LabelOf(t)) > 0) &&
-          IsSurrounded(costs_.At(t), measured) &&
+          IsSurrounded(costs_.MiddleOf(t), middles) &&
           IsKnown(fitted, costs_, costs_.At(t)) &&
-          costs_.Cost(costs_.At(t), fitted.surface) <= costs_.At(t).cost) {
+          costs_.Cost(costs_.At(t), fitted.surface) <= costs_.PresentCost(t)) {
         members.push_back(t);
       }
     }
   }
   std::sort(members.begin(), members.end());
-}
-
-bool SurfaceGrower::IsSurrounded(const Superpixel& superpixel,
-                                 const std::vector<int>& measured) const {
-  DirectionSectors sectors;
-  for (const int s : measured) {
-    sectors.Add(costs_.At(s).middle.x - superpixel.middle.x,
-                costs_.At(s).middle.y - superpixel.middle.y);
-  }
-  return sectors.Count() >= DirectionSectors::kNumKnown;
 }
 
 }  // namespace tsar

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace tsar {
@@ -20,10 +21,12 @@ struct LabelGraph {
   // Pairs of different nodes; the same two may have several edges.
   std::vector<std::array<int, 2>> edges;
   // The cost of an edge whose first node has label a and whose second has label
-  // b, equal labels too; the same whenever it is asked for, which is four times
-  // per edge and label of a sweep. A function, since a table of all pairs of
-  // labels would take hundreds of megabytes.
+  // b, equal labels too; the same whenever it is asked for. A function, since a
+  // table of all pairs of labels would take hundreds of megabytes.
   std::function<float(int edge, int a, int b)> pairwise;
+  // No edge costs less, whatever its labels. The more is known, the fewer edges
+  // are asked for their costs; the result is the same.
+  float min_pairwise = -std::numeric_limits<float>::infinity();
 };
 
 struct ExpansionOptions {

@@ -107,7 +107,7 @@ class PlaneMerger {
   // In proportion to what it may cost; nothing where none is worth it.
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings =
-        Rank(planes_, fitter_.Observations().Count());
+        Rank(planes_, fitter_.Observations().Count(), threads_);
     const int num_planes = static_cast<int>(planes_.size());
     Losses losses(planes_.size());
     for (const Ranking& ranking : rankings) {

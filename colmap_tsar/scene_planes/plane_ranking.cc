@@ -3,7 +3,9 @@
 
 #include "colmap_tsar/scene_planes/plane_ranking.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 namespace tsar {
@@ -39,19 +41,35 @@ bool Ranking::ChangeScore(int plane, float score) {
 }
 
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
-                          int num_superpixels) {
+                          int num_superpixels,
+                          ThreadPool& threads) {
   std::vector<Ranking> rankings(num_superpixels);
-  for (size_t p = 0; p < planes.size(); ++p) {
-    for (const int k : planes[p].superpixels) {
-      rankings[k].Offer(static_cast<int>(p), planes[p].scores[k]);
+  const auto rank = [&](int begin, int end) {
+    for (size_t p = 0; p < planes.size(); ++p) {
+      const std::vector<int>& superpixels = planes[p].superpixels;
+      for (auto k =
+               std::lower_bound(superpixels.begin(), superpixels.end(), begin);
+           k != superpixels.end() && *k < end;
+           ++k) {
+        rankings[*k].Offer(static_cast<int>(p), planes[p].scores[*k]);
+      }
     }
-  }
+  };
+  // Each part is sought in the lists of all planes.
+  constexpr int kPartSize = 512;
+  threads.Run(
+      (num_superpixels + kPartSize - 1) / kPartSize,
+      [&](int64_t begin, int64_t end) {
+        rank(static_cast<int>(begin) * kPartSize,
+             std::min(static_cast<int>(end) * kPartSize, num_superpixels));
+      });
   return rankings;
 }
 
 void UpdateRankings(const std::vector<ScoredPlane>& planes,
                     int changed,
                     const ScoredPlane& before,
+                    ThreadPool& threads,
                     std::vector<Ranking>* rankings) {
   const ScoredPlane& plane = planes[changed];
   const auto update = [&](int k) {
@@ -63,14 +81,21 @@ void UpdateRankings(const std::vector<ScoredPlane>& planes,
       }
     }
   };
-  for (const int k : before.superpixels) {
-    update(k);
-  }
-  for (const int k : plane.superpixels) {
+  const auto for_each = [&](const std::vector<int>& superpixels,
+                            const auto& function) {
+    threads.Run(static_cast<int64_t>(superpixels.size()),
+                [&](int64_t begin, int64_t end) {
+                  std::for_each(superpixels.begin() + begin,
+                                superpixels.begin() + end,
+                                function);
+                });
+  };
+  for_each(before.superpixels, update);
+  for_each(plane.superpixels, [&](int k) {
     if (!(before.scores[k] > 0.f)) {
       update(k);
     }
-  }
+  });
 }
 
 std::vector<std::vector<int>> AssignedSuperpixels(

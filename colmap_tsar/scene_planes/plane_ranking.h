@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
 
 #include <algorithm>
@@ -32,12 +33,14 @@ struct Ranking {
 };
 
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
-                          int num_superpixels);
+                          int num_superpixels,
+                          ThreadPool& threads);
 
 // Follows the change of one plane.
 void UpdateRankings(const std::vector<ScoredPlane>& planes,
                     int changed,
                     const ScoredPlane& before,
+                    ThreadPool& threads,
                     std::vector<Ranking>* rankings);
 
 // The superpixels of each plane: each belongs to its best one.

@@ -128,8 +128,8 @@ PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
                               kSize);
   }
   std::vector<ObservationBlock> blocks(first_block.back());
-  std::vector<Ball> balls;
-  for (int k = 0; k < num_superpixels_; ++k) {
+  std::vector<Ball> balls(num_superpixels_);
+  const auto fill = [&](int k) {
     Eigen::AlignedBox3d box;
     double reach = 0.0;
     for (int i = 0; i < observations.NumObservations(k); ++i) {
@@ -149,8 +149,13 @@ PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
       box.extend(observation.Point());
       reach = std::max(reach, observation.sigma * tolerance * length);
     }
-    balls.push_back(BallAround(box, kReachMargin * reach));
-  }
+    balls[k] = BallAround(box, kReachMargin * reach);
+  };
+  device.Threads().Run(num_superpixels_, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      fill(static_cast<int>(k));
+    }
+  });
   blocks_ = Buffer<ObservationBlock>(device, blocks);
   first_block_ = Buffer<int>(device, first_block);
   balls_ = Buffer<Ball>(device, balls);
@@ -216,15 +221,24 @@ ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
 }
 
 std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
-                                     const std::vector<WorldPlane>& planes) {
-  const std::vector<float> scores = scorer.Score(planes).ToHost();
-  std::vector<ScoredPlane> scored;
-  auto row = scores.begin();
-  for (const WorldPlane& plane : planes) {
-    scored.emplace_back(plane,
-                        std::vector<float>(row, row + scorer.NumSuperpixels()));
-    row += scorer.NumSuperpixels();
-  }
+                                     const std::vector<WorldPlane>& planes,
+                                     Device& device) {
+  const Buffer<float> scores = scorer.Score(planes);
+  const auto num_superpixels = static_cast<size_t>(scorer.NumSuperpixels());
+  std::vector<ScoredPlane> scored(planes.size());
+  device.Threads().Run(
+      static_cast<int64_t>(planes.size()), [&](int64_t begin, int64_t end) {
+        for (int64_t p = begin; p < end; ++p) {
+          const auto place = static_cast<size_t>(p);
+          std::vector<float> row(num_superpixels);
+          if (!row.empty()) {
+            device.CopyToHost(row.data(),
+                              scores.Data() + place * num_superpixels,
+                              num_superpixels * sizeof(float));
+          }
+          scored[place] = ScoredPlane(planes[place], std::move(row));
+        }
+      });
   return scored;
 }
 

@@ -77,7 +77,9 @@ struct ScoredPlane {
   std::vector<int> superpixels;
 };
 
+// device: the scorer's.
 std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
-                                     const std::vector<WorldPlane>& planes);
+                                     const std::vector<WorldPlane>& planes,
+                                     Device& device);
 
 }  // namespace tsar

@@ -19,11 +19,15 @@ inline constexpr double kCauchyShare = 0.5;
 // Fits planes to what superpixels of several views observed. Keeps pointers.
 class SuperpixelPlaneFitter {
  public:
-  // tolerance: see DiscoverPlanesOptions.
+  // tolerance: see DiscoverPlanesOptions; device: the scorer's.
   SuperpixelPlaneFitter(const SuperpixelObservations& observations,
                         const PlaneScorer& scorer,
-                        double tolerance)
-      : observations_(&observations), scorer_(&scorer), tolerance_(tolerance) {}
+                        double tolerance,
+                        Device& device)
+      : observations_(&observations),
+        scorer_(&scorer),
+        tolerance_(tolerance),
+        device_(&device) {}
 
   const SuperpixelObservations& Observations() const { return *observations_; }
   double Tolerance() const { return tolerance_; }
@@ -38,7 +42,7 @@ class SuperpixelPlaneFitter {
   WorldPlane Fit(const WorldPlane& initial, const FitSamples& samples) const;
 
   std::vector<ScoredPlane> Score(const std::vector<WorldPlane>& planes) const {
-    return ScorePlanes(*scorer_, planes);
+    return ScorePlanes(*scorer_, planes, *device_);
   }
   ScoredPlane ScoreOne(const WorldPlane& plane) const;
 
@@ -46,6 +50,7 @@ class SuperpixelPlaneFitter {
   const SuperpixelObservations* observations_;
   const PlaneScorer* scorer_;
   double tolerance_;
+  Device* device_;
 };
 
 }  // namespace tsar

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
-#include <set>
 
 namespace tsar {
 namespace {
@@ -32,74 +30,64 @@ double CostOfParameter(const SurfaceCosts& costs,
       std::log(std::max(weight / costs.Options().pixels_per_observation, 2.0)));
 }
 
-// The planes of superpixels and of their neighbours.
-std::vector<CurvedSurface> PlanesAround(const SurfaceCosts& costs,
-                                        const std::vector<int>& superpixels) {
-  std::set<int> labels;
+// The planes of superpixels and of their neighbours, ascending.
+std::vector<int> PlanesAround(const SurfaceCosts& costs,
+                              const std::vector<int>& superpixels) {
+  std::vector<char> is_around(static_cast<size_t>(costs.NumPlanes()), 0);
+  const auto add = [&](int s) {
+    if (costs.LabelOf(s) >= 0) {
+      is_around[static_cast<size_t>(costs.LabelOf(s))] = 1;
+    }
+  };
   for (const int s : superpixels) {
-    labels.insert(costs.LabelOf(s));
+    add(s);
     for (const int t : costs.At(s).neighbors) {
-      labels.insert(costs.LabelOf(t));
+      add(t);
     }
   }
-  labels.erase(-1);
-  std::vector<CurvedSurface> planes;
-  for (const int label : labels) {
-    planes.push_back(costs.PlaneSurface(label));
+  std::vector<int> planes;
+  for (int k = 0; k < costs.NumPlanes(); ++k) {
+    if (is_around[static_cast<size_t>(k)]) {
+      planes.push_back(k);
+    }
   }
   return planes;
 }
 
 }  // namespace
 
-double CostIncrease(const SurfaceCosts& costs,
-                    const CurvedSurface& surface,
-                    const std::vector<int>& superpixels) {
-  double loss = 0.0;
-  for (const int s : superpixels) {
-    loss += static_cast<double>(costs.Cost(costs.At(s), surface)) -
-            costs.At(s).cost;
-  }
-  return loss;
-}
-
 double CostOfPlane(const SurfaceCosts& costs, const std::vector<int>& members) {
   return kNumParametersOfPlane * CostOfParameter(costs, members);
 }
 
-bool IsWhole(const SurfaceCosts& costs,
-             int plane,
-             const std::vector<int>& superpixels) {
-  size_t count = 0;
-  for (int s = 0; s < costs.Count(); ++s) {
-    count += costs.LabelOf(s) == plane && costs.At(s).IsMeasured() ? 1u : 0u;
-  }
-  return count > 0 && superpixels.size() == count;
+bool IsWhole(const SurfaceCosts& costs, int plane, size_t num_superpixels) {
+  return num_superpixels > 0 &&
+         num_superpixels == static_cast<size_t>(costs.NumMeasured(plane));
 }
 
 bool Improves(const SurfaceCosts& costs,
-              const CurvedSurface& surface,
-              const std::vector<int>& members) {
+              const std::vector<int>& members,
+              const std::vector<float>& residuals) {
   double fall = 0.0;
   double weight = 0.0;
-  for (const int s : members) {
-    const Superpixel& superpixel = costs.At(s);
-    fall += superpixel.weight *
-            (superpixel.residual - costs.Residual(superpixel, surface));
+  for (size_t i = 0; i < members.size(); ++i) {
+    const Superpixel& superpixel = costs.At(members[i]);
+    fall += superpixel.weight * (superpixel.residual - residuals[i]);
     weight += superpixel.weight;
   }
   return fall > costs.Options().min_improvement * weight;
 }
 
 bool BeatsPlanesAround(const SurfaceCosts& costs,
-                       const CurvedSurface& surface,
-                       const std::vector<int>& members) {
-  const std::vector<CurvedSurface> planes = PlanesAround(costs, members);
+                       const std::vector<int>& members,
+                       const std::vector<float>& residuals) {
+  const std::vector<int> planes = PlanesAround(costs, members);
   double fall = 0.0;
   double weight = 0.0;
-  for (const int s : members) {
-    fall += costs.At(s).weight * (costs.ResidualOfNearest(costs.At(s), planes) -
-                                  costs.Residual(costs.At(s), surface));
+  for (size_t i = 0; i < members.size(); ++i) {
+    const int s = members[i];
+    fall += costs.At(s).weight *
+            (costs.ResidualOfNearest(s, planes) - residuals[i]);
     weight += costs.At(s).weight;
   }
   return fall >= costs.Options().min_improvement * weight;
@@ -107,19 +95,19 @@ bool BeatsPlanesAround(const SurfaceCosts& costs,
 
 bool IsSound(const SurfaceCosts& costs,
              const FittedSurface& fitted,
-             const std::vector<int>& members) {
+             const std::vector<int>& members,
+             const std::vector<float>& residuals) {
   double residual = 0.0;
   double weight = 0.0;
-  for (const int s : members) {
-    residual +=
-        costs.At(s).weight * costs.Residual(costs.At(s), fitted.surface);
-    weight += costs.At(s).weight;
+  for (size_t i = 0; i < members.size(); ++i) {
+    residual += costs.At(members[i]).weight * residuals[i];
+    weight += costs.At(members[i]).weight;
   }
   const float* c = fitted.surface.coefficients;
   const float sagitta =
       (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / c[0];
   return residual <= costs.Options().max_residual * weight &&
-         BeatsPlanesAround(costs, fitted.surface, members) && c[0] > 0.f &&
+         BeatsPlanesAround(costs, members, residuals) && c[0] > 0.f &&
          sagitta <= costs.Options().max_sagitta &&
          std::all_of(members.begin(), members.end(), [&](int s) {
            return IsKnown(fitted, costs, costs.At(s));
@@ -127,19 +115,22 @@ bool IsSound(const SurfaceCosts& costs,
 }
 
 double CriterionGain(const SurfaceCosts& costs,
-                     const CurvedSurface& surface,
-                     const std::vector<int>& members) {
+                     const std::vector<int>& members,
+                     const std::vector<float>& surface_costs) {
   const double cost_of_parameter = CostOfParameter(costs, members);
-  double gain = -CostIncrease(costs, surface, members) -
-                FittedSurface::kNumParameters * cost_of_parameter -
+  double loss = 0.0;
+  std::vector<size_t> num_of_plane(static_cast<size_t>(costs.NumPlanes()), 0);
+  for (size_t i = 0; i < members.size(); ++i) {
+    const int s = members[i];
+    loss += static_cast<double>(surface_costs[i]) - costs.PresentCost(s);
+    if (costs.LabelOf(s) >= 0) {
+      ++num_of_plane[static_cast<size_t>(costs.LabelOf(s))];
+    }
+  }
+  double gain = -loss - FittedSurface::kNumParameters * cost_of_parameter -
                 ToCost(costs, costs.Options().min_gain);
   for (int k = 0; k < costs.NumPlanes(); ++k) {
-    std::vector<int> of_plane;
-    std::copy_if(members.begin(),
-                 members.end(),
-                 std::back_inserter(of_plane),
-                 [&](int s) { return costs.LabelOf(s) == k; });
-    if (IsWhole(costs, k, of_plane)) {
+    if (IsWhole(costs, k, num_of_plane[static_cast<size_t>(k)])) {
       gain += kNumParametersOfPlane * cost_of_parameter;
     }
   }

@@ -86,6 +86,22 @@ struct SuperpixelVotes {
   int num_impossible = 0;  // Tests where the surface has no depth.
 };
 
+// Adds the votes of several views on one point.
+TSAR_HD inline void AddVotes(const ObservedSource* sources,
+                             int num_sources,
+                             const Vec3f& point,
+                             const VoteLimits& limits,
+                             SuperpixelVotes* sum) {
+  Votes votes;
+  for (int j = 0; j < num_sources; ++j) {
+    AddVote(sources[j], point, limits, &votes);
+  }
+  sum->votes.confirmed +=
+      votes.confirmed < kMaxVotes ? votes.confirmed : kMaxVotes;
+  sum->votes.contradicted +=
+      votes.contradicted < kMaxVotes ? votes.contradicted : kMaxVotes;
+}
+
 // bool point_at(int number, Vec3f* point): the surface's point at one of the
 // superpixel's pixels, false where it has none.
 template <typename PointAt>
@@ -103,14 +119,7 @@ TSAR_HD SuperpixelVotes CollectVotes(int num_pixels,
       ++sum.num_impossible;
       continue;
     }
-    Votes votes;
-    for (int j = 0; j < num_sources; ++j) {
-      AddVote(sources[j], point, limits, &votes);
-    }
-    sum.votes.confirmed +=
-        votes.confirmed < kMaxVotes ? votes.confirmed : kMaxVotes;
-    sum.votes.contradicted +=
-        votes.contradicted < kMaxVotes ? votes.contradicted : kMaxVotes;
+    AddVotes(sources, num_sources, point, limits, &sum);
   }
   return sum;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,9 @@ CylinderSearch SearchIn(const DrawnViews& drawn) {
   };
   search.visit = search.visit_all;
   search.visit_axes = [](const auto&, size_t num_axes, const auto& function) {
+    const std::unique_ptr<Device> cpu = Device::CreateCpu(2);
     for (size_t axis = 0; axis < num_axes; ++axis) {
-      function(axis);
+      function(axis, *cpu);
     }
   };
   search.should_stop = [] { return false; };

@@ -315,6 +315,42 @@ TEST(LabelGraphTest, StopsWhereNothingChanges) {
   EXPECT_EQ(num_asked, num_asked_in_50);
 }
 
+// Numbers of which few sums are equal.
+TEST(LabelGraphTest, LooksAtFewerEdgesWhereTheirLeastCostIsKnown) {
+  Philox random(11, 0, 0);
+  int64_t num_asked = 0;
+  std::array<int64_t, 2> num_asked_by = {0, 0};
+  for (int trial = 0; trial < 100; ++trial) {
+    LabelGraph graph = DrawNodes(60, 12, &random);
+    for (float& cost : graph.unary) {
+      cost = 100.f * random.NextFloat();
+    }
+    AddEdges(
+        150,
+        [&] {
+          Table table = trial % 2 == 0 ? DrawMetricTable(12, &random)
+                                       : DrawAnyTable(12, &random);
+          for (float& cost : table) {
+            cost *= 0.5f + random.NextFloat();
+          }
+          return table;
+        },
+        &random,
+        &graph);
+    graph.pairwise = [&, costs = graph.pairwise](int edge, int a, int b) {
+      ++num_asked;
+      return costs(edge, a, b);
+    };
+    const Labels initial = DrawLabels(graph, &random);
+    const Labels labels = MinimizeByExpansion(graph, kUntilRest, initial);
+    num_asked_by[0] += std::exchange(num_asked, 0);
+    graph.min_pairwise = trial % 2 == 0 ? 0.f : -3.f;
+    EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, initial), labels);
+    num_asked_by[1] += std::exchange(num_asked, 0);
+  }
+  EXPECT_LT(3 * num_asked_by[1], 2 * num_asked_by[0]);
+}
+
 TEST(LabelGraphTest, KeepsLabelsThatAreAsGood) {
   LabelGraph graph;
   graph.num_nodes = 4;

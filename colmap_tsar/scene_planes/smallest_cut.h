@@ -1,0 +1,28 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// Two nodes that would rather switch together: the cost of the first one
+// staying while the second one switches.
+struct CutEdge {
+  int first = 0;
+  int second = 0;
+  int64_t cost = 0;  // Not below 0.
+};
+
+// For each node 1 where it switches and 0 where it stays, so that the sum of
+// to_switch of those that switch and of the costs of the edges is the least,
+// and of all sets that are best the smallest one switches. By a minimum cut
+// (Boykov and Kolmogorov, "An Experimental Comparison of Min-Cut/Max-Flow
+// Algorithms for Energy Minimization in Vision", PAMI 2004). No sum may
+// overflow.
+std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
+                                     const std::vector<CutEdge>& edges);
+
+}  // namespace tsar
