@@ -15,10 +15,6 @@
 
 namespace tsar {
 
-// The sources that this asks, at most: more cost time and memory, and see the
-// surface from farther away.
-constexpr int kMaxPhotometricSources = 8;
-
 // Restores what stands off its surface by less than the spread of measured
 // depths, which composition smooths onto the surface: posters, doors and
 // mouldings. Measured pixels with texture move by the mean offset that the

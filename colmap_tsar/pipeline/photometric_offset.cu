@@ -10,6 +10,7 @@
 #include "colmap_tsar/noise/window_variance.cuh"
 
 #include <cmath>
+#include <cstdint>
 
 namespace tsar {
 namespace {
@@ -54,6 +55,10 @@ struct OffsetCurve {
                             : 0.f);
   }
 };
+
+TSAR_HD inline bool IsAtEnd(int offset) {
+  return offset == 0 || offset == kNumOffsets - 1;
+}
 
 // Sums over sources of the products of e, the motion of a pixel along its
 // epipolar line by a pixel of disparity: gradients' information about it.
@@ -111,40 +116,49 @@ struct OffsetKernel {
     }
     const float unexplained =
         kModelError + 2.f * noise_variance / patch.GrayVariance();
-    OffsetCurve halves[2];
+    // Cheap tests first: most pixels that have no offset of their own fail one.
     EpipolarMotion motion;
+    uint32_t seen = 0;
+    static_assert(kMaxPhotometricSources <= 32);
     int num_seen = 0;
     for (int s = 0; s < num_sources; ++s) {
       if (AddMotion(sources[s], ray, own, &motion)) {
-        AddCurve(
-            sources[s], patch, plane, own, unexplained, &halves[num_seen % 2]);
+        seen |= uint32_t{1} << s;
         ++num_seen;
       }
     }
-    if (num_seen < options.min_num_sources) {
+    if (num_seen < options.min_num_sources || !IsAmidTexture(x, y, motion)) {
       return 0.f;
+    }
+    OffsetCurve halves[2];
+    float peaks[2];
+    for (int half = 0; half < 2; ++half) {
+      int num_passed = 0;
+      for (int s = 0; s < num_sources; ++s) {
+        if ((seen >> s & 1u) != 0 && num_passed++ % 2 == half) {
+          AddCurve(sources[s], patch, plane, own, unexplained, &halves[half]);
+        }
+      }
+      const int best_of_half = halves[half].Best();
+      if (IsAtEnd(best_of_half)) {
+        return 0.f;
+      }
+      peaks[half] = halves[half].Peak(best_of_half);
     }
     OffsetCurve all;
     for (int i = 0; i < kNumOffsets; ++i) {
       all.value[i] = halves[0].value[i] + halves[1].value[i];
     }
     const int best = all.Best();
-    float peaks[2];
-    for (int half = 0; half < 2; ++half) {
-      const int best_of_half = halves[half].Best();
-      if (best == 0 || best == kNumOffsets - 1 || best_of_half == 0 ||
-          best_of_half == kNumOffsets - 1) {
-        return 0.f;
-      }
-      peaks[half] = halves[half].Peak(best_of_half);
+    if (IsAtEnd(best)) {
+      return 0.f;
     }
     const float curvature = all.Curvature(best);
     *offset = kStep * (all.Peak(best) - static_cast<float>(kNumSteps));
     if (!(curvature * options.max_sigma * options.max_sigma > kStep * kStep) ||
         !(fabsf(*offset) <= options.max_offset) ||
         !(kStep * fabsf(peaks[0] - peaks[1]) <=
-          options.max_difference_of_halves) ||
-        !IsAmidTexture(x, y, motion)) {
+          options.max_difference_of_halves)) {
       return 0.f;
     }
     return 1.f / fmaxf(kStep * kStep / curvature, kMinSigma * kMinSigma);

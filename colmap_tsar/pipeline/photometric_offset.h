@@ -38,10 +38,15 @@ struct PhotometricOptions {
   float max_spread = 0.15f;
 };
 
+// The sources that are asked, at most: more cost time and memory, and see the
+// surface from farther away.
+constexpr int kMaxPhotometricSources = 8;
+
 struct PhotometricInputs {
   Intrinsics intrinsics;
   ImageView<const float> gray;
   // Images, and the depths that they came with; empty depths hide nothing.
+  // At most kMaxPhotometricSources.
   const Buffer<SourceView>& sources;
   DepthResolution resolution;
   NoiseCurve noise;  // Of the images.
