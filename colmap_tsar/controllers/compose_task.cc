@@ -51,7 +51,7 @@ RefineResult ComposeTask::RefineMaps(size_t index,
     return result;
   }
   RefineWorker& worker = workers_[worker_index];
-  const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
+  const std::unique_ptr<StageObserver> observer = ObserverOf(index, reference);
   try {
     std::unique_ptr<Scene> scene = std::move(scenes_[index]);
     if (!scene) {

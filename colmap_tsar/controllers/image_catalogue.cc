@@ -45,6 +45,15 @@ void CountPixels(const RefinedMaps& maps,
   (*counts)["guessed"] = from(Provenance::kGuessed);
 }
 
+void ClearMasked(const Image<uint8_t>& mask, RefinedMaps* maps) {
+  ClearMasked(mask, &maps->depth);
+  ClearMasked(mask, &maps->normal);
+  ClearMasked(mask, &maps->confidence);
+  ClearMasked(mask, &maps->provenance);
+  ClearMasked(mask, &maps->planes);
+  ClearMasked(mask, &maps->sigma);
+}
+
 }  // namespace
 
 void AddStageSeconds(const std::map<std::string, double>& seconds,
@@ -66,6 +75,7 @@ ImageCatalogue::ImageCatalogue(const Workspace& workspace,
       inputs_(inputs),
       reuses_results_(reuses_results),
       distrust_unmatched_(distrust_unmatched),
+      is_listed_(workspace.Problems().size(), true),
       is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
       index_of_(workspace.Model().images.size(), -1),
@@ -81,6 +91,19 @@ ImageCatalogue::ImageCatalogue(const Workspace& workspace,
       }
     }
   }
+}
+
+void ImageCatalogue::RefineOnly(std::vector<bool> is_listed) {
+  is_listed_ = std::move(is_listed);
+}
+
+size_t ImageCatalogue::NumListed() const {
+  return static_cast<size_t>(
+      std::count(is_listed_.begin(), is_listed_.end(), true));
+}
+
+bool ImageCatalogue::IsMaskedAway(int image) const {
+  return tsar::IsMaskedAway(workspace_, image);
 }
 
 const std::string& ImageCatalogue::Name(int image) const {
@@ -126,25 +149,37 @@ bool ImageCatalogue::HasBeenRefined(size_t index) {
   return is_done_[index] != 0;
 }
 
+bool ImageCatalogue::IsToBeRefined(size_t index) {
+  return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
+}
+
+bool ImageCatalogue::WasRefinedOtherwise(size_t index) {
+  const int image = Reference(index);
+  const std::optional<ImageRecord> record =
+      ReadRecord(workspace_.Paths(image, workspace_.Type()).record);
+  return record && record->status == ImageStatus::kDone &&
+         !IsDone(workspace_, image, options_hash_, inputs_.OfResult(image));
+}
+
 bool ImageCatalogue::IsNeeded(size_t index) {
   const std::vector<size_t>& users =
       users_[static_cast<size_t>(Reference(index))];
   return std::any_of(users.begin(), users.end(), [&](size_t other) {
-    return !HasBeenRefined(other);
+    return IsToBeRefined(other);
   });
 }
 
 bool ImageCatalogue::IsAnyNeeded() {
   std::call_once(is_any_needed_flag_, [&] {
     for (size_t index = 0; index < NumImages() && !is_any_needed_; ++index) {
-      is_any_needed_ = CanRefine(index) && !HasBeenRefined(index);
+      is_any_needed_ = IsToBeRefined(index);
     }
   });
   return is_any_needed_;
 }
 
 void ImageCatalogue::WarnOfChanges(size_t index) {
-  if (HasBeenRefined(index) || !reuses_results_) {
+  if (!IsListed(index) || HasBeenRefined(index) || !reuses_results_) {
     return;
   }
   const int image = Reference(index);
@@ -165,16 +200,13 @@ void ImageCatalogue::WarnOfChanges(size_t index) {
 
 ViewCache::View ImageCatalogue::Load(int image) {
   const auto view = std::make_shared<ViewData>();
-  const int64_t index = index_of_[static_cast<size_t>(image)];
-  bool drops_unmatched = false;
   {
     const std::lock_guard<std::mutex> lock(
         file_mutexes_[static_cast<size_t>(image)]);
     *view = LoadView(workspace_, image);
-    drops_unmatched =
-        distrust_unmatched_ && index >= 0 && IsUnfiltered(workspace_, image);
   }
-  if (drops_unmatched) {
+  const int64_t index = index_of_[static_cast<size_t>(image)];
+  if (distrust_unmatched_ && index >= 0 && view->is_unfiltered) {
     DropUnmatchedDepths(static_cast<size_t>(index), view.get());
   }
   return view;
@@ -197,18 +229,29 @@ void ImageCatalogue::DropUnmatchedDepths(size_t index, ViewData* view) {
 }
 
 ViewCache::View ImageCatalogue::LoadReduced(int image) {
-  ViewCache::View view = Load(image);
-  const int factor = ReductionFactor(view->depth.Width(), view->depth.Height());
-  return factor == 1
-             ? view
-             : std::make_shared<const ViewData>(ReduceView(*view, factor));
+  if (distrust_unmatched_) {
+    // Depths are compared with the images at the size of the maps.
+    const ViewCache::View view = Load(image);
+    const int factor =
+        ReductionFactor(view->depth.Width(), view->depth.Height());
+    return factor == 1
+               ? view
+               : std::make_shared<const ViewData>(ReduceView(*view, factor));
+  }
+  const std::lock_guard<std::mutex> lock(
+      file_mutexes_[static_cast<size_t>(image)]);
+  return std::make_shared<const ViewData>(LoadReducedView(workspace_, image));
 }
 
 ImageReport ImageCatalogue::BeginRefining(size_t index) {
   const std::string type = ToString(workspace_.Type());
+  ImageReport report;
+  if (!IsListed(index)) {
+    report.outcome = ImageReport::Outcome::kNotListed;
+    return report;
+  }
   // Before its maps are changed, for those whose source it is.
   inputs_.OfView(Reference(index));
-  ImageReport report;
   report.seconds = seconds_[index];
   if (!HasMaps(Reference(index))) {
     Keep(index,
@@ -225,9 +268,12 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
 }
 
 void ImageCatalogue::WriteRefined(size_t index,
-                                  const RefinedMaps& maps,
+                                  RefinedMaps maps,
                                   ImageReport* report) {
   const int image = Reference(index);
+  ClearMasked(
+      workspace_.ReadMask(image, {maps.depth.Width(), maps.depth.Height()}),
+      &maps);
   CountPixels(maps, &report->counts);
   ImageRecord record;
   record.options_hash = options_hash_;

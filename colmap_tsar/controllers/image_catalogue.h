@@ -36,10 +36,16 @@ class ImageCatalogue {
                  bool reuses_results,
                  bool distrust_unmatched);
 
+  // Which images of the run are to be refined, where it is not all of them: the
+  // others stay as they are, and serve as sources alone.
+  void RefineOnly(std::vector<bool> is_listed);
+
   size_t NumImages() const { return workspace_.Problems().size(); }
   int Reference(size_t index) const { return Problem(index).reference; }
   const std::string& Name(int image) const;
   bool HasMaps(int image) const;
+  // See load_view.h.
+  bool IsMaskedAway(int image) const;
   // Those that have maps.
   std::vector<int> Sources(size_t index) const;
   // The views that single-view stages need.
@@ -52,11 +58,19 @@ class ImageCatalogue {
   // Whether the image had been refined before the run and is not to be refined
   // again; looks at its maps and inputs in the first call.
   bool HasBeenRefined(size_t index);
-  // Whether the image, or one whose source it is, has yet to be refined and can
-  // be.
+  // Whether the image is to be refined, can be, and has not been before the
+  // run.
+  bool IsToBeRefined(size_t index);
+  // Whether the image was refined before the run with other options, or from
+  // what has changed since.
+  bool WasRefinedOtherwise(size_t index);
+  // Whether this is so of the image or of one whose source it is: that it is to
+  // be refined.
   bool IsNeeded(size_t index);
-  // Whether some image has yet to be refined and can be.
+  // Whether some image is to be refined.
   bool IsAnyNeeded();
+  bool IsListed(size_t index) const { return is_listed_[index]; }
+  size_t NumListed() const;
   // Warns where it is to be refined again because of what it depends on.
   void WarnOfChanges(size_t index);
 
@@ -70,7 +84,8 @@ class ImageCatalogue {
   ImageReport BeginRefining(size_t index);
   // Leaves the image refined, with a record of the counts and times in the
   // report and those of its earlier passes.
-  void WriteRefined(size_t index, const RefinedMaps& maps, ImageReport* report);
+  // Nothing is left of the maps where the image is masked.
+  void WriteRefined(size_t index, RefinedMaps maps, ImageReport* report);
   // Leaves the image with its original maps, and a record of the reason.
   void Keep(size_t index, const std::string& reason, ImageReport* report);
 
@@ -90,6 +105,7 @@ class ImageCatalogue {
   InputFingerprints& inputs_;
   const bool reuses_results_;
   const bool distrust_unmatched_;
+  std::vector<bool> is_listed_;  // By image of the run.
   // By image of the run: whether it had been refined before the run, once the
   // flag is set.
   std::vector<std::once_flag> is_done_flags_;

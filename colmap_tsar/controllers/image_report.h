@@ -14,8 +14,9 @@ struct ImageReport {
   enum class Outcome {
     kNotDone,  // The user asked to stop or there was an error: as it was.
     kDone,
-    kSkipped,  // Had been done so before, and nothing has changed since.
-    kKept,     // Keeps its maps; the reason says why.
+    kSkipped,    // Had been done so before, and nothing has changed since.
+    kNotListed,  // Stays as it is, since it is not to be refined.
+    kKept,       // Keeps its maps; the reason says why.
   };
   Outcome outcome = Outcome::kNotDone;
   std::string reason;

@@ -17,6 +17,7 @@ constexpr size_t kMaxNamed = 3;
 
 constexpr const char* kCamera = "camera";
 constexpr const char* kPhoto = "photo";
+constexpr const char* kMask = "mask";
 constexpr const char* kMaps = "maps";
 constexpr const char* kCosts = "costs";
 constexpr const char* kSources = "sources";
@@ -49,6 +50,7 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
   if (Get(before, kMaps) != kNoMaps && Get(now, kMaps) != kNoMaps) {
     compare(kCamera, {"its camera", false});
     compare(kPhoto, {"its photo", false});
+    compare(kMask, {"its mask", false});
     compare(kCosts, {"its cost maps", true});
   }
   compare(kMaps, {"its maps", true});
@@ -192,6 +194,9 @@ InputState InputFingerprints::Read(int image) const {
     state[kCamera] = FingerprintOf(
         workspace_.Model().images[static_cast<size_t>(image)].camera);
     state[kPhoto] = FingerprintOf(FileState(workspace_.ImagePath(image)));
+    if (workspace_.HasMask(image)) {
+      state[kMask] = FingerprintOf(FileState(workspace_.MaskPath(image)));
+    }
     std::string costs;
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       costs += FileState(workspace_.CostPath(image, type)) + " ";
@@ -215,8 +220,8 @@ InputState InputFingerprints::Read(int image) const {
 std::string InputFingerprints::MapsOf(int image) const {
   std::string text;
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    const OriginalMaps originals =
-        FindOriginals(workspace_.SourcePaths(image, type));
+    const OriginalMaps originals = FindOriginals(
+        workspace_.SourcePaths(image, type), Scrutiny::kTimeAndSamples);
     if (type == workspace_.Type() &&
         (originals.depth_state == OriginalState::kMissing ||
          originals.normal_state == OriginalState::kMissing)) {

@@ -92,6 +92,9 @@ MainMemoryDivision::Sizes MainMemoryDivision::Divide(
     }
   }
   result.view_bytes = static_cast<size_t>(std::max<int64_t>(rest, 0));
+  result.raster_bytes =
+      result.view_bytes + static_cast<size_t>(ReadingAndResultBytes(
+                              plan_, num_workers, result.pipeline));
   const int64_t needed = budget.NumBytes() + BytesForViews(plan_) - rest;
   if (needed > budget.MachineBytes()) {
     throw Error(ErrorCode::kOutOfMemory,
@@ -118,21 +121,25 @@ PipelineSizes MainMemoryDivision::MakeSizes(int num_loaders,
     return {num_loaders, num_loaders, 1, 1};
   }
   // Who reads also finds the scene, which takes longer than writing.
-  const int num_writers = std::max(1, num_loaders * 3 / 5);
+  const int num_writers = std::max(1, num_loaders * 4 / 5);
   return {num_loaders,
           num_writers,
           static_cast<size_t>(num_workers),
           static_cast<size_t>(num_writers)};
 }
 
-int64_t MainMemoryDivision::BytesBesideViews(const MemoryPlan& plan,
-                                             int num_workers,
-                                             const PipelineSizes& sizes) const {
+int64_t MainMemoryDivision::ReadingAndResultBytes(
+    const MemoryPlan& plan, int num_workers, const PipelineSizes& sizes) const {
   const auto num_results =
       std::min<int64_t>(num_images_,
                         num_workers + static_cast<int64_t>(sizes.max_finished) +
                             sizes.num_writers);
-  const int64_t reading = sizes.num_loaders * plan.load;
+  return sizes.num_loaders * plan.load + num_results * plan.result;
+}
+
+int64_t MainMemoryDivision::BytesBesideViews(const MemoryPlan& plan,
+                                             int num_workers,
+                                             const PipelineSizes& sizes) const {
   // In a pass of its own, before planes are looked for.
   const int64_t making_evidence = sizes.num_writers * plan.make_evidence;
   const int64_t computing = on_cpu_ ? DeviceBytes(plan, num_workers) : 0;
@@ -140,7 +147,7 @@ int64_t MainMemoryDivision::BytesBesideViews(const MemoryPlan& plan,
   const size_t num_scenes =
       static_cast<size_t>(num_workers) +
       (on_cpu_ ? 0 : static_cast<size_t>(sizes.num_loaders) + sizes.max_ready);
-  return computing + num_results * plan.result + reading +
+  return computing + ReadingAndResultBytes(plan, num_workers, sizes) +
          std::max(making_evidence, EvidenceBytes(plan, num_scenes));
 }
 

@@ -37,6 +37,8 @@ class MainMemoryDivision {
   struct Sizes {
     PipelineSizes pipeline;
     size_t view_bytes = 0;  // For views.
+    // For all rasters: views, what reading them takes, and results.
+    size_t raster_bytes = 0;
   };
 
   // All references must outlive this object. on_cpu: the CPU computes, so that
@@ -60,9 +62,12 @@ class MainMemoryDivision {
 
  private:
   PipelineSizes MakeSizes(int num_loaders, int num_workers) const;
-  // Main memory that is not for views: what the workers need, results, each of
-  // which is with a worker, waits, or is being written, and what is only there
-  // while a view is read.
+  // What is only there while a view is read, and results, each of which is with
+  // a worker, waits, or is being written.
+  int64_t ReadingAndResultBytes(const MemoryPlan& plan,
+                                int num_workers,
+                                const PipelineSizes& sizes) const;
+  // Main memory that is not for views: this, and what the workers need.
   int64_t BytesBesideViews(const MemoryPlan& plan,
                            int num_workers,
                            const PipelineSizes& sizes) const;

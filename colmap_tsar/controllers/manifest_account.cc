@@ -6,8 +6,12 @@
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/store/shard_record.h"
+
+#include <string>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -56,6 +60,15 @@ Manifest ManifestAccount::Build() const {
                                     RefineOptionsText(run_.refine_options),
                                     HashRefineOptions(run_.refine_options));
   manifest.runtime = RuntimeText(run_.options.devices, run_.devices);
+  if (!run_.options.image_list_path.empty()) {
+    manifest.runtime["listed_images"] =
+        std::to_string(run_.catalogue.NumListed());
+  }
+  const std::vector<int> references =
+      ReferencesOf(run_.workspace, run_.Images());
+  if (const auto num_masks = CountMasks(run_.workspace, references)) {
+    manifest.runtime["masks"] = std::to_string(*num_masks);
+  }
   return manifest;
 }
 

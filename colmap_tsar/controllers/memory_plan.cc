@@ -30,6 +30,20 @@ size_t NumEvidenceViews(int num_sources, size_t num_images) {
   return (num_images + 1) * static_cast<size_t>(num_sources + 1);
 }
 
+int LongestSide(const WorkspaceOverview& overview) {
+  // A square map has the shortest sides.
+  const auto min_side = static_cast<int>(
+      std::ceil(std::sqrt(static_cast<double>(overview.max_num_pixels))));
+  return std::max(overview.max_side, min_side);
+}
+
+// The maps of one row of squares (see ReduceView).
+int64_t RowsOfSquaresBytes(const WorkspaceOverview& overview) {
+  const int side = LongestSide(overview);
+  return ViewDataBytes(int64_t{side} * ReductionFactor(side, side),
+                       overview.has_costs);
+}
+
 // Pixels of the largest map at the size at which it is judged.
 int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
   return HasReducedViews(overview)
@@ -55,7 +69,8 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
         UnmatchedDepthsWorkingBytes(num_pixels, overview.max_num_image_pixels));
   }
   plan.result =
-      RefinedMapsBytes(num_pixels) + kEncodingBytesPerPixel * num_pixels;
+      RefinedMapsBytes(num_pixels) +
+      std::max(kEncodingBytesPerPixel * num_pixels, ReadMaskBytes(overview));
   if (!NeedsEvidence(options)) {
     plan.work = RefineImageWorkingBytes(options, num_pixels, num_sources);
     return plan;
@@ -85,8 +100,9 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   if (HasReducedViews(overview)) {
     plan.whole_view = plan.view;
     plan.view = ReducedViewBytes(overview);
-    // The whole view is there until it has been reduced.
-    plan.load += plan.whole_view;
+    // Rows of both types of maps; or the whole view until it has been reduced.
+    plan.load += options.distrust_unmatched ? plan.whole_view
+                                            : 2 * RowsOfSquaresBytes(overview);
   }
   return plan;
 }
@@ -96,24 +112,23 @@ int64_t ViewBytes(const WorkspaceOverview& overview) {
 }
 
 int64_t LoadBytes(const WorkspaceOverview& overview) {
-  const int64_t num_pixels = overview.max_num_pixels;
-  // The hypotheses of the other type.
-  const int64_t other_maps =
-      overview.has_other_type
-          ? BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels)
-          : 0;
-  const int64_t costs = overview.has_costs ? 2 * BytesOf<float>(num_pixels) : 0;
-  // As it was decoded, and as it was scaled.
-  const int64_t color =
-      BytesOf<Rgb>(overview.max_num_image_pixels) + BytesOf<Rgb>(num_pixels);
-  return std::max(other_maps + costs, color);
+  // As it was decoded, and as it was scaled; maps are read in small pieces. The
+  // mask has been read before, and only its pixels of the map are left.
+  return BytesOf<Rgb>(overview.max_num_image_pixels) +
+         BytesOf<Rgb>(overview.max_num_pixels) +
+         (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0);
+}
+
+int64_t ReadMaskBytes(const WorkspaceOverview& overview) {
+  // As OpenCV decodes it, as it is, and as it is scaled.
+  return overview.has_masks
+             ? BytesOf<uint8_t>(2 * overview.max_num_image_pixels +
+                                overview.max_num_pixels)
+             : 0;
 }
 
 bool HasReducedViews(const WorkspaceOverview& overview) {
-  // A square map has the shortest sides.
-  const auto min_side = static_cast<int64_t>(
-      std::ceil(std::sqrt(static_cast<double>(overview.max_num_pixels))));
-  return std::max<int64_t>(overview.max_side, min_side) > kMaxJudgingSide;
+  return LongestSide(overview) > kMaxJudgingSide;
 }
 
 int64_t ReducedViewBytes(const WorkspaceOverview& overview) {

@@ -60,7 +60,10 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
 // Parts of plans that do not depend on what is done to the images: see
 // MemoryPlan.
 int64_t ViewBytes(const WorkspaceOverview& overview);
+// To read a view, beside the view itself.
 int64_t LoadBytes(const WorkspaceOverview& overview);
+// To read a mask for maps that are about to be written.
+int64_t ReadMaskBytes(const WorkspaceOverview& overview);
 
 // Whether some map is reduced where images are refined together with their
 // neighbours (ReduceView), and what the largest view takes then.

@@ -84,6 +84,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
 
   RunSummary summary;
   summary.workspace_path = workspace.Root();
+  summary.model_folder = workspace.ModelFolder();
   summary.type = workspace.Type();
   summary.pass = RefinePass::kMerge;
   summary.num_images = static_cast<int>(manifest.images.size());

@@ -8,7 +8,9 @@
 
 namespace tsar {
 
-Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
+namespace {
+
+Workspace OpenWithoutMasks(const WorkspaceRefineOptions& options) {
   Workspace workspace(options.workspace_path,
                       options.input_type.value_or(MapType::kGeometric));
   if (!options.input_type && !HasAnyMap(workspace, MapType::kGeometric) &&
@@ -17,6 +19,14 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
          ": there are no geometric maps; refining the photometric ones");
     return Workspace(options.workspace_path, MapType::kPhotometric);
   }
+  return workspace;
+}
+
+}  // namespace
+
+Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
+  Workspace workspace = OpenWithoutMasks(options);
+  workspace.UseMasks(options.mask_path);
   return workspace;
 }
 

@@ -3,8 +3,10 @@
 
 #include "colmap_tsar/controllers/refine_controller.h"
 
+#include "colmap_tsar/base/raster_memory.h"
 #include "colmap_tsar/controllers/compose_task.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/controllers/listed_images.h"
 #include "colmap_tsar/controllers/manifest_account.h"
 #include "colmap_tsar/controllers/memory_plan.h"
 #include "colmap_tsar/controllers/model_pass.h"
@@ -13,6 +15,7 @@
 #include "colmap_tsar/controllers/shard_account.h"
 #include "colmap_tsar/controllers/single_view_task.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/output_workspace.h"
 
 #include <exception>
@@ -21,6 +24,13 @@
 #include <utility>
 
 namespace tsar {
+namespace {
+
+// About what observing, the model and composing take. Measured: 1 : 0.26 : 0.87
+// and 1 : 0.51 : 0.93 on two cores, 1 : 0.87 : 1.17 on a GPU.
+const std::vector<double> kPassCosts = {1.0, 0.5, 1.0};
+
+}  // namespace
 
 RefineController::RefineController(const WorkspaceRefineOptions& options,
                                    const RefineOptions& refine_options,
@@ -58,6 +68,7 @@ void RefineController::Lock() {
 }
 
 RunSummary RefineController::Run() {
+  FindListedImages(workspace_, options_.image_list_path);
   overview_ = CheckWorkspace(workspace_);
   if (options_.pass != RefinePass::kCompose) {
     CheckOriginals(workspace_);
@@ -94,6 +105,10 @@ RunSummary RefineController::Run() {
                            inputs,
                            /*reuses_results=*/observer_ == nullptr,
                            refine_options_.distrust_unmatched);
+  RefineListedImages(workspace_,
+                     options_.image_list_path,
+                     NeedsEvidence(refine_options_),
+                     &catalogue);
   const RefineRun run = {options_,
                          refine_options_,
                          workspace_,
@@ -124,6 +139,7 @@ void RefineController::OpenOutput() {
   const bool has_own_list = workspace_.IsOutput();
   workspace_ = CreateOutputWorkspace(
       workspace_, options_.output_path, workspace_.Type());
+  workspace_.UseMasks(options_.mask_path);
   if (!lock_) {
     lock_.emplace(workspace_.Root());
   }
@@ -159,6 +175,13 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
                   });
   };
   make_cache(has_reduced_views);
+  if (run.HasScenePlanes() && !IsShard()) {
+    std::vector<double> costs = kPassCosts;
+    // Others than the listed ones are observed alone.
+    costs.back() *= static_cast<double>(run.catalogue.NumListed()) /
+                    static_cast<double>(run.catalogue.NumImages());
+    progress_.PlanPasses(std::move(costs));
+  }
   if (options_.pass != RefinePass::kCompose) {
     account.BeforeObserving();
     const PipelineOutcome outcome =
@@ -181,6 +204,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   }
   account.BeforeComposing();
   if (run.HasScenePlanes()) {
+    progress_.BeginPass();
     ComposeTask compose(inputs,
                         workspace_,
                         run.evidence,
@@ -208,10 +232,12 @@ PipelineOutcome RefineController::Observe(const RefineRun& run,
   ObserveTask observe(inputs,
                       run.evidence,
                       run.catalogue.ReusesResults() && run.model.IsCurrent());
+  progress_.BeginPass();
   return RunPass(observe, std::move(name), cache);
 }
 
 bool RefineController::Model(const RefineRun& run, PipelineOutcome* outcome) {
+  progress_.BeginPass(/*has_parts=*/true);
   if (!run.HasScenePlanes() || !run.IsAnyNeeded() || run.model.IsCurrent()) {
     return true;
   }
@@ -234,6 +260,7 @@ PipelineOutcome RefineController::RunPass(RefineTask& task,
   if (Images().empty()) {
     return PipelineOutcome();
   }
+  const RasterMemoryReuse reuse(devices_.raster_num_bytes);
   return ImagePipeline<RefineResult>(task,
                                      Images(),
                                      std::move(name),
@@ -248,6 +275,7 @@ RunSummary RefineController::Summarize(const RefineRun& run,
                                        const PipelineOutcome& outcome) const {
   RunSummary summary;
   summary.workspace_path = workspace_.Root();
+  summary.model_folder = workspace_.ModelFolder();
   summary.type = workspace_.Type();
   summary.pass = options_.pass;
   summary.shard = options_.shard;
@@ -255,9 +283,11 @@ RunSummary RefineController::Summarize(const RefineRun& run,
   summary.num_workers = static_cast<int>(devices_.workers.size());
   summary.peak_gpu_memory = PeakGpuMemory(devices_);
   summary.num_images = static_cast<int>(Images().size());
+  summary.num_masks =
+      CountMasks(workspace_, ReferencesOf(workspace_, Images()));
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
-    summary.Add(run.catalogue.Name(run.catalogue.Reference(Images()[i])),
-                outcome.reports[i]);
+    const int image = run.catalogue.Reference(Images()[i]);
+    summary.Add(run.catalogue.Name(image), outcome.reports[i]);
   }
   if (options_.pass == RefinePass::kObserve) {
     summary.num_observed = std::exchange(summary.num_refined, 0);

@@ -14,8 +14,9 @@ namespace tsar {
 namespace {
 
 // Reading an image takes up to ten times as long as one GPU needs for it with
-// its two workers.
-constexpr int kLoadersPerGpu = 10;
+// its two workers, and half of those that read wait for a view that another one
+// is reading.
+constexpr int kLoadersPerGpu = 20;
 // A CPU computes on an image for so long that one thread keeps many supplied.
 constexpr int kCpuWorkersPerLoader = 8;
 
@@ -91,9 +92,11 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
     max_num_loaders =
         (num_workers + kCpuWorkersPerLoader - 1) / kCpuWorkersPerLoader;
   } else {
-    // Those that write (see MainMemoryDivision) and the workers need the rest.
+    // More than there are cores, and as many again that write (see
+    // MainMemoryDivision): they wait for each other, for the GPU or for the
+    // disk most of the time, at some other place in each pass.
     max_num_loaders = std::clamp(
-        num_threads * 5 / 8,
+        num_threads * 5 / 4,
         1,
         std::min(num_images, kLoadersPerGpu * static_cast<int>(opened.size())));
     AddGpuWorkers(std::move(opened), plan, &result);
@@ -103,6 +106,7 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
       budget, static_cast<int>(result.workers.size()), max_num_loaders);
   result.sizes = sizes.pipeline;
   result.cache_num_bytes = sizes.view_bytes;
+  result.raster_num_bytes = sizes.raster_bytes;
   return result;
 }
 

@@ -42,8 +42,9 @@ struct RefineDevices {
   bool finds_scenes_ahead = false;
   // For the planes of the scene.
   ModelResources model;
-  // Main memory for views.
+  // Main memory for views, and for all rasters.
   size_t cache_num_bytes = 0;
+  size_t raster_num_bytes = 0;
 };
 
 // Images are spread over the GPUs before one GPU gets a second image at a time,

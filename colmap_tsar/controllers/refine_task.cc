@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/image_name_hash.h"
 #include "colmap_tsar/base/stopwatch.h"
+#include "colmap_tsar/controllers/evidence_store.h"
 
 #include <utility>
 
@@ -17,7 +18,7 @@ RefineResult RefineTask::RunSingleView(size_t index,
   const int image = images_.Reference(index);
   RefineWorker& worker = workers_[worker_index];
   const ViewData& reference = views->Get(image);
-  const std::unique_ptr<StageObserver> observer = ObserverOf(image, reference);
+  const std::unique_ptr<StageObserver> observer = ObserverOf(index, reference);
   try {
     const Stopwatch uploading;
     // Nothing reads the sources before DeviceViews has them, which waits for
@@ -45,9 +46,11 @@ RefineResult RefineTask::RunSingleView(size_t index,
 }
 
 std::unique_ptr<StageObserver> RefineTask::ObserverOf(
-    int image, const ViewData& view) const {
-  return observer_ ? observer_->Observe(images_.Name(image), view.depth)
-                   : nullptr;
+    size_t index, const ViewData& view) const {
+  return observer_ && images_.IsListed(index)
+             ? observer_->Observe(images_.Name(images_.Reference(index)),
+                                  view.depth)
+             : nullptr;
 }
 
 Error RefineTask::WithPlace(const Error& error,
@@ -66,6 +69,11 @@ RefineResult RefineMapsTask::Compute(size_t index,
   report->counts["not_finite"] = reference.num_not_finite;
   if (!HasDepth(reference.depth)) {
     RefineResult result;
+    if (images_.IsMaskedAway(images_.Reference(index))) {
+      // What lies in the mask is not to stay.
+      result.maps = EmptyMaps(reference.depth);
+      return result;
+    }
     result.reason_to_keep =
         "its depth map holds no valid depth, or none where the image has "
         "texture";
@@ -79,6 +87,22 @@ RefineResult RefineMapsTask::Compute(size_t index,
   return result;
 }
 
+RefinedMaps RefineMapsTask::EmptyMaps(const Image<float>& depth) const {
+  const int width = depth.Width();
+  const int height = depth.Height();
+  RefinedMaps maps{Image<float>(width, height),
+                   Image<Vec3f>(width, height),
+                   Image<float>(width, height),
+                   Image<uint8_t>(width, height)};
+  if (NeedsEvidence(options_)) {
+    maps.planes = Image<uint16_t>(width, height);
+  }
+  if (options_.sigma_maps) {
+    maps.sigma = Image<uint16_t>(width, height);
+  }
+  return maps;
+}
+
 void RefineMapsTask::Write(size_t index,
                            RefineResult result,
                            ImageReport* report) {
@@ -87,7 +111,7 @@ void RefineMapsTask::Write(size_t index,
     return;
   }
   AddStageSeconds(result.seconds, &report->seconds);
-  images_.WriteRefined(index, result.maps, report);
+  images_.WriteRefined(index, std::move(result.maps), report);
 }
 
 }  // namespace tsar

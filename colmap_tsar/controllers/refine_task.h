@@ -54,7 +54,7 @@ class RefineTask : public ImageTasks<RefineResult> {
                              ViewCache::Lease* views,
                              SingleViewStages stages);
   // Null where nobody observes.
-  std::unique_ptr<StageObserver> ObserverOf(int image,
+  std::unique_ptr<StageObserver> ObserverOf(size_t index,
                                             const ViewData& view) const;
   // The same error, with the image and the device that it concerns.
   Error WithPlace(const Error& error,
@@ -68,7 +68,7 @@ class RefineTask : public ImageTasks<RefineResult> {
 };
 
 // A pass that ends with the refined maps of each image. Images that cannot be
-// refined keep theirs.
+// refined keep theirs; those whose mask leaves no depth get empty ones.
 class RefineMapsTask : public RefineTask {
  public:
   using RefineTask::RefineTask;
@@ -87,6 +87,10 @@ class RefineMapsTask : public RefineTask {
   virtual RefineResult RefineMaps(size_t index,
                                   size_t worker,
                                   ViewCache::Lease* views) = 0;
+
+ private:
+  // Of the size of this map.
+  RefinedMaps EmptyMaps(const Image<float>& depth) const;
 };
 
 }  // namespace tsar

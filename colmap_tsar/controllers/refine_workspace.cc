@@ -36,6 +36,10 @@ void WorkspaceRefineOptions::Check() const {
               ToString(pass) +
               " is for all shards together; "
               "leave it out");
+  require(pass == RefinePass::kAll || image_list_path.empty(),
+          OptionName("image_list_path") +
+              ": shards work on all images; leave it out, or run " +
+              OptionName("pass") + " all");
   require(
       pass == RefinePass::kAll || output_path.empty(),
       OptionName("output_path") +

@@ -18,7 +18,8 @@
 
 namespace tsar {
 
-// What to work on and with; nothing here changes a result.
+// What to work on and with; nothing here but input_type and mask_path changes a
+// result.
 struct WorkspaceRefineOptions {
   std::filesystem::path workspace_path;
   // Where to make a second workspace with the results; empty: in place.
@@ -26,6 +27,11 @@ struct WorkspaceRefineOptions {
   // The maps to refine; nothing: the geometric ones, or the photometric ones
   // where there are no others.
   std::optional<MapType> input_type;
+  // A text file with the names of the images to refine; empty: all.
+  std::filesystem::path image_list_path;
+  // The folder with the masks of images, see workspace/image_mask.h; empty:
+  // none. Masked pixels are no evidence for anything and get no depth.
+  std::filesystem::path mask_path;
   DeviceOptions devices;
   // For several machines: which part of the images, and which pass over them.
   Shard shard;
@@ -35,14 +41,16 @@ struct WorkspaceRefineOptions {
   void Check() const;
 };
 
-// Refines all images of stereo/patch-match.cfg and writes the result, an
+// Refines all images of stereo/patch-match.cfg, or those of them that are
+// listed, whose results are the same, and writes the result, an
 // account of the run (stereo/tsar/manifest.json) and progress. Images that were
 // done before with the same options, and of which nothing that they depend on
 // has changed since, are skipped; those that cannot be refined keep their maps.
 //
 // Before the first file is changed, everything that can be seen from the
 // outside of the files is checked. Throws Error: what CheckWorkspace,
-// CreateOutputWorkspace, WorkspaceLock and the options' Check throw; kDevice;
+// Workspace::UseMasks, CreateOutputWorkspace, WorkspaceLock and the options'
+// Check throw; kDevice;
 // kInterrupted once should_stop returned true (it is called often, from several
 // threads); and what reading and writing an image throw. Whatever is thrown,
 // the images that were done stay done, and the same call goes on from there.

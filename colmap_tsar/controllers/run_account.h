@@ -41,7 +41,7 @@ struct RefineRun {
   // Whether some image of the run has yet to be refined and can be.
   bool IsAnyNeeded() const {
     return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
-      return catalogue.CanRefine(index) && !catalogue.HasBeenRefined(index);
+      return catalogue.IsToBeRefined(index);
     });
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }

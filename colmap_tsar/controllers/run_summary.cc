@@ -14,6 +14,9 @@ void RunSummary::Add(const std::string& image, const ImageReport& report) {
     case ImageReport::Outcome::kSkipped:
       ++num_skipped;
       break;
+    case ImageReport::Outcome::kNotListed:
+      ++num_not_listed;
+      break;
     case ImageReport::Outcome::kKept:
       kept.push_back({image, report.reason});
       break;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct RunSummary {
   };
 
   std::filesystem::path workspace_path;  // The one that was written.
+  std::filesystem::path model_folder;    // With its sparse model.
   RefinePass pass = RefinePass::kAll;
   Shard shard;
   MapType type = MapType::kGeometric;
@@ -37,6 +39,9 @@ struct RunSummary {
   int num_observed = 0;  // Only in a pass that does nothing else.
   int num_refined = 0;
   int num_skipped = 0;
+  int num_not_listed = 0;
+  // Of the images, those with a mask; nothing where no masks were given.
+  std::optional<int64_t> num_masks;
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
   int64_t num_sources_without_maps = 0;
   std::map<std::string, int64_t> counts;  // Sums over the refined images.

@@ -149,6 +149,8 @@ bool CheckImage(const Workspace& workspace,
     return false;
   }
   CheckPhotoFile(workspace.ImagePath(image));
+  workspace.CheckMask(image, {size->width, size->height});
+  overview->has_masks = overview->has_masks || workspace.HasMask(image);
   CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
@@ -158,7 +160,6 @@ bool CheckImage(const Workspace& workspace,
     RequireSameSize(
         workspace.SourcePaths(image, other).depth, *other_size, *size);
     CheckCosts(workspace, image, other, *size, overview);
-    overview->has_other_type = true;
   }
   const Camera& camera =
       workspace.Model().images[static_cast<size_t>(image)].camera;
@@ -274,7 +275,7 @@ void CheckOriginals(const Workspace& workspace) {
       const MapPaths paths = workspace.SourcePaths(image, type);
       if ((Exists(paths.original_depth) || Exists(paths.original_normal)) &&
           !AreAsWritten(paths)) {
-        FindOriginals(paths);
+        FindOriginals(paths, Scrutiny::kTimeAndSamples);
       }
     }
   }

@@ -114,6 +114,7 @@ CloudEvaluation EvaluateCloudFile(const std::filesystem::path& cloud_path,
                                   const std::filesystem::path& project_path,
                                   const CloudEvaluationOptions& options) {
   options.Check();
+  RequireNearestDistances();
   const std::vector<Eigen::Vector3d> points = ReadPlyPoints(cloud_path);
   std::vector<PlacedScan> scans;
   bool has_points = false;

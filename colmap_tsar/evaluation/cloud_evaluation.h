@@ -58,8 +58,8 @@ CloudEvaluation EvaluateCloud(const std::vector<Eigen::Vector3d>& points,
                               const CloudEvaluationOptions& options);
 
 // The same from files: a PLY file and a MeshLab project that lists the scans.
-// Throws what ReadPlyPoints and ReadMeshlabProject throw, and kMismatch where
-// the scans have no points.
+// Throws what RequireNearestDistances, ReadPlyPoints and ReadMeshlabProject
+// throw, and kMismatch where the scans have no points.
 CloudEvaluation EvaluateCloudFile(const std::filesystem::path& cloud_path,
                                   const std::filesystem::path& project_path,
                                   const CloudEvaluationOptions& options);

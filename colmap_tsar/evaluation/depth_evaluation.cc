@@ -9,12 +9,15 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/evaluation/tolerances.h"
+#include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
+#include "colmap_tsar/workspace/mask_folder.h"
 #include "colmap_tsar/workspace/photo.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -48,9 +51,11 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
   return names;
 }
 
-// 1 where the image, brought to this size, has no texture.
-Image<uint8_t> FindTextureless(const fs::path& path, int width, int height) {
-  Image<uint8_t> photo = ReadGrayPhoto(path);
+// 1 where the image at this path, brought to this size, has no texture.
+Image<uint8_t> FindTextureless(const fs::path& path,
+                               Image<uint8_t> photo,
+                               int width,
+                               int height) {
   RequireShape(path,
                {photo.Width(), photo.Height()},
                {width, height},
@@ -80,10 +85,12 @@ int NearestPixel(int i, int from, int to) {
   return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
 }
 
-// Adds one image's pixels to the scores of one area.
+// Adds one image's pixels to the scores of one area, all or that of the ground
+// truth's pixels that are not 0. mask: of the estimate; may be empty.
 void AddPixels(const Image<float>& estimate,
                const Image<float>& truth,
-               const Image<uint8_t>* mask,
+               const Image<uint8_t>& mask,
+               const Image<uint8_t>* area,
                DepthScore* score) {
   const float tolerance = static_cast<float>(score->tolerance);
   for (int y = 0; y < estimate.Height(); ++y) {
@@ -91,7 +98,8 @@ void AddPixels(const Image<float>& estimate,
     for (int x = 0; x < estimate.Width(); ++x) {
       const int truth_x = NearestPixel(x, estimate.Width(), truth.Width());
       const float known = truth(truth_x, truth_y);
-      if (known <= 0 || (mask != nullptr && (*mask)(truth_x, truth_y) == 0)) {
+      if (known <= 0 || (area != nullptr && (*area)(truth_x, truth_y) == 0) ||
+          (!mask.Empty() && mask(x, y) != 0)) {
         continue;
       }
       const float depth = estimate(x, y);
@@ -100,6 +108,27 @@ void AddPixels(const Image<float>& estimate,
       score->num_right += depth > 0 && std::abs(depth - known) < tolerance;
     }
   }
+}
+
+// Of the named images. That none of these has a mask is no error, where others
+// of the workspace have.
+std::vector<fs::path> FindMasks(const fs::path& folder,
+                                const fs::path& images,
+                                std::vector<std::string> names) {
+  RequireNoImageFolder(folder, images, OptionName("mask_path"));
+  const size_t num_names = names.size();
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(images, error), end;
+       !error && entry != end;
+       entry.increment(error)) {
+    if (entry->is_regular_file(error)) {
+      names.push_back(entry->path().lexically_relative(images).string());
+    }
+  }
+  std::vector<fs::path> masks =
+      FindImageMasks(folder, names, OptionName("mask_path"));
+  masks.resize(num_names);
+  return masks;
 }
 
 }  // namespace
@@ -129,7 +158,14 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
       evaluation.scores.push_back({area, tolerance});
     }
   }
-  for (const std::string& name : ListGroundTruth(truth_folder)) {
+  const std::vector<std::string> names = ListGroundTruth(truth_folder);
+  std::vector<fs::path> masks(names.size());
+  if (!options.mask_path.empty()) {
+    masks = FindMasks(options.mask_path, workspace_path / "images", names);
+    evaluation.num_masks = 0;
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
     const fs::path map_path =
         options.find_map
             ? options.find_map(name)
@@ -146,11 +182,21 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
                  {truth.Width(), truth.Height()},
                  "its ground truth",
                  "give ground truth of this image");
+    const fs::path photo_path = workspace_path / "images" / name;
+    Image<uint8_t> photo = ReadGrayPhoto(photo_path);
+    const RasterSize photo_size{photo.Width(), photo.Height()};
     const Image<uint8_t> textureless = FindTextureless(
-        workspace_path / "images" / name, truth.Width(), truth.Height());
+        photo_path, std::move(photo), truth.Width(), truth.Height());
+    Image<uint8_t> mask;
+    if (!masks[i].empty()) {
+      const RasterSize size{estimate.Width(), estimate.Height()};
+      mask = ResizeMask(ReadImageMask(masks[i], {photo_size, size}), size);
+      ++*evaluation.num_masks;
+    }
     for (DepthScore& score : evaluation.scores) {
       AddPixels(estimate,
                 truth,
+                mask,
                 score.area == "all" ? nullptr : &textureless,
                 &score);
     }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ struct DepthEvaluationOptions {
   // empty: ground_truth/depth in the workspace.
   std::filesystem::path ground_truth_path;
 
+  // The folder with the masks of images, see workspace/image_mask.h; empty:
+  // none. Masked pixels are not scored.
+  std::filesystem::path mask_path;
+
   // Where the map of an image lies, by its name; if not set, in
   // stereo/depth_maps of the workspace. There need not be a file.
   std::function<std::filesystem::path(const std::string& name)> find_map;
@@ -28,7 +33,7 @@ struct DepthEvaluationOptions {
   std::vector<double> tolerances = {0.02, 0.1};
 };
 
-// Numbers of pixels, over all images, that have ground truth.
+// Numbers of pixels, over all images, that have ground truth and no mask.
 struct DepthScore {
   std::string area;  // "all", or "textureless".
   double tolerance = 0;
@@ -45,6 +50,8 @@ struct DepthEvaluation {
   int num_images = 0;
   int num_images_without_map = 0;  // They are left out of the scores.
   std::vector<DepthScore> scores;  // Per area, then per tolerance.
+  // Of num_images, those with a mask; nothing where no masks were given.
+  std::optional<int64_t> num_masks{};
 };
 
 // Scores the depth maps of a COLMAP workspace on all pixels and on those in
@@ -53,7 +60,7 @@ struct DepthEvaluation {
 // size, the ground truth is looked up at the map's pixels. Throws Error:
 // kNotFound (no ground truth, or no maps), kMismatch (a map or an image is not
 // of the shape of its ground truth), kBadOption (tolerances), and what
-// ReadDepthMap and ReadGrayPhoto throw.
+// ReadDepthMap, ReadGrayPhoto, FindImageMasks and ReadImageMask throw.
 DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
                                   const DepthEvaluationOptions& options);
 

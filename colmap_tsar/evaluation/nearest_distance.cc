@@ -21,6 +21,8 @@ flann::Matrix<double> AsMatrix(const Eigen::Vector3d* points, size_t count) {
 
 }  // namespace
 
+void RequireNearestDistances() {}
+
 std::vector<double> NearestDistances(
     const std::vector<Eigen::Vector3d>& queries,
     const std::vector<Eigen::Vector3d>& targets,

@@ -9,8 +9,13 @@
 
 namespace tsar {
 
+// Before anything is read for them: throws Error kUnsupported where this program
+// was built without them (TSAR_CLOUD_EVALUATION).
+void RequireNearestDistances();
+
 // For each query the distance to its nearest target, exactly, or infinity where
-// no target lies within max_distance. Works on all CPU cores.
+// no target lies within max_distance. Works on all CPU cores. Errors as
+// RequireNearestDistances().
 std::vector<double> NearestDistances(
     const std::vector<Eigen::Vector3d>& queries,
     const std::vector<Eigen::Vector3d>& targets,

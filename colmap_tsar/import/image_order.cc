@@ -4,8 +4,8 @@
 #include "colmap_tsar/import/image_order.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/workspace/image_list.h"
 
 #include <algorithm>
 #include <charconv>
@@ -16,49 +16,23 @@
 namespace tsar {
 namespace {
 
-std::string Trimmed(const std::string& text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const size_t first = text.find_first_not_of(kBlank);
-  return first == std::string::npos
-             ? ""
-             : text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
 // The images by their numbers, from a file.
-std::vector<int> ReadImageList(const std::filesystem::path& path,
-                               const SparseModel& model) {
-  InputFile file(path);
-  if (!file) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "the list of images is missing or cannot be read (" +
-                          file.Reason() + ")",
-                      "check " + OptionName("image_list"));
-  }
+std::vector<int> ReadNumberedImages(const std::filesystem::path& path,
+                                    const SparseModel& model) {
   std::vector<int> images;
   std::set<int> seen;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    const std::string name = Trimmed(line);
-    if (name.empty()) {
-      continue;
+  for (const ListedImage& listed :
+       ReadImageList(path, model, OptionName("image_list"))) {
+    if (!seen.insert(listed.image).second) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          path.string(),
+          "line " + std::to_string(listed.line) + " names " +
+              model.images[static_cast<size_t>(listed.image)].name +
+              " a second time",
+          "correct the line");
     }
-    const int image = model.IndexOf(name);
-    if (image < 0 || !seen.insert(image).second) {
-      throw Error::File(ErrorCode::kMismatch,
-                        path.string(),
-                        "line " + std::to_string(number) + " names " + name +
-                            (image < 0 ? ", which is not in the sparse model"
-                                       : " a second time"),
-                        "correct the line");
-    }
-    images.push_back(image);
-  }
-  if (images.empty()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "the list names no image",
-                      "write one image name per line");
+    images.push_back(listed.image);
   }
   return images;
 }
@@ -80,7 +54,7 @@ std::optional<int> TrailingNumber(const std::string& name) {
 std::vector<int> OrderImages(const MatchOptions& options,
                              const SparseModel& model) {
   if (!options.image_list.empty()) {
-    return ReadImageList(options.image_list, model);
+    return ReadNumberedImages(options.image_list, model);
   }
   std::vector<int> images(model.images.size());
   std::iota(images.begin(), images.end(), 0);

@@ -40,9 +40,12 @@ void Widen(float near, float far, float* total_near, float* total_far) {
 
 class Importer {
  public:
-  Importer(const ImportOptions& options, Progress& progress)
+  Importer(const ImportOptions& options,
+           Progress& progress,
+           const std::function<bool()>& should_stop)
       : options_(options),
         progress_(progress),
+        should_stop_(should_stop),
         root_(options.workspace_path),
         model_(ReadTargetModel(root_)),
         matched_(MatchImages(options.match, model_)) {
@@ -77,6 +80,13 @@ class Importer {
   }
 
  private:
+  void ThrowIfStopped() const {
+    if (should_stop_ && should_stop_()) {
+      throw Error(ErrorCode::kInterrupted,
+                  "stopped; run the same command again");
+    }
+  }
+
   const std::string& NameOf(const ExternalFiles& files) const {
     return model_.images[static_cast<size_t>(files.image)].name;
   }
@@ -103,6 +113,7 @@ class Importer {
   void CheckFiles() {
     progress_.Start(static_cast<int>(matched_.files.size()), "Checking:");
     for (const ExternalFiles& files : matched_.files) {
+      ThrowIfStopped();
       const ExternalMaps external =
           ReadExternalMaps(files, options_.match.format);
       RequireShape(files.depth,
@@ -267,6 +278,7 @@ class Importer {
     convert.use_costs = options_.import_costs;
     progress_.Start(static_cast<int>(matched_.files.size()), "Importing:");
     for (size_t i = 0; i < matched_.files.size(); ++i) {
+      ThrowIfStopped();
       const ExternalFiles& files = matched_.files[i];
       convert.scale = scales_[i];
       const ImportedMaps maps =
@@ -287,6 +299,7 @@ class Importer {
 
   const ImportOptions& options_;
   Progress& progress_;
+  const std::function<bool()>& should_stop_;
   const Path root_;
   const SparseModel model_;
   const MatchedMaps matched_;
@@ -301,8 +314,9 @@ class Importer {
 }  // namespace
 
 ImportSummary ImportWorkspace(const ImportOptions& options,
-                              Progress& progress) {
-  return Importer(options, progress).Run();
+                              Progress& progress,
+                              const std::function<bool()>& should_stop) {
+  return Importer(options, progress, should_stop).Run();
 }
 
 }  // namespace tsar

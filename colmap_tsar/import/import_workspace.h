@@ -8,6 +8,7 @@
 #include "colmap_tsar/import/match_images.h"
 
 #include <filesystem>
+#include <functional>
 
 namespace tsar {
 
@@ -49,6 +50,12 @@ struct ImportOptions {
 // image, where depths are in other units than the sparse points or normals in
 // another frame than said, or where an image has too few sparse points for
 // scale_to_sparse.
-ImportSummary ImportWorkspace(const ImportOptions& options, Progress& progress);
+//
+// should_stop: if given, asked before each image. Once it returns true,
+// kInterrupted is thrown; images that were imported stay so, and the same call
+// begins anew.
+ImportSummary ImportWorkspace(const ImportOptions& options,
+                              Progress& progress,
+                              const std::function<bool()>& should_stop = {});
 
 }  // namespace tsar

@@ -7,8 +7,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/workspace/workspace_model.h"
 
-#include <algorithm>
 #include <string>
 #include <system_error>
 
@@ -35,24 +35,13 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
                             "image_undistorter");
     }
   }
-  SparseModel model = ReadSparseModel(root / "sparse");
+  const std::filesystem::path model_folder = FindModelFolder(root);
+  SparseModel model = ReadWorkspaceModel(model_folder);
   if (model.images.empty()) {
     throw Error::File(ErrorCode::kNotFound,
-                      (root / "sparse").string(),
+                      model_folder.string(),
                       "the sparse model holds no images",
                       "make the workspace again with image_undistorter");
-  }
-  for (const SparseModel::ModelImage& image : model.images) {
-    // Every path of an image is made from its name.
-    const std::filesystem::path name(image.name);
-    if (name.is_absolute() ||
-        std::find(name.begin(), name.end(), "..") != name.end()) {
-      throw Error::File(
-          ErrorCode::kUnsupported,
-          (root / "sparse").string(),
-          "the image name " + image.name + " leads out of the workspace",
-          "rename the image and make the workspace again");
-    }
   }
   return model;
 }

@@ -48,6 +48,16 @@ Error Foreign(const fs::path& path) {
                          "copy");
 }
 
+// It would go, and nothing come in its place.
+Error NotListed(const fs::path& path) {
+  return Error::File(ErrorCode::kUnsupported,
+                     path.string(),
+                     "is of another program, or was made with other options, "
+                     "and its image is not in the list",
+                     "leave " + OptionName("image_list_path") +
+                         " out to replace all maps, or work on a copy");
+}
+
 Error Changed(const Workspace& workspace, const StereoChange& change) {
   return Error::File(
       ErrorCode::kUnsupported,
@@ -107,7 +117,8 @@ ContainedPath GetStereoFolder(const Workspace& workspace) {
 
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
-               bool overwrite) {
+               bool overwrite,
+               const std::vector<bool>& is_listed) {
   const ContainedPath options_path = GetStereoFolder(workspace) / "options.txt";
   const ContainedPath inputs_path = GetStereoFolder(workspace) / "inputs.txt";
   const StereoInputs inputs = FindStereoInputs(workspace, options);
@@ -120,7 +131,8 @@ void ClaimMaps(const Workspace& workspace,
   const bool goes_on = known && !change && HaveRightSizes(workspace, options);
   // All of it is looked at before the first file goes.
   std::vector<ContainedPath> foreign;
-  for (const StereoProblem& problem : workspace.Problems()) {
+  for (size_t place = 0; place < workspace.Problems().size(); ++place) {
+    const StereoProblem& problem = workspace.Problems()[place];
     const SparseModel::ModelImage& image =
         workspace.Model().images[static_cast<size_t>(problem.reference)];
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
@@ -133,6 +145,9 @@ void ClaimMaps(const Workspace& workspace,
            {paths.depth, paths.normal, paths.cost}) {
         if (fs::exists(path)) {
           foreign.push_back(path);
+          if (overwrite && !is_listed[place]) {
+            throw NotListed(path);
+          }
         }
       }
     }

@@ -67,6 +67,16 @@ int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
   return num_levels;
 }
 
+// 1 where there is no depth.
+Image<uint8_t> HolesOf(const Image<float>& depth) {
+  auto holes = Image<uint8_t>::Uninitialized(depth.Width(), depth.Height());
+  std::transform(
+      depth.begin(), depth.end(), holes.begin(), [](float z) -> uint8_t {
+        return z > 0.f ? 0 : 1;
+      });
+  return holes;
+}
+
 int64_t MatchingCostsBytes(int64_t num_pixels) {
   return 3 * BytesOf<float>(num_pixels);
 }
@@ -114,6 +124,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const DepthInterval& range,
                                    uint32_t stream,
                                    int pass,
+                                   bool keeps_holes,
                                    const StereoOptions& options,
                                    Device& device) {
   const StereoViews views(reference, sources, 1, device);
@@ -123,8 +134,12 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   search.num_past_iterations =
       options.num_iterations - 1 + pass * kGeometricIterations;
   search.num_iterations = kGeometricIterations;
-  const PatchMatchInputs inputs{
-      view, level_sources, StreamOf(stream, 1000 + pass)};
+  PatchMatchInputs inputs{view, level_sources, StreamOf(stream, 1000 + pass)};
+  DeviceImage<uint8_t> holes;
+  if (keeps_holes) {
+    holes = DeviceImage<uint8_t>(device, HolesOf(reference.depth));
+    inputs.keeps_plane = std::as_const(holes).View();
+  }
   PlaneMaps maps = UpdateMaps(reference, inputs, search, device);
   if (pass + 1 < options.num_geometric_passes) {
     return ToHost(maps);

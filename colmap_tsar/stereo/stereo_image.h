@@ -34,15 +34,17 @@ StereoMaps MatchImage(const ViewData& reference,
                       Device& device);
 
 // Improves the depth and normal of the reference with regard to the depth of
-// the sources, some of which may have none. pass counts from 0. The last pass
-// filters: depths that too few sources confirm become 0, with their normals;
-// where the run fills its maps, they then get those of the planar prior
-// (FillWithPrior).
+// the sources, some of which may have none. keeps_holes: pixels of the
+// reference without a depth, which a mask hides, get none. pass counts from 0.
+// The last pass filters: depths that too few sources confirm become 0, with
+// their normals; where the run fills its maps, they then get those of the
+// planar prior (FillWithPrior).
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
                                    const DepthInterval& range,
                                    uint32_t stream,
                                    int pass,
+                                   bool keeps_holes,
                                    const StereoOptions& options,
                                    Device& device);
 

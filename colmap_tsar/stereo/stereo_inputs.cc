@@ -14,25 +14,40 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-// In the order of the words of a line, of which the image's name is the last.
+// In the order of the words of a line, of which the image's name is the last;
+// that of the photo has the mask behind a plus sign where there is one.
+constexpr std::array<const char*, 4> kWords = {
+    "camera", "photo", "sources", "depths"};
+constexpr char kMaskSign = '+';
+
 struct Part {
   const char* key;
   ChangedInput change;
 };
-const std::array<Part, 4> kParts = {
+const std::array<Part, 5> kParts = {
     Part{"camera", {"its camera", false}},
     Part{"photo", {"its photo", false}},
+    Part{"mask", {"its mask", false}},
     Part{"sources", {"its list of sources", false}},
     Part{"depths", {"the range of its sparse points", false}}};
 // The value of a part that does not matter.
 constexpr const char* kNone = "-";
 // The first line of a file.
 const std::string kHead = std::string("fingerprints ") + kContentHashName;
+
+// Into the photo and the mask.
+void SplitPhoto(InputState* state) {
+  std::string& photo = (*state)["photo"];
+  const size_t sign = photo.find(kMaskSign);
+  (*state)["mask"] = sign == std::string::npos ? kNone : photo.substr(sign + 1);
+  photo = photo.substr(0, sign);
+}
 
 std::string FingerprintOfSources(const Workspace& workspace,
                                  const std::vector<int>& sources) {
@@ -99,6 +114,10 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
     if (state.empty()) {
       state = {{"camera", FingerprintOf(entry.camera)},
                {"photo", FingerprintOf(FileState(workspace.ImagePath(image)))},
+               {"mask",
+                workspace.HasMask(image)
+                    ? FingerprintOf(FileState(workspace.MaskPath(image)))
+                    : kNone},
                {"sources", kNone},
                {"depths", kNone}};
     }
@@ -129,14 +148,15 @@ std::optional<StereoInputs> ReadStereoInputs(
   while (std::getline(file, line)) {
     InputState state;
     size_t begin = 0;
-    for (const Part& part : kParts) {
+    for (const char* word : kWords) {
       const size_t end = line.find(' ', begin);
       if (end == std::string::npos) {
         return std::nullopt;
       }
-      state[part.key] = line.substr(begin, end - begin);
+      state[word] = line.substr(begin, end - begin);
       begin = end + 1;
     }
+    SplitPhoto(&state);
     inputs[line.substr(begin)] = std::move(state);
   }
   return inputs;
@@ -146,8 +166,12 @@ void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   AtomicFile file(path);
   file.Stream() << kHead << "\n";
   for (const auto& [name, state] : inputs) {
-    for (const Part& part : kParts) {
-      file.Stream() << state.at(part.key) << " ";
+    for (const char* word : kWords) {
+      file.Stream() << state.at(word);
+      if (std::string_view(word) == "photo" && state.at("mask") != kNone) {
+        file.Stream() << kMaskSign << state.at("mask");
+      }
+      file.Stream() << " ";
     }
     file.Stream() << name << "\n";
   }

@@ -32,8 +32,8 @@ DepthInterval StereoDepths(const Workspace& workspace,
 std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
 
 // By the names of the images that are matched, or matched with, what is used of
-// them: "camera", "photo" and, of the former, "sources" and "depths". Every map
-// depends on all of them, over the passes.
+// them: "camera", "photo", "mask" and, of the former, "sources" and "depths".
+// Every map depends on all of them, over the passes.
 using StereoInputs = std::map<std::string, InputState>;
 
 // Throws what StereoDepths throws.

@@ -21,21 +21,25 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   if (options.geom_consistency) {
     plan.work = std::max(
         plan.work,
-        MatchImageGeometricallyWorkingBytes(num_pixels, plan.num_sources));
+        MatchImageGeometricallyWorkingBytes(num_pixels, plan.num_sources) +
+            (overview.has_masks ? BytesOf<uint8_t>(num_pixels) : 0));
   }
   if (FillsUnderPrior(options)) {
     plan.work = std::max(
         plan.work, MatchUnderPriorWorkingBytes(num_pixels, plan.num_sources));
   }
   plan.view = ViewBytes(overview);
-  plan.load = LoadBytes(overview);
-  // Costs are copied into one array for their file; before that, prior planes
-  // lie beside the maps, or depth and normal beside those they are merged with.
+  // Costs are copied from and into one array for their file; before they are
+  // written, prior planes lie beside the maps, or depth and normal beside those
+  // they are merged with.
   const int64_t costs = 2 * BytesOf<float>(num_pixels);
+  plan.load = std::max(LoadBytes(overview), costs);
   const int64_t filling =
       BytesOf<Plane>(num_pixels) + BytesOf<float>(num_pixels);
-  plan.result = StereoMapsBytes(num_pixels) +
-                (FillsUnderPrior(options) ? std::max(costs, filling) : costs);
+  plan.result =
+      StereoMapsBytes(num_pixels) +
+      std::max(FillsUnderPrior(options) ? std::max(costs, filling) : costs,
+               ReadMaskBytes(overview));
   return plan;
 }
 

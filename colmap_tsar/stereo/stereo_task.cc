@@ -4,6 +4,7 @@
 #include "colmap_tsar/stereo/stereo_task.h"
 
 #include "colmap_tsar/base/image_name_hash.h"
+#include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/stereo/fill_under_prior.h"
 #include "colmap_tsar/stereo/stereo_inputs.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -80,12 +81,25 @@ StereoMaps StereoTask::Compute(size_t index,
   if (passes_.IsUnderPrior(pass_)) {
     return MatchUnderPrior(reference, sources, range, stream, options_, device);
   }
-  return MatchImageGeometrically(
-      reference, sources, range, stream, pass_ - 1, options_, device);
+  return MatchImageGeometrically(reference,
+                                 sources,
+                                 range,
+                                 stream,
+                                 pass_ - 1,
+                                 /*keeps_holes=*/workspace_.HasMask(image),
+                                 options_,
+                                 device);
 }
 
 void StereoTask::Write(size_t index, StereoMaps maps, ImageReport* report) {
-  WriteStereoMaps(passes_.Files(pass_, Problem(index).reference), maps);
+  const int image = Problem(index).reference;
+  const Image<uint8_t> mask =
+      workspace_.ReadMask(image, {maps.depth.Width(), maps.depth.Height()});
+  ClearMasked(mask, &maps.depth);
+  ClearMasked(mask, &maps.normal);
+  ClearMasked(mask, &maps.min_cost, kCostWithoutEvidence);
+  ClearMasked(mask, &maps.second_cost, kCostWithoutEvidence);
+  WriteStereoMaps(passes_.Files(pass_, image), maps);
   report->outcome = ImageReport::Outcome::kDone;
 }
 

@@ -39,6 +39,7 @@ class StereoTask : public ImageTasks<StereoMaps> {
                      ImageReport* report) override;
   // On a CPU an image takes minutes.
   bool WritesAfterStop() const override { return true; }
+  // Nothing is left of the maps where the image is masked.
   void Write(size_t index, StereoMaps maps, ImageReport* report) override;
 
  private:

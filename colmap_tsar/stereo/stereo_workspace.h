@@ -7,9 +7,12 @@
 #include "colmap_tsar/controllers/device_options.h"
 #include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/stereo/stereo_options.h"
+#include "colmap_tsar/workspace/map_paths.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,9 +20,13 @@ namespace tsar {
 
 struct StereoSummary {
   std::filesystem::path workspace_path;
+  // The maps that the next step is to take.
+  MapType type = MapType::kGeometric;
   std::string device;
   int num_images = 0;
   int num_skipped = 0;  // Had been done before.
+  // Of the images, those with a mask; nothing where no masks were given.
+  std::optional<int64_t> num_masks;
   std::vector<std::string> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
@@ -30,18 +37,25 @@ struct StereoSummary {
 // over the images. What lies between the passes is kept in stereo/tsar_stereo
 // until the run ends. overwrite: whether maps may be
 // replaced that this program did not make, or made with other options or from
-// what has changed since.
+// what has changed since. image_list_path: a text file with the names of the
+// images to make maps of, the same as among all; empty: all. The photometric
+// maps of those that they need for it stay, too.
+// mask_path: the folder with the masks of images, see workspace/image_mask.h;
+// empty: none. Masked pixels get no depth, and those of sources confirm none.
 //
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined), kNotFound (no image has sources; an image
 // without sparse points needs options.depth_min and depth_max), kInterrupted
 // once should_stop returned true, and what the workspace, its lock, the devices
-// and writing throw. Images that were done stay done; the same call goes on.
+// and writing throw, and Workspace::UseMasks. Images that were done stay done;
+// the same call goes on.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const DeviceOptions& device_options,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,
-                             const std::function<bool()>& should_stop);
+                             const std::function<bool()>& should_stop,
+                             const std::filesystem::path& image_list_path = {},
+                             const std::filesystem::path& mask_path = {});
 
 }  // namespace tsar

@@ -33,7 +33,7 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
                                            : path.parent_path()) /
       path.filename();
   const fs::path target = Canonical(path);
-  for (const char* name : {"images", "sparse", "stereo"}) {
+  for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
     const fs::path folder = Canonical(root / name);
     if (IsWithin(place, folder) || IsWithin(target, folder)) {
       return name;

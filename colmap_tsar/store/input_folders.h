@@ -8,9 +8,10 @@
 
 namespace tsar {
 
-// Of images, sparse and stereo in the workspace `root`, the name of the one
-// that a path is or lies in, whatever links lead there; empty where it is
-// outside of all. Neither the path nor the workspace has to exist.
+// Of images, sparse (also sparse/0, where that is a link) and stereo in the
+// workspace `root`, the name of the one that a path is or lies in, whatever
+// links lead there; empty where it is outside of all. Neither the path nor the
+// workspace has to exist.
 std::string FindInputFolder(const std::filesystem::path& root,
                             const std::filesystem::path& path);
 

@@ -104,7 +104,8 @@ MapState CompareValues(const fs::path& current,
 
 MapState InspectMap(const fs::path& current,
                     const fs::path& original,
-                    const std::vector<WrittenMap>* written) {
+                    const std::vector<WrittenMap>* written,
+                    Scrutiny scrutiny) {
   if (!Exists(current)) {
     return MapState::kMissing;
   }
@@ -115,7 +116,7 @@ MapState InspectMap(const fs::path& current,
   if (!IsFile(current)) {
     return MapState::kDamaged;
   }
-  if (written != nullptr && IsAnyOf(current, *written)) {
+  if (written != nullptr && IsAnyOf(current, *written, scrutiny)) {
     return MapState::kWritten;
   }
   if (HaveSameLength(current, original) &&
@@ -132,11 +133,12 @@ MapState InspectMap(const fs::path& current,
 
 MapState InspectMapWithoutOriginal(const fs::path& current,
                                    const std::vector<WrittenMap>* written,
-                                   std::optional<uint64_t> original_hash) {
+                                   std::optional<uint64_t> original_hash,
+                                   Scrutiny scrutiny) {
   if (original_hash && IsFile(current) && HashFile(current) == original_hash) {
     return MapState::kOriginal;
   }
-  return InspectMap(current, {}, written);
+  return InspectMap(current, {}, written, scrutiny);
 }
 
 MapOwner FindOwner(std::optional<MapState> depth,

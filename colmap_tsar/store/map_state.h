@@ -29,7 +29,8 @@ enum class MapState {
 // name; null where no record tells.
 MapState InspectMap(const std::filesystem::path& current,
                     const std::filesystem::path& original,
-                    const std::vector<WrittenMap>* written);
+                    const std::vector<WrittenMap>* written,
+                    Scrutiny scrutiny = Scrutiny::kContent);
 
 // What stands under the name of a map of which no original is stored.
 // original_hash: the original's fingerprint; nothing where no record tells.
@@ -38,7 +39,8 @@ MapState InspectMap(const std::filesystem::path& current,
 // it there.
 MapState InspectMapWithoutOriginal(const std::filesystem::path& current,
                                    const std::vector<WrittenMap>* written,
-                                   std::optional<uint64_t> original_hash);
+                                   std::optional<uint64_t> original_hash,
+                                   Scrutiny scrutiny = Scrutiny::kContent);
 
 // Whose the maps of an image are, since depth and normals always come from one
 // source.

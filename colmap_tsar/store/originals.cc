@@ -27,12 +27,12 @@ struct Map {
 };
 
 // Of a map of which nothing is stored.
-OriginalState FindInPlace(const Map& map) {
+OriginalState FindInPlace(const Map& map, Scrutiny scrutiny) {
   if (!Exists(map.current)) {
     return OriginalState::kMissing;
   }
-  const MapState state =
-      InspectMapWithoutOriginal(map.current, map.written, map.original_hash);
+  const MapState state = InspectMapWithoutOriginal(
+      map.current, map.written, map.original_hash, scrutiny);
   if (state == MapState::kWritten || state == MapState::kEdited) {
     throw Error::File(ErrorCode::kMismatch,
                       map.current.string(),
@@ -85,7 +85,7 @@ std::string ListResultFolders() {
 
 }  // namespace
 
-OriginalMaps FindOriginals(const MapPaths& paths) {
+OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
   const Map depth = {paths.depth,
                      paths.original_depth,
@@ -99,9 +99,9 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
   const bool has_normal = Exists(normal.stored);
   OriginalMaps maps;
   if (has_depth || has_normal) {
-    const auto inspect = [](const Map& map, bool has_stored) {
-      return has_stored ? std::optional<MapState>(
-                              InspectMap(map.current, map.stored, map.written))
+    const auto inspect = [&](const Map& map, bool has_stored) {
+      return has_stored ? std::optional<MapState>(InspectMap(
+                              map.current, map.stored, map.written, scrutiny))
                         : std::nullopt;
     };
     const std::optional<MapState> depth_state = inspect(depth, has_depth);
@@ -122,10 +122,10 @@ OriginalMaps FindOriginals(const MapPaths& paths) {
   }
   // A run that was killed may have stored one of the two.
   if (!has_depth) {
-    maps.depth_state = FindInPlace(depth);
+    maps.depth_state = FindInPlace(depth, scrutiny);
   }
   if (!has_normal) {
-    maps.normal_state = FindInPlace(normal);
+    maps.normal_state = FindInPlace(normal, scrutiny);
   }
   const auto choose = [](OriginalState state, const Map& map) {
     return state == OriginalState::kStored ? map.stored : map.current;

@@ -31,7 +31,8 @@ struct OriginalMaps {
 // lost, where refined maps were edited (they are no originals), and where
 // nothing tells whose the maps in place are; what to do then depends on the
 // user, who is told.
-OriginalMaps FindOriginals(const MapPaths& paths);
+OriginalMaps FindOriginals(const MapPaths& paths,
+                           Scrutiny scrutiny = Scrutiny::kContent);
 
 // Throws Error kMismatch where what lies beside an image's maps tells that they
 // were refined, but stereo/tsar, which held their originals, is gone: refined

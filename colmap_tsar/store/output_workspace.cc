@@ -16,6 +16,7 @@
 #include "colmap_tsar/store/links.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/workspace/workspace_model.h"
 
 #include <algorithm>
 #include <string>
@@ -199,9 +200,9 @@ Workspace CreateOutputWorkspace(const Workspace& input,
   // First, so that an interrupted call can be taken up again.
   WriteMarker(source, output);
   const ContainedPath stereo(output, "stereo");
-  for (const char* folder : {"images", "sparse"}) {
-    ReplaceByLink(source / folder, {output, folder});
-  }
+  ReplaceByLink(source / "images", {output, "images"});
+  // COLMAP looks for the model in `sparse` itself.
+  ReplaceByLink(FindModelFolder(source), {output, "sparse"});
   for (const char* folder : {"consistency_graphs", "cost_maps"}) {
     if (std::filesystem::is_directory(source / "stereo" / folder)) {
       ReplaceByLink(source / "stereo" / folder, stereo / folder);

@@ -42,10 +42,9 @@ struct ImageRecord {
   std::vector<WrittenMap> written_depth;
   std::vector<WrittenMap> written_normal;
   bool has_sigma = false;  // Whether a sigma map belongs to the maps.
-  // Fingerprints of the originals that the maps were made from: in an output
-  // workspace they can change without our knowing, and elsewhere they tell that
-  // a map is an original which was put back. Nothing in records of versions
-  // that did not note them.
+  // Fingerprints of the originals that the maps were made from: they tell that
+  // a map is an original which was put back. Nothing in output workspaces, and
+  // in records of versions that did not note them.
   std::optional<uint64_t> original_depth_hash;
   std::optional<uint64_t> original_normal_hash;
   std::map<std::string, int64_t> counts;

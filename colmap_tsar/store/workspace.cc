@@ -8,11 +8,11 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
+#include "colmap_tsar/workspace/mask_folder.h"
 #include "colmap_tsar/workspace/photo.h"
+#include "colmap_tsar/workspace/workspace_model.h"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -34,35 +34,22 @@ void RequireFolder(const std::filesystem::path& folder,
   }
 }
 
-// Every path of an image is made from its name, so a name must not lead out.
-void RequireSafeName(const std::filesystem::path& root,
-                     const std::string& name) {
-  const std::filesystem::path path(name);
-  if (path.is_absolute() ||
-      std::find(path.begin(), path.end(), "..") != path.end()) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      (root / "sparse").string(),
-                      "the image name " + name + " leads out of the workspace",
-                      "rename the image and make the workspace again");
-  }
-}
-
-// Reads what is stored or, where nothing is, the current map. An image that
+// Opens what is stored or, where nothing is, the current map. An image that
 // turns out to keep its maps gets what is stored back, perhaps meanwhile.
-template <typename Read>
-auto ReadStoredOrCurrent(const std::filesystem::path& stored,
+template <typename Open>
+auto OpenStoredOrCurrent(const std::filesystem::path& stored,
                          const std::filesystem::path& current,
-                         const Read& read) {
+                         const Open& open) {
   if (Exists(stored)) {
     try {
-      return read(stored);
+      return open(stored);
     } catch (const Error&) {
       if (Exists(stored)) {
         throw;
       }
     }
   }
-  return read(current);
+  return open(current);
 }
 
 void RequireMap(OriginalState state,
@@ -95,10 +82,8 @@ Workspace::Workspace(const std::filesystem::path& root, MapType type)
                   "the input of this output workspace has been moved or "
                   "deleted; make the output workspace again");
   }
-  model_ = ReadSparseModel(root / "sparse");
-  for (const SparseModel::ModelImage& image : model_.images) {
-    RequireSafeName(root, image.name);
-  }
+  model_folder_ = FindModelFolder(root);
+  model_ = ReadWorkspaceModel(model_folder_);
   problems_ = ReadPatchMatchConfig(root / "stereo" / "patch-match.cfg", model_);
 }
 
@@ -147,6 +132,50 @@ void Workspace::TrustStoredOriginals() {
   }
 }
 
+void Workspace::UseMasks(const std::filesystem::path& folder) {
+  masks_.clear();
+  if (folder.empty()) {
+    return;
+  }
+  RequireNoImageFolder(folder, root_ / "images", OptionName("mask_path"));
+  std::vector<std::string> names;
+  for (const SparseModel::ModelImage& image : model_.images) {
+    names.push_back(image.name);
+  }
+  masks_ = FindImageMasks(folder, names, OptionName("mask_path"));
+}
+
+std::filesystem::path Workspace::MaskPath(int image) const {
+  return masks_.empty() ? std::filesystem::path()
+                        : masks_.at(static_cast<size_t>(image));
+}
+
+MaskSizes Workspace::SizesOfMask(int image, const RasterSize& maps) const {
+  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  return {{camera.width, camera.height}, maps};
+}
+
+Image<uint8_t> Workspace::ReadMask(int image, const RasterSize& maps) const {
+  return HasMask(image) ? ResizeMask(ReadImageMask(MaskPath(image),
+                                                   SizesOfMask(image, maps)),
+                                     maps)
+                        : Image<uint8_t>();
+}
+
+Image<uint8_t> Workspace::ReadMaskOfImage(int image,
+                                          const RasterSize& maps) const {
+  const MaskSizes sizes = SizesOfMask(image, maps);
+  return HasMask(image)
+             ? ResizeMask(ReadImageMask(MaskPath(image), sizes), sizes.image)
+             : Image<uint8_t>();
+}
+
+void Workspace::CheckMask(int image, const RasterSize& maps) const {
+  if (HasMask(image)) {
+    CheckImageMask(MaskPath(image), SizesOfMask(image, maps));
+  }
+}
+
 bool Workspace::HasMaps(int image, MapType type) const {
   const MapPaths paths = SourcePaths(image, type);
   return (Exists(paths.depth) || Exists(paths.original_depth)) &&
@@ -177,57 +206,61 @@ Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
 }
 
 DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
-  const MapPaths paths = SourcePaths(image, type);
-  const bool trusts_stored = type == type_ && !trusts_stored_.empty() &&
-                             trusts_stored_.at(static_cast<size_t>(image));
-  OriginalMaps originals;
-  if (!trusts_stored) {
-    originals = FindOriginals(paths);
-    RequireMap(originals.depth_state, originals.depth, "depth");
-    RequireMap(originals.normal_state, originals.normal, "normal");
-  }
+  DepthNormalReader reader = OpenOriginalMaps(image, type);
   DepthNormal maps;
-  int64_t num_bad_depths = 0;
-  int64_t num_bad_normals = 0;
-  const auto require_shape = [&](const std::filesystem::path& path,
-                                 const auto& map) {
+  maps.depth = Image<float>::Uninitialized(reader.Width(), reader.Height());
+  maps.normal = Image<Vec3f>::Uninitialized(reader.Width(), reader.Height());
+  ForEachPiece(reader.NumPixels(), [&](size_t first, size_t count) {
+    reader.depth.Read(first, {maps.depth.Data() + first, count});
+    reader.normal.Read(first, {maps.normal.Data() + first, count});
+  });
+  maps.num_not_finite = reader.NumNotFinite();
+  return maps;
+}
+
+DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
+  const MapPaths paths = SourcePaths(image, type);
+  const auto open = [&]<typename Reader>(const std::filesystem::path& path) {
+    Reader map(path);
     const SparseModel::ModelImage& model_image =
         model_.images[static_cast<size_t>(image)];
     RequireShape(path,
-                 {map.Width(), map.Height()},
+                 {map.Size().width, map.Size().height},
                  {model_image.camera.width, model_image.camera.height},
                  "the image " + model_image.name,
                  "run patch_match_stereo again for this image");
-  };
-  const auto read_depth = [&](const std::filesystem::path& path) {
-    Image<float> map = ReadDepthMap(path, &num_bad_depths);
-    require_shape(path, map);
     return map;
   };
-  const auto read_normal = [&](const std::filesystem::path& path) {
-    Image<Vec3f> map = ReadNormalMap(path, &num_bad_normals);
-    require_shape(path, map);
-    return map;
+  const auto open_depth = [&](const std::filesystem::path& path) {
+    return open.operator()<DepthMapReader>(path);
   };
-  if (trusts_stored) {
-    maps.depth =
-        ReadStoredOrCurrent(paths.original_depth, paths.depth, read_depth);
-    maps.normal =
-        ReadStoredOrCurrent(paths.original_normal, paths.normal, read_normal);
-  } else {
-    maps.depth = read_depth(originals.depth);
-    maps.normal = read_normal(originals.normal);
-  }
-  maps.num_not_finite = num_bad_depths + num_bad_normals;
-  if (!maps.depth.HasSizeOf(maps.normal)) {
-    throw Error::File(
-        ErrorCode::kMismatch,
-        paths.normal.string(),
-        "the normal map has " +
-            ToString(RasterSize{maps.normal.Width(), maps.normal.Height()}) +
-            " pixels, the depth map " +
-            ToString(RasterSize{maps.depth.Width(), maps.depth.Height()}),
-        "run patch_match_stereo again for this image");
+  const auto open_normal = [&](const std::filesystem::path& path) {
+    return open.operator()<NormalMapReader>(path);
+  };
+  const auto open_both = [&]() -> DepthNormalReader {
+    if (type == type_ && !trusts_stored_.empty() &&
+        trusts_stored_.at(static_cast<size_t>(image))) {
+      return {
+          OpenStoredOrCurrent(paths.original_depth, paths.depth, open_depth),
+          OpenStoredOrCurrent(
+              paths.original_normal, paths.normal, open_normal)};
+    }
+    const OriginalMaps originals =
+        FindOriginals(paths, Scrutiny::kTimeAndSamples);
+    RequireMap(originals.depth_state, originals.depth, "depth");
+    RequireMap(originals.normal_state, originals.normal, "normal");
+    return {open_depth(originals.depth), open_normal(originals.normal)};
+  };
+  DepthNormalReader maps = open_both();
+  const MapSize& normal = maps.normal.Size();
+  if (maps.Width() != normal.width || maps.Height() != normal.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      paths.normal.string(),
+                      "the normal map has " +
+                          ToString(RasterSize{normal.width, normal.height}) +
+                          " pixels, the depth map " +
+                          ToString(RasterSize{maps.Width(), maps.Height()}),
+                      "run patch_match_stereo again for this image");
   }
   return maps;
 }

@@ -5,7 +5,9 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/workspace/map_reader.h"
 #include "colmap_tsar/workspace/patch_match_config.h"
 #include "colmap_tsar/workspace/sparse_model.h"
 
@@ -22,6 +24,20 @@ struct DepthNormal {
   int64_t num_not_finite = 0;  // Values that were read as invalid.
 };
 
+// The same, open to be read a piece at a time.
+struct DepthNormalReader {
+  DepthMapReader depth;
+  NormalMapReader normal;
+
+  int Width() const { return depth.Size().width; }
+  int Height() const { return depth.Size().height; }
+  size_t NumPixels() const { return depth.Size().NumPixels(); }
+  // Of both, among those that were read.
+  int64_t NumNotFinite() const {
+    return depth.NumNotFinite() + normal.NumNotFinite();
+  }
+};
+
 // COLMAP's dense workspace: images/, sparse/ and stereo/. Images are named by
 // their index in Model().images. All methods that are const may be called from
 // several threads.
@@ -36,6 +52,8 @@ class Workspace {
   const std::filesystem::path& Root() const { return root_; }
   MapType Type() const { return type_; }
   const SparseModel& Model() const { return model_; }
+  // Where it was read: sparse, or sparse/0.
+  const std::filesystem::path& ModelFolder() const { return model_folder_; }
   const std::vector<StereoProblem>& Problems() const { return problems_; }
 
   // The workspace that holds the originals: another one where this one was
@@ -60,6 +78,20 @@ class Workspace {
   // may be stale.
   void TrustStoredOriginals();
 
+  // From now on, images have the masks in this folder, see image_mask.h; none
+  // where it is empty. Throws Error: what FindImageMasks throws, kBadOption (it
+  // is the folder of the images).
+  void UseMasks(const std::filesystem::path& folder);
+  bool HasMask(int image) const { return !MaskPath(image).empty(); }
+  // Empty where it has none.
+  std::filesystem::path MaskPath(int image) const;
+  // 1 where the image is masked, at the size of its maps or of the image; empty
+  // where it has no mask. Throw what ReadImageMask throws.
+  Image<uint8_t> ReadMask(int image, const RasterSize& maps) const;
+  Image<uint8_t> ReadMaskOfImage(int image, const RasterSize& maps) const;
+  // Looks at the mask of an image without reading it, see CheckImageMask.
+  void CheckMask(int image, const RasterSize& maps) const;
+
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
 
@@ -73,13 +105,18 @@ class Workspace {
   // differ; a map is not of the image's shape; or the original is lost), and
   // what the readers of map_io.h throw.
   DepthNormal ReadOriginalMaps(int image, MapType type) const;
+  DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
 
  private:
+  MaskSizes SizesOfMask(int image, const RasterSize& maps) const;
+
   std::filesystem::path root_;
   std::filesystem::path source_root_;
   bool is_output_ = false;
-  std::vector<bool> trusts_stored_;  // By image; empty: of none.
+  std::vector<bool> trusts_stored_;           // By image; empty: of none.
+  std::vector<std::filesystem::path> masks_;  // By image; empty: of none.
   MapType type_;
+  std::filesystem::path model_folder_;
   SparseModel model_;
   std::vector<StereoProblem> problems_;
 };

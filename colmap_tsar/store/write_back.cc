@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/pipeline/confidence_level.h"
 #include "colmap_tsar/store/links.h"
@@ -20,7 +21,6 @@
 #include <utility>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
@@ -47,24 +47,18 @@ Image<uint8_t> ToLevels(const Image<float>& confidence) {
 
 // One channel of as many bits as T has.
 template <typename T>
-void PutPicture(const Image<T>& values,
-                const std::filesystem::path& path,
-                AtomicFile* file) {
-  // Encoding only reads.
-  const cv::Mat pixels(values.Height(),
-                       values.Width(),
-                       cv::DataType<T>::type,
-                       const_cast<T*>(values.Data()));
-  // OpenCV's own settings are the fastest; the others save a few per cent.
-  std::vector<uchar> bytes;
-  if (!cv::imencode(".png", pixels, bytes)) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "cannot be encoded as PNG",
-                      "check that OpenCV was built with PNG");
-  }
-  file->Stream().write(reinterpret_cast<const char*>(bytes.data()),
-                       static_cast<std::streamsize>(bytes.size()));
+void PutPng(const Image<T>& values,
+            const std::filesystem::path& path,
+            AtomicFile* file) {
+  // Encoding only reads. OpenCV's own settings are the fastest; the others save
+  // a few per cent.
+  PutPicture(cv::Mat(values.Height(),
+                     values.Width(),
+                     cv::DataType<T>::type,
+                     const_cast<T*>(values.Data())),
+             ".png",
+             path,
+             file);
 }
 
 // Of a map that was written anew since, so that it is an original no longer.
@@ -161,10 +155,10 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
                                PutDepthMap(maps.depth, &files_[0]));
   record_.written_normal.insert(record_.written_normal.begin(),
                                 PutNormalMap(maps.normal, &files_[1]));
-  PutPicture(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
-  PutPicture(maps.provenance, paths_.provenance, &files_[3]);
+  PutPng(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
+  PutPng(maps.provenance, paths_.provenance, &files_[3]);
   if (has_planes_) {
-    PutPicture(maps.planes, paths_.planes, &files_[4]);
+    PutPng(maps.planes, paths_.planes, &files_[4]);
   }
   if (record_.has_sigma) {
     PutSigmaMap(maps.sigma, &files_.back());
@@ -188,9 +182,9 @@ void WriteBack::KeepOriginals() {
       FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
   if (!workspace_.IsOutput()) {
     KeepBoth(originals, paths_);
+    record_.original_depth_hash = HashFile(originals.depth);
+    record_.original_normal_hash = HashFile(originals.normal);
   }
-  record_.original_depth_hash = HashFile(originals.depth);
-  record_.original_normal_hash = HashFile(originals.normal);
 }
 
 void WriteBack::RecordWriting() {
@@ -263,21 +257,14 @@ bool IsDone(const Workspace& workspace,
       record->inputs != inputs) {
     return false;
   }
-  if (!IsFile(paths.depth) || !IsFile(paths.normal) ||
-      !IsFile(paths.confidence) || !IsFile(paths.provenance) ||
-      (record->has_sigma && !IsFile(paths.sigma)) ||
-      !IsAnyOf(paths.depth, record->written_depth) ||
-      !IsAnyOf(paths.normal, record->written_normal)) {
-    return false;
-  }
-  if (!workspace.IsOutput()) {
-    return true;
-  }
-  const OriginalMaps originals =
-      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
-  return IsFile(originals.depth) && IsFile(originals.normal) &&
-         HashFile(originals.depth) == record->original_depth_hash &&
-         HashFile(originals.normal) == record->original_normal_hash;
+  // The inputs tell of the originals, also of those in another workspace.
+  return IsFile(paths.depth) && IsFile(paths.normal) &&
+         IsFile(paths.confidence) && IsFile(paths.provenance) &&
+         (!record->has_sigma || IsFile(paths.sigma)) &&
+         IsAnyOf(
+             paths.depth, record->written_depth, Scrutiny::kTimeAndSamples) &&
+         IsAnyOf(
+             paths.normal, record->written_normal, Scrutiny::kTimeAndSamples);
 }
 
 }  // namespace tsar

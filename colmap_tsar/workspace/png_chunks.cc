@@ -79,6 +79,23 @@ std::string FindPngDefect(std::span<const uint8_t> bytes) {
   }
 }
 
+std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
+  static_assert(kPngHeadSize == kSignature.size() + kFrame + kHeaderLength);
+  if (head.size() < kPngHeadSize ||
+      !std::equal(kSignature.begin(), kSignature.end(), head.begin())) {
+    return std::nullopt;
+  }
+  const std::optional<Chunk> chunk =
+      FirstChunk(head.subspan(kSignature.size(), kFrame + kHeaderLength));
+  if (!chunk || !chunk->Is("IHDR") ||
+      chunk->bytes.size() != kFrame + kHeaderLength || !chunk->IsWhole()) {
+    return std::nullopt;
+  }
+  const std::span<const uint8_t> content = chunk->bytes.subspan(8);
+  return PngHeader{
+      ReadBigEndian(content), ReadBigEndian(content.subspan(4)), content[8]};
+}
+
 std::vector<uint8_t> KeepCriticalChunks(std::span<const uint8_t> bytes) {
   std::vector<uint8_t> kept(kSignature.begin(), kSignature.end());
   kept.reserve(bytes.size());

@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +18,17 @@ namespace tsar {
 // What is wrong with the bytes of a PNG file, or nothing: that they break off,
 // or that the checksum of a chunk is wrong which is needed for the pixels.
 std::string FindPngDefect(std::span<const uint8_t> bytes);
+
+struct PngHeader {
+  uint32_t width = 0;
+  uint32_t height = 0;
+  int bits_per_channel = 0;
+};
+
+// Of a file that begins with these bytes, of which there should be at least
+// kPngHeadSize; nothing where it is no PNG file or its header is damaged.
+constexpr size_t kPngHeadSize = 33;
+std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head);
 
 // A file without defects, without all that is not needed for the pixels, such
 // as colour profiles (of which libpng prints warnings) and texts.

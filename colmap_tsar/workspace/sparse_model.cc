@@ -25,26 +25,6 @@ Error CorruptModel(const std::filesystem::path& path, const std::string& what) {
                      "copy or make the sparse model again");
 }
 
-// Sets the paths; returns whether the files are binary.
-bool FindFiles(const std::filesystem::path& folder, SparseModelFiles* files) {
-  for (const bool binary : {true, false}) {
-    const char* extension = binary ? ".bin" : ".txt";
-    files->cameras_path = folder / (std::string("cameras") + extension);
-    files->images_path = folder / (std::string("images") + extension);
-    files->points_path = folder / (std::string("points3D") + extension);
-    if (Exists(files->cameras_path) && Exists(files->images_path) &&
-        Exists(files->points_path)) {
-      return binary;
-    }
-  }
-  throw Error::File(
-      ErrorCode::kNotFound,
-      folder.string(),
-      "no sparse model: neither cameras, images and points3D .bin "
-      "nor .txt are all there",
-      "make the workspace with image_undistorter");
-}
-
 Camera MakeCamera(const SparseModelFiles& files, uint32_t id) {
   const SparseModelFiles::FileCamera& in = files.cameras.at(id);
   const bool has_two_focals = in.params.size() == 4;
@@ -184,6 +164,14 @@ int NumCameraParams(const std::filesystem::path& path,
   if (model == "SIMPLE_PINHOLE") {
     return 3;
   }
+  // image_undistorter leaves these as they are.
+  if (model == "EQUIRECTANGULAR") {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "a camera sees all directions (model " + model + ")",
+                      "render perspective images from the panoramas and "
+                      "reconstruct with those");
+  }
   throw Error::File(ErrorCode::kUnsupported,
                     path.string(),
                     "a camera has lens distortion (model " + model + ")",
@@ -227,9 +215,32 @@ void SparseModel::IndexNames() {
   }
 }
 
+std::array<std::filesystem::path, 3> FindSparseModelFiles(
+    const std::filesystem::path& sparse_folder) {
+  for (const std::string extension : {".bin", ".txt"}) {
+    const std::array<std::filesystem::path, 3> paths = {
+        sparse_folder / ("cameras" + extension),
+        sparse_folder / ("images" + extension),
+        sparse_folder / ("points3D" + extension)};
+    if (std::all_of(paths.begin(), paths.end(), &Exists)) {
+      return paths;
+    }
+  }
+  throw Error::File(
+      ErrorCode::kNotFound,
+      sparse_folder.string(),
+      "no sparse model: neither cameras, images and points3D .bin "
+      "nor .txt are all there",
+      "make the workspace with image_undistorter");
+}
+
 SparseModel ReadSparseModel(const std::filesystem::path& sparse_folder) {
   SparseModelFiles files;
-  if (FindFiles(sparse_folder, &files)) {
+  const auto paths = FindSparseModelFiles(sparse_folder);
+  files.cameras_path = paths[0];
+  files.images_path = paths[1];
+  files.points_path = paths[2];
+  if (paths[0].extension() == ".bin") {
     ReadSparseModelBinary(&files);
   } else {
     ReadSparseModelText(&files);

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/camera.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <unordered_map>
@@ -39,11 +40,16 @@ class SparseModel {
   std::unordered_map<std::string, int> index_of_name_;
 };
 
-// Reads cameras, images and points3D from a folder, in binary form where all
-// three .bin files are there, otherwise as text; the format is the same in all
-// versions of COLMAP from 3.7 on. Quaternions are normalised.
+// The files of cameras, images and points3D in a folder, in this order: binary
+// ones where all three .bin files are there, otherwise text. Throws Error
+// kNotFound where there is no folder, or files are missing.
+std::array<std::filesystem::path, 3> FindSparseModelFiles(
+    const std::filesystem::path& sparse_folder);
+
+// Reads these files; the format is the same in all versions of COLMAP from 3.7
+// on; images of rigs have their own poses, too. Quaternions are normalised.
 //
-// Throws Error: kNotFound (no folder, or files missing), kUnsupported (a camera
+// Throws Error: what FindSparseModelFiles() throws, kUnsupported (a camera
 // model other than PINHOLE and SIMPLE_PINHOLE), kCorrupt (anything that breaks
 // the format: truncated files, counts larger than the file, ids that do not
 // exist, duplicates, focal lengths that are not positive, NaN).

@@ -98,7 +98,14 @@ std::string CameraModelName(int id) {
                                        "FOV",
                                        "SIMPLE_RADIAL_FISHEYE",
                                        "RADIAL_FISHEYE",
-                                       "THIN_PRISM_FISHEYE"};
+                                       "THIN_PRISM_FISHEYE",
+                                       "RAD_TAN_THIN_PRISM_FISHEYE",
+                                       "SIMPLE_DIVISION",
+                                       "DIVISION",
+                                       "SIMPLE_FISHEYE",
+                                       "FISHEYE",
+                                       "EUCM",
+                                       "EQUIRECTANGULAR"};
   return id >= 0 && id < static_cast<int>(std::size(kNames))
              ? kNames[id]
              : "with number " + std::to_string(id);
@@ -106,7 +113,8 @@ std::string CameraModelName(int id) {
 
 void ReadCameras(SparseModelFiles* files) {
   BinaryReader reader(files->cameras_path);
-  const uint64_t count = reader.ReadCount(48);
+  // Without parameters: a model that cannot be used may have fewer than these.
+  const uint64_t count = reader.ReadCount(24);
   for (uint64_t i = 0; i < count; ++i) {
     const uint32_t id = reader.Read<uint32_t>();
     ReadCamera(id, CameraModelName(reader.Read<int32_t>()), &reader, files);

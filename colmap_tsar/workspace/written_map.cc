@@ -35,8 +35,8 @@ T FromDigits(const std::string& text, int base) {
   return value;
 }
 
-// Of a map without a fingerprint. Only together do both tell: an edit changes
-// the time, and may leave all samples as they are.
+// Only together do both tell: an edit changes the time, and may leave all
+// samples as they are.
 bool HasTimeAndSamples(const std::filesystem::path& path,
                        const WrittenMap& map) {
   if (map.time == 0 || map.samples.empty() || TimeOf(path) != map.time) {
@@ -113,12 +113,16 @@ std::vector<uint32_t> ReadSamples(const std::filesystem::path& path) {
 }
 
 bool IsAnyOf(const std::filesystem::path& path,
-             const std::vector<WrittenMap>& maps) {
+             const std::vector<WrittenMap>& maps,
+             Scrutiny scrutiny) {
   // Hashing reads the whole file.
   std::optional<uint64_t> hash;
   return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
-    if (!map.hash) {
-      return HasTimeAndSamples(path, map);
+    if (!map.hash || scrutiny == Scrutiny::kTimeAndSamples) {
+      const bool is_same = HasTimeAndSamples(path, map);
+      if (is_same || !map.hash) {
+        return is_same;
+      }
     }
     if (!hash) {
       hash = HashFile(path);

@@ -41,10 +41,20 @@ constexpr size_t SamplePosition(size_t i, size_t num_values) {
 // The samples of a map in a file; throws what ReadMapSize() throws.
 std::vector<uint32_t> ReadSamples(const std::filesystem::path& path);
 
+// How a file is compared with what was written.
+enum class Scrutiny {
+  // All of it is read: before anything is deleted or written over.
+  kContent,
+  // A file of the same time and samples counts as the same, and only others
+  // are read: to find out what is to be done, of hundreds of gigabytes.
+  kTimeAndSamples,
+};
+
 // Whether a file is one of these maps as it was written: by its fingerprint, or
 // by its time and samples where the map has none. Throws what HashFile()
 // throws; a file that is no map is none of them.
 bool IsAnyOf(const std::filesystem::path& path,
-             const std::vector<WrittenMap>& maps);
+             const std::vector<WrittenMap>& maps,
+             Scrutiny scrutiny = Scrutiny::kContent);
 
 }  // namespace tsar

@@ -88,11 +88,11 @@ TEST_F(MainMemoryDivisionTest, TakesFewerLoadersWhereTheCacheIsSmall) {
   // The decoded images are much larger than the maps.
   overview_.max_num_image_pixels = 100000000;
   options_.cache_size = 32;
-  EXPECT_EQ(Create(1).sizes.num_loaders, 10);
-  EXPECT_EQ(Create(1).sizes.num_writers, 6);
+  EXPECT_EQ(Create(1).sizes.num_loaders, 20);
+  EXPECT_EQ(Create(1).sizes.num_writers, 16);
   options_.cache_size = 1.8;
   const RefineDevices devices = Create(1);
-  EXPECT_EQ(devices.sizes.num_loaders, 3);
+  EXPECT_EQ(devices.sizes.num_loaders, 2);
   EXPECT_GE(static_cast<int64_t>(devices.cache_num_bytes), 11 * Plan().view);
 }
 
@@ -154,26 +154,26 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 25.6 GB of main memory",
+                 "needs 22.7 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
-                 "(maps of 68 megapixels fit)"},
+                 "(maps of 77 megapixels fit)"},
                 0);
   // What the message says is so, and not much more would do.
-  overview_.max_num_pixels = 68000000;
+  overview_.max_num_pixels = 77000000;
   EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
-  overview_.max_num_pixels = 69000000;
+  overview_.max_num_pixels = 78000000;
   ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 12 GB"}, 0);
 }
 
 TEST_F(VeryLargeMapsTest, NeedLessForOneImageAlone) {
-  machine_bytes_ = 20 * static_cast<int64_t>(kGigabyte);
-  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 20 GB"}, 0);
+  machine_bytes_ = 16 * static_cast<int64_t>(kGigabyte);
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 16 GB"}, 0);
   EXPECT_THAT(
       WarningOf(1),
       testing::HasSubstr(
-          "more than four fifths of the 20 GB that this machine gives"));
+          "more than four fifths of the 16 GB that this machine gives"));
 }
 
 TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {

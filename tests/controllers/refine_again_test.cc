@@ -51,6 +51,23 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
   }
 }
 
+TEST_F(RefineWorkspaceTest, RefinesAgainWhereTheMapsOfTheInputAreNew) {
+  RefineOptions refine;
+  refine.scene_planes = false;
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  EXPECT_EQ(Refine(options, refine).num_refined, 4);
+  EXPECT_EQ(Refine(options, refine).num_refined, 0);
+  Image<float> depth = ReadDepthMap(Paths(3).depth);
+  depth(40, 30) *= 1.01f;
+  WriteDepthMap(Paths(3).depth, depth);
+  testing::internal::CaptureStderr();
+  EXPECT_GE(Refine(options, refine).num_refined, 1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("v3.png: refined again, since its maps have "
+                                 "changed\n"));
+}
+
 // What cannot be refined any more is not as it was refined.
 TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
   const Tree before = MapsOf(root_);

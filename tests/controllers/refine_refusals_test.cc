@@ -112,15 +112,8 @@ TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
   const auto look = [&] {
     return CheckWorkspace(Workspace(root_, MapType::kGeometric));
   };
-  EXPECT_TRUE(look().has_other_type);
   EXPECT_FALSE(look().has_costs);
   EXPECT_EQ(look().map_sides, std::vector<int>(4, 96));
-  for (int image = 0; image < 3; ++image) {
-    RemoveMaps(image, MapType::kPhotometric);
-  }
-  EXPECT_TRUE(look().has_other_type);
-  RemoveMaps(3, MapType::kPhotometric);
-  EXPECT_FALSE(look().has_other_type);
   CreateFolders(Paths(2).cost.Parent());
   WritePlanarMap(UserPath(Paths(2).cost),
                  {96, 72, 2, std::vector<float>(2 * 96 * 72)});

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "tests/evaluation/test_files.h"
+#include "tests/support/mask_files.h"
 
 namespace tsar {
 namespace {
@@ -130,6 +131,66 @@ TEST_F(DepthEvaluationTest, TakesGroundTruthFromAnotherFolder) {
   DepthEvaluationOptions options;
   options.ground_truth_path = folder_ / "elsewhere";
   EXPECT_EQ(EvaluateDepthMaps(folder_, options).num_images, 1);
+}
+
+TEST_F(DepthEvaluationTest, MaskedPixelsAreNotScored) {
+  for (const std::string name : {"a.pgm", "left/b.pgm"}) {
+    WritePicture(name, 40);
+    WriteMap(Truth(name), 40, [](int, int) { return 2.f; });
+    // A quarter each is right, wrong, and a hole.
+    WriteMap(Map(name), 20, [](int x, int y) {
+      return x < 10 ? (y < 10 ? 2.f : 3.f) : y < 10 ? 0.f : 2.f;
+    });
+  }
+  DepthEvaluationOptions options;
+  options.mask_path = folder_ / "masks";
+  // Of one image, one pixel less than the upper half.
+  WriteMask(options.mask_path / "left/b.pgm.png", 40, 40, [](int x, int y) {
+    return y < 20 && !(x > 37 && y > 17);
+  });
+  const DepthEvaluation evaluation = EvaluateDepthMaps(folder_, options);
+  EXPECT_EQ(evaluation.num_images, 2);
+  EXPECT_EQ(evaluation.num_masks, 1);
+  ExpectCounts(evaluation.scores[0], "all", 0.02, 300, 500, 601);
+  // One of the size of the map says the same.
+  WriteMask(options.mask_path / "left/b.pgm.png", 20, 20, [](int x, int y) {
+    return y < 10 && !(x == 19 && y == 9);
+  });
+  ExpectCounts(EvaluateDepthMaps(folder_, options).scores[0],
+               "all",
+               0.02,
+               300,
+               500,
+               601);
+  options.mask_path.clear();
+  const DepthEvaluation whole = EvaluateDepthMaps(folder_, options);
+  EXPECT_FALSE(whole.num_masks);
+  ExpectCounts(whole.scores[0], "all", 0.02, 400, 600, 800);
+}
+
+TEST_F(DepthEvaluationTest, RefusesMasksThatAreNone) {
+  WritePicture("a.pgm", 8);
+  WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
+  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
+  DepthEvaluationOptions options;
+  options.mask_path = folder_ / "masks";
+  const auto evaluate = [&] { EvaluateDepthMaps(folder_, options); };
+  EXPECT_EQ(CodeOf(evaluate), ErrorCode::kNotFound);
+  WriteMask(
+      options.mask_path / "b.pgm.png", 8, 8, [](int, int) { return true; });
+  EXPECT_EQ(CodeOf(evaluate), ErrorCode::kNotFound);
+  // An image of the workspace without ground truth.
+  WritePicture("b.pgm", 8);
+  EXPECT_EQ(EvaluateDepthMaps(folder_, options).num_masks, 0);
+  WriteMask(
+      options.mask_path / "a.pgm.png", 9, 8, [](int, int) { return true; });
+  EXPECT_EQ(CodeOf(evaluate), ErrorCode::kMismatch);
+  // The folder of the images, whose names would do.
+  options.mask_path = folder_ / "images";
+  EXPECT_EQ(CodeOf(evaluate), ErrorCode::kBadOption);
+  options.mask_path = folder_ / "masks";
+  Write("masks/a.pgm.png", "no picture");
+  EXPECT_EQ(CodeOf(evaluate), ErrorCode::kCorrupt);
 }
 
 TEST_F(DepthEvaluationTest, TakesMapsFromWhereItIsTold) {

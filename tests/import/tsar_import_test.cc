@@ -39,6 +39,17 @@ TEST_F(TsarImportTest, KeepsFormerMapsAndPutsThemBack) {
   ExpectFailure({"--restore", "1"}, {"nothing was imported"});
 }
 
+TEST_F(TsarImportTest, TakesAModelInTheFolder0) {
+  RemoveStereo(root_);
+  ExportPfm();
+  std::filesystem::rename(root_ / "sparse", root_ / "0");
+  std::filesystem::create_directory(root_ / "sparse");
+  ExpectImportFailure("depth", {"sparse: no sparse model", "folder 0"});
+  std::filesystem::rename(root_ / "0", root_ / "sparse/0");
+  ExpectSuccess(Import("depth"));
+  EXPECT_TRUE(std::filesystem::exists(Paths(scene_[0]).depth));
+}
+
 TEST_F(TsarImportTest, UndoesAnImportIntoAnEmptyWorkspace) {
   RemoveStereo(root_);
   ExportPfm();

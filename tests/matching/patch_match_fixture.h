@@ -10,10 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "tests/matching/textured_plane.h"
+#include "tests/support/same_bytes.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -24,12 +24,6 @@ constexpr int kMargin = 8;
 constexpr float kMaxCost = 2.f;
 constexpr Vec3f kTilt = {0.3f, -0.2f, -1.f};
 constexpr Vec3f kSlant = {1.f, 0.3f, -1.f};
-
-template <typename T>
-bool SameBytes(const Image<T>& a, const Image<T>& b) {
-  return a.HasSizeOf(b) &&
-         std::memcmp(a.Data(), b.Data(), a.NumPixels() * sizeof(T)) == 0;
-}
 
 struct HostHypotheses {
   Image<Plane> planes;

@@ -52,6 +52,7 @@ Matched Match(const SyntheticViews& drawn,
                           range,
                           1,
                           options.num_geometric_passes - 1,
+                          /*keeps_holes=*/false,
                           options,
                           second);
   matched.geometric = static_cast<int64_t>(second.PeakMemory());

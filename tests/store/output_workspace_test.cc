@@ -73,6 +73,27 @@ TEST_F(OutputWorkspaceTest, HoldsEverythingThatTheInputHolds) {
   }
 }
 
+// COLMAP, which is to fuse its maps, knows no other place.
+TEST_F(OutputWorkspaceTest, HasTheModelInSparseItself) {
+  std::filesystem::rename(root_ / "sparse", root_ / "0");
+  std::filesystem::create_directory(root_ / "sparse");
+  std::filesystem::rename(root_ / "0", root_ / "sparse/0");
+  const auto before = InputFiles();
+  const Workspace output = Create();
+  EXPECT_EQ(output.ModelFolder(), output_ / "sparse");
+  EXPECT_EQ(output.Model().images.size(), 3u);
+  EXPECT_EQ(ReadText(output_ / "sparse/images.txt"),
+            ReadText(root_ / "sparse/0/images.txt"));
+  EXPECT_EQ(InputFiles(), before);
+  // Of a model that is there later, the output takes that.
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);
+  }
+  Create();
+  EXPECT_TRUE(
+      std::filesystem::equivalent(output_ / "sparse", root_ / "sparse"));
+}
+
 TEST_F(OutputWorkspaceTest, LeavesTheInputAlone) {
   const auto before = InputFiles();
   const Workspace output = Create();
@@ -106,11 +127,10 @@ TEST_F(OutputWorkspaceTest, TakesUpAnInterruptedBeginning) {
   EXPECT_TRUE(std::filesystem::exists(root_ / "images/a.png"));
 }
 
-TEST_F(OutputWorkspaceTest, NewInputMapsAreNotDone) {
+TEST_F(OutputWorkspaceTest, NewInputMapsAreTheOriginals) {
   const Workspace output = Create();
   WriteRefined(output, 0, MakeRefinedMaps(42.f), Record());
   WriteTestMaps(root_, "a.png", kGeometric, 9.f);
-  EXPECT_FALSE(IsDone(output, 0, "options", {}));
   EXPECT_EQ(output.ReadOriginalMaps(0, kGeometric).depth(0, 0), 9.f);
 }
 
@@ -159,6 +179,10 @@ TEST_F(OutputWorkspaceTest, RefusesPlacesThatBelongToTheInput) {
   ExpectRefused(folder_.Path());
   std::filesystem::create_symlink(root_ / "stereo", folder_.Path() / "link");
   ExpectRefused(folder_.Path() / "link/refined");
+  std::filesystem::create_directory(folder_.Path() / "models");
+  std::filesystem::create_symlink(folder_.Path() / "models",
+                                  root_ / "sparse/0");
+  ExpectRefused(folder_.Path() / "models/refined");
 }
 
 TEST_F(OutputWorkspaceTest, RefusesForeignFoldersAndFiles) {

@@ -274,16 +274,5 @@ TEST(SparseModelTest, RefusesBadText) {
   }
 }
 
-TEST(SparseModelTest, RefusesDistortedBinaryCameras) {
-  const TemporaryFolder folder;
-  std::filesystem::copy(kRoom / "binary", folder.Path());
-  std::string bytes = ReadText(folder.Path() / "cameras.bin");
-  bytes[12] = 4;  // OPENCV
-  WriteText(folder.Path() / "cameras.bin", bytes);
-  ExpectError(ErrorCode::kUnsupported,
-              {"cameras.bin", "OPENCV", "image_undistorter"},
-              [&] { ReadSparseModel(folder.Path()); });
-}
-
 }  // namespace
 }  // namespace tsar

@@ -70,9 +70,26 @@ TEST_F(WrittenMapTest, IsKnownByItsFingerprintAlone) {
   EXPECT_TRUE(IsAnyOf(path_, {other, map_}));
   EXPECT_FALSE(IsAnyOf(path_, {other}));
   EXPECT_FALSE(IsAnyOf(path_, {}));
+  EXPECT_TRUE(IsAnyOf(path_, {map_}, Scrutiny::kTimeAndSamples));
   Edit();
+  EXPECT_FALSE(IsAnyOf(path_, {map_}, Scrutiny::kTimeAndSamples));
   SetTime(map_.time);
   EXPECT_FALSE(IsAnyOf(path_, {map_}));
+}
+
+TEST_F(WrittenMapTest, IsKnownWithoutReadingItByTimeAndSamples) {
+  WrittenMap other = map_;
+  ++*other.hash;
+  EXPECT_TRUE(IsAnyOf(path_, {other}, Scrutiny::kTimeAndSamples));
+  ++other.samples.back();
+  EXPECT_FALSE(IsAnyOf(path_, {other}, Scrutiny::kTimeAndSamples));
+  other = map_;
+  ++*other.hash;
+  ++other.time;
+  EXPECT_FALSE(IsAnyOf(path_, {other}, Scrutiny::kTimeAndSamples));
+  WriteText(path_, "no map");
+  SetTime(map_.time);
+  EXPECT_FALSE(IsAnyOf(path_, {map_}, Scrutiny::kTimeAndSamples));
 }
 
 // In records of the time before XXH3.

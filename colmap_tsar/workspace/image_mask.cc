@@ -1,0 +1,249 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/image_mask.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/workspace/photo_format.h"
+#include "colmap_tsar/workspace/png_chunks.h"
+
+#include <algorithm>
+#include <cctype>
+#include <new>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Bytes = std::vector<uint8_t>;
+
+constexpr const char* kAdvice =
+    "write it as a PNG file of 8 bits, black where the image is to be ignored";
+
+bool IsPngName(const std::string& name) {
+  constexpr std::string_view kExtension = ".png";
+  return name.size() > kExtension.size() &&
+         std::equal(kExtension.rbegin(),
+                    kExtension.rend(),
+                    name.rbegin(),
+                    [](char expected, char c) {
+                      return expected ==
+                             std::tolower(static_cast<unsigned char>(c));
+                    });
+}
+
+fs::path FindMask(const fs::path& folder, const std::string& name) {
+  fs::path mask = folder / (name + ".png");
+  if (Exists(mask)) {
+    return mask;
+  }
+  mask = folder / name;
+  return IsPngName(name) && Exists(mask) ? mask : fs::path();
+}
+
+Error Damaged(const std::string& name, const std::string& what) {
+  return Error::File(ErrorCode::kCorrupt,
+                     name,
+                     "the mask is damaged: " + what,
+                     "write it again");
+}
+
+class MaskFile {
+ public:
+  explicit MaskFile(const fs::path& path) : name_(path.string()), file_(path) {
+    if (!file_) {
+      throw Error::File(
+          file_.IsMissing() ? ErrorCode::kNotFound : ErrorCode::kIo,
+          name_,
+          "the mask cannot be read (" + file_.Reason() + ")",
+          "check that it is a file and that you may read it");
+    }
+  }
+
+  // Throws where the header tells that it is no mask for an image of these
+  // sizes.
+  void RequireFit(const MaskSizes& sizes) {
+    const Bytes head = Read(0, std::min<uint64_t>(kPngHeadSize, file_.Size()));
+    const std::optional<PngHeader> header = ReadPngHeader(head);
+    if (!header) {
+      if (FormatOf(head) == PhotoFormat::kPng) {
+        throw Damaged(name_, "its header is not whole");
+      }
+      throw Error::File(
+          ErrorCode::kCorrupt, name_, "the mask is no PNG file", kAdvice);
+    }
+    if (header->bits_per_channel > 8) {
+      throw Error::File(ErrorCode::kUnsupported,
+                        name_,
+                        "the mask has " +
+                            std::to_string(header->bits_per_channel) +
+                            " bits per channel",
+                        kAdvice);
+    }
+    if (!HasSize(*header, sizes.image) && !HasSize(*header, sizes.maps)) {
+      throw Mismatch(*header, sizes);
+    }
+  }
+
+  bool EndsAsWhole() {
+    constexpr uint64_t kTailBytes = 16;
+    const uint64_t count = std::min<uint64_t>(kTailBytes, file_.Size());
+    return EndsInMarker(PhotoFormat::kPng, Read(file_.Size() - count, count));
+  }
+
+  Image<uint8_t> Decode() {
+    constexpr uint64_t kMaxBytes = uint64_t{1} << 31;
+    if (file_.Size() >= kMaxBytes) {
+      throw Error::File(
+          ErrorCode::kUnsupported, name_, "the mask has 2 GB or more", kAdvice);
+    }
+    const Bytes bytes = Read(0, file_.Size());
+    if (const std::string defect = FindPngDefect(bytes); !defect.empty()) {
+      throw Damaged(name_, defect);
+    }
+    cv::Mat gray;
+    try {
+      gray = cv::imdecode(KeepCriticalChunks(bytes), cv::IMREAD_GRAYSCALE);
+    } catch (const cv::Exception& exception) {
+      if (exception.code == cv::Error::StsNoMem) {
+        throw std::bad_alloc();
+      }
+      gray.release();
+    }
+    if (gray.empty()) {
+      throw Damaged(name_, "OpenCV cannot decode it");
+    }
+    auto mask = Image<uint8_t>::Uninitialized(gray.cols, gray.rows);
+    cv::Mat target(gray.rows, gray.cols, CV_8UC1, mask.Data());
+    gray.copyTo(target);
+    for (uint8_t& value : mask) {
+      value = value == 0 ? 1 : 0;
+    }
+    return mask;
+  }
+
+ private:
+  static bool HasSize(const PngHeader& header, const RasterSize& size) {
+    return int64_t{header.width} == size.width &&
+           int64_t{header.height} == size.height;
+  }
+
+  Error Mismatch(const PngHeader& header, const MaskSizes& sizes) const {
+    const bool has_own_maps = sizes.maps.width != sizes.image.width ||
+                              sizes.maps.height != sizes.image.height;
+    return Error::File(
+        ErrorCode::kMismatch,
+        name_,
+        "the mask has " + std::to_string(header.width) + " x " +
+            std::to_string(header.height) + " pixels, its undistorted image " +
+            ToString(sizes.image) +
+            (has_own_maps ? ", and its maps " + ToString(sizes.maps) : ""),
+        "masks of the photos do not fit: undistort them with "
+        "image_undistorter, as docs/guide.md tells under Masks");
+  }
+
+  Bytes Read(uint64_t begin, uint64_t count) {
+    Bytes bytes(count);
+    file_.seekg(static_cast<std::streamoff>(begin));
+    file_.read(reinterpret_cast<char*>(bytes.data()),
+               static_cast<std::streamsize>(count));
+    if (!file_) {
+      throw Error::File(
+          ErrorCode::kIo, name_, "reading the mask failed", "check the disk");
+    }
+    return bytes;
+  }
+
+  std::string name_;
+  InputFile file_;
+};
+
+}  // namespace
+
+std::vector<fs::path> FindImageMasks(
+    const fs::path& folder,
+    const std::vector<std::string>& image_names,
+    const std::string& option) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there is no such folder of masks",
+                      "check " + option);
+  }
+  std::vector<fs::path> masks;
+  bool has_any = false;
+  for (const std::string& name : image_names) {
+    masks.push_back(FindMask(folder, name));
+    has_any = has_any || !masks.back().empty();
+  }
+  if (!has_any) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        folder.string(),
+        "holds no mask of any image" +
+            (image_names.empty()
+                 ? ""
+                 : "; that of " + image_names.front() + " would be " +
+                       image_names.front() + ".png"),
+        "check " + option);
+  }
+  return masks;
+}
+
+Image<uint8_t> ReadImageMask(const fs::path& path, const MaskSizes& sizes) {
+  MaskFile file(path);
+  file.RequireFit(sizes);
+  return file.Decode();
+}
+
+void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
+  MaskFile file(path);
+  file.RequireFit(sizes);
+  if (!file.EndsAsWhole()) {
+    // Something may have been added behind the end.
+    file.Decode();
+  }
+}
+
+Image<uint8_t> ResizeMask(const Image<uint8_t>& mask, const RasterSize& size) {
+  if (mask.Width() == size.width && mask.Height() == size.height) {
+    return mask;
+  }
+  // The pixels that pixel i of `to` covers among `from` are those from the
+  // first one on to before the second one.
+  const auto covered = [](int64_t i, int64_t from, int64_t to) {
+    return std::pair(static_cast<int>(i * from / to),
+                     static_cast<int>(((i + 1) * from + to - 1) / to));
+  };
+  Image<uint8_t> resized(size.width, size.height);
+  for (int y = 0; y < size.height; ++y) {
+    const auto [begin_y, end_y] = covered(y, mask.Height(), size.height);
+    for (int x = 0; x < size.width; ++x) {
+      const auto [begin_x, end_x] = covered(x, mask.Width(), size.width);
+      for (int j = begin_y; j < end_y; ++j) {
+        const uint8_t* row = &mask(0, j);
+        if (std::any_of(row + begin_x, row + end_x, [](uint8_t value) {
+              return value != 0;
+            })) {
+          resized(x, y) = 1;
+          break;
+        }
+      }
+    }
+  }
+  return resized;
+}
+
+}  // namespace tsar
