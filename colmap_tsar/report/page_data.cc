@@ -104,6 +104,7 @@ Json VectorJson(const Eigen::Vector3d& vector) {
 
 Json PointsJson(const PointView& points) {
   return {{"from_clouds", points.from_clouds},
+          {"before_from_maps", points.before_from_maps},
           {"shown", {points.num_shown[0], points.num_shown[1]}},
           {"all", {points.num_all[0], points.num_all[1]}},
           {"eye", VectorJson(points.eye)},

@@ -25,6 +25,7 @@ struct KeptImage {
 // What the 3D view shows.
 struct PointView {
   bool from_clouds = false;       // Otherwise, sampled from the maps.
+  bool before_from_maps = false;  // Of those before, where after is a cloud.
   int64_t num_shown[2] = {0, 0};  // Before, after.
   int64_t num_all[2] = {0, 0};
   // Where to look from at first, relative to the points' origin, and what is

@@ -4,7 +4,7 @@
 #include "colmap_tsar/report/pictures.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/picture_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,17 +67,9 @@ Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures) {
 void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image) {
   cv::Mat bgr;
   cv::cvtColor(AsMat(image), bgr, cv::COLOR_RGB2BGR);
-  std::vector<uint8_t> bytes;
-  if (!cv::imencode(
-          ".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "the picture cannot be encoded as JPEG",
-                      "use an OpenCV that was built with JPEG");
-  }
   AtomicFile file(path);
-  file.Stream().write(reinterpret_cast<const char*>(bytes.data()),
-                      static_cast<std::streamsize>(bytes.size()));
+  PutPicture(
+      bgr, ".jpg", path, &file, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
   file.Commit();
 }
 

@@ -5,9 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/plane_export/export_planes.h"
 #include "colmap_tsar/report/page_data.h"
 #include "colmap_tsar/report/page_files.h"
@@ -15,7 +13,9 @@
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/plane_page.h"
 #include "colmap_tsar/report/workspace_comparison.h"
+#include "colmap_tsar/store/for_each_image.h"
 #include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/store/output_folder.h"
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
@@ -23,7 +23,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -37,13 +36,13 @@ constexpr std::string_view kPointNames[] = {"before", "after"};
 constexpr std::string_view kPlaneMeshName = "planes";
 
 void Check(const PageOptions& options) {
-  if (options.before_path.empty() != options.after_path.empty()) {
+  if (!options.before_path.empty() && options.after_path.empty()) {
     throw Error(ErrorCode::kBadOption,
-                OptionName("before_path") + " and " + OptionName("after_path") +
-                    " go together; give both clouds "
-                    "or none");
+                OptionName("before_path") + " is compared with " +
+                    OptionName("after_path") + "; give that cloud, too");
   }
-  if (!options.scans_path.empty() && options.after_path.empty()) {
+  // Points of maps that are not fused would score worse than they are.
+  if (!options.scans_path.empty() && options.before_path.empty()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("scans_path") + " is for clouds; give " +
                     OptionName("before_path") + " and " +
@@ -147,27 +146,6 @@ void CheckStages(const Workspace& workspace,
   }
 }
 
-// As many as are asked for, but not more than half of the main memory bears.
-int NumThreads(const Workspace& workspace,
-               const std::vector<int>& refined,
-               int num_threads) {
-  // An image's maps and pictures while they are drawn.
-  constexpr int64_t kBytesPerPixel = 60;
-  int64_t num_pixels = 1;
-  for (const int image : refined) {
-    const Camera& camera =
-        workspace.Model().images[static_cast<size_t>(image)].camera;
-    num_pixels = std::max(num_pixels,
-                          static_cast<int64_t>(camera.width) * camera.height);
-  }
-  const int64_t room = MainMemoryBytes() / 2 / (kBytesPerPixel * num_pixels);
-  const int64_t wanted =
-      num_threads > 0
-          ? num_threads
-          : static_cast<int64_t>(std::thread::hardware_concurrency());
-  return static_cast<int>(std::max<int64_t>(1, std::min(wanted, room)));
-}
-
 std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const std::vector<int>& refined,
                                    const fs::path& folder,
@@ -181,29 +159,20 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
   image_options.debug_path = options.debug_path;
   image_options.origin = origin;
   image_options.show_planes = has_planes;
-  if (options.after_path.empty()) {
+  if (options.before_path.empty()) {
     image_options.max_num_points = std::max<int64_t>(
         1, options.max_num_points / static_cast<int64_t>(refined.size()));
   }
   std::vector<ImagePage> pages(refined.size());
   progress.Start(static_cast<int>(refined.size()));
-  ThreadPool threads(NumThreads(workspace, refined, options.num_threads));
-  threads.Run(
-      static_cast<int64_t>(refined.size()), [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end);
-             ++i) {
-          if (should_stop()) {
-            throw Error(ErrorCode::kInterrupted,
-                        "interrupted; no page was written");
-          }
-          pages[i] = WriteImagePage(workspace,
-                                    refined[i],
-                                    static_cast<int>(i),
-                                    folder,
-                                    image_options);
-          progress.Advance(true);
-        }
-      });
+  ForEachImage(workspace, refined, options.num_threads, [&](size_t i) {
+    if (should_stop()) {
+      throw Error(ErrorCode::kInterrupted, "interrupted; no page was written");
+    }
+    pages[i] = WriteImagePage(
+        workspace, refined[i], static_cast<int>(i), folder, image_options);
+    progress.Advance(true);
+  });
   progress.Finish();
   return pages;
 }
@@ -257,7 +226,7 @@ int WritePage(const Workspace& workspace,
                       "run tsar_refine on it first");
   }
   CheckStages(workspace, refined, options.debug_path);
-  PageFolder folder(options.report_path, options.overwrite);
+  OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
   const Eigen::Vector3d origin = MeanCenter(workspace, refined);
   // What may be wrong with the files of these options shows before the long
@@ -266,9 +235,14 @@ int WritePage(const Workspace& workspace,
   data.points.from_clouds = !options.after_path.empty();
   std::vector<PointSample> samples;
   if (data.points.from_clouds) {
-    for (const fs::path& path : {options.before_path, options.after_path}) {
-      samples.push_back(SampleCloud(path, origin, options.max_num_points));
+    data.points.before_from_maps = options.before_path.empty();
+    samples.resize(2);
+    if (!data.points.before_from_maps) {
+      samples[0] =
+          SampleCloud(options.before_path, origin, options.max_num_points);
     }
+    samples[1] =
+        SampleCloud(options.after_path, origin, options.max_num_points);
   }
   data.gains = Evaluate(workspace, options);
   if (HasPlanes(workspace)) {
@@ -292,13 +266,15 @@ int WritePage(const Workspace& workspace,
   SetViewpoint(workspace, refined, origin, &data.points);
   if (!data.points.from_clouds) {
     samples = TakePoints(&data.images);
+  } else if (data.points.before_from_maps) {
+    samples[0] = std::move(TakePoints(&data.images)[0]);
   }
   for (size_t i = 0; i < samples.size(); ++i) {
     data.points.num_shown[i] = static_cast<int64_t>(samples[i].NumPoints());
     data.points.num_all[i] = samples[i].num_all;
     WritePoints(root, kPointNames[i], samples[i]);
   }
-  WriteText({root, kPageDataFile}, PageDataScript(data));
+  WriteText({root, kPageFolder.known_file}, PageDataScript(data));
   WriteStaticFiles(EscapeHtml(data.workspace), root);
   folder.Commit();
   return static_cast<int>(refined.size());

@@ -39,7 +39,7 @@ struct PageOptions {
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (one cloud without the other; scans without clouds),
 // kInterrupted once should_stop returned true, what RequireOutsideInputs,
-// WorkspaceLock (shared: a program is changing the workspace), PageFolder,
+// WorkspaceLock (shared: a program is changing the workspace), OutputFolder,
 // WriteImagePage, SampleCloud, ExportPlanes and the evaluations throw.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,

@@ -191,12 +191,22 @@ TEST_F(WritePageTest, ShowsCloudsWhereTheyAreGiven) {
   Write();
   EXPECT_TRUE(Data()["points"]["from_clouds"]);
   EXPECT_EQ(Data()["points"]["shown"], (nlohmann::json{1, 1}));
+  EXPECT_FALSE(Data()["points"]["before_from_maps"]);
+  // Without the one before, the points of the original maps.
   options_.before_path.clear();
   options_.overwrite = true;
-  ExpectFailure(ErrorCode::kBadOption, {"before_path", "after_path"});
-  options_.after_path.clear();
+  options_.max_num_points = 1000000;
+  Write();
+  EXPECT_TRUE(Data()["points"]["from_clouds"]);
+  EXPECT_TRUE(Data()["points"]["before_from_maps"]);
+  EXPECT_GT(Data()["points"]["shown"][0], 1);
+  EXPECT_EQ(Data()["points"]["shown"][1], 1);
   options_.scans_path = "scans.mlp";
-  ExpectFailure(ErrorCode::kBadOption, {"scans_path"});
+  ExpectFailure(ErrorCode::kBadOption, {"scans_path", "before_path"});
+  options_.scans_path.clear();
+  options_.before_path = options_.after_path;
+  options_.after_path.clear();
+  ExpectFailure(ErrorCode::kBadOption, {"before_path", "after_path"});
 }
 
 TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {

@@ -104,7 +104,9 @@ window.TsarPointSection = (() => {
       h(
         "p",
         { class: "muted" },
-        points.from_clouds
+        points.before_from_maps
+          ? "After: the cloud that stereo_fusion made. Before: points of the depth maps themselves, not fused, so that depths stand that other views contradict."
+          : points.from_clouds
           ? "The clouds that stereo_fusion made of the maps before and after."
           : "Points of the depth maps themselves, at the same pixels before and after: not fused, so that depths stand that other views contradict."
       )

@@ -1,36 +1,43 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills tsar_report before each call by which it changes files. After every kill
-a whole page stands under its name, the former or the new one, and the next call
-ends with the new one and nothing else beside it. Only where the file system
-cannot exchange two folders there may be none until that call."""
+"""Kills tsar_report or tsar_export before each call by which it changes files.
+After every kill a whole folder stands under its name, the former or the new one,
+and the next call ends with the new one and nothing else beside it. Only where
+the file system cannot exchange two folders there may be none until that call."""
 import os
 import shutil
 
 from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree)
 from start_workspaces import StartWorkspaces
 
-# While the pictures are drawn, nothing is replaced: one kill of so many.
+# While the files are written, nothing is replaced: one kill of so many.
 STEP = 10
-MARKER = ("unfinished_page", "unfinished_page.tsar_tmp")
 
-args = parse_arguments("shim")
+args = parse_arguments("shim", "command")
 program = Program(args.program, args.shim)
 folder = make_folder(args.folder)
 site, kept = (os.path.join(folder.name, name) for name in ("site", "kept"))
-page = os.path.join(site, "report")
+output = os.path.join(site, args.command)
 start = StartWorkspaces(folder.name)
 start.make(program)
 debug = os.path.join(folder.name, "debug")
 program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
-REPORT = ["tsar_report", start.refined, "--report_path", page, "--num_threads", 1,
-          "--overwrite", 1]
+OPTIONS = [start.refined, "--num_threads", 1, "--overwrite", 1]
+if args.command == "report":
+    COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
+    OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
+    DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
+else:
+    COMMAND = ["tsar_export", *OPTIONS, "--output_path", output, "--format", "npy"]
+    OTHER = [*COMMAND[:-1], "png16"]
+    DATA, LIST, MARKER = "manifest.json", "files.txt", "unfinished_export"
 
 
-def read_page():
-    tree = read_tree(page)
-    return {path: content for path, content in tree.items() if path not in MARKER}
+def read_output():
+    tree = read_tree(output)
+    return {path: content for path, content in tree.items()
+            if path not in (MARKER, MARKER + ".tsar_tmp")}
 
 
 def start_anew(former):
@@ -52,7 +59,7 @@ def read_log(command, **faults):
 
 
 def check_flushed(log):
-    """That all of a page is on the disk before it gets its name."""
+    """That all of a folder is on the disk before it gets its name."""
     dirty = set()
     for line in log:
         name, first, second = line.split("\t")
@@ -64,41 +71,41 @@ def check_flushed(log):
             check(first not in dirty, f"{first} is renamed before it is flushed")
             dirty.discard(first)
             dirty.add(os.path.dirname(second))
-            if second == page:
-                unflushed = [path for path in dirty if path.startswith(page)]
+            if second == output:
+                unflushed = [path for path in dirty if path.startswith(output)]
                 check(not unflushed, f"{unflushed} are not on the disk")
 
 
 start_anew(False)
 # Of other files, and of other content.
-program.run(*REPORT, "--debug_path", debug, "--max_points", 1)
-old = read_page()
+program.run(*OTHER)
+old = read_output()
 copy(site, kept)
 start_anew(False)
-program.run(*REPORT)
-new = read_page()
-check(old.keys() - new.keys() and old["data/report.js"] != new["data/report.js"], "they differ")
+program.run(*COMMAND)
+new = read_output()
+check(old.keys() - new.keys() and old[DATA] != new[DATA], "they differ")
 
 num_kills = 0
 for former, faults in ((False, {}), (True, {}), (True, {"no_exchange": 1})):
-    case = f"{'replacing' if former else 'writing'} a page {faults or ''}"
+    case = f"{'replacing' if former else 'writing'} the {args.command} {faults or ''}"
     start_anew(former)
-    log = read_log(REPORT, **faults)
+    log = read_log(COMMAND, **faults)
     check_flushed(log)
-    check_same(read_page(), new, case)
-    begin = next(i for i, line in enumerate(log, 1) if "data/files.txt" in line)
+    check_same(read_output(), new, case)
+    begin = next(i for i, line in enumerate(log, 1) if "/" + LIST in line)
     check(len(log) - begin >= (20 if former else 5), f"{case}: {len(log)} calls")
     for kill_at in [*range(1, begin, STEP), *range(begin, len(log) + 1)]:
         at = f"{case}: kill {kill_at}, at {log[kill_at - 1]}"
         start_anew(former)
-        code, errors = program.call(*REPORT, kill_at=kill_at, **faults)
+        code, errors = program.call(*COMMAND, kill_at=kill_at, **faults)
         check(code == -9, f"{at}: ended with {code}: {errors}")
         num_kills += 1
-        tree = read_page()
+        tree = read_output()
         may_miss = not former or "no_exchange" in faults
-        check(tree in (old, new) or (may_miss and not tree), f"{at}: no whole page")
-        code, errors = program.call(*REPORT, **faults)
+        check(tree in (old, new) or (may_miss and not tree), f"{at}: no whole folder")
+        code, errors = program.call(*COMMAND, **faults)
         check(code == 0, f"{at}: going on ended with {code}: {errors}")
-        check_same(read_tree(page), new, f"{at}: after going on")
-        check(os.listdir(site) == ["report"], f"{at}: left {os.listdir(site)}")
+        check_same(read_tree(output), new, f"{at}: after going on")
+        check(os.listdir(site) == [args.command], f"{at}: left {os.listdir(site)}")
 print(f"{num_kills} kills")

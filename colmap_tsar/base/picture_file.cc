@@ -1,0 +1,49 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/picture_file.h"
+
+#include "colmap_tsar/base/error.h"
+
+#include <cstdint>
+#include <new>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+bool Encode(const cv::Mat& pixels,
+            const std::string& extension,
+            const std::vector<int>& parameters,
+            std::vector<uint8_t>* bytes) {
+  try {
+    return cv::imencode(extension, pixels, *bytes, parameters);
+  } catch (const cv::Exception&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+void PutPicture(const cv::Mat& pixels,
+                const std::string& extension,
+                const std::filesystem::path& path,
+                AtomicFile* file,
+                const std::vector<int>& parameters) {
+  std::vector<uint8_t> bytes;
+  if (!Encode(pixels, extension, parameters, &bytes)) {
+    // Of pixels that can be encoded, the encoders have no other failure.
+    if (cv::haveImageWriter(extension)) {
+      throw std::bad_alloc();
+    }
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be encoded as " + extension.substr(1),
+                      "use an OpenCV that was built with this format");
+  }
+  file->Stream().write(reinterpret_cast<const char*>(bytes.data()),
+                       static_cast<std::streamsize>(bytes.size()));
+}
+
+}  // namespace tsar

@@ -1,0 +1,28 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/atomic_file.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace cv {
+class Mat;
+}
+
+namespace tsar {
+
+// Writes pixels (of colours BGR) into a file in a picture format that OpenCV
+// has: ".png", ".jpg". parameters: as cv::imencode() has them. Throws kIo,
+// which names the path, where OpenCV was built without the format, and
+// std::bad_alloc.
+void PutPicture(const cv::Mat& pixels,
+                const std::string& extension,
+                const std::filesystem::path& path,
+                AtomicFile* file,
+                const std::vector<int>& parameters = {});
+
+}  // namespace tsar

@@ -1,0 +1,200 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/export/export_workspace.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/export/export_manifest.h"
+#include "colmap_tsar/export/gaussian_splatting_exporter.h"
+#include "colmap_tsar/export/image_exporter.h"
+#include "colmap_tsar/export/map_exporter.h"
+#include "colmap_tsar/export/nerfstudio_exporter.h"
+#include "colmap_tsar/report/workspace_comparison.h"
+#include "colmap_tsar/store/count_masks.h"
+#include "colmap_tsar/store/for_each_image.h"
+#include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/store/json_file.h"
+#include "colmap_tsar/store/output_folder.h"
+#include "colmap_tsar/store/workspace_lock.h"
+
+#include <memory>
+#include <numeric>
+#include <string>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+constexpr OutputFolderKind kExportFolder = {"export",
+                                            "an export",
+                                            "tsar_export",
+                                            "output_path",
+                                            "manifest.json",
+                                            "files.txt",
+                                            "unfinished_export"};
+
+// The loop over images, with progress and interruption.
+class ExportLoop {
+ public:
+  ExportLoop(const Workspace& workspace,
+             int num_threads,
+             Progress& progress,
+             const std::function<bool()>& should_stop)
+      : workspace_(workspace),
+        num_threads_(num_threads),
+        progress_(progress),
+        should_stop_(should_stop) {}
+
+  // The results of function(image), in the order of the images.
+  template <typename Result>
+  std::vector<Result> Run(const std::vector<int>& images,
+                          const std::string& pass,
+                          const std::function<Result(int)>& function) const {
+    std::vector<Result> results(images.size());
+    progress_.Start(static_cast<int>(images.size()), pass);
+    ForEachImage(workspace_, images, num_threads_, [&](size_t i) {
+      if (should_stop_()) {
+        throw Error(ErrorCode::kInterrupted,
+                    "interrupted; nothing was exported");
+      }
+      results[i] = function(images[i]);
+      progress_.Advance(true);
+    });
+    progress_.Finish();
+    return results;
+  }
+
+ private:
+  const Workspace& workspace_;
+  int num_threads_;
+  Progress& progress_;
+  const std::function<bool()>& should_stop_;
+};
+
+void Check(const ExportOptions& options) {
+  if (options.format != ExportFormat::kPng16 &&
+      options.depth_scale != ExportOptions::kDefaultDepthScale) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("depth_scale") + " is for " + OptionName("format") +
+                    " png16 alone; leave it out, or give that format");
+  }
+}
+
+// Whether the format holds all images of the sparse model, with or without
+// maps.
+bool HoldsAllImages(ExportFormat format) {
+  return format == ExportFormat::kNerfstudio ||
+         format == ExportFormat::kGaussianSplatting;
+}
+
+DepthStatistics MeasureAll(const Workspace& workspace,
+                           const std::vector<int>& images,
+                           const ExportLoop& loop) {
+  const DepthStatistics depth = JoinStatistics(
+      loop.Run<DepthStatistics>(images, "Export, pass 1 of 2:", [&](int image) {
+        return MeasureDepth(ReadImageDepth(workspace, image));
+      }));
+  if (depth.num_depths == 0) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        workspace.Root().string(),
+        "no pixel of its " + ToString(workspace.Type()) + " maps has a depth",
+        "run patch_match_stereo on it again");
+  }
+  return depth;
+}
+
+std::unique_ptr<ImageExporter> MakeExporter(const Workspace& workspace,
+                                            const ExportOptions& options,
+                                            const std::vector<int>& with_maps,
+                                            const ContainedPath& folder,
+                                            const ExportLoop& loop) {
+  switch (options.format) {
+    case ExportFormat::kNerfstudio:
+      return MakeNerfstudioExporter(workspace, folder);
+    case ExportFormat::kGaussianSplatting:
+      return MakeGaussianSplattingExporter(
+          workspace, folder, MeasureAll(workspace, with_maps, loop));
+    default:
+      return MakeMapExporter(
+          workspace, folder, options.format, options.depth_scale);
+  }
+}
+
+ExportSummary Summarize(const std::vector<ExportedImage>& exported) {
+  ExportSummary summary;
+  for (const ExportedImage& image : exported) {
+    ++summary.num_images;
+    summary.num_with_depth += image.depth.num_depths > 0 ? 1 : 0;
+    summary.num_pixels += static_cast<int64_t>(image.width) * image.height;
+    summary.num_depths += image.depth.num_depths;
+  }
+  return summary;
+}
+
+}  // namespace
+
+Workspace OpenWorkspaceToExport(const std::filesystem::path& root,
+                                std::optional<MapType> type) {
+  Workspace workspace(root, type.value_or(MapType::kGeometric));
+  if (!type && FindRefinedImages(workspace).empty()) {
+    Workspace photometric(root, MapType::kPhotometric);
+    if (!FindRefinedImages(photometric).empty() ||
+        (FindImagesWithMaps(workspace).empty() &&
+         !FindImagesWithMaps(photometric).empty())) {
+      return photometric;
+    }
+  }
+  return workspace;
+}
+
+ExportSummary ExportWorkspace(Workspace workspace,
+                              const ExportOptions& options,
+                              Progress& progress,
+                              const std::function<bool()>& should_stop) {
+  Check(options);
+  workspace.UseMasks(options.mask_path);
+  RequireOutsideInputs(
+      workspace.Root(), options.output_path, OptionName("output_path"));
+  // So that the maps of an image belong together.
+  const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  const std::vector<int> with_maps = FindImagesWithMaps(workspace);
+  if (with_maps.empty()) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        workspace.Root().string(),
+        "no image has " + ToString(workspace.Type()) + " depth and normal maps",
+        "run patch_match_stereo or tsar_stereo on it first");
+  }
+  std::vector<int> images = with_maps;
+  if (HoldsAllImages(options.format)) {
+    images.resize(workspace.Model().images.size());
+    std::iota(images.begin(), images.end(), 0);
+  }
+  OutputFolder folder(kExportFolder, options.output_path, options.overwrite);
+  const ContainedPath root(folder.Temporary(), {});
+  const ExportLoop loop(workspace, options.num_threads, progress, should_stop);
+  const std::unique_ptr<ImageExporter> exporter =
+      MakeExporter(workspace, options, with_maps, root, loop);
+  const std::vector<ExportedImage> exported = loop.Run<ExportedImage>(
+      images,
+      options.format == ExportFormat::kGaussianSplatting
+          ? "Export, pass 2 of 2:"
+          : "Export:",
+      [&](int image) { return exporter->Export(image); });
+  exporter->Finish(images, exported);
+  WriteOrderedJson(root / kExportFolder.known_file,
+                   MakeExportManifest(workspace,
+                                      options.format,
+                                      exporter->DescribeMaps(),
+                                      images,
+                                      exported));
+  folder.Commit();
+  ExportSummary summary = Summarize(exported);
+  summary.num_masks = CountMasks(workspace, images);
+  return summary;
+}
+
+}  // namespace tsar

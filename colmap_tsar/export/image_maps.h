@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// The maps of one image as they are in the workspace now, 0 where the image is
+// masked; all of one size.
+// Those below `normal` are empty where the image has none.
+struct ImageMaps {
+  Image<float> depth;         // See map_io.h.
+  Image<Vec3f> normal;        // See map_io.h.
+  Image<uint8_t> confidence;  // See confidence_level.h.
+  Image<float> sigma;         // See sigma_map.h.
+  Image<uint8_t> provenance;  // See refined_maps.h.
+  Image<uint16_t> planes;     // See refined_maps.h.
+};
+
+// The images that have a depth and a normal map of the workspace's type, as
+// indices into its sparse model, ascending.
+std::vector<int> FindImagesWithMaps(const Workspace& workspace);
+
+// Throws Error: kMismatch (a map is not of the image's shape, or of another
+// size than the depth map), and what the readers and Workspace::ReadMask throw.
+ImageMaps ReadImageMaps(const Workspace& workspace, int image);
+
+// The depth map alone; errors as ReadImageMaps().
+Image<float> ReadImageDepth(const Workspace& workspace, int image);
+
+// Of the pixels of a map that have a depth; 0 where there are none.
+struct DepthStatistics {
+  int64_t num_depths = 0;
+  float nearest = 0.f;
+  float farthest = 0.f;
+  float median = 0.f;
+};
+
+DepthStatistics MeasureDepth(const Image<float>& depth);
+
+// Of all maps: nearest and farthest of all, the median of the medians.
+DepthStatistics JoinStatistics(const std::vector<DepthStatistics>& maps);
+
+}  // namespace tsar

@@ -1,0 +1,79 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/export/scene_files.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+
+#include <unordered_map>
+
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+Error Refused(const Workspace& workspace, const std::string& what) {
+  return Error::File(ErrorCode::kUnsupported,
+                     (workspace.Root() / "sparse").string(),
+                     what,
+                     "rename images and make the workspace again, or give "
+                     "another " +
+                         OptionName("format"));
+}
+
+}  // namespace
+
+void RequireUtf8Names(const Workspace& workspace) {
+  for (const SparseModel::ModelImage& image : workspace.Model().images) {
+    try {
+      nlohmann::json(image.name).dump();
+    } catch (const nlohmann::json::type_error&) {
+      throw Refused(workspace,
+                    "the name of the image " + image.name + " is not UTF-8");
+    }
+  }
+}
+
+std::string CopyPhoto(const Workspace& workspace,
+                      int image,
+                      const ContainedPath& folder) {
+  const std::string path =
+      "images/" + workspace.Model().images.at(static_cast<size_t>(image)).name;
+  CreateFolders((folder / path).Parent());
+  CopyFile(workspace.ImagePath(image), folder / path);
+  return path;
+}
+
+std::vector<std::string> UniqueStems(const Workspace& workspace) {
+  std::vector<std::string> stems;
+  std::unordered_map<std::string, std::string> names;
+  for (const SparseModel::ModelImage& image : workspace.Model().images) {
+    const size_t dot = image.name.rfind('.');
+    if (dot == std::string::npos || dot == 0) {
+      throw Refused(workspace,
+                    "the name of the image " + image.name +
+                        " has no extension, which the format needs");
+    }
+    stems.push_back(image.name.substr(0, dot));
+    const auto [other, is_new] = names.emplace(stems.back(), image.name);
+    if (!is_new) {
+      throw Refused(workspace,
+                    "the images " + other->second + " and " + image.name +
+                        " differ in their extensions alone, so that the "
+                        "format would have one depth map for both");
+    }
+  }
+  return stems;
+}
+
+void CopySparseModel(const Workspace& workspace, const ContainedPath& folder) {
+  CreateFolders(folder);
+  for (const std::filesystem::path& file :
+       FindSparseModelFiles(workspace.Root() / "sparse")) {
+    CopyFile(file, folder / file.filename());
+  }
+}
+
+}  // namespace tsar
