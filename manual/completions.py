@@ -160,7 +160,7 @@ def zsh_arguments(form, indentation):
             + zsh_quoted(first_sentence(option["description"]), special="[]:\\")
             + zsh_quoted(f"]:value:{value}")
         )
-    lines.append("'(-h --help)'{-h,--help}'[Print the help]'")
+    lines.append("'(-h --help)'{-h,--help}'[Print the help; -h in brief]'")
     lines.append("'--help_json[Print the help as JSON]' ;;\n")
     return f" \\\n{indentation}  ".join(lines)
 

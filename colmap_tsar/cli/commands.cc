@@ -42,9 +42,9 @@ void PrintProgramHelp() {
     std::cout << "  " << std::left << std::setw(static_cast<int>(width) + 2)
               << command.name << command.summary << "\n";
   }
-  std::cout << "\ncolmap_tsar COMMAND --help explains a command; colmap_tsar "
-               "--version prints the version, --help_json "
-               "these lines as JSON.\n";
+  std::cout << "\ncolmap_tsar help COMMAND explains a command, colmap_tsar "
+               "COMMAND -h in brief;\ncolmap_tsar --version prints the "
+               "version, --help_json these lines as JSON.\n";
 }
 
 // As JSON, for programs: the "summary", the "version" and the "commands", each
@@ -68,7 +68,10 @@ void PrintProgramHelpJson() {
     names.push_back(command.name);
     list += (list.empty() ? "" : ", ") + command.name;
   }
-  const std::vector<std::string> suggestions = SuggestNames(written, names);
+  // What all begin with is easily forgotten.
+  const std::string prefix = written.starts_with("tsar") ? "" : "tsar_";
+  const std::vector<std::string> suggestions =
+      SuggestNames(prefix + written, names);
   throw Error(
       ErrorCode::kBadOption,
       "unknown command '" + written + "'; " +
@@ -80,7 +83,9 @@ void PrintProgramHelpJson() {
 // What the program does where no command is named.
 int TellAboutProgram(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "help";
-  if (name == "help" || name == "-h" || name == "--help") {
+  if (name == "help" && argc > 2) {
+    ThrowUnknownCommand(argv[2]);
+  } else if (name == "help" || name == "-h" || name == "--help") {
     PrintProgramHelp();
   } else if (name == "--help_json") {
     PrintProgramHelpJson();
@@ -111,6 +116,9 @@ const std::vector<Command>& Commands() {
       {"tsar_planes",
        "Write walls, floors and other planes of a refined workspace",
        &Reported<&RunTsarPlanes>},
+      {"tsar_export",
+       "Export depth, normals and more for other programs",
+       &Reported<&RunTsarExport>},
       {"tsar_evaluate",
        "Score depth maps or a point cloud against ground truth",
        &Reported<&RunTsarEvaluate>},
@@ -134,11 +142,25 @@ int RunCommand(CommandFunction function, int argc, char** argv) {
 }
 
 int RunProgram(int argc, char** argv) {
-  for (const Command& command : Commands()) {
-    if (argc > 1 && command.name == argv[1]) {
-      argv[1] = argv[0];
-      return command.run(argc - 1, argv + 1);
+  const auto find = [&](int place) -> const Command* {
+    for (const Command& command : Commands()) {
+      if (argc > place && command.name == argv[place]) {
+        return &command;
+      }
     }
+    return nullptr;
+  };
+  if (const Command* command = find(1)) {
+    argv[1] = argv[0];
+    return command->run(argc - 1, argv + 1);
+  }
+  const Command* explained = find(2);
+  if (explained != nullptr && std::string(argv[1]) == "help") {
+    std::string help = "--help";
+    std::vector<char*> arguments = {argv[0]};
+    arguments.insert(arguments.end(), argv + 3, argv + argc);
+    arguments.push_back(help.data());
+    return explained->run(static_cast<int>(arguments.size()), arguments.data());
   }
   return RunCommand(&TellAboutProgram, argc, argv);
 }

@@ -30,7 +30,8 @@ const std::vector<Command>& Commands();
 int RunCommand(CommandFunction function, int argc, char** argv);
 
 // The whole program: finds the command named by argv[1] and runs it, or prints
-// help or version. Returns the exit code.
+// help (also of a command, as it does with --help) or version. Returns the exit
+// code.
 int RunProgram(int argc, char** argv);
 
 // The commands themselves, which throw tsar::Error.
@@ -49,6 +50,9 @@ int RunTsarReport(int argc, char** argv);
 
 // Writes the planes of a refined workspace.
 int RunTsarPlanes(int argc, char** argv);
+
+// Exports the maps of a workspace for other programs.
+int RunTsarExport(int argc, char** argv);
 
 // Scores depth maps or a point cloud against ground truth.
 int RunTsarEvaluate(int argc, char** argv);

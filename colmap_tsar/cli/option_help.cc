@@ -14,8 +14,15 @@
 namespace tsar {
 namespace {
 
-// Breaks a text into lines of at most 79 letters with this indentation.
-std::string Wrap(const std::string& text, size_t indentation) {
+std::vector<std::string> Choices(const Option& option) {
+  return std::holds_alternative<bool*>(option.target)
+             ? std::vector<std::string>{"0", "1"}
+             : option.choices;
+}
+
+}  // namespace
+
+std::string WrapText(const std::string& text, size_t indentation) {
   const std::string indent(indentation, ' ');
   std::istringstream words(text);
   std::string wrapped;
@@ -30,14 +37,6 @@ std::string Wrap(const std::string& text, size_t indentation) {
   return wrapped + line + "\n";
 }
 
-std::vector<std::string> Choices(const Option& option) {
-  return std::holds_alternative<bool*>(option.target)
-             ? std::vector<std::string>{"0", "1"}
-             : option.choices;
-}
-
-}  // namespace
-
 void PrintHelp(const CommandHelp& help,
                const std::string& program_name,
                std::ostream& out) {
@@ -48,7 +47,7 @@ void PrintHelp(const CommandHelp& help,
       usage += " --" + option.name + " " + option.ValueHint();
     }
   }
-  out << Wrap(help.summary, 0) << "\nUsage:\n  " << usage
+  out << WrapText(help.summary, 0) << "\nUsage:\n  " << usage
       << " [options]\n\nExample:\n  " << program << " " << help.example
       << "\n\nOptions:\n";
   for (const Option& option : help.options) {
@@ -58,9 +57,9 @@ void PrintHelp(const CommandHelp& help,
             : text.empty()  ? ""
                             : " (default: " + text + ")")
         << "\n"
-        << Wrap(option.description, 6);
+        << WrapText(option.description, 6);
   }
-  out << "  -h, --help\n      Print this text.\n"
+  out << "  -h, --help\n      Print this text; -h what is used most of it.\n"
       << "  --help_json\n      Print the same as JSON, for programs.\n";
 }
 

@@ -19,6 +19,9 @@ struct CommandHelp {
   std::vector<Option> options;  // All but --help itself.
 };
 
+// Breaks a text into lines of at most 79 letters with this indentation.
+std::string WrapText(const std::string& text, size_t indentation);
+
 // Prints the help for people, in lines of at most 79 letters. program: the
 // name to show before the command.
 void PrintHelp(const CommandHelp& help,

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/name_suggestion.h"
+#include "colmap_tsar/cli/short_help.h"
 
 #include <algorithm>
 #include <cctype>
@@ -86,8 +87,9 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
     PrintHelpJson(Help(), std::cout);
     return false;
   }
-  if (HasArgument(argc, argv, "-h") || HasArgument(argc, argv, "--help")) {
-    PrintHelp(
+  const bool is_long = HasArgument(argc, argv, "--help");
+  if (is_long || HasArgument(argc, argv, "-h")) {
+    (is_long ? PrintHelp : PrintShortHelp)(
         Help(), std::filesystem::path(argv[0]).filename().string(), std::cout);
     return false;
   }

@@ -16,7 +16,7 @@ namespace tsar {
 // The options of one command, in the manner of COLMAP's commands: top-level
 // options ("--workspace_path DIR"), groups ("--TsarRefine.device cpu"), an ini
 // file given by --project_path whose values the command line overrides, and
-// -h/--help, or --help_json.
+// --help, -h, which prints the most used of it, or --help_json.
 //
 // The ini file may be the project.ini of a COLMAP project: sections other than
 // the groups of this command are ignored, and so are top-level keys that are
@@ -58,6 +58,9 @@ class OptionSet {
   // kCorrupt or kIo for an ini file that cannot be read; the message is one
   // line.
   bool Parse(int argc, const char* const* argv) const;
+
+  // All options, in the order in which they were added.
+  const std::vector<Option>& Options() const { return options_; }
 
   // All options and their present values as text, e.g. for a manifest; without
   // project_path, whose content the other values hold.

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/store/input_folders.h"
 
 #include <filesystem>
@@ -17,14 +18,15 @@ void RequireWritableOutput(const std::string& workspace_path,
                            const std::string& kind,
                            bool overwrite) {
   const std::filesystem::path path = output_path;
-  RequireOutsideInputs(workspace_path, path, "--output_path");
+  const std::string option = OptionName("output_path");
+  RequireOutsideInputs(workspace_path, path, option);
   std::error_code error;
   const std::filesystem::path folder = UserPath(path).Root();
   if (!std::filesystem::is_directory(folder, error)) {
     throw Error::File(ErrorCode::kNotFound,
                       folder.string(),
                       "no such folder to write the " + kind + " into",
-                      "make it, or choose another --output_path");
+                      "make it, or choose another " + option);
   }
   if (!std::filesystem::exists(std::filesystem::symlink_status(path, error))) {
     return;
@@ -33,14 +35,14 @@ void RequireWritableOutput(const std::string& workspace_path,
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),
                       "is there already and is no " + kind,
-                      "choose another --output_path");
+                      "choose another " + option);
   }
   if (!overwrite) {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),
                       "is there already",
-                      "give --overwrite 1 to replace it, or choose another "
-                      "--output_path");
+                      "give " + OptionName("overwrite") +
+                          " 1 to replace it, or choose another " + option);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -56,6 +57,7 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
         << Images(summary.num_images) << ": " << summary.num_observed
         << " observed, " << summary.num_skipped
         << " observed before or not to be observed\n";
+    PrintMasks(summary.num_masks, summary.num_images, out);
     return;
   }
   if (summary.pass == RefinePass::kModel) {
@@ -74,7 +76,11 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
   if (!summary.kept.empty()) {
     out << ", " << summary.kept.size() << " kept as they were";
   }
+  if (summary.num_not_listed > 0) {
+    out << ", " << summary.num_not_listed << " not in the list";
+  }
   out << "\n";
+  PrintMasks(summary.num_masks, summary.num_images, out);
   for (size_t i = 0; i < std::min(summary.kept.size(), kMaxKeptListed); ++i) {
     out << "  kept "
         << Printable(summary.kept[i].name + ": " + summary.kept[i].reason)
@@ -142,6 +148,14 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
 
 }  // namespace
 
+void PrintMasks(const std::optional<int64_t>& num_masks,
+                int num_images,
+                std::ostream& out) {
+  if (num_masks) {
+    out << "  masks for " << *num_masks << " of " << Images(num_images) << "\n";
+  }
+}
+
 void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
                      std::ostream& out) {
   for (const RunSummary::GpuMemory& peak : peaks) {
@@ -152,6 +166,16 @@ void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
 }
 
 void PrintSummary(const RunSummary& summary, std::ostream& out) {
+  if (summary.pass == RefinePass::kAll && summary.num_refined == 0 &&
+      summary.kept.empty()) {
+    out << Images(summary.num_images) << ": nothing to do, "
+        << summary.num_skipped << " done before with the same options";
+    if (summary.num_not_listed > 0) {
+      out << ", " << summary.num_not_listed << " not in the list";
+    }
+    out << std::endl;
+    return;
+  }
   PrintImages(summary, out);
   if (summary.num_refined > 0) {
     PrintPixels(summary, out);
@@ -172,10 +196,34 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
         << std::endl;
     return;
   }
+  if (summary.model_folder != summary.workspace_path / "sparse") {
+    out << "stereo_fusion looks for the sparse model in "
+        << Quoted(summary.workspace_path / "sparse")
+        << " itself: first copy there what is in "
+        << Quoted(summary.model_folder) << "\n";
+  }
   out << "Next: colmap stereo_fusion --workspace_path "
       << Quoted(summary.workspace_path) << " --input_type "
       << ToString(summary.type) << " --output_path "
       << Quoted(summary.workspace_path / "fused.ply") << std::endl;
+}
+
+void PrintSummary(const StereoSummary& summary, std::ostream& out) {
+  out << summary.num_images << " images on " << summary.device;
+  if (summary.num_skipped > 0) {
+    out << ", " << summary.num_skipped << " done before";
+  }
+  out << ": " << Fixed(summary.wall_seconds, 1) << " s\n";
+  PrintMasks(summary.num_masks, summary.num_images, out);
+  for (const std::string& name : summary.without_sources) {
+    out << "  " << Printable(name)
+        << " has no maps: no other image shares enough of its sparse "
+           "points\n";
+  }
+  PrintPeakMemory(summary.peak_gpu_memory, out);
+  out << "Next: tsar_refine --workspace_path " << Quoted(summary.workspace_path)
+      << ", or stereo_fusion with --input_type " << ToString(summary.type)
+      << "\n";
 }
 
 void PrintSummary(const ImportSummary& summary, std::ostream& out) {

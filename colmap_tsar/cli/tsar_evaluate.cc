@@ -9,8 +9,10 @@
 #include "colmap_tsar/evaluation/depth_evaluation.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 
+#include <algorithm>
 #include <iomanip>
 #include <iostream>
+#include <string>
 
 #include <nlohmann/json.hpp>
 
@@ -64,6 +66,9 @@ void PrintJson(const DepthEvaluation& evaluation) {
   Json json;
   json["num_images"] = evaluation.num_images;
   json["num_images_without_map"] = evaluation.num_images_without_map;
+  if (evaluation.num_masks) {
+    json["num_masks"] = *evaluation.num_masks;
+  }
   json["scores"] = Json::array();
   for (const DepthScore& score : evaluation.scores) {
     json["scores"].push_back({{"area", score.area},
@@ -80,6 +85,9 @@ void PrintTable(const DepthEvaluation& evaluation) {
   if (evaluation.num_images_without_map > 0) {
     std::cout << " (" << evaluation.num_images_without_map
               << " more have ground truth but no map)";
+  }
+  if (evaluation.num_masks) {
+    std::cout << ", masks for " << *evaluation.num_masks << " of them";
   }
   std::cout << "\n";
   PrintRow({"area", "tolerance", "precision", "recall", "F1"});
@@ -122,6 +130,7 @@ int EvaluateDepth(int argc, char** argv) {
   DepthEvaluationOptions evaluation_options;
   std::string workspace_path;
   std::string ground_truth_path;
+  std::string mask_path;
   std::string tolerances = "0.02,0.1";
   bool json = false;
   OptionSet options(
@@ -145,6 +154,11 @@ int EvaluateDepth(int argc, char** argv) {
               &ground_truth_path,
               "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 = "
               "unknown. If empty, ground_truth/depth in the workspace.");
+  options.Add("mask_path",
+              &mask_path,
+              "The folder with masks of the undistorted images, named as for "
+              "COLMAP: a.jpg.png for a.jpg. Pixels where a mask is black (0) "
+              "are not scored.");
   options.Add("tolerances",
               &tolerances,
               "A depth is right if it is off by less than this; rising numbers "
@@ -154,6 +168,7 @@ int EvaluateDepth(int argc, char** argv) {
     return 0;
   }
   evaluation_options.ground_truth_path = ground_truth_path;
+  evaluation_options.mask_path = mask_path;
   evaluation_options.tolerances = ParseTolerances(tolerances);
   const DepthEvaluation evaluation =
       EvaluateDepthMaps(workspace_path, evaluation_options);
@@ -161,7 +176,20 @@ int EvaluateDepth(int argc, char** argv) {
   return 0;
 }
 
+// Masks are of images, which who asks for it may not know of a cloud.
+void RequireNoMasks(int argc, char** argv) {
+  if (std::any_of(argv, argv + argc, [](const std::string& argument) {
+        return argument == "--mask_path" ||
+               argument.starts_with("--mask_path=");
+      })) {
+    throw Error(ErrorCode::kBadOption,
+                "--mask_path: masks are of images, and a cloud is scored as a "
+                "whole; leave it out, or see tsar_evaluate depth --help");
+  }
+}
+
 int EvaluateCloud(int argc, char** argv) {
+  RequireNoMasks(argc, argv);
   CloudEvaluationOptions evaluation_options;
   std::string input_path;
   std::string ground_truth_path;

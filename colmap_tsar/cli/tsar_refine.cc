@@ -47,6 +47,8 @@ struct RefineCommand {
   std::string workspace_path;
   std::string workspace_format = "COLMAP";
   std::string input_type;
+  std::string image_list_path;
+  std::string mask_path;
   std::string output_path;
   std::string preset = "default";
   bool restore = false;
@@ -75,6 +77,18 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
       "Which maps to refine; the others serve as evidence where "
       "they exist. If not given: geometric, or photometric where "
       "there are no geometric ones.");
+  options->Add("image_list_path",
+               &command->image_list_path,
+               "A text file with one image name per line: refine these alone, "
+               "to the same maps as among all. The others serve as sources, "
+               "and stay as they are. If empty, refine all.");
+  options->Add("mask_path",
+               &command->mask_path,
+               "The folder with masks of the undistorted images, named as for "
+               "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), what "
+               "the maps hold is no evidence for anything, and the refined "
+               "maps have no depth. Images without a mask are used as a "
+               "whole.");
   options->Add("output_path",
                &command->output_path,
                "Write a second workspace here, with links to the images, and "
@@ -150,6 +164,15 @@ int RestoreWorkspace(const RefineCommand& command) {
     throw Error(ErrorCode::kBadOption,
                 "--restore puts maps back in place; leave --output_path out");
   }
+  if (!command.image_list_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                "--restore puts the maps of all images back; leave "
+                "--image_list_path out");
+  }
+  if (!command.mask_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                "--restore puts whole maps back; leave --mask_path out");
+  }
   const WorkspaceLock lock(command.workspace_path);
   const RestoreResult result = Restore(
       command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
@@ -186,6 +209,8 @@ int RunTsarRefine(int argc, char** argv) {
   }
   command.workspace.workspace_path = command.workspace_path;
   command.workspace.output_path = command.output_path;
+  command.workspace.image_list_path = command.image_list_path;
+  command.workspace.mask_path = command.mask_path;
   if (!command.input_type.empty()) {
     command.workspace.input_type =
         command.input_type == ToString(MapType::kGeometric)

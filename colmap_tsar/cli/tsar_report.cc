@@ -1,24 +1,17 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/cli/output_file.h"
-#include "colmap_tsar/evaluation/tolerances.h"
-#include "colmap_tsar/report/comparison_picture.h"
-#include "colmap_tsar/report/png.h"
-#include "colmap_tsar/report/workspace_comparison.h"
+#include "colmap_tsar/cli/report_command.h"
 #include "colmap_tsar/report/write_page.h"
 #include "colmap_tsar/store/workspace.h"
 
-#include <filesystem>
 #include <iostream>
 #include <string>
-#include <vector>
 
 #include <unistd.h>
 
@@ -35,143 +28,8 @@ constexpr const char* kSummary =
     "index.html. With --output_path it draws one picture (PNG) of some images "
     "instead, or as well where --report_path is given.";
 
-struct ReportCommand {
-  std::string workspace_path;
-  std::string input_type;
-  std::string report_path;
-  std::string debug_path;
-  std::string before_path;
-  std::string after_path;
-  std::string ground_truth_path;
-  std::string scans_path;
-  std::string tolerances = "0.02,0.1";
-  int max_points = 300000;
-  std::string output_path;
-  int num_images = 3;
-  PageOptions page;
-};
-
-void AddPageOptions(ReportCommand* command, OptionSet* options) {
-  options->AddRequired("workspace_path",
-                       &command->workspace_path,
-                       "The refined dense workspace.");
-  options->AddChoice(
-      "input_type",
-      &command->input_type,
-      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
-      "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were.");
-  options->Add(
-      "report_path",
-      &command->report_path,
-      "The folder of the page. If not given: report in the workspace.");
-  options->Add("overwrite",
-               &command->page.overwrite,
-               "Replace an earlier page in that folder, and the file that "
-               "--output_path names. A folder with anything else in it, also "
-               "in the folders of a page, is never touched.");
-  options->Add("debug_path",
-               &command->debug_path,
-               "What --TsarRefine.debug_path was when the workspace was "
-               "refined: shows superpixels, edges, lines, regions and surfaces "
-               "over the images.");
-  options->Add(
-      "before_path",
-      &command->before_path,
-      "The cloud (PLY) that stereo_fusion made of the maps before, for "
-      "the 3D view. If it and --after_path are not given, the view "
-      "shows points of the maps themselves.");
-  options->Add("after_path",
-               &command->after_path,
-               "The cloud that it made of the refined maps.");
-}
-
-void AddScoreOptions(ReportCommand* command, OptionSet* options) {
-  options->Add("ground_truth_path",
-               &command->ground_truth_path,
-               "Depth maps to score the maps against, before and after, as "
-               "tsar_evaluate depth takes them.");
-  options->Add(
-      "scans_path",
-      &command->scans_path,
-      "Laser scans to score both clouds against: a MeshLab project, as "
-      "tsar_evaluate cloud takes it.");
-  options->Add("tolerances",
-               &command->tolerances,
-               "Errors below which a depth or a point is right; rising numbers "
-               "with commas, in units of the model.");
-}
-
-void AddSizeOptions(ReportCommand* command, OptionSet* options) {
-  options->Add("max_image_size",
-               &command->page.max_picture_size,
-               "Longer side of the page's pictures, in pixels. At 1000, an "
-               "image takes about 2 megabytes.",
-               {100, 100000});
-  options->Add("max_points",
-               &command->max_points,
-               "Most points in the 3D view, before and after each.",
-               {1, 20000000});
-  options->Add("num_threads",
-               &command->page.num_threads,
-               "Number of CPU threads; -1: one for each core. Fewer where the "
-               "images are too large for the main memory.",
-               {-1, 4096});
-  options->Add("output_path",
-               &command->output_path,
-               "The picture to draw, if any: a row for each image, with depth "
-               "and normals before and after. A file that is there is replaced "
-               "with --overwrite 1 alone.");
-  options->Add("num_images",
-               &command->num_images,
-               "How many images that picture shows, spread evenly over the "
-               "refined ones.",
-               {1, 100});
-}
-
-Workspace OpenWorkspace(const ReportCommand& command) {
-  Workspace geometric(command.workspace_path, MapType::kGeometric);
-  Workspace photometric(command.workspace_path, MapType::kPhotometric);
-  const bool takes_photometric =
-      command.input_type.empty()
-          ? FindRefinedImages(geometric).empty() &&
-                !FindRefinedImages(photometric).empty()
-          : command.input_type == ToString(MapType::kPhotometric);
-  return takes_photometric ? photometric : geometric;
-}
-
-void WritePicture(const Workspace& workspace, const ReportCommand& command) {
-  RequireWritableOutput(command.workspace_path,
-                        command.output_path,
-                        "picture",
-                        command.page.overwrite);
-  const std::vector<int> refined = FindRefinedImages(workspace);
-  if (refined.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      command.workspace_path,
-                      "has no refined " + ToString(workspace.Type()) + " maps",
-                      "run tsar_refine on it first");
-  }
-  std::vector<ComparisonRow> rows;
-  for (const int image : PickEvenly(refined, command.num_images)) {
-    rows.push_back(ReadComparisonRow(workspace, image));
-  }
-  WritePng(UserPath(command.output_path), DrawComparison(rows));
-  std::cout << "Wrote " << Printable(command.output_path) << std::endl;
-}
-
-void WriteReport(const Workspace& workspace, ReportCommand* command) {
-  PageOptions& page = command->page;
-  page.report_path = command->report_path.empty()
-                         ? workspace.Root() / "report"
-                         : std::filesystem::path(command->report_path);
-  page.debug_path = command->debug_path;
-  page.before_path = command->before_path;
-  page.after_path = command->after_path;
-  page.ground_truth_path = command->ground_truth_path;
-  page.scans_path = command->scans_path;
-  page.tolerances = ParseTolerances(command->tolerances);
-  page.max_num_points = command->max_points;
+void WriteReport(const Workspace& workspace, const ReportCommand& command) {
+  const PageOptions page = command.Page(workspace);
   // Before the page is there: from then on, memory may be short without the run
   // having failed.
   const std::string index =
@@ -191,20 +49,19 @@ int RunTsarReport(int argc, char** argv) {
   ReportCommand command;
   OptionSet options("tsar_report",
                     kSummary,
-                    "tsar_report --workspace_path dense --before_path "
-                    "before.ply --after_path fused.ply");
-  AddPageOptions(&command, &options);
-  AddScoreOptions(&command, &options);
-  AddSizeOptions(&command, &options);
+                    "tsar_report --workspace_path dense --after_path "
+                    "fused.ply");
+  command.AddTo(&options);
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  const Workspace workspace = OpenWorkspace(command);
-  if (!command.output_path.empty()) {
-    WritePicture(workspace, command);
+  const Workspace workspace = command.Open();
+  if (command.WantsPicture()) {
+    command.WritePicture(workspace);
+    std::cout << "Wrote " << Printable(command.output_path) << std::endl;
   }
-  if (command.output_path.empty() || !command.report_path.empty()) {
-    WriteReport(workspace, &command);
+  if (command.WantsPage()) {
+    WriteReport(workspace, command);
   }
   return 0;
 }

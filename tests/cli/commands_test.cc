@@ -12,6 +12,7 @@
 #include <iostream>
 #include <new>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -46,6 +47,19 @@ TEST(Commands, HaveUniqueNamesSummariesAndFunctions) {
   EXPECT_EQ(names.count("tsar_evaluate"), 1u);
 }
 
+TEST(RunProgram, CloudsHaveNoMasks) {
+  for (const std::vector<std::string>& masks :
+       {std::vector<std::string>{"--mask_path", "masks"},
+        {"--mask_path=masks"}}) {
+    std::vector<std::string> arguments = {"tsar_evaluate", "cloud"};
+    arguments.insert(arguments.end(), masks.begin(), masks.end());
+    const Outcome outcome = RunWith(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: --mask_path: masks are of images"), 0u)
+        << outcome.err;
+  }
+}
+
 TEST(RunProgram, HelpListsAllCommands) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{}, {"help"}, {"-h"}, {"--help"}}) {
@@ -54,6 +68,57 @@ TEST(RunProgram, HelpListsAllCommands) {
     for (const Command& command : Commands()) {
       EXPECT_NE(outcome.out.find(command.name), std::string::npos);
     }
+  }
+}
+
+TEST(RunProgram, HelpExplainsACommandAsTheCommandDoes) {
+  for (const Command& command : Commands()) {
+    const Outcome outcome = RunWith({"help", command.name});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.out, RunWith({command.name, "--help"}).out);
+    EXPECT_FALSE(outcome.out.empty());
+  }
+  EXPECT_EQ(RunWith({"help", "tsar_evaluate", "depth"}).out,
+            RunWith({"tsar_evaluate", "depth", "--help"}).out);
+  const Outcome unknown = RunWith({"help", "tsar_refin"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_NE(unknown.err.find("did you mean tsar_refine?"), std::string::npos);
+}
+
+TEST(RunProgram, ShortHelpFitsAScreen) {
+  std::vector<std::vector<std::string>> commands = {
+      {}, {"tsar_evaluate", "depth"}, {"tsar_evaluate", "cloud"}};
+  for (const Command& command : Commands()) {
+    commands.push_back({command.name});
+  }
+  for (std::vector<std::string> arguments : commands) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    std::vector<std::string> json_arguments = arguments;
+    arguments.emplace_back("-h");
+    json_arguments.emplace_back("--help_json");
+    const std::string text = RunWith(arguments).out;
+    std::istringstream lines(text);
+    int num_lines = 0;
+    for (std::string line; std::getline(lines, line); ++num_lines) {
+      EXPECT_LE(line.size(), 80u) << line;
+    }
+    EXPECT_LE(num_lines, 24);
+    EXPECT_GE(num_lines, 6);
+    const nlohmann::json json =
+        nlohmann::json::parse(RunWith(json_arguments).out);
+    if (!json.contains("options")) {
+      continue;
+    }
+    int num_shown = 0;
+    for (const nlohmann::json& option : json["options"]) {
+      const std::string name = "  --" + option["name"].get<std::string>() + " ";
+      const bool is_shown = text.find("\n" + name) != std::string::npos;
+      num_shown += is_shown ? 1 : 0;
+      EXPECT_TRUE(is_shown || !option["required"].get<bool>()) << name;
+    }
+    EXPECT_GE(num_shown, 4);
+    EXPECT_NE(text.find(json["command"].get<std::string>() + " --help\n"),
+              std::string::npos);
   }
 }
 
@@ -95,6 +160,13 @@ TEST(RunProgram, UnknownCommandIsOneLineWithTheNearestAndAllCommands) {
                              "mean tsar_evaluate? The commands are "),
             0u);
   EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1);
+  for (const char* name : {"refine", "rfine", "tsar-refine", "tsar_refien"}) {
+    EXPECT_NE(RunWith({name}).err.find("did you mean tsar_refine?"),
+              std::string::npos)
+        << name;
+  }
+  EXPECT_EQ(RunWith({"stereo_fusion"}).err.find("did you mean"),
+            std::string::npos);
 }
 
 TEST(RunCommand, PassesTheExitCodeOn) {
@@ -217,10 +289,12 @@ TEST(TsarEvaluate, NeedsToKnowWhatToEvaluate) {
 TEST(TsarEvaluate, HelpExplainsBothForms) {
   EXPECT_NE(RunWith({"tsar_evaluate", "--help"}).out.find("cloud"),
             std::string::npos);
-  EXPECT_NE(RunWith({"tsar_evaluate", "depth", "-h"}).out.find("--input_type"),
-            std::string::npos);
-  EXPECT_NE(RunWith({"tsar_evaluate", "cloud", "-h"}).out.find("--voxel_size"),
-            std::string::npos);
+  EXPECT_NE(
+      RunWith({"tsar_evaluate", "depth", "--help"}).out.find("--input_type"),
+      std::string::npos);
+  EXPECT_NE(
+      RunWith({"tsar_evaluate", "cloud", "--help"}).out.find("--voxel_size"),
+      std::string::npos);
 }
 
 // A scan of one point, and a cloud that has it and a point in front of it.

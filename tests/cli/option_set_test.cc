@@ -224,23 +224,30 @@ TEST_F(OptionSetTest, ValuesOutsideTheRangeAreErrors) {
 }
 
 TEST_F(OptionSetTest, HelpWinsOverEverythingAndTouchesNothing) {
-  for (const char* help : {"-h", "--help"}) {
-    testing::internal::CaptureStdout();
-    EXPECT_FALSE(Parse({"--TsarTest.iterations", "9", "--wrong", help}));
-    const std::string text = testing::internal::GetCapturedStdout();
-    EXPECT_EQ(iterations_, 4);
-    for (const char* part : {"Tests options.",
-                             "colmap tsar_test --workspace_path PATH [options]",
-                             "Example:\n  colmap tsar_test --x\n",
-                             "--workspace_path PATH (required)",
-                             "--TsarTest.iterations INT (default: 4)",
-                             "--TsarTest.device auto|cpu|cuda (default: auto)",
-                             "--TsarTest.filter 0|1 (default: 1)",
-                             "--project_path",
-                             "N_t."}) {
-      EXPECT_NE(text.find(part), std::string::npos) << part;
-    }
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(Parse({"--TsarTest.iterations", "9", "--wrong", "--help"}));
+  const std::string text = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(iterations_, 4);
+  for (const char* part : {"Tests options.",
+                           "colmap tsar_test --workspace_path PATH [options]",
+                           "Example:\n  colmap tsar_test --x\n",
+                           "--workspace_path PATH (required)",
+                           "--TsarTest.iterations INT (default: 4)",
+                           "--TsarTest.device auto|cpu|cuda (default: auto)",
+                           "--TsarTest.filter 0|1 (default: 1)",
+                           "--project_path",
+                           "N_t."}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part;
   }
+  // Less of it, and nothing where both were asked for.
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(Parse({"--wrong", "-h"}));
+  const std::string brief = testing::internal::GetCapturedStdout();
+  EXPECT_LT(brief.size(), text.size());
+  EXPECT_NE(brief.find("tsar_test --help\n"), std::string::npos);
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(Parse({"-h", "--help"}));
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), text);
 }
 
 TEST_F(OptionSetTest, HelpAsJsonTellsTheSameToPrograms) {

@@ -9,6 +9,7 @@
 #include <csignal>
 
 #include "tests/cli/captured_run.h"
+#include "tests/support/mask_files.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
@@ -75,13 +76,94 @@ TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
 
   const Outcome again = Run({});
   EXPECT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.out, testing::HasSubstr("4 done before"));
+  EXPECT_EQ(again.out,
+            "4 images: nothing to do, 4 done before with the same options\n");
+  EXPECT_EQ(again.err, "");
 
   const Outcome restored = Run({"--restore", "1"});
   EXPECT_EQ(restored.exit_code, 0) << restored.err;
   EXPECT_EQ(restored.out, "Put the original maps of 4 images back.\n");
   EXPECT_TRUE(ReadTree(root_) == before);
   ExpectFailure({"--restore", "1"}, {"nothing to restore"});
+}
+
+// As the programs leave it that train on the undistorted images.
+TEST_F(TsarRefineTest, TakesAModelInTheFolder0) {
+  std::filesystem::rename(root_ / "sparse", root_ / "0");
+  std::filesystem::create_directory(root_ / "sparse");
+  std::filesystem::rename(root_ / "0", root_ / "sparse/0");
+  const std::string output = (folder_.Path() / "out").string();
+  const Outcome second = Run({"--output_path", output});
+  EXPECT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_THAT(second.out, testing::Not(testing::HasSubstr("first copy")));
+  EXPECT_TRUE(
+      std::filesystem::exists(folder_.Path() / "out/sparse/images.txt"));
+  const Outcome refined = Run({});
+  EXPECT_EQ(refined.exit_code, 0) << refined.err;
+  EXPECT_THAT(refined.out,
+              testing::HasSubstr((root_ / "sparse").string() +
+                                 " itself: first copy there what is in " +
+                                 (root_ / "sparse/0").string() + "\nNext: "));
+  const std::string picture = (folder_.Path() / "picture.png").string();
+  const std::string planes = (folder_.Path() / "planes.json").string();
+  const auto run = [&](CommandFunction command, const std::string& path) {
+    const Outcome outcome =
+        RunCaptured("colmap",
+                    {"--workspace_path", root_.string(), "--output_path", path},
+                    command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(path));
+  };
+  run([](int argc,
+         char** argv) { return RunCommand(&RunTsarReport, argc, argv); },
+      picture);
+  run([](int argc,
+         char** argv) { return RunCommand(&RunTsarPlanes, argc, argv); },
+      planes);
+  // Once it is copied, nothing is to be done again.
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);
+  }
+  const Outcome again = Run({});
+  EXPECT_THAT(again.out, testing::HasSubstr("4 done before"));
+  EXPECT_THAT(again.out, testing::Not(testing::HasSubstr("first copy")));
+}
+
+TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasks) {
+  const std::filesystem::path masks = folder_.Path() / "masks";
+  ExpectFailure({"--mask_path", masks.string()},
+                {"ERROR: " + masks.string() + ": there is no such folder",
+                 "check --mask_path"});
+  WriteMask(
+      masks / "left/v2.png.png", 96, 72, [](int x, int) { return x < 9; });
+  const Outcome outcome = Run({"--mask_path", masks.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(
+      outcome.out,
+      testing::HasSubstr("4 images: 4 refined\n  masks for 1 of 4 images\n"));
+  ExpectFailure({"--mask_path", masks.string(), "--restore", "1"},
+                {"leave --mask_path out"});
+}
+
+TEST_F(TsarRefineTest, RefinesListedImagesAlone) {
+  const std::string list = (folder_.Path() / "list.txt").string();
+  WriteText(list, "v1.png\nv9.png\n");
+  ExpectFailure({"--image_list_path", list},
+                {"ERROR: " + list + ": line 2 names v9.png"});
+  WriteText(list,
+            std::string("\x7F"
+                        "ELF\x02\x01\0\0\n",
+                        9));
+  ExpectFailure({"--image_list_path", list}, {"line 1 is no image name"});
+  WriteText(list, "v1.png\nv3.png\n");
+  ExpectFailure({"--image_list_path", list, "--restore", "1"},
+                {"leave --image_list_path out"});
+  ExpectFailure({"--image_list_path", list, "--TsarRefine.pass", "observe"},
+                {"--image_list_path", "--TsarRefine.pass all"});
+  const Outcome outcome = Run({"--image_list_path", list});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              testing::HasSubstr("4 images: 2 refined, 2 not in the list\n"));
 }
 
 TEST_F(TsarRefineTest, WritesASecondWorkspace) {

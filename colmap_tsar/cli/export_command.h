@@ -1,0 +1,36 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/export/export_workspace.h"
+
+#include <functional>
+#include <string>
+
+namespace tsar {
+
+// What a user of tsar_export gives, on the command line or from Python.
+struct ExportCommand {
+  std::string workspace_path;
+  std::string output_path;
+  std::string format;
+  std::string input_type;
+  std::string mask_path;
+  // Without format, output_path and mask_path, which the members above tell.
+  ExportOptions options;
+
+  void AddTo(OptionSet* set);
+
+  // Throws what OpenWorkspaceToExport, ParseExportFormat and ExportWorkspace
+  // throw.
+  ExportSummary Run(Progress& progress,
+                    const std::function<bool()>& should_stop) const;
+
+  // What trains on the folder; empty for formats that are not made for that.
+  std::string TrainingCommand() const;
+};
+
+}  // namespace tsar

@@ -1,0 +1,147 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/report_command.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/evaluation/tolerances.h"
+#include "colmap_tsar/report/comparison_picture.h"
+#include "colmap_tsar/report/png.h"
+#include "colmap_tsar/report/workspace_comparison.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+void AddPageOptions(ReportCommand* command, OptionSet* options) {
+  options->AddRequired("workspace_path",
+                       &command->workspace_path,
+                       "The refined dense workspace.");
+  options->AddChoice(
+      "input_type",
+      &command->input_type,
+      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
+      "The maps that were refined. If not given: geometric, or photometric "
+      "where only those were.");
+  options->Add(
+      "report_path",
+      &command->report_path,
+      "The folder of the page. If not given: report in the workspace.");
+  options->Add("overwrite",
+               &command->page.overwrite,
+               "Replace an earlier page in that folder, and the file that "
+               "--output_path names. A folder with anything else in it, also "
+               "in the folders of a page, is never touched.");
+  options->Add("debug_path",
+               &command->debug_path,
+               "What --TsarRefine.debug_path was when the workspace was "
+               "refined: shows superpixels, edges, lines, regions and surfaces "
+               "over the images.");
+  options->Add(
+      "before_path",
+      &command->before_path,
+      "The cloud (PLY) that stereo_fusion made of the maps before, for "
+      "the 3D view. If not given, the view shows points of the original maps "
+      "themselves.");
+  options->Add("after_path",
+               &command->after_path,
+               "The cloud that it made of the refined maps. If not given, "
+               "neither may --before_path be, and the view shows points of "
+               "these maps.");
+}
+
+void AddScoreOptions(ReportCommand* command, OptionSet* options) {
+  options->Add("ground_truth_path",
+               &command->ground_truth_path,
+               "Depth maps to score the maps against, before and after, as "
+               "tsar_evaluate depth takes them.");
+  options->Add(
+      "scans_path",
+      &command->scans_path,
+      "Laser scans to score both clouds against: a MeshLab project, as "
+      "tsar_evaluate cloud takes it.");
+  options->Add("tolerances",
+               &command->tolerances,
+               "Errors below which a depth or a point is right; rising numbers "
+               "with commas, in units of the model.");
+}
+
+void AddSizeOptions(ReportCommand* command, OptionSet* options) {
+  options->Add("max_image_size",
+               &command->page.max_picture_size,
+               "Longer side of the page's pictures, in pixels. At 1000, an "
+               "image takes about 2 megabytes.",
+               {100, 100000});
+  options->Add("max_points",
+               &command->max_points,
+               "Most points in the 3D view, before and after each.",
+               {1, 20000000});
+  options->Add("num_threads",
+               &command->page.num_threads,
+               "Number of CPU threads; -1: one for each core. Fewer where the "
+               "images are too large for the main memory.",
+               {-1, 4096});
+  options->Add("output_path",
+               &command->output_path,
+               "The picture to draw, if any: a row for each image, with depth "
+               "and normals before and after. A file that is there is replaced "
+               "with --overwrite 1 alone.");
+  options->Add("num_images",
+               &command->num_images,
+               "How many images that picture shows, spread evenly over the "
+               "refined ones.",
+               {1, 100});
+}
+
+}  // namespace
+
+void ReportCommand::AddTo(OptionSet* options) {
+  AddPageOptions(this, options);
+  AddScoreOptions(this, options);
+  AddSizeOptions(this, options);
+}
+
+Workspace ReportCommand::Open() const {
+  Workspace geometric(workspace_path, MapType::kGeometric);
+  Workspace photometric(workspace_path, MapType::kPhotometric);
+  const bool takes_photometric =
+      input_type.empty() ? FindRefinedImages(geometric).empty() &&
+                               !FindRefinedImages(photometric).empty()
+                         : input_type == ToString(MapType::kPhotometric);
+  return takes_photometric ? photometric : geometric;
+}
+
+void ReportCommand::WritePicture(const Workspace& workspace) const {
+  RequireWritableOutput(workspace_path, output_path, "picture", page.overwrite);
+  const std::vector<int> refined = FindRefinedImages(workspace);
+  if (refined.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      workspace_path,
+                      "has no refined " + ToString(workspace.Type()) + " maps",
+                      "run tsar_refine on it first");
+  }
+  std::vector<ComparisonRow> rows;
+  for (const int image : PickEvenly(refined, num_images)) {
+    rows.push_back(ReadComparisonRow(workspace, image));
+  }
+  WritePng(UserPath(output_path), DrawComparison(rows));
+}
+
+PageOptions ReportCommand::Page(const Workspace& workspace) const {
+  PageOptions result = page;
+  result.report_path = report_path.empty() ? workspace.Root() / "report"
+                                           : std::filesystem::path(report_path);
+  result.debug_path = debug_path;
+  result.before_path = before_path;
+  result.after_path = after_path;
+  result.ground_truth_path = ground_truth_path;
+  result.scans_path = scans_path;
+  result.tolerances = ParseTolerances(tolerances);
+  result.max_num_points = max_points;
+  return result;
+}
+
+}  // namespace tsar

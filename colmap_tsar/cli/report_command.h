@@ -1,0 +1,47 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/report/write_page.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <string>
+
+namespace tsar {
+
+// What a user of tsar_report gives, on the command line or from Python.
+struct ReportCommand {
+  std::string workspace_path;
+  std::string input_type;
+  std::string report_path;
+  std::string debug_path;
+  std::string before_path;
+  std::string after_path;
+  std::string ground_truth_path;
+  std::string scans_path;
+  std::string tolerances = "0.02,0.1";
+  int max_points = 300000;
+  std::string output_path;
+  int num_images = 3;
+  // Of the page, what the members above do not tell.
+  PageOptions page;
+
+  void AddTo(OptionSet* options);
+
+  // With the maps that are asked for. Throws what Workspace throws.
+  Workspace Open() const;
+
+  bool WantsPicture() const { return !output_path.empty(); }
+  bool WantsPage() const { return output_path.empty() || !report_path.empty(); }
+
+  // Draws the picture. Throws Error: kNotFound where nothing was refined, and
+  // what RequireWritableOutput, ReadComparisonRow and WritePng throw.
+  void WritePicture(const Workspace& workspace) const;
+
+  // How to write the page. Throws kBadOption.
+  PageOptions Page(const Workspace& workspace) const;
+};
+
+}  // namespace tsar

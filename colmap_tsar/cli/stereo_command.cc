@@ -1,0 +1,132 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/stereo_command.h"
+
+namespace tsar {
+namespace {
+
+void AddRunOptions(StereoCommand* command, OptionSet* options) {
+  options->AddRequired("workspace_path",
+                       &command->workspace_path,
+                       "The dense workspace, as image_undistorter makes it.");
+  options->AddChoice("workspace_format",
+                     &command->workspace_format,
+                     {"COLMAP"},
+                     "The layout of the workspace.");
+  options->Add("image_list_path",
+               &command->image_list_path,
+               "A text file with one image name per line: make the maps of "
+               "these alone, the same as among all. Of others that they need "
+               "for it, photometric maps are left as well. If empty, all.");
+  options->Add("mask_path",
+               &command->mask_path,
+               "The folder with masks of the undistorted images, named as for "
+               "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), no "
+               "depth is made. Images without a mask are matched as a whole.");
+  options->Add("overwrite",
+               &command->overwrite,
+               "Replace maps that another program made, or that were made with "
+               "other options or from images that have changed since.");
+  AddDeviceArguments("TsarStereo.", &command->devices, options);
+  options->Add("TsarStereo.num_threads",
+               &command->devices.num_threads,
+               "Number of CPU threads; -1: one for each core.",
+               {-1, 4096});
+}
+
+void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
+  const std::string group = "TsarStereo.";
+  options->Add(group + "max_image_size",
+               &stereo->max_image_size,
+               "Longer side of the maps, in pixels; larger images are reduced. "
+               "-1: the size of the images.",
+               {-1, 1e6});
+  options->Add(group + "depth_min",
+               &stereo->depth_min,
+               "Smallest depth to look for, in units of the model; -1: from "
+               "the sparse points of each image.",
+               {-1, 1e30});
+  options->Add(group + "depth_max",
+               &stereo->depth_max,
+               "Largest depth to look for; -1: from the sparse points.",
+               {-1, 1e30});
+  options->Add(group + "num_sources",
+               &stereo->num_sources,
+               "Source images of each image at most: the first of those that "
+               "stereo/patch-match.cfg gives.",
+               {1, 1e6});
+  options->Add(group + "window_radius",
+               &stereo->window_radius,
+               "Half the width of the matching window, in pixels.",
+               {1, 50});
+  options->Add(group + "num_iterations",
+               &stereo->num_iterations,
+               "Rounds of propagation and refinement in the photometric pass.",
+               {1, 100});
+  options->Add(group + "num_levels",
+               &stereo->num_levels,
+               "Sizes at which an image is matched, from the smallest to its "
+               "own, each twice as large as the one before; small sizes find "
+               "surfaces of little texture.",
+               {1, 10});
+  options->Add(group + "geom_consistency",
+               &stereo->geom_consistency,
+               "Also make geometric maps, for which depths are improved with "
+               "regard to those of the source images, and filtered.");
+  options->Add(group + "num_geometric_passes",
+               &stereo->num_geometric_passes,
+               "Passes over all images by which depths are improved so.",
+               {1, 20});
+  options->Add(group + "planar_prior",
+               &stereo->planar_prior,
+               "Fill pixels without a depth, in one more pass after the "
+               "geometric ones that expects surfaces between reliable depths "
+               "to be flat: for maps that are fused as they are. Measured "
+               "depths stay as they are. The costs of filled ones are 2, no "
+               "evidence: tsar_refine, which knows more about planes, takes "
+               "them for missing. Has no effect without geom_consistency.");
+  options->Add(group + "smooth_normals",
+               &stereo->smooth_normals,
+               "Average the normals of the geometric maps with those of the "
+               "same surface around them.");
+  options->Add(group + "filter_min_ncc",
+               &stereo->filter_min_ncc,
+               "Smallest correlation with a source that confirms a depth.",
+               {-1, 1});
+  options->Add(group + "filter_min_triangulation_angle",
+               &stereo->filter_min_triangulation_angle,
+               "Smallest angle between the rays of an image and a source that "
+               "confirms its depth, in degrees.",
+               {0, 180});
+  options->Add(group + "filter_min_num_consistent",
+               &stereo->filter_min_num_consistent,
+               "Sources that have to confirm a depth.",
+               {0, 1e6});
+  options->Add(group + "filter_geom_consistency_max_cost",
+               &stereo->filter_geom_consistency_max_cost,
+               "Largest distance, in pixels, between a pixel and where a "
+               "source's depth leads back to.",
+               {0, 1e6});
+}
+
+}  // namespace
+
+void StereoCommand::AddTo(OptionSet* options) {
+  AddRunOptions(this, options);
+  AddStereoOptions(&stereo, options);
+}
+
+StereoSummary StereoCommand::Run(
+    Progress& progress, const std::function<bool()>& should_stop) const {
+  return MatchWorkspace(workspace_path,
+                        devices.Parse(),
+                        stereo,
+                        overwrite,
+                        progress,
+                        should_stop,
+                        image_list_path,
+                        mask_path);
+}
+
+}  // namespace tsar

@@ -1,0 +1,33 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/device_arguments.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/stereo/stereo_workspace.h"
+
+#include <functional>
+#include <string>
+
+namespace tsar {
+
+// What a user of tsar_stereo gives, on the command line or from Python.
+struct StereoCommand {
+  std::string workspace_path;
+  std::string workspace_format = "COLMAP";
+  std::string image_list_path;
+  std::string mask_path;
+  bool overwrite = false;
+  DeviceArguments devices;
+  StereoOptions stereo;
+
+  void AddTo(OptionSet* options);
+
+  // Throws kBadOption, and what MatchWorkspace throws.
+  StereoSummary Run(Progress& progress,
+                    const std::function<bool()>& should_stop) const;
+};
+
+}  // namespace tsar
