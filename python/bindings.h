@@ -3,10 +3,13 @@
 
 #pragma once
 
+#include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include <pybind11/pybind11.h>
 
@@ -28,12 +31,24 @@ void BindRefine(pybind11::module_* module);
 // EvaluateDepthMaps and EvaluateCloudFile.
 void BindEvaluate(pybind11::module_* module);
 
+// MatchWorkspace, ImportWorkspace, UndoImport and WritePage, with the options
+// of their commands.
+void BindCommands(pybind11::module_* module);
+
+// The images of a workspace, and the maps of each.
+void BindImages(pybind11::module_* module);
+
 // ExportPlanes, and the maps of planes.
 void BindPlanes(pybind11::module_* module);
 
 // Text with names of files, which need not be UTF-8: as Python's own functions
 // write them.
 pybind11::str ToText(const std::string& text);
+
+pybind11::list ToTexts(const std::vector<std::filesystem::path>& paths);
+
+// {GPU: bytes}.
+pybind11::dict ToDict(const std::vector<RunSummary::GpuMemory>& peaks);
 
 // From {name: value}. Raises TypeError for a value of another type; throws
 // kBadOption where it is outside the option's range. Unknown names are

@@ -21,10 +21,12 @@ namespace {
 py::dict EvaluateDepth(const std::filesystem::path& workspace_path,
                        const std::string& input_type,
                        const std::filesystem::path& ground_truth_path,
+                       const std::filesystem::path& mask_path,
                        std::vector<double> tolerances) {
   DepthEvaluationOptions options;
   options.input_type = ToString(ToMapType(input_type));
   options.ground_truth_path = ground_truth_path;
+  options.mask_path = mask_path;
   options.tolerances = std::move(tolerances);
   DepthEvaluation evaluation;
   {
@@ -47,6 +49,7 @@ py::dict EvaluateDepth(const std::filesystem::path& workspace_path,
   py::dict dict;
   dict["num_images"] = evaluation.num_images;
   dict["num_images_without_map"] = evaluation.num_images_without_map;
+  dict["num_masks"] = evaluation.num_masks;
   dict["scores"] = scores;
   return dict;
 }
@@ -91,6 +94,7 @@ void BindEvaluate(py::module_* module) {
               py::arg("workspace_path"),
               py::arg("input_type"),
               py::arg("ground_truth_path"),
+              py::arg("mask_path"),
               py::arg("tolerances"));
   module->def("evaluate_cloud",
               &EvaluateCloudAgainstScans,

@@ -11,5 +11,7 @@ PYBIND11_MODULE(_core, module) {
   tsar::BindRefineOptions(&module);
   tsar::BindRefine(&module);
   tsar::BindEvaluate(&module);
+  tsar::BindCommands(&module);
+  tsar::BindImages(&module);
   tsar::BindPlanes(&module);
 }

@@ -8,6 +8,12 @@ Between COLMAP's patch_match_stereo and stereo_fusion:
 
     colmap_tsar.refine("dense")
 
+or, with the maps at hand as arrays of NumPy,
+
+    ws = colmap_tsar.Workspace("dense")
+    ws.refine()
+    ws["a.jpg"].depth
+
 refine() fills the depth and normal maps of a dense workspace where walls, floors
 and facades have no texture, in COLMAP's own format and under the same names;
 restore() puts COLMAP's maps back. evaluate_depth() and evaluate_cloud() score the
@@ -38,12 +44,16 @@ from ._evaluate import (
     evaluate_cloud,
     evaluate_depth,
 )
+from ._images import Camera, WorkspaceImage
 from ._options import RefineOptions
 from ._planes import Planes, Polygon, read_plane_map, read_planes
 from ._refine import RefineSummary, RestoreSummary, refine, restore
+from ._summaries import ExportSummary, ImportSummary, ReportSummary, StereoSummary
+from ._workspace import Workspace
 
 __all__ = [
     "BadOptionError",
+    "Camera",
     "CloudEvaluation",
     "CloudScore",
     "CorruptError",
@@ -51,7 +61,9 @@ __all__ = [
     "DepthScore",
     "DeviceError",
     "Error",
+    "ExportSummary",
     "FileError",
+    "ImportSummary",
     "MismatchError",
     "NotFoundError",
     "OutOfMemoryError",
@@ -59,8 +71,12 @@ __all__ = [
     "Polygon",
     "RefineOptions",
     "RefineSummary",
+    "ReportSummary",
     "RestoreSummary",
+    "StereoSummary",
     "UnsupportedError",
+    "Workspace",
+    "WorkspaceImage",
     "__version__",
     "evaluate_cloud",
     "evaluate_depth",

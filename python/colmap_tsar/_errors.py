@@ -1,6 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """The exceptions of this package."""
+import re
 
 
 class Error(RuntimeError):
@@ -63,6 +64,9 @@ class OutOfMemoryError(Error, MemoryError):
     code = "out_of_memory"
 
 
+# "overwrite 1".
+_SWITCH = re.compile(r"\b(overwrite|check_scale|scale_to_sparse) ([01])\b")
+
 _CLASSES = {
     cls.code: cls
     for cls in (
@@ -79,5 +83,7 @@ _CLASSES = {
 
 
 def make_error(code, message):
-    """The exception for a tsar::Error."""
-    return _CLASSES.get(code, Error)(message.replace("restore 1", "restore()"))
+    """The exception for a tsar::Error, whose options are keywords here."""
+    message = message.replace("restore 1", "restore()")
+    message = _SWITCH.sub(lambda match: f"{match[1]}={match[2] == '1'}", message)
+    return _CLASSES.get(code, Error)(message)

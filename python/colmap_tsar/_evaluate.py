@@ -36,6 +36,8 @@ class DepthEvaluation:
     num_images: int
     num_images_without_map: int
     """Images with ground truth that are left out of the scores."""
+    num_masks: Optional[int]
+    """Of num_images, those with a mask; None where no masks were given."""
     scores: List[DepthScore]
     """For each area, one for each tolerance."""
 
@@ -76,6 +78,7 @@ def evaluate_depth(
     *,
     input_type: str = "geometric",
     ground_truth_path: Optional[_Path] = None,
+    mask_path: Optional[_Path] = None,
     tolerances: Sequence[float] = (0.02, 0.1),
 ) -> DepthEvaluation:
     """Compares the depth maps of a dense workspace with ground truth depth.
@@ -89,6 +92,9 @@ def evaluate_depth(
         input_type: The maps to score: "geometric" or "photometric".
         ground_truth_path: Folder with IMAGE_NAME.bin, depth maps in COLMAP's format
             (0: unknown). None: ground_truth/depth in the workspace.
+        mask_path: The folder with masks of the undistorted images, named as for
+            COLMAP: a.jpg.png for a.jpg. Pixels where a mask is black (0) are not
+            scored. None: no masks.
         tolerances: A depth is right if it is off by less than this; rising numbers,
             in units of the model (metres, if it has them).
     """
@@ -96,6 +102,7 @@ def evaluate_depth(
         os.fspath(workspace_path),
         input_type,
         "" if ground_truth_path is None else os.fspath(ground_truth_path),
+        "" if mask_path is None else os.fspath(mask_path),
         tolerances,
     )
     result["scores"] = [DepthScore(**score) for score in result["scores"]]

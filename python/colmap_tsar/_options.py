@@ -143,7 +143,7 @@ class RefineOptions:
         name = _present_name(name)
         if name not in _FIELDS:
             raise AttributeError(_unknown(name))
-        self._values[name] = _core.check_field(name, value)
+        object.__setattr__(self, name, value)
 
     def __delattr__(self, name):
         raise AttributeError("an option of RefineOptions can be set, not deleted")
@@ -154,10 +154,13 @@ def _unpickle(values):
 
 
 def _property(name):
-    """Setting goes through __setattr__, which comes first."""
-    return property(
-        lambda self: self._values[name], doc=_description(_FIELDS[name])
-    )
+    def get(self):
+        return self._values[name]
+
+    def set_checked(self, value):
+        self._values[name] = _core.check_field(name, value)
+
+    return property(get, set_checked, doc=_description(_FIELDS[name]))
 
 
 def _complete_class():

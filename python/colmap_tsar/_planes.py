@@ -11,7 +11,7 @@ from . import _core
 if typing.TYPE_CHECKING:
     import numpy
 
-    Array = numpy.ndarray
+    _Array = numpy.ndarray
 
 _Path = Union[str, "os.PathLike[str]"]
 
@@ -21,9 +21,9 @@ class Polygon:
     """A part of a plane; points in the world frame. The last point of each ring is
     joined to the first."""
 
-    outline: "Array"
+    outline: "_Array"
     """(K, 3); counterclockwise, seen from where the normal points."""
-    holes: List["Array"]
+    holes: List["_Array"]
     """(K, 3) each; clockwise."""
 
 
@@ -36,46 +36,46 @@ class Planes:
     """The maps that they are of: "geometric" or "photometric"."""
     num_images: int
     """How many images have plane maps."""
-    vertical: Optional["Array"]
+    vertical: Optional["_Array"]
     """(3,): unit vector that points up. None if nothing tells."""
     vertical_from: str
     """"manhattan_frame", "cameras" or "none"."""
-    frames: "Array"
+    frames: "_Array"
     """(F, 3, 3): Manhattan frames; frames[f, a] is axis a of frame f, a unit
     vector."""
-    ids: "Array"
+    ids: "_Array"
     """(N,): what plane maps hold. Ascending, with gaps if min_area left planes
     out."""
     classes: List[str]
     """N times "floor", "ceiling", "wall" or "other"."""
-    normals: "Array"
+    normals: "_Array"
     """(N, 3): unit vectors that point to where most of the pixels are seen from."""
-    offsets: "Array"
+    offsets: "_Array"
     """(N,): normal . X + offset = 0."""
-    centers: "Array"
+    centers: "_Array"
     """(N, 3): a point on each plane amid what was measured."""
-    axes: "Array"
+    axes: "_Array"
     """(N, 2, 3): two unit vectors in each plane, right-handed with the normal."""
-    covariances: "Array"
+    covariances: "_Array"
     """(N, 3, 3): of the rotation about both axes through the center (radians), and
     of the shift along the normal. Infinite where a variance is not known."""
-    areas: "Array"
+    areas: "_Array"
     """(N,): of all polygons without their holes."""
-    resolutions: "Array"
+    resolutions: "_Array"
     """(N,): side of a cell of the grid that the polygons were found on; 0 if no
     image shows the plane."""
-    shares_measured: "Array"
+    shares_measured: "_Array"
     """(N,): share of its pixels whose depth was measured there, not filled."""
-    supports: "Array"
+    supports: "_Array"
     """(N,): what was measured of it when it was found, in pixels of full
     confidence. 0: nothing, it is guessed at a crease where another plane ends."""
-    num_pixels: "Array"
+    num_pixels: "_Array"
     """(N,): pixels of all images that lie on it."""
-    components: "Array"
+    components: "_Array"
     """(N,): planes of different components are not connected by common views."""
-    frame_ids: "Array"
+    frame_ids: "_Array"
     """(N,): the frame along one of whose axes the normal lies exactly; -1: none."""
-    frame_axes: "Array"
+    frame_axes: "_Array"
     """(N,): that axis (0, 1, 2); -1: none."""
     meets: List[List[int]]
     """The ids of the planes with which each has a crease."""
@@ -160,7 +160,7 @@ def read_planes(
     return Planes(**result)
 
 
-def read_plane_map(path: _Path) -> "Array":
+def read_plane_map(path: _Path) -> "_Array":
     """Which plane each pixel of an image lies on: (height, width) of int32, the ids
     of read_planes(); -1: none. Needs NumPy.
 

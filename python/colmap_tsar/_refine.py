@@ -4,11 +4,11 @@
 import dataclasses
 import os
 import pathlib
-import sys
 from typing import Any, Callable, Dict, List, Mapping, Optional, Union
 
 from . import _core
 from ._options import RefineOptions
+from ._progress import tell_lines
 
 _Path = Union[str, "os.PathLike[str]"]
 
@@ -34,6 +34,8 @@ class RefineSummary:
     """Images that were refined now."""
     num_skipped: int
     """Images that had been refined before with the same options."""
+    num_masks: Optional[int]
+    """Of num_images, those with a mask; None where no masks were given."""
     kept: Dict[str, str]
     """Images that keep COLMAP's maps: name and reason."""
     num_sources_without_maps: int
@@ -76,35 +78,14 @@ class RestoreSummary:
         return dataclasses.asdict(self)
 
 
-def _reporter(progress):
-    """A function that takes text as it is to be shown, or None, and whether that
-    goes to a terminal."""
-    if progress is True:
-        stream = sys.stderr
-        if stream is None:
-            return None, False
-
-        def write(text):
-            stream.write(text)
-            stream.flush()
-
-        return write, stream.isatty()
-    if not progress:
-        return None, False
-
-    def call(text):
-        for line in text.splitlines():
-            progress(line)
-
-    return call, False
-
-
 def refine(
     workspace_path: _Path,
     options: Union[RefineOptions, Mapping[str, Any], None] = None,
     *,
     output_path: Optional[_Path] = None,
     input_type: Optional[str] = None,
+    image_list_path: Optional[_Path] = None,
+    mask_path: Optional[_Path] = None,
     device: str = "auto",
     gpu_index: Union[str, int] = "-1",
     num_threads: int = -1,
@@ -134,6 +115,12 @@ def refine(
         input_type: Which maps to refine, "geometric" or "photometric"; the others
             serve as evidence where they exist. None: geometric, or photometric
             where there are no geometric ones.
+        image_list_path: A text file with one image name per line: refine these
+            alone. None: all.
+        mask_path: The folder with masks of the undistorted images, named as for
+            COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), what the maps
+            hold is no evidence for anything, and the refined maps have no depth.
+            None: no masks.
         device: Where to compute: "auto" (on a GPU where there is one), "cuda" or
             "cpu".
         gpu_index: The GPUs to use, as numbers from 0 on with commas between them,
@@ -161,21 +148,55 @@ def refine(
         options = RefineOptions()
     elif not isinstance(options, RefineOptions):
         options = RefineOptions(**options)
-    report, is_terminal = _reporter(progress)
+    return refine_with_listeners(
+        workspace_path,
+        options,
+        tell_lines(progress),
+        output_path=output_path,
+        input_type=input_type,
+        image_list_path=image_list_path,
+        mask_path=mask_path,
+        device=device,
+        gpu_index=gpu_index,
+        num_threads=num_threads,
+        cache_size=cache_size,
+        shard=shard,
+        pass_=pass_,
+    )
+
+
+def refine_with_listeners(
+    workspace_path,
+    options,
+    listeners,
+    *,
+    output_path,
+    input_type,
+    image_list_path,
+    mask_path,
+    device,
+    gpu_index,
+    num_threads,
+    cache_size,
+    shard,
+    pass_,
+):
+    """refine(), with the listeners of _progress.py."""
     return RefineSummary(
         **_core.refine(
             os.fspath(workspace_path),
             options.todict(),
             "" if output_path is None else os.fspath(output_path),
             input_type,
+            "" if image_list_path is None else os.fspath(image_list_path),
+            "" if mask_path is None else os.fspath(mask_path),
             device,
             str(gpu_index),
             num_threads,
             cache_size,
             shard,
             pass_,
-            report,
-            is_terminal,
+            listeners,
         )
     )
 

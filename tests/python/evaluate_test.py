@@ -8,7 +8,7 @@ import unittest
 import xml.etree.ElementTree
 
 import colmap_tsar
-from support import SampleTest, run_program
+from support import SampleTest, run_program, write_black_mask
 
 
 def write_cloud(path, scans):
@@ -42,6 +42,8 @@ class EvaluateTest(SampleTest):
     def test_depth(self):
         moved = self.class_folder / "truth"
         shutil.copytree(self.sample / "ground_truth" / "depth", moved)
+        masks = self.class_folder / "masks"
+        write_black_mask(masks / "v000.jpg.png", 480, 360)
         for keywords, arguments in (
             ({}, []),
             (
@@ -59,6 +61,7 @@ class EvaluateTest(SampleTest):
                     "0.05",
                 ],
             ),
+            ({"mask_path": masks}, ["--mask_path", masks]),
         ):
             with self.subTest(keywords=keywords):
                 expected = evaluate_by_program(
@@ -66,6 +69,9 @@ class EvaluateTest(SampleTest):
                 )
                 evaluation = colmap_tsar.evaluate_depth(self.sample, **keywords)
                 found = evaluation.todict()
+                num_masks = 1 if "mask_path" in keywords else None
+                self.assertEqual(found.pop("num_masks"), num_masks)
+                self.assertEqual(expected.pop("num_masks", None), num_masks)
                 for score in found["scores"]:
                     right = score.pop("num_right")
                     self.assertEqual(

@@ -5,15 +5,14 @@
 Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
 build folder. Skipped where it cannot be had."""
 import json
-import subprocess
 import sys
 import unittest
 from unittest import mock
 
 import colmap_tsar
 from sample_testing import digests
-from support import SKIPPED, WORK_FOLDER, SampleTest, run_program
-from virtual_environment import VirtualEnvironment
+from support import SampleTest, run_program
+from virtual_environment import run_in_environment
 
 IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
 try:
@@ -188,15 +187,7 @@ class PlanesTest(SampleTest):
                     read(self.workspace)
 
 
-def run_in_environment():
-    environment = VirtualEnvironment(WORK_FOLDER / "numpy_environment")
-    if not environment.install("numpy"):
-        print("skipped: numpy cannot be had from the package index")
-        return SKIPPED
-    return subprocess.run([environment.python, __file__, "--inside"]).returncode
-
-
 if __name__ == "__main__":
     if np is None and not IS_INSIDE:
-        sys.exit(run_in_environment())
+        sys.exit(run_in_environment("numpy_environment", __file__, "numpy"))
     unittest.main(argv=sys.argv[:1])

@@ -6,13 +6,12 @@ refine() writes, and refine() reads the workspaces that it makes.
 Runs in a virtual environment that is kept in the build folder. Skipped where
 pycolmap cannot be had."""
 import shutil
-import subprocess
 import sys
 import unittest
 
 import colmap_tsar
-from support import SKIPPED, WORK_FOLDER, SampleTest, results
-from virtual_environment import VirtualEnvironment
+from support import SampleTest, results
+from virtual_environment import run_in_environment
 
 IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
 if IS_INSIDE:
@@ -70,6 +69,31 @@ class PycolmapTest(SampleTest):
                 atol=1.0,
             )
 
+    def test_maps_of_a_workspace_are_those_of_pycolmap(self):
+        ws = colmap_tsar.Workspace(self.refined)
+        reconstruction = pycolmap.Reconstruction(self.refined / "sparse")
+        self.assertEqual(len(ws), reconstruction.num_images())
+        for other in reconstruction.images.values():
+            image = ws[other.name]
+            depth, normal = pycolmap.DepthMap(), pycolmap.NormalMap()
+            stereo = self.refined / "stereo"
+            depth.read(stereo / "depth_maps" / f"{image.name}.geometric.bin")
+            normal.read(stereo / "normal_maps" / f"{image.name}.geometric.bin")
+            for mine, theirs in (
+                (image.depth, depth.to_array()),
+                (image.normals, as_vectors(normal)),
+            ):
+                np.testing.assert_array_equal(mine, theirs)
+                self.assertEqual(mine.dtype, theirs.dtype)
+            pose = other.cam_from_world().matrix()
+            self.assertEqual(image.cam_from_world.shape, pose.shape)
+            np.testing.assert_allclose(image.cam_from_world, pose, atol=1e-12)
+            camera = reconstruction.cameras[other.camera_id]
+            camera.rescale(480, 360)
+            np.testing.assert_allclose(
+                image.camera.K, camera.calibration_matrix(), rtol=1e-12
+            )
+
     def fuse(self, workspace, name):
         """F1 at 2 cm of what pycolmap fuses."""
         cloud = self.folder / name
@@ -120,16 +144,8 @@ class PycolmapTest(SampleTest):
         self.assertEqual(results(self.workspace), results(self.refined))
 
 
-def run_in_environment():
-    environment = VirtualEnvironment(WORK_FOLDER / "pycolmap_environment")
-    if not environment.install("pycolmap", "numpy"):
-        print("skipped: pycolmap cannot be had from the package index")
-        return SKIPPED
-    return subprocess.run([environment.python, __file__, "--inside"]).returncode
-
-
 if __name__ == "__main__":
     if IS_INSIDE:
         print("pycolmap", pycolmap.__version__, "numpy", np.__version__)
         unittest.main(argv=sys.argv[:1])
-    sys.exit(run_in_environment())
+    sys.exit(run_in_environment("pycolmap_environment", __file__, "pycolmap", "numpy"))

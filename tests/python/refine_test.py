@@ -11,7 +11,7 @@ import unittest
 
 import colmap_tsar
 from sample_testing import digests
-from support import SampleTest, results, run_program
+from support import SampleTest, results, run_program, write_black_mask
 
 
 def refine(workspace, *arguments, **options):
@@ -85,6 +85,18 @@ class RefineTest(SampleTest):
         self.assertRegex(summary.kept["v001.jpg"], "map")
         self.assertEqual(summary.num_refined, self.num_images - 1)
         self.assertEqual(summary.num_sources_without_maps, self.num_images - 1)
+
+    def test_masks(self):
+        masks = self.workspace / "masks"
+        write_black_mask(masks / "v000.jpg.png", 640, 480)
+        summary = refine(self.workspace, self.quick, mask_path=masks)
+        self.assertEqual(summary.num_masks, 1)
+        self.assertIn("masks for 1 of 3 images", str(summary))
+        with open(self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin", "rb") as file:
+            self.assertEqual(set(file.read().split(b"&", 3)[3]), {0})
+        self.assertIsNone(refine(self.workspace, self.quick).num_masks)
+        with self.assertRaises(colmap_tsar.NotFoundError):
+            refine(self.workspace, self.quick, mask_path=self.workspace / "sparse")
 
     def test_second_workspace(self):
         before = digests(self.workspace)

@@ -4,8 +4,10 @@
 import os
 import pathlib
 import shutil
+import struct
 import tempfile
 import unittest
+import zlib
 
 from sample_testing import digests, run, unpack
 
@@ -23,6 +25,22 @@ def keep_images(workspace, count):
     """Has only the first images of the sample refined; the rest are sources."""
     text = "".join(f"v{i:03d}.jpg\n__auto__, 20\n" for i in range(count))
     (workspace / "stereo" / "patch-match.cfg").write_text(text)
+
+
+def write_black_mask(path, width, height):
+    """A gray PNG file of zeros, in a new folder."""
+
+    def chunk(kind, data):
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    path.parent.mkdir()
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+        + chunk(b"IDAT", zlib.compress(bytes((width + 1) * height)))
+        + chunk(b"IEND", b"")
+    )
 
 
 def results(workspace):

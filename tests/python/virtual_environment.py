@@ -1,11 +1,15 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Virtual environments for tests that need packages of the package index."""
+import contextlib
+import fcntl
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
+
+from support import SKIPPED, WORK_FOLDER
 
 # What pip says where there is no network or no index, and what it says there if it
 # was told to do without. Anything else that goes wrong is a failure, not a reason
@@ -65,3 +69,25 @@ class VirtualEnvironment:
         if not unreachable:
             raise AssertionError("pip install failed, see above")
         return self.pip("install", "--no-index", *packages)[0] == 0
+
+
+@contextlib.contextmanager
+def locked(folder):
+    """Tests that share an environment run side by side: one alone makes it."""
+    with open(f"{folder}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def run_in_environment(name, file, *packages):
+    """Runs this test again, with --inside, in an environment that is kept in the build
+    folder. Returns its exit code, or that of a skipped test."""
+    folder = WORK_FOLDER / name
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with locked(folder):
+        environment = VirtualEnvironment(folder)
+        is_complete = environment.install(*packages)
+    if not is_complete:
+        print(f"skipped: {packages[0]} cannot be had from the package index")
+        return SKIPPED
+    return subprocess.run([environment.python, file, "--inside"]).returncode

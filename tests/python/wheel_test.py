@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Builds the wheel from pyproject.toml, installs it into a new virtual environment
 and uses it there, with nothing else on the path. Skipped where what it is built by
-cannot be had from the package index.
+cannot be had from the package index. The scores of point clouds are left out of it,
+which scripts/build_wheels.sh leaves in.
 
   wheel_test.py BUILD_FOLDER [NAME=VALUE of CMake]..."""
 import os
@@ -25,6 +26,12 @@ options = colmap_tsar.RefineOptions(scene_planes=False, num_iterations=1)
 assert pickle.loads(pickle.dumps(options)) == options
 summary = colmap_tsar.refine(sys.argv[1], options, device="cpu", progress=False)
 assert summary.num_refined == 8, summary
+try:
+    colmap_tsar.evaluate_cloud(sys.argv[1] + "/a.ply", sys.argv[1] + "/scans.mlp")
+except colmap_tsar.UnsupportedError as error:
+    assert "TSAR_CLOUD_EVALUATION=ON" in str(error), error
+else:
+    raise AssertionError("a cloud was scored, or read")
 scores = colmap_tsar.evaluate_depth(sys.argv[1]).scores
 assert colmap_tsar.restore(sys.argv[1]).num_restored == 8
 assert scores[0].f1 > colmap_tsar.evaluate_depth(sys.argv[1]).scores[0].f1
@@ -65,7 +72,7 @@ def main(build_folder, definitions):
             roots == {"colmap_tsar", f"colmap_tsar-{version}.dist-info"},
             "holds the package and nothing else",
         )
-        for name in ("py.typed", "__init__.py"):
+        for name in ("py.typed", "__init__.py", "_options.pyi"):
             check(f"colmap_tsar/{name}" in names, "holds " + name)
 
         user = VirtualEnvironment(folder / "user")

@@ -1,0 +1,248 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""A dense workspace, and all that can be done with it."""
+import collections.abc
+import inspect
+import os
+import pathlib
+from typing import Any, Callable, Iterator, Mapping, Optional, Tuple, Union
+
+from . import _core
+from ._command_options import EXPORT, IMPORT, REPORT, STEREO
+from ._images import WorkspaceImage
+from ._options import RefineOptions
+from ._planes import Planes, read_planes
+from ._progress import tell_steps
+from ._refine import RefineSummary, RestoreSummary, refine_with_listeners, restore
+from ._summaries import ExportSummary, ImportSummary, ReportSummary, StereoSummary
+
+_Path = Union[str, "os.PathLike[str]"]
+_Progress = Union[bool, Callable[[str, int, int], Any]]
+
+_PRESETS = {
+    "default": RefineOptions,
+    "paper": RefineOptions.paper,
+    "paper_strict": RefineOptions.paper_strict,
+}
+
+
+class Workspace(collections.abc.Mapping):
+    """A dense workspace, as COLMAP's image_undistorter makes it: images/, sparse/ and
+    stereo/. A mapping from the names of its images to WorkspaceImage:
+
+        ws = colmap_tsar.Workspace("dense")
+        ws.refine()
+        for image in ws.images:
+            print(image.name, image.depth.shape)
+        ws["a.jpg"].confidence
+
+    The sparse model is read once, by the constructor; maps when they are asked for.
+
+    The methods take the options of the commands of the same names as keywords. Their
+    keyword `progress` is True: a line for each image, or now and then, on sys.stderr;
+    False: none; or a function of (name, done, total): of a pass over the images, how
+    many of them are done, and how many it has. It is called from the thread that called
+    the method, at the start of each pass and for each image. What it raises ends the
+    work in order, as Ctrl-C does, and is raised."""
+
+    # Two objects of one folder may hold different maps.
+    __eq__ = object.__eq__
+    __ne__ = object.__ne__
+    __hash__ = object.__hash__
+
+    def __init__(self, workspace_path: _Path, *, input_type: Optional[str] = None):
+        """workspace_path: the folder. input_type: which maps to read, refine and report
+        about, "geometric" or "photometric". None: geometric, or photometric where there
+        are no geometric ones. Raises Error where it is no workspace."""
+        if input_type not in (None, "geometric", "photometric"):
+            _core.check_input_type(input_type)
+        self._path = pathlib.Path(os.fsdecode(workspace_path))
+        self._chosen_type = input_type
+        self._facts = _core.read_images(self._path)
+        self._planes: Optional[Planes] = None
+
+    def __repr__(self) -> str:
+        return f"<Workspace {str(self._path)!r}, {len(self)} images>"
+
+    def __len__(self) -> int:
+        return len(self._facts)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._facts)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._facts
+
+    def __getitem__(self, name: str) -> WorkspaceImage:
+        if name not in self._facts:
+            raise KeyError(self._unknown(name))
+        return WorkspaceImage(self._path, name, self.input_type, self._facts[name])
+
+    @property
+    def path(self) -> pathlib.Path:
+        """The folder."""
+        return self._path
+
+    @property
+    def input_type(self) -> str:
+        """The maps that images have here: what the constructor was given, or
+        "geometric" where there are such depth maps now, otherwise "photometric"."""
+        if self._chosen_type is not None:
+            return self._chosen_type
+        has_geometric = any(
+            _core.has_depth_map(self._path, name, "geometric") for name in self._facts
+        )
+        return "geometric" if has_geometric else "photometric"
+
+    @property
+    def images(self) -> Tuple[WorkspaceImage, ...]:
+        """The images, in the order of the sparse model."""
+        input_type = self.input_type
+        return tuple(
+            WorkspaceImage(self._path, name, input_type, facts)
+            for name, facts in self._facts.items()
+        )
+
+    @property
+    def planes(self) -> Planes:
+        """The planes of the refined scene, see read_planes(). Read at first use, which
+        takes a while, and again after the workspace was changed by this object."""
+        if self._planes is None:
+            self._planes = read_planes(self._path, input_type=self._chosen_type)
+        return self._planes
+
+    def refine(
+        self,
+        options: Union[RefineOptions, Mapping[str, Any], None] = None,
+        *,
+        preset: str = "default",
+        output_path: Optional[_Path] = None,
+        image_list_path: Optional[_Path] = None,
+        mask_path: Optional[_Path] = None,
+        device: str = "auto",
+        gpu_index: Union[str, int] = "-1",
+        num_threads: int = -1,
+        cache_size: float = 32.0,
+        shard: str = "",
+        pass_: str = "all",
+        progress: _Progress = True,
+        **named: Any,
+    ) -> RefineSummary:
+        """Completes the maps; see refine(), which has the same options. Those of
+        RefineOptions can be given as keywords, too, on top of `options`, or of a
+        `preset`: "default", "paper" or "paper_strict".
+
+            ws.refine(num_iterations=3, device="cpu")
+        """
+        if preset not in _PRESETS:
+            raise ValueError(
+                f"preset: '{preset}' is not known; give one of {', '.join(_PRESETS)}"
+            )
+        if options is None:
+            options = _PRESETS[preset]()
+        elif preset != "default":
+            raise TypeError("give options or a preset, not both")
+        elif isinstance(options, RefineOptions):
+            options = options.copy()
+        else:
+            options = RefineOptions(**options)
+        options.update(**named)
+        self._planes = None
+        return refine_with_listeners(
+            self._path,
+            options,
+            tell_steps(progress),
+            output_path=output_path,
+            input_type=self._chosen_type,
+            image_list_path=image_list_path,
+            mask_path=mask_path,
+            device=device,
+            gpu_index=gpu_index,
+            num_threads=num_threads,
+            cache_size=cache_size,
+            shard=shard,
+            pass_=pass_,
+        )
+
+    def stereo(self, *, progress: _Progress = True, **options: Any) -> StereoSummary:
+        """Makes depth and normal maps from the images, as patch_match_stereo does, on
+        NVIDIA GPUs and also without any: what the command tsar_stereo does. Images that
+        were done before with the same options are skipped."""
+        self._planes = None
+        return StereoSummary(
+            **_core.stereo(self._to_command(STEREO, options), tell_steps(progress))
+        )
+
+    def import_maps(
+        self,
+        input_path: _Path,
+        format: str,
+        *,
+        progress: _Progress = True,
+        **options: Any,
+    ) -> ImportSummary:
+        """Brings depth and normal maps of other programs and sensors into the
+        workspace: what the command tsar_import does. undo_imports() takes them back."""
+        self._planes = None
+        options = {"input_path": input_path, "format": format, **options}
+        return ImportSummary(
+            **_core.import_maps(self._to_command(IMPORT, options), tell_steps(progress))
+        )
+
+    def report(self, *, progress: _Progress = True, **options: Any) -> ReportSummary:
+        """Writes a page about the refined workspace, to be opened in a browser, or a
+        picture of some images: what the command tsar_report does."""
+        command = {**self._to_command(REPORT, options), **self._to_type()}
+        return ReportSummary(**_core.report(command, tell_steps(progress)))
+
+    def export(
+        self,
+        output_path: _Path,
+        format: str,
+        *,
+        progress: _Progress = True,
+        **options: Any,
+    ) -> ExportSummary:
+        """Writes the maps into a folder of their own, with cameras and poses, for other
+        programs and for training: what the command tsar_export does."""
+        options = {"output_path": output_path, "format": format, **options}
+        command = {**self._to_command(EXPORT, options), **self._to_type()}
+        return ExportSummary(**_core.export(command, tell_steps(progress)))
+
+    def restore(self, conflicts: str = "report") -> RestoreSummary:
+        """Puts COLMAP's maps back; see restore()."""
+        self._planes = None
+        return restore(self._path, conflicts)
+
+    def undo_imports(self, conflicts: str = "report") -> RestoreSummary:
+        """Undoes all imports: puts the former maps back and removes what was imported.
+        What others wrote in its place since is never removed. conflicts: as in
+        restore()."""
+        self._planes = None
+        return RestoreSummary(**_core.undo_imports(self._path, conflicts))
+
+    def _to_command(self, command, options):
+        return {"workspace_path": os.fsencode(self._path), **command.to_text(options)}
+
+    def _to_type(self):
+        return {} if self._chosen_type is None else {"input_type": self._chosen_type}
+
+    def _unknown(self, name):
+        similar = _core.suggest_names(str(name), list(self._facts))
+        advice = f"; did you mean {' or '.join(similar)}?" if similar else ""
+        return f"{self._path} has no image {name!r}{advice}"
+
+
+def _document_refine():
+    """Has the signature of refine() show the options, too."""
+    signature = inspect.signature(Workspace.refine)
+    own = list(signature.parameters.values())[:-1]
+    _, *options = inspect.signature(RefineOptions.__init__).parameters.values()
+    Workspace.refine.__signature__ = signature.replace(parameters=own + options)
+
+
+_document_refine()
+STEREO.document(Workspace.stereo)
+IMPORT.document(Workspace.import_maps)
+REPORT.document(Workspace.report)
+EXPORT.document(Workspace.export)

@@ -1,0 +1,238 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/cli/export_command.h"
+#include "colmap_tsar/cli/import_command.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/report_command.h"
+#include "colmap_tsar/cli/stereo_command.h"
+#include "colmap_tsar/export/export_workspace.h"
+#include "colmap_tsar/import/import_workspace.h"
+#include "colmap_tsar/import/undo_import.h"
+#include "colmap_tsar/report/write_page.h"
+#include "colmap_tsar/store/workspace_lock.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "python/bindings.h"
+#include "python/serve_python.h"
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+namespace py = pybind11;
+
+namespace tsar {
+namespace {
+
+// "TsarStereo.device" is called "device" here.
+std::string KeyOf(const Option& option) {
+  return option.name.substr(option.name.find('.') + 1);
+}
+
+template <typename Command>
+std::vector<Option> OptionsOf(Command* command) {
+  OptionSet options("", "", "");
+  command->AddTo(&options);
+  return options.Options();
+}
+
+py::object DefaultOf(const Option& option) {
+  return std::visit(
+      [](const auto* value) -> py::object {
+        if constexpr (std::is_same_v<decltype(value), const std::string*>) {
+          return ToText(*value);
+        } else {
+          return py::cast(*value);
+        }
+      },
+      option.target);
+}
+
+// What a user may know about each option of a command, in the order of the
+// help.
+template <typename Command>
+py::list Describe() {
+  Command command;
+  py::list all;
+  for (const Option& option : OptionsOf(&command)) {
+    py::dict description;
+    description["name"] = KeyOf(option);
+    description["default"] = DefaultOf(option);
+    description["description"] = option.description;
+    description["choices"] = option.choices;
+    description["is_path"] = option.IsPath();
+    all.append(description);
+  }
+  return all;
+}
+
+// From {name: text}, as it is written on a command line. Throws kBadOption for
+// a value that is none or outside its range.
+template <typename Command>
+Command ToCommand(const py::dict& values) {
+  Command command;
+  for (const Option& option : OptionsOf(&command)) {
+    const std::string key = KeyOf(option);
+    if (values.contains(key)) {
+      option.Set(values[key.c_str()].cast<std::string>(), key);
+    }
+  }
+  return command;
+}
+
+template <typename Summary>
+py::str TextOf(const Summary& summary) {
+  TextStream text;
+  PrintSummary(summary, text);
+  return ToText(text.str());
+}
+
+py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
+  const auto command = ToCommand<StereoCommand>(options);
+  StereoSummary summary;
+  WorkWhileServingPython(
+      "stereo",
+      ToPythonListeners(listeners),
+      [&](Progress& progress, const std::function<bool()>& should_stop) {
+        summary = command.Run(progress, should_stop);
+      });
+  py::list without_sources;
+  for (const std::string& name : summary.without_sources) {
+    without_sources.append(ToText(name));
+  }
+  py::dict dict;
+  dict["workspace_path"] = summary.workspace_path;
+  dict["input_type"] = ToString(summary.type);
+  dict["device"] = summary.device;
+  dict["num_images"] = summary.num_images;
+  dict["num_skipped"] = summary.num_skipped;
+  dict["num_masks"] = summary.num_masks;
+  dict["without_sources"] = without_sources;
+  dict["wall_seconds"] = summary.wall_seconds;
+  dict["peak_gpu_memory"] = ToDict(summary.peak_gpu_memory);
+  dict["text"] = TextOf(summary);
+  return dict;
+}
+
+py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
+  const ImportOptions import = ToCommand<ImportCommand>(options).Parse();
+  ImportSummary summary;
+  WorkWhileServingPython(
+      "import_maps",
+      ToPythonListeners(listeners),
+      [&](Progress& progress, const std::function<bool()>& should_stop) {
+        summary = ImportWorkspace(import, progress, should_stop);
+      });
+  py::list warnings;
+  for (const std::string& warning : summary.warnings) {
+    warnings.append(ToText(warning));
+  }
+  py::dict dict;
+  dict["workspace_path"] = summary.workspace_path;
+  dict["output_type"] = ToString(summary.type);
+  dict["num_images"] = summary.num_images;
+  dict["num_imported"] = summary.num_imported;
+  dict["num_without_image"] = summary.num_without_image;
+  dict["num_with_normals"] = summary.num_with_normals;
+  dict["num_with_costs"] = summary.num_with_costs;
+  dict["num_pixels"] = summary.num_pixels;
+  dict["num_with_depth"] = summary.num_with_depth;
+  dict["scale"] = summary.scale.num_images > 0
+                      ? py::object(py::float_(summary.scale.median))
+                      : py::object(py::none());
+  dict["warnings"] = warnings;
+  dict["text"] = TextOf(summary);
+  return dict;
+}
+
+py::dict UndoImports(const std::filesystem::path& workspace_path,
+                     const std::string& conflicts) {
+  PrepareStreams();
+  UndoResult result;
+  {
+    const py::gil_scoped_release release;
+    const WorkspaceLock lock(workspace_path);
+    result = UndoImport(workspace_path, ParseRestoreConflicts(conflicts));
+  }
+  py::dict dict;
+  dict["num_restored"] = result.num_images;
+  dict["kept"] = ToTexts(result.kept);
+  dict["superseded"] = ToTexts(result.superseded);
+  dict["conflicts"] = ToTexts(result.conflicts);
+  return dict;
+}
+
+py::dict Report(const py::dict& options, const py::tuple& listeners) {
+  const auto command = ToCommand<ReportCommand>(options);
+  std::optional<std::filesystem::path> page_path;
+  std::optional<std::filesystem::path> picture_path;
+  int num_images = 0;
+  WorkWhileServingPython(
+      "report",
+      ToPythonListeners(listeners),
+      [&](Progress& progress, const std::function<bool()>& should_stop) {
+        const Workspace workspace = command.Open();
+        if (command.WantsPicture()) {
+          command.WritePicture(workspace);
+          picture_path = command.output_path;
+        }
+        if (command.WantsPage()) {
+          const PageOptions page = command.Page(workspace);
+          num_images = WritePage(workspace, page, progress, should_stop);
+          page_path = page.report_path / "index.html";
+        }
+      });
+  py::dict dict;
+  dict["page_path"] = page_path;
+  dict["picture_path"] = picture_path;
+  dict["num_images"] = num_images;
+  return dict;
+}
+
+py::dict Export(const py::dict& options, const py::tuple& listeners) {
+  const auto command = ToCommand<ExportCommand>(options);
+  ExportSummary summary;
+  WorkWhileServingPython(
+      "export",
+      ToPythonListeners(listeners),
+      [&](Progress& progress, const std::function<bool()>& should_stop) {
+        summary = command.Run(progress, should_stop);
+      });
+  py::dict dict;
+  dict["output_path"] = std::filesystem::path(command.output_path);
+  dict["num_images"] = summary.num_images;
+  dict["num_with_depth"] = summary.num_with_depth;
+  dict["num_masks"] = summary.num_masks;
+  dict["num_pixels"] = summary.num_pixels;
+  dict["num_depths"] = summary.num_depths;
+  return dict;
+}
+
+}  // namespace
+
+void BindCommands(py::module_* module) {
+  module->def("describe_stereo", &Describe<StereoCommand>);
+  module->def("describe_import", &Describe<ImportCommand>);
+  module->def("describe_report", &Describe<ReportCommand>);
+  module->def("describe_export", &Describe<ExportCommand>);
+  module->def("stereo", &Stereo, py::arg("options"), py::arg("listeners"));
+  module->def(
+      "import_maps", &ImportMaps, py::arg("options"), py::arg("listeners"));
+  module->def("undo_imports",
+              &UndoImports,
+              py::arg("workspace_path"),
+              py::arg("conflicts"));
+  module->def("report", &Report, py::arg("options"), py::arg("listeners"));
+  module->def("export", &Export, py::arg("options"), py::arg("listeners"));
+}
+
+}  // namespace tsar

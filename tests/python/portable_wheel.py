@@ -1,0 +1,127 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Looks at a wheel that scripts/build_wheels.sh has built, and uses it in a new
+virtual environment: it needs nothing of the system but the run time of C and C++,
+and writes the maps that the program writes.
+
+  portable_wheel.py WHEEL"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import sys
+import tempfile
+import zipfile
+
+from sample_testing import check, run, unpack
+from support import REPOSITORY, WORK_FOLDER, results, run_program
+from virtual_environment import VirtualEnvironment
+
+MOST_LIBRARIES = 12
+UNWANTED = re.compile(r"gdal|hdf5|mpi|gtk|Qt|tbb|protobuf|blas|lapack|gfortran|cuda")
+# What every Linux has that can run Python.
+RUN_TIME = re.compile(
+    r"(ld-linux-[^/]*|libc|libm|libdl|librt|libpthread|libgcc_s|libstdc\+\+|libz)\.so[.\d]*"
+)
+
+USE = """
+import json, pathlib, sys, time
+
+def libraries():
+    lines = pathlib.Path("/proc/self/maps").read_text().splitlines()
+    return {line.split(maxsplit=5)[5] for line in lines if ".so" in line}
+
+# What the standard library loads is none of ours.
+import ctypes, dataclasses, typing, zipfile
+before = libraries()
+start = time.perf_counter()
+import colmap_tsar
+seconds = time.perf_counter() - start
+sample = pathlib.Path(sys.argv[1])
+before_score = colmap_tsar.evaluate_depth(sample).scores[0].f1
+summary = colmap_tsar.refine(sample, device="cpu", progress=False)
+after_score = colmap_tsar.evaluate_depth(sample).scores[0].f1
+scans = sample / "scans" / "scan_alignment.mlp"
+cloud = colmap_tsar.evaluate_cloud(next(scans.parent.glob("*.ply")), scans)
+print(json.dumps({
+    "file": colmap_tsar.__file__,
+    "has_cuda": colmap_tsar.has_cuda,
+    "libraries": sorted(libraries() - before),
+    "num_refined": summary.num_refined,
+    "points": cloud.num_points,
+    "scores": [before_score, after_score],
+    "seconds": seconds,
+}))
+"""
+
+
+def check_content(wheel):
+    archive = zipfile.ZipFile(wheel)
+    names = archive.namelist()
+    bundled = [
+        os.path.basename(name) for name in names if re.search(r"\.libs/.*\.so", name)
+    ]
+    check("-manylinux_" in wheel.name, f"{wheel.name} has a tag of manylinux")
+    check(
+        len(bundled) <= MOST_LIBRARIES and not any(map(UNWANTED.search, bundled)),
+        f"{len(bundled)} libraries are inside beside the module: {bundled}",
+    )
+    licences = [name for name in names if "/licenses/" in name]
+    check(
+        any(name.endswith("/opencv") for name in licences),
+        f"{len(licences)} licences are inside",
+    )
+    size = wheel.stat().st_size / 1e6
+    print(f"{size:.1f} MB")
+
+
+def check_use(wheel, folder):
+    user = VirtualEnvironment(folder / "user")
+    status, output = user.pip("install", "--no-index", wheel)
+    if status != 0:
+        sys.exit(f"FAILED: pip install\n{output}")
+    unpack(REPOSITORY, folder / "dense")
+    shutil.copytree(folder / "dense", folder / "expected")
+    # Nothing of this shell's, such as a path of libraries.
+    environment = {"PATH": os.environ["PATH"], "HOME": str(folder)}
+    printed = run(user.python, "-I", "-c", USE, folder / "dense", env=environment)
+    found = json.loads(printed)
+    inside = str(user.folder.resolve())
+    check(found["file"].startswith(inside), f"imported in {found['seconds']:.3f} s")
+    check(
+        found["has_cuda"] == ("_cuda" in wheel.name), f"has_cuda: {found['has_cuda']}"
+    )
+    outside = [path for path in found["libraries"] if not path.startswith(inside)]
+    foreign = [path for path in outside if not RUN_TIME.fullmatch(os.path.basename(path))]
+    check(not foreign, f"of the system's libraries only {outside} and not {foreign}")
+    check(found["num_refined"] == 8, "refines the sample scene")
+    check(found["scores"][1] > found["scores"][0] + 0.1, f"F1: {found['scores']}")
+    check(found["points"] > 0, f"scores a cloud of {found['points']} points")
+
+    run_program(
+        *("tsar_refine", "--workspace_path", folder / "expected"),
+        *("--TsarRefine.device", "cpu"),
+    )
+    maps = results(folder / "dense")
+    check(len(maps) > 16, f"{len(maps)} files of maps")
+    different = sorted(
+        path
+        for path, digest in results(folder / "expected").items()
+        if maps.get(path) != digest
+    )
+    check(not different, f"the program's maps are the same, but for {different}")
+
+
+def main(wheel):
+    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
+    folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+    try:
+        check_content(wheel)
+        check_use(wheel, folder)
+    finally:
+        shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]))

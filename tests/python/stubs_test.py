@@ -1,0 +1,85 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stubs agree with the module: they are what scripts/write_python_stubs.py writes,
+and mypy finds no difference. The second is skipped where mypy cannot be had from the
+package index."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import colmap_tsar
+from sample_testing import call, check, run
+from support import REPOSITORY, SKIPPED, WORK_FOLDER
+from virtual_environment import VirtualEnvironment
+
+USE = """\
+import colmap_tsar
+
+workspace = colmap_tsar.Workspace("dense")
+
+def tell(name: str, done: int, total: int) -> None: ...
+
+summary = workspace.refine(num_iterations=3, device="cpu", progress=tell)
+share: float = summary.counts["depth_after"] / summary.counts["pixels"]
+workspace.stereo(num_levels=1, device="auto", gpu_index=0)
+workspace.report(tolerances=[0.1, 0.2])
+names = [image.name.upper() for image in workspace.images]
+image: colmap_tsar.WorkspaceImage = workspace["a.jpg"]
+width: int = image.camera.width
+options = colmap_tsar.RefineOptions.paper(segment=False)
+options.num_iterations = 3
+"""
+
+# Each is an error of its own.
+MISUSE = (
+    "workspace.refine(num_iteration=3)",
+    "workspace.stereo(num_levels='two')",
+    "workspace.stereo(device='gpu')",
+    "workspace.import_maps('maps', format='depth', overwrite='no')",
+    "workspace.report(max_points=[1])",
+    "options.segment = 'no'",
+    "colmap_tsar.RefineOptions(segmnt=False)",
+    "workspace[3]",
+)
+
+
+def main():
+    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
+    package = pathlib.Path(colmap_tsar.__file__).parent
+    with tempfile.TemporaryDirectory(dir=WORK_FOLDER) as folder:
+        folder = pathlib.Path(folder)
+        script = REPOSITORY / "scripts" / "write_python_stubs.py"
+        run(sys.executable, script, folder)
+        for written in sorted(folder.iterdir()):
+            check(
+                written.read_text() == (package / written.name).read_text(),
+                f"{written.name} is what scripts/write_python_stubs.py writes",
+            )
+        check((package / "py.typed").is_file(), "the package says that it has types")
+
+        environment = VirtualEnvironment(WORK_FOLDER / "mypy_environment")
+        if not environment.install("mypy", "numpy"):
+            print("skipped: mypy cannot be had from the package index")
+            return SKIPPED
+        python = environment.python
+        print(run(python, "-m", "mypy.stubtest", "colmap_tsar"))
+        (folder / "use.py").write_text(USE + "\n".join(MISUSE) + "\n")
+        checked = call(
+            *(python, "-m", "mypy", "--strict", "--follow-imports=silent"),
+            *("--hide-error-context", "--no-error-summary"),
+            *("--cache-dir", folder / "cache", folder / "use.py"),
+            env=dict(os.environ, MYPYPATH=str(package.parent)),
+        )
+        lines = {int(line.split(":")[1]) for line in checked.stdout.splitlines() if ": error:" in line}
+        first = USE.count("\n") + 1
+        check(
+            lines == set(range(first, first + len(MISUSE))),
+            f"mypy finds what is wrong and nothing else:\n{checked.stdout}{checked.stderr}",
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

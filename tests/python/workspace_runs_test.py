@@ -1,0 +1,302 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""What can be done with a Workspace is what the commands do.
+
+Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
+build folder. Skipped where it cannot be had."""
+import contextlib
+import inspect
+import io
+import json
+import pathlib
+import signal
+import sys
+import threading
+import unittest
+
+import colmap_tsar
+from sample_testing import digests
+from support import SampleTest, results, run_program
+from virtual_environment import run_in_environment
+
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
+try:
+    import numpy as np
+except ImportError:
+    np = None
+
+QUICK_REFINE = {"scene_planes": False, "segment": False, "num_iterations": 1}
+QUICK_STEREO = {
+    "num_sources": 2,
+    "num_levels": 1,
+    "num_iterations": 1,
+    "max_image_size": 160,
+    "num_geometric_passes": 1,
+}
+
+
+class Enough(Exception):
+    pass
+
+
+def stop_at_the_first(name, done, total):
+    if done == 1:
+        raise Enough(name)
+
+
+class WorkspaceRunsTest(SampleTest):
+    def setUp(self):
+        super().setUp()
+        self.ws = colmap_tsar.Workspace(self.workspace)
+
+    def test_keywords_are_the_options_of_the_commands(self):
+        """Names, defaults and choices; but for what the workspace and other methods
+        say."""
+        refine = {"workspace_path", "workspace_format", "input_type", "project_path"}
+        refine |= {"restore", "restore_conflicts", "debug_path"}
+        for method, command, left_out in (
+            (self.ws.refine, "tsar_refine", refine),
+            (self.ws.stereo, "tsar_stereo", refine),
+            (self.ws.import_maps, "tsar_import", refine),
+            (self.ws.report, "tsar_report", refine - {"debug_path"}),
+            (self.ws.export, "tsar_export", refine),
+        ):
+            help_of = json.loads(run_program(command, "--help_json"))
+            parameters = dict(inspect.signature(method).parameters)
+            for option in help_of["options"]:
+                name = option["name"].split(".")[-1]
+                if name in left_out:
+                    continue
+                with self.subTest(command=command, option=name):
+                    parameter = parameters.pop("pass_" if name == "pass" else name)
+                    if parameter.default not in (None, inspect.Parameter.empty):
+                        default = parameter.default
+                        written = default if isinstance(default, str) else f"{default:g}"
+                        self.assertEqual(written, option["default"])
+            self.assertLessEqual(set(parameters), {"progress", "options"})
+
+    def test_refine_is_the_function(self):
+        other = self.new_workspace("by_function")
+        colmap_tsar.refine(other, QUICK_REFINE, device="cpu", progress=False)
+        summary = self.ws.refine(device="cpu", progress=False, **QUICK_REFINE)
+        self.assertEqual(summary.num_refined, self.num_images)
+        self.assertEqual(results(self.workspace), results(other))
+        self.assertEqual(self.ws.restore().num_restored, self.num_images)
+        self.assertEqual(results(self.workspace), results(self.sample))
+        summary = self.ws.refine(
+            preset="paper", segment=False, num_iterations=1, device="cpu", progress=False
+        )
+        paper = colmap_tsar.RefineOptions.paper(segment=False, num_iterations=1)
+        again = colmap_tsar.refine(self.workspace, paper, device="cpu", progress=False)
+        self.assertEqual(again.num_skipped, self.num_images)
+
+    def test_wrong_options_are_named(self):
+        before = digests(self.workspace)
+        for method, keywords, error, text in (
+            (self.ws.refine, {"num_iteration": 1}, TypeError, "did you mean num_iter"),
+            (self.ws.refine, {"preset": "best"}, ValueError, "^preset: 'best'.*paper"),
+            (self.ws.refine, {"options": {}, "preset": "paper"}, TypeError, "not both"),
+            (self.ws.stereo, {"num_source": 1}, TypeError, "did you mean num_sources"),
+            (self.ws.stereo, {"num_sources": 0}, ValueError, "^num_sources: 0 is too s"),
+            (self.ws.stereo, {"num_sources": 1.5}, TypeError, "^num_sources: .* integer"),
+            (self.ws.stereo, {"num_sources": True}, TypeError, "^num_sources: "),
+            (self.ws.stereo, {"depth_min": "1"}, TypeError, "^depth_min: give a number"),
+            (self.ws.stereo, {"depth_min": float("nan")}, ValueError, "^depth_min: "),
+            (self.ws.stereo, {"depth_min": 1.0}, ValueError, "^depth_min and depth_max"),
+            (self.ws.stereo, {"overwrite": 1}, TypeError, "^overwrite: .*True or False"),
+            (self.ws.stereo, {"device": "gpu"}, ValueError, "^device: 'gpu'.*cuda"),
+            (self.ws.stereo, {"device": 1}, TypeError, "^device: give one of auto"),
+            (self.ws.stereo, {"workspace_path": "x"}, TypeError, "no option 'workspace"),
+            (self.ws.stereo, {}, colmap_tsar.UnsupportedError, "give overwrite=True"),
+            (self.ws.report, {}, colmap_tsar.NotFoundError, "run tsar_refine"),
+            (self.ws.report, {"tolerances": [2, 1]}, ValueError, "^tolerances: .*rise"),
+            (self.ws.export, {"output_path": "a", "format": "x"}, ValueError, "^format: 'x"),
+            (
+                *(self.ws.export, {"output_path": self.workspace / "images", "format": "npy"}),
+                *(colmap_tsar.Error, "images"),
+            ),
+        ):
+            with self.subTest(keywords=keywords):
+                with self.assertRaisesRegex(error, text) as caught:
+                    method(progress=False, **keywords)
+                self.assertNotIn("--", str(caught.exception))
+        self.assertEqual(digests(self.workspace), before)
+
+    def test_stereo_is_the_command(self):
+        other = self.new_workspace("by_program")
+        arguments = [
+            part
+            for name, value in QUICK_STEREO.items()
+            for part in (f"--TsarStereo.{name}", value)
+        ]
+        run_program(
+            *("tsar_stereo", "--workspace_path", other, "--overwrite", 1),
+            *("--TsarStereo.device", "cpu", *arguments),
+        )
+        steps = []
+        run = {"overwrite": True, "device": "cpu", **QUICK_STEREO}
+        summary = self.ws.stereo(**run, progress=lambda *step: steps.append(step))
+        self.assertEqual(results(self.workspace), results(other))
+        self.assertNotEqual(results(self.workspace), results(self.sample))
+        self.assertEqual(summary.num_images, self.num_images)
+        self.assertEqual(summary.input_type, "geometric")
+        self.assertIn(f"{self.num_images} images on", str(summary))
+        self.assertEqual(self.ws["v000.jpg"].depth.shape, (120, 160))
+        self.assertEqual(self.ws["v000.jpg"].camera.width, 160)
+        passes = list(dict.fromkeys(name for name, _, _ in steps))
+        self.assertEqual(
+            steps, [(name, i, 3) for name in passes for i in range(self.num_images + 1)]
+        )
+        self.assertRegex(passes[0], "^Pass 1 of [0-9]$")
+        self.assertEqual(self.ws.stereo(**run, progress=False).num_skipped, 3)
+
+    def test_what_progress_raises_ends_the_work_and_is_raised(self):
+        run = {"device": "cpu", "num_threads": 1}
+        with self.assertRaisesRegex(Enough, "^Pass 1 of"):
+            self.ws.stereo(
+                overwrite=True, progress=stop_at_the_first, **run, **QUICK_STEREO
+            )
+        self.ws.stereo(overwrite=True, progress=False, **run, **QUICK_STEREO)
+        with self.assertRaisesRegex(Enough, "^refine$"):
+            self.ws.refine(progress=stop_at_the_first, **run, **QUICK_REFINE)
+        self.ws.refine(progress=False, **run, **QUICK_REFINE)
+        before = digests(self.workspace)
+        with self.assertRaisesRegex(Enough, "^report$"):
+            self.ws.report(progress=stop_at_the_first, num_threads=1)
+        # So short a work may be done before it hears: a page is whole or not there.
+        after = digests(self.workspace)
+        others = {name: of for name, of in after.items() if name[:7] != "report/"}
+        self.assertEqual(others, before)
+        report = self.workspace / "report"
+        self.assertEqual((report / "index.html").exists(), report.exists())
+
+    def test_ctrl_c_ends_the_work(self):
+        def press(name, done, total):
+            if done == 1:
+                # Seen while the work goes on, not in this function.
+                timer = threading.Timer(0.05, signal.raise_signal, [signal.SIGINT])
+                timer.start()
+
+        # Several seconds of work.
+        run = {"device": "cpu", "num_threads": 1, "overwrite": True}
+        with self.assertRaises(KeyboardInterrupt):
+            self.ws.stereo(progress=press, max_image_size=240, **run)
+        # Nobody holds the workspace any more.
+        self.ws.stereo(progress=False, **run, **QUICK_STEREO)
+
+    def test_progress_on_standard_error(self):
+        for progress, expected in ((True, True), (False, False)):
+            with contextlib.redirect_stderr(io.StringIO()) as stream:
+                self.ws.refine(progress=progress, device="cpu", **QUICK_REFINE)
+            self.ws.restore()
+            self.assertEqual("[3/3]" in stream.getvalue(), expected)
+
+    def write_depth_arrays(self):
+        """Depth of a plane in front of each camera, as arrays of NumPy."""
+        folder = self.folder / "sensor"
+        folder.mkdir()
+        for name in self.ws:
+            depth = np.full((36, 48), 3.0, np.float32)
+            np.save(folder / pathlib.Path(name).with_suffix(".npy"), depth)
+        return folder
+
+    def test_import_and_its_undoing(self):
+        folder = self.write_depth_arrays()
+        with self.assertRaisesRegex(colmap_tsar.UnsupportedError, "overwrite=True"):
+            self.ws.import_maps(folder, "depth", check_scale=False, progress=False)
+        with self.assertRaisesRegex(ValueError, "^format: 'best'"):
+            self.ws.import_maps(folder, "best")
+        with self.assertRaisesRegex(ValueError, "^normal_path is for format depth"):
+            self.ws.import_maps(folder, "acm", normal_path=folder)
+        self.assertEqual(results(self.workspace), results(self.sample))
+        steps = []
+        summary = self.ws.import_maps(
+            folder,
+            "depth",
+            depth_scale=0.5,
+            check_scale=False,
+            overwrite=True,
+            progress=lambda *step: steps.append(step),
+        )
+        self.assertEqual((summary.num_imported, summary.num_images), (8, 8))
+        self.assertEqual(summary.output_type, "geometric")
+        self.assertIn("8 imported", str(summary))
+        self.assertEqual(steps[0], ("Checking", 0, 8))
+        self.assertEqual(steps[-1], ("Importing", 8, 8))
+        depth = self.ws["v001.jpg"].depth
+        np.testing.assert_array_equal(depth, np.full((36, 48), 1.5, np.float32))
+        self.assertEqual(self.ws.undo_imports().num_restored, 8)
+        self.assertEqual(results(self.workspace), results(self.sample))
+        with self.assertRaises(colmap_tsar.NotFoundError):
+            self.ws.undo_imports()
+
+    def test_an_import_that_is_stopped_begins_anew(self):
+        folder = self.write_depth_arrays()
+        run = {"check_scale": False, "overwrite": True}
+
+        def stop_while_importing(name, done, total):
+            if name == "Importing" and done == 1:
+                raise Enough
+
+        for stop in (stop_at_the_first, stop_while_importing):
+            with self.assertRaises(Enough):
+                self.ws.import_maps(folder, "depth", progress=stop, **run)
+        self.assertEqual(
+            self.ws.import_maps(folder, "depth", progress=False, **run).num_imported, 8
+        )
+        self.ws.undo_imports()
+        self.assertEqual(results(self.workspace), results(self.sample))
+
+    def test_report(self):
+        self.ws.refine(progress=False, device="cpu", **QUICK_REFINE)
+        with self.assertRaisesRegex(FileNotFoundError, "another output_path"):
+            self.ws.report(output_path=self.folder / "missing" / "a.png")
+        summary = self.ws.report(
+            report_path=self.folder / "page",
+            output_path=self.folder / "picture.png",
+            tolerances=(0.05, 0.1),
+            max_points=100,
+            progress=False,
+        )
+        self.assertEqual(summary.page_path, self.folder / "page" / "index.html")
+        self.assertTrue(summary.page_path.is_file())
+        self.assertEqual(summary.num_images, self.num_images)
+        self.assertTrue(summary.picture_path.read_bytes().startswith(b"\x89PNG"))
+        chosen = colmap_tsar.Workspace(self.workspace, input_type="geometric")
+        page = chosen.report(report_path=self.folder / "chosen", progress=False)
+        self.assertEqual(page.num_images, self.num_images)
+        with self.assertRaisesRegex(colmap_tsar.Error, "picture.png.*overwrite=True"):
+            self.ws.report(output_path=self.folder / "picture.png")
+
+    def test_export_is_the_command(self):
+        output = self.folder / "by_method"
+        other = self.folder / "by_program"
+        steps = []
+        summary = self.ws.export(
+            output, "npy", progress=lambda *step: steps.append(step)
+        )
+        run_program(
+            *("tsar_export", "--workspace_path", self.workspace, "--format", "npy"),
+            *("--output_path", other),
+        )
+        self.assertEqual(digests(output), digests(other))
+        self.assertEqual(summary.output_path, output)
+        self.assertEqual((summary.num_images, summary.num_with_depth), (8, 8))
+        depths = [image.depth for image in self.ws.images]
+        self.assertEqual(summary.num_pixels, sum(depth.size for depth in depths))
+        self.assertEqual(summary.num_depths, sum(map(np.count_nonzero, depths)))
+        self.assertEqual([done for _, done, _ in steps], list(range(9)))
+        with self.assertRaisesRegex(colmap_tsar.Error, "by_method.*overwrite=True"):
+            self.ws.export(output, "npy", progress=False)
+        chosen = colmap_tsar.Workspace(self.workspace, input_type="photometric")
+        photometric = chosen.export(self.folder / "photometric", "npy", progress=False)
+        manifest = json.loads((photometric.output_path / "manifest.json").read_text())
+        self.assertEqual(manifest["map_type"], "photometric")
+        with self.assertRaises(Enough):
+            self.ws.export(self.folder / "stopped", "npy", progress=stop_at_the_first)
+
+
+if __name__ == "__main__":
+    if np is None and not IS_INSIDE:
+        sys.exit(run_in_environment("numpy_environment", __file__, "numpy"))
+    unittest.main(argv=sys.argv[:1])
