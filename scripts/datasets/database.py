@@ -38,6 +38,13 @@ def set_cameras(path, cameras):
              for camera_id, c in cameras.items()])
 
 
+def clear_matches(path):
+    """Takes away what was matched; the features stay."""
+    with opened(path) as connection:
+        for table in ("matches", "two_view_geometries"):
+            connection.execute(f"DELETE FROM {table}")
+
+
 def read_matches(path):
     """(name, name, points, points) of each pair of images with verified matches;
     points are n x 2, pixels with (0.5, 0.5) in the middle of the first."""

@@ -4,6 +4,7 @@
 import pathlib
 
 import dense
+from command_line import make_parser, run_main
 from files import DatasetError, find_scenes, write_text
 from model import read_cameras, read_images
 from workspace import check_model, write_workspace
@@ -86,7 +87,7 @@ def submit(scene, args):
 
 
 def main():
-    parser = dense.make_parser(
+    parser = make_parser(
         "eth3d", DESCRIPTION, "a scene's folder, or a folder of such folders")
 
     def run(args, programs):
@@ -96,7 +97,7 @@ def main():
         for path in scenes:
             reconstruct(path, args, programs)
 
-    dense.run_main(parser, run)
+    run_main(parser, run)
 
 
 if __name__ == "__main__":

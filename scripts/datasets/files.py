@@ -68,10 +68,34 @@ def image_size(path):
             if start[:2] == b"\xff\xd8":
                 return jpeg_size(file)
     except FileNotFoundError:
-        raise DatasetError(f"{path}: not found; the data set lists this image") from None
+        raise DatasetError(f"{path}: not found, or a link to what is not there") from None
     except (OSError, ValueError, struct.error):
         pass
     raise DatasetError(f"{path}: cannot be read as a JPEG or PNG image")
+
+
+def has_exif(path):
+    """Whether a photo tells of the camera that took it."""
+    with open(path, "rb") as file:
+        start = file.read(1 << 16)
+    return b"Exif\0\0" in start or b"eXIf" in start
+
+
+def find_photos(folder):
+    """The images in a folder and its subfolders as names relative to it, sorted,
+    and the endings of other files. What begins with a dot is left out."""
+    def refuse(error):
+        raise error
+
+    names, others = [], set()
+    for parent, folders, files in os.walk(folder, onerror=refuse):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        for path in (pathlib.Path(parent, name) for name in files if not name.startswith(".")):
+            if path.suffix.lower() in IMAGE_ENDINGS:
+                names.append(path.relative_to(folder).as_posix())
+            else:
+                others.add(path.suffix.lower())
+    return sorted(names), sorted(others)
 
 
 def list_images(folder):

@@ -106,6 +106,23 @@ def read_ply(path):
     return Ply(points, faces)
 
 
+def count(path, element):
+    """How many vertices or faces a file's header promises."""
+    with open(path, "rb") as file:
+        _, elements = read_header(file, path)
+    return sum(number for name, number, _ in elements if name == element)
+
+
+def is_whole(path):
+    """Whether a binary cloud has as many bytes as its header promises: a program
+    may not notice that the disk is full."""
+    with open(path, "rb") as file:
+        _, elements = read_header(file, path)
+        expected = file.tell() + sum(number * row_type(properties).itemsize
+                                     for _, number, properties in elements)
+        return path.stat().st_size == expected
+
+
 def write_points(path, points):
     """A cloud of float x, y, z; the file appears when it is complete."""
     path = pathlib.Path(path)

@@ -4,6 +4,7 @@
 import functools
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -18,6 +19,18 @@ def output_of(*command):
         [str(part) for part in command], stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
         env=dict(os.environ, QT_QPA_PLATFORM="offscreen")).stdout
+
+
+def as_words(options):
+    """Options, name by value, as words of a command line."""
+    return [word for name, value in options.items() for word in (f"--{name}", value)]
+
+
+def files_named_by(options):
+    """The files and folders whose contents are inputs of a command with these
+    options."""
+    return [pathlib.Path(value).resolve() for name, value in options.items()
+            if name.endswith(("mask_path", "vocab_tree_path")) and os.path.exists(value)]
 
 
 def find_program(given, candidates, option):
@@ -43,10 +56,19 @@ class Programs:
     def colmap_help(self, command):
         return output_of(self.colmap, command, "-h")
 
+    @functools.lru_cache(maxsize=None)
+    def help_of(self, command):
+        """What a command of either program says about its options."""
+        if command.startswith("tsar_"):
+            return output_of(self.tsar, command, "--help")
+        return self.colmap_help(command)
+
     @functools.cached_property
     def versions(self):
         """What tells these programs from other versions of them."""
-        return {"colmap": self.colmap_help("image_undistorter").split("\n")[0],
+        # From 3.9 on there are the time and the process before it in the line.
+        found = re.search(r"COLMAP [^ ]+.*", self.colmap_help("image_undistorter"))
+        return {"colmap": found[0] if found else "",
                 "colmap_tsar": output_of(self.tsar, "--version").strip()}
 
     @functools.cached_property
@@ -64,10 +86,10 @@ class Programs:
         between versions."""
         for name in names:
             if f"--{name} " in self.colmap_help(command):
-                return f"--{name}"
+                return name
         raise DatasetError(f"{self.colmap}: {command} has no option --{names[0]}; "
                            "COLMAP 3.7 or later is needed")
 
     def gpu_option(self, command, *names):
-        """The option for features by GPU or CPU, with its value."""
-        return [self.colmap_option(command, *names), int(self.colmap_has_stereo)]
+        """The option for features by GPU or CPU, name by value."""
+        return {self.colmap_option(command, *names): int(self.colmap_has_stereo)}

@@ -14,13 +14,19 @@ import os
 import pathlib
 import shlex
 import shutil
+import signal
 import subprocess
 import time
 
 from files import DatasetError, write_text
 
+MIN_FREE_BYTES = 16 << 20  # With less, what a program wrote may be cut off.
 RECORD_SECONDS = 2     # How often a running step's time is put on record.
 PROGRESS_SECONDS = 30  # How often a running step is heard of.
+
+
+class ProgramError(DatasetError):
+    """A program that a step runs has failed."""
 
 
 def stamp(path):
@@ -65,20 +71,33 @@ class Step:
         with open(self.log, "a", encoding="utf-8") as log:
             log.write("$ " + shlex.join(command) + "\n")
             log.flush()
-            # The program holds the scene's lock as well, so that nothing else
-            # touches its files should this script be killed before it.
-            process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-                env=dict(os.environ, QT_QPA_PLATFORM="offscreen"),
-                pass_fds=[self.scene.lock])
+            # A signal that comes while the program starts is heard only where the
+            # program is ended with it.
+            usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+            unblock = lambda: signal.pthread_sigmask(signal.SIG_SETMASK, usual)
+            try:
+                # The program holds the scene's lock as well, so that nothing else
+                # touches its files should this script be killed before it.
+                process = subprocess.Popen(
+                    command, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                    env=dict(os.environ, QT_QPA_PLATFORM="offscreen"),
+                    pass_fds=[self.scene.lock], preexec_fn=unblock)
+            except BaseException:
+                unblock()
+                raise
         try:
+            unblock()
             self.wait(process)
         finally:
             if process.poll() is None:
                 process.terminate()
                 process.wait()
+        free = shutil.disk_usage(self.scene.folder).free
+        if free < MIN_FREE_BYTES:
+            raise DatasetError(f"{self.scene.folder}: the disk is full ({free >> 20} MB left) at "
+                               f"step {self.name}; make room and give the same command again")
         if process.returncode != 0:
-            raise DatasetError(
+            raise ProgramError(
                 f"{self.scene.name}: {self.name} failed: {pathlib.Path(command[0]).name} "
                 f"{command[1]} says '{last_line(self.log)[:300]}'; see {self.log}")
 
@@ -98,14 +117,15 @@ class Step:
 class Scene:
     """One scene's folder of outputs."""
 
-    def __init__(self, name, folder):
+    def __init__(self, name, folder, plan=()):
         self.name = name
+        self.plan = list(plan)  # The steps to come, where the number of each is told.
         self.folder = pathlib.Path(folder)
         # What the steps make, they remove as well: nothing else may be there.
         if (self.folder.exists() and not (self.folder / "lock").is_file()
                 and any(self.folder.iterdir())):
             raise DatasetError(f"{self.folder}: is there already and was not made by this "
-                               "script; name another --output_path")
+                               "script; name another output folder")
         self.folder.mkdir(parents=True, exist_ok=True)
         self.lock = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
         try:
@@ -116,6 +136,12 @@ class Scene:
 
     def say(self, message):
         print(f"[{self.name}] {message}", flush=True)
+
+    def title(self, name):
+        """A step's name with its number, where that is known."""
+        if name not in self.plan:
+            return name
+        return f"step {self.plan.index(name) + 1} of {len(self.plan)}: {name}"
 
     def record_path(self, name):
         return self.folder / "steps" / f"{name}.json"
@@ -143,9 +169,10 @@ class Scene:
             "inputs": [[str(path), stamp(path)] for path in inputs],
             "after": [[other, self.record(other)["id"]] for other in after]}))
         old = self.record(name)
+        title = self.title(name)
         same = old["key"] == key
         if same and old["state"] == "done" and all(path.exists() for path in outputs):
-            self.say(f"{name}: done before ({old['seconds']:.1f} s)")
+            self.say(f"{title}: done before ({old['seconds']:.1f} s)")
             return
         continued = same and resumes and old["state"] == "running"
         if not continued:
@@ -160,7 +187,7 @@ class Scene:
                                      "seconds": earlier + time.monotonic() - begin})
 
         put_on_record("running")
-        self.say(f"{name} goes on" if continued else name)
+        self.say(f"{title} goes on" if continued else title)
         step = Step(self, name, continued)
         step.on_wait = lambda: put_on_record("running")
         try:
@@ -170,6 +197,21 @@ class Scene:
             raise
         put_on_record("done")
         self.say(f"{name}: {self.record(name)['seconds']:.1f} s")
+
+    def retire(self, name, output):
+        """Moves the output of a step that this run does not ask for into outdated/,
+        unless the steps that it was made after are as they were then."""
+        old, path = self.record(name), self.folder / output
+        after = old["key"]["after"] if old["key"] else []
+        current = old["state"] == "done" and all(
+            self.record(other)["id"] == number for other, number in after)
+        if current or not path.exists():
+            return
+        target = self.folder / "outdated" / f"{time.time_ns()}_{output}"
+        target.parent.mkdir(exist_ok=True)
+        os.replace(path, target)
+        self.record_path(name).unlink(missing_ok=True)
+        self.say(f"{output} is of an earlier cloud; moved to {target}")
 
     def seconds(self, *names):
         """How long these steps took together."""

@@ -4,11 +4,13 @@
 import pathlib
 
 import dense
+from command_line import make_parser, run_main
+from features import extract_features, match_features
 from files import (IMAGE_ENDINGS, DatasetError, find_scenes, image_size,
                    parse_numbers, read_lines)
 from model import Camera, pose_from_camera_to_world
 from ply import read_ply
-from triangulation import match, triangulate
+from triangulation import triangulate
 from virtual_scans import scan_mesh
 from workspace import write_workspace
 
@@ -93,7 +95,8 @@ def read_scene(path):
 def reconstruct(path, args, programs):
     cameras, poses, image_folder = read_scene(path)
     scene = dense.open_scene(args, path.name)
-    match(scene, programs, image_folder, sorted(poses), cameras=cameras)
+    extract_features(scene, programs, image_folder, sorted(poses), cameras=cameras)
+    match_features(scene, programs, "exhaustive")
     scene.step(
         "sparse", lambda step: triangulate(step, programs, image_folder, cameras, poses,
                                            scene.folder / "sparse"),
@@ -130,7 +133,7 @@ def score(scene, args, programs, cameras, poses):
 
 
 def main():
-    parser = dense.make_parser(
+    parser = make_parser(
         "strecha", DESCRIPTION, "a scene's folder, or a folder of such folders")
     parser.add_argument(
         "--ground_truth", metavar="FILE", help="what to score against: a mesh as a PLY file "
@@ -148,7 +151,7 @@ def main():
         for path in scenes:
             reconstruct(path, args, programs)
 
-    dense.run_main(parser, run)
+    run_main(parser, run)
 
 
 if __name__ == "__main__":

@@ -1,17 +1,20 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Tanks and Temples; see scripts/tanks_and_temples.sh."""
-import os
 import shutil
 
 import dense
+from command_line import make_parser, run_main
 from database import read_matches
+from features import DATABASE, extract_features, match_features
 from files import DatasetError, find_scenes, image_size, list_images
 from focal_length import estimate_focal_length
 from model import Camera, read_cameras, read_images
+from programs import as_words
+from structure_from_motion import ADVICE, find_poses, undistort
 from tanks_and_temples_score import THRESHOLDS, read_truth, score
 from trajectory import read_trajectory, write_trajectory
-from triangulation import DATABASE, check, match, to_text, triangulate
+from triangulation import to_text, triangulate
 
 DESCRIPTION = f"""\
 Reconstructs scenes of Tanks and Temples: camera poses (by COLMAP from the images,
@@ -41,7 +44,10 @@ The images of a scene are taken by one camera. Every scene is reconstructed with
 the same parameters. The threshold of the score is the benchmark's own
 ({", ".join(f"{name} {1000 * t:g} mm" for name, t in THRESHOLDS.items())})."""
 
-FIRST_FOCAL_LENGTH = 0.7  # In widths, as the data set's pages give it.
+CAMERA_OPTIONS = {
+    "ImageReader.single_camera": 1, "ImageReader.camera_model": "SIMPLE_RADIAL",
+    # In widths, as the data set's pages give it.
+    "ImageReader.default_focal_length_factor": 0.7}
 
 
 def image_folder_of(path):
@@ -91,7 +97,7 @@ def triangulate_with_poses(step, programs, path, size, poses, output):
     fixed = programs.colmap_option("bundle_adjuster", "BundleAdjustment.refine_extrinsics",
                                    "BundleAdjustment.refine_rig_from_world")
     step.run(programs.colmap, "bundle_adjuster", "--input_path", first, "--output_path", first,
-             fixed, 0, "--BundleAdjustment.refine_principal_point", 1)
+             *as_words({fixed: 0, "BundleAdjustment.refine_principal_point": 1}))
     to_text(step, programs, first)
     (camera,) = read_cameras(first / "cameras.txt").values()
     step.scene.say("calibrated: focal length {:.1f}, principal point {:.1f} {:.1f}, "
@@ -100,51 +106,23 @@ def triangulate_with_poses(step, programs, path, size, poses, output):
     shutil.rmtree(first)
 
 
-def structure_from_motion(step, programs, path, output):
-    """The largest model that COLMAP's mapper finds."""
-    models = output.with_name("sparse.models")
-    shutil.rmtree(models, ignore_errors=True)
-    models.mkdir()
-    step.run(programs.colmap, "mapper", "--database_path", step.scene.folder / DATABASE,
-             "--image_path", image_folder_of(path), "--output_path", models)
-    found = [model for model in models.iterdir() if model.is_dir()]
-    if not found:
-        raise DatasetError(f"{step.scene.name}: COLMAP could not find the camera poses; "
-                           f"see {step.log}")
-    for model in found:
-        to_text(step, programs, model)
-    best = max(found, key=lambda model: (len(read_images(model / "images.txt")), model.name))
-    shutil.rmtree(output, ignore_errors=True)
-    os.replace(best, output)
-    shutil.rmtree(models)
-    check(step, output, read_images(output / "images.txt"))
-
-
-def undistort(step, programs, path, sparse):
-    workspace = step.scene.folder / dense.WORKSPACE
-    part = workspace.with_name("dense.part")
-    shutil.rmtree(part, ignore_errors=True)
-    step.run(programs.colmap, "image_undistorter", "--image_path", image_folder_of(path),
-             "--input_path", sparse, "--output_path", part)
-    os.replace(part, workspace)
-
-
 def reconstruct(path, args, programs):
     names, size, poses = read_scene(path, args)
     scene = dense.open_scene(args, path.name)
     sparse = scene.folder / "sparse"
-    match(scene, programs, image_folder_of(path), names if poses is None else sorted(poses),
-          matcher=args.matcher, camera_options=(
-              "--ImageReader.single_camera", 1, "--ImageReader.camera_model", "SIMPLE_RADIAL",
-              "--ImageReader.default_focal_length_factor", FIRST_FOCAL_LENGTH))
+    images = image_folder_of(path)
+    extract_features(scene, programs, images, names if poses is None else sorted(poses),
+                     options=CAMERA_OPTIONS)
+    match_features(scene, programs, args.matcher)
     if poses is None:
-        scene.step("sparse", lambda step: structure_from_motion(step, programs, path, sparse),
+        scene.step("sparse", lambda step: find_poses(step, programs, images, sparse,
+                                                           ADVICE[args.matcher]),
                    outputs=["sparse"], after=["matches"], options={"poses": "sfm"})
     else:
         scene.step("sparse", lambda step: triangulate_with_poses(
             step, programs, path, size, poses, sparse),
             outputs=["sparse"], after=["matches"], inputs=[poses_file(path)])
-    dense.make_workspace(scene, lambda step: undistort(step, programs, path, sparse),
+    dense.make_workspace(scene, lambda step: undistort(step, programs, images, sparse),
                          after=["sparse"])
     dense.reconstruct(scene, args, programs)
     submit(scene, names, sparse)
@@ -180,7 +158,7 @@ def score_scene(scene, path, args, programs, given_poses):
 
 
 def main():
-    parser = dense.make_parser(
+    parser = make_parser(
         "tanks_and_temples", DESCRIPTION, "a scene's folder, or a folder of such folders")
     parser.add_argument("--poses", choices=("auto", "log", "sfm"), default="auto",
                         help="camera poses: log, the data set's .log file; sfm, by COLMAP "
@@ -201,7 +179,7 @@ def main():
         for path in scenes:
             reconstruct(path, args, programs)
 
-    dense.run_main(parser, run)
+    run_main(parser, run)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import shutil
 from files import DatasetError, image_size
 from model import read_cameras, read_images
 
+WORKSPACE = "dense"  # Its folder among a scene's outputs.
 MAX_SOURCES = 20  # As image_undistorter has it.
 MAP_FOLDERS = ("depth_maps", "normal_maps", "consistency_graphs")
 

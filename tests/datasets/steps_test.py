@@ -80,13 +80,14 @@ class StepsTest(FolderTest):
     def test_the_program_ends_with_the_script(self):
         pid_file = self.root / "pid"
         script = self.write("script.py", f'''
+import command_line
 import dense
 def run(args, programs):
     scene = dense.open_scene(args, "sleeper")
     scene.step("sleep", lambda step: step.run(
         "sh", "-c", "echo $$ > {pid_file}.part; mv {pid_file}.part {pid_file}; exec sleep 9999"),
         outputs=[])
-dense.run_main(dense.make_parser("test", "", ""), run)
+command_line.run_main(command_line.make_parser("test", "", ""), run)
 ''')
         process = subprocess.Popen(
             [sys.executable, script, "scene", "--output_path", self.root / "out2", "--colmap",
@@ -98,6 +99,23 @@ dense.run_main(dense.make_parser("test", "", ""), run)
         process.terminate()
         self.assertEqual(process.wait(), 128 + signal.SIGTERM)
         self.assertRaises(ProcessLookupError, os.kill, pid, 0)
+
+    def test_no_program_outlives_a_signal_at_its_start(self):
+        pid_file = self.root / "pid"
+        script = self.write("script.py", f'''
+import signal
+import sys
+signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+from steps import Scene
+Scene("scene", sys.argv[1]).step("step", lambda step: step.run(
+    "sh", "-c", "echo $$ > {pid_file}; kill -TERM $PPID; exec sleep 9999"), [])
+''')
+        for i in range(5):
+            status = subprocess.run(
+                [sys.executable, script, self.root / f"out{i}"],
+                env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))).returncode
+            self.assertEqual(status, 128 + signal.SIGTERM)
+            self.assertRaises(ProcessLookupError, os.kill, int(pid_file.read_text()), 0)
 
     def test_only_in_a_folder_of_its_own(self):
         mine = self.write("mine/before.ply", "mine")

@@ -1,0 +1,124 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the scripts' command lines have in common."""
+import argparse
+import re
+import signal
+import sys
+
+from files import DatasetError
+from programs import Programs
+
+STEREO_HELP = """\
+where the depth maps come from: colmap, its patch_match_stereo (with a COLMAP that
+has CUDA and an NVIDIA GPU); tsar, tsar_stereo of this project; none, nowhere: put
+the maps into {}/dense/stereo yourself. auto (the default): colmap where
+it can run, else tsar"""
+PRESETS = ("default", "paper", "paper_strict")
+# The paper counts matches beside the reference view and asks for more than one;
+# COLMAP counts the reference view as well.
+FUSIONS = {"colmap": {},
+           "paper": {"max_depth_error": 0.01, "max_normal_error": 30,
+                     "max_reproj_error": 2, "min_num_pixels": 3}}
+FUSION_HELP = """\
+what makes a point of the clouds: colmap (the default), what stereo_fusion does by
+default; paper, what the paper does: depths within 1 %%, normals within 30 degrees,
+pixels within 2, in the reference view and two others"""
+
+
+def new_parser(script, description, epilog=None):
+    return argparse.ArgumentParser(
+        prog=f"scripts/{script}.sh", description=description, epilog=epilog, allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+
+
+def make_parser(script, description, scene_help):
+    """The command line of a data set's script."""
+    parser = new_parser(script, description)
+    parser.add_argument("scene", metavar="SCENE", help=scene_help)
+    parser.add_argument("--output_path", required=True, metavar="OUTPUT",
+                        help="folder for all that is made; run again with the same one, "
+                        "it goes on where it stopped")
+    add_options(parser, "OUTPUT/SCENE")
+    return parser
+
+
+def add_options(parser, scene_folder):
+    """The options from the workspace to the clouds."""
+    parser.add_argument("--stereo", choices=("auto", "colmap", "tsar", "none"),
+                        default="auto", help=STEREO_HELP.format(scene_folder))
+    parser.add_argument("--max_image_size", type=int, default=3200, metavar="PIXELS",
+                        help="longer side of the depth maps; larger images are reduced "
+                        "(default: 3200)")
+    parser.add_argument("--preset", choices=PRESETS, default=PRESETS[0],
+                        help="preset of tsar_refine (default: default)")
+    parser.add_argument("--fusion", choices=tuple(FUSIONS), default="colmap", help=FUSION_HELP)
+    parser.add_argument("--min_num_pixels", type=int, metavar="N",
+                        help="views that must see a point, the reference view among them "
+                        "(default: 5, or 3 with --fusion paper)")
+    parser.add_argument("--colmap", metavar="PATH", help="COLMAP (default: the one on the path)")
+    parser.add_argument("--colmap_tsar", metavar="PATH", help="this project's program "
+                        "(default: build/bin/colmap_tsar, or the one on the path)")
+
+
+def take_passed(words):
+    """Takes options of the programs, --Group.name VALUE, out of a command line.
+    Returns the other words, and those options, name by value."""
+    others, passed, words = [], {}, list(words)
+    while words:
+        word = words.pop(0)
+        found = re.fullmatch(r"--([A-Z]\w*\.\w+)(?:=(.*))?", word, re.DOTALL)
+        if not found:
+            others.append(word)
+            continue
+        name, value = found.groups()
+        if value is None:
+            if not words or words[0].startswith("--"):
+                raise DatasetError(f"--{name}: has no value")
+            value = words.pop(0)
+        passed[name] = value
+    return others, passed
+
+
+def hand_out(passed, programs, commands):
+    """The options of each of these commands: an option is of the first one whose
+    help names it."""
+    given = {command: {} for command in commands}
+    for name, value in passed.items():
+        known = re.compile(rf"^\s*--{re.escape(name)}(\s|$)", re.MULTILINE)
+        command = next((c for c in commands if known.search(programs.help_of(c))), None)
+        if command is None:
+            raise DatasetError(f"--{name}: none of the commands of this run has this option; "
+                               f"they are {', '.join(commands)}")
+        given[command][name] = value
+    return given
+
+
+def run_main(parser, run, commands_of=None):
+    """Calls run(args, programs) and turns what goes wrong into one line.
+    commands_of(args): the programs' commands that take options from the command
+    line."""
+    # So that a program at work is ended too.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    try:
+        words, passed = take_passed(sys.argv[1:]) if commands_of else (None, {})
+        args = parser.parse_args(words)
+        if args.max_image_size < 16:
+            raise DatasetError(f"--max_image_size {args.max_image_size}: is below 16")
+        if args.min_num_pixels is not None and args.min_num_pixels < 1:
+            raise DatasetError(f"--min_num_pixels {args.min_num_pixels}: is below 1")
+        programs = Programs(args.colmap, args.colmap_tsar)
+        if args.stereo == "auto":
+            args.stereo = "colmap" if programs.colmap_has_stereo else "tsar"
+        elif args.stereo == "colmap" and not programs.colmap_has_stereo:
+            raise DatasetError(f"--stereo colmap: {programs.colmap} has no CUDA, or there is "
+                               "no NVIDIA GPU; use --stereo tsar or name another by --colmap")
+        args.passed = hand_out(passed, programs, commands_of(args)) if passed else {}
+        run(args, programs)
+    except DatasetError as error:
+        sys.exit(f"ERROR: {error}")
+    except OSError as error:
+        sys.exit(f"ERROR: {error.filename}: {error.strerror}" if error.filename
+                 else f"ERROR: {error}")
+    except KeyboardInterrupt:
+        sys.exit("stopped; the same command goes on from here")

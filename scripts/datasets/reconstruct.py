@@ -1,0 +1,261 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a folder of photos to a refined cloud; see scripts/reconstruct.sh."""
+import os
+import pathlib
+
+import dense
+import ply
+from command_line import FUSIONS, add_options, new_parser, run_main
+from features import extract_features, match_features
+from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
+from model import read_images
+from products import (add_product_options, check_products, make_products, product_commands,
+                      product_steps)
+from structure_from_motion import ADVICE, find_poses, undistort
+
+MIN_PHOTOS = 3
+MAX_EXHAUSTIVE = 200  # Photos of which all pairs are compared without a remark.
+# Of tsar_stereo, per megapixel of maps on one core; for a remark only.
+STEREO_MINUTES = 5
+LONG_STEREO = 20  # Minutes.
+FUSION_VIEWS = 5  # What stereo_fusion asks for by default.
+
+DESCRIPTION = """\
+Makes a refined point cloud of the photos in a folder and its subfolders (JPEG or
+PNG). The steps:
+
+  features, matches   what the photos have in common (colmap feature_extractor and
+                      exhaustive_matcher, or the one of --matcher)
+  sparse              camera poses (mapper); of several models the largest
+  workspace           images without lens distortion (image_undistorter)
+  stereo              a depth map of each image (patch_match_stereo, or tsar_stereo
+                      where COLMAP has no CUDA or there is no NVIDIA GPU)
+  fusion_before       the cloud of these maps (stereo_fusion), to compare with
+  refinement          tsar_refine: wrong depths go, bare surfaces are filled
+  fusion_after        the cloud of the refined maps
+  report              a page to look at (tsar_report)
+  mesh, export        if asked for: poisson_mesher or delaunay_mesher, tsar_export
+
+What comes out:
+
+  OUTPUT/after.ply, before.ply   the clouds with and without refinement
+  OUTPUT/report/index.html       depth, normals and clouds before and after
+  OUTPUT/mesh_poisson.ply, mesh_delaunay.ply
+  OUTPUT/export_FORMAT/
+  OUTPUT/sparse/                 the model of the photos
+  OUTPUT/dense/, refined/        dense workspaces with the maps before and after
+  OUTPUT/logs/                   what the programs printed, one file per step"""
+
+EPILOG = """\
+Give the same command again after an interruption: it goes on where it stopped.
+With other options, the steps that depend on them are done again, and no others.
+
+  a first look, in minutes even without a GPU
+    scripts/reconstruct.sh photos out --max_image_size 480
+
+  a mesh, and a folder for 3D Gaussian splatting
+    scripts/reconstruct.sh photos out --mesh --export 3dgs
+
+  a video: two frames per second, each compared with the next ones
+    ffmpeg -i video.mp4 -r 2 -qscale:v 2 frames/%05d.jpg
+    scripts/reconstruct.sh frames out --matcher sequential
+
+  less, but surer points; and planes that are found in each image on its own
+    scripts/reconstruct.sh photos out --StereoFusion.min_num_pixels 8 \\
+        --TsarRefine.scene_planes 0
+
+Options with a dot go to the command that has them (colmap COMMAND -h, colmap_tsar
+COMMAND --help). docs/recipes.md tells what to do with the results."""
+
+
+def read_photos(folder, output):
+    """The photos' names, relative to their folder."""
+    if not folder.is_dir():
+        what = "is not a folder" if folder.exists() else "no such folder"
+        raise DatasetError(f"{folder}: {what}; name the folder of the photos (frames of a video "
+                           "are taken by ffmpeg; see --help)")
+    if output == folder or folder in output.parents:
+        raise DatasetError(f"{output}: is in the folder of the photos, where what is made would "
+                           "be taken for photos; name an output folder elsewhere")
+    names, others = find_photos(folder)
+    endings = ", ".join(IMAGE_ENDINGS)
+    if not names:
+        hint = f"; it has files with {', '.join(filter(None, others))}" if any(others) else ""
+        raise DatasetError(f"{folder}: has no photos ({endings}){hint}; convert them, or name "
+                           "another folder")
+    if len(names) < MIN_PHOTOS:
+        raise DatasetError(f"{folder}: has {len(names)} photos; at least {MIN_PHOTOS} of the "
+                           "same things are needed, and some 20 are better")
+    for name in names:
+        if not name.isprintable() or name != name.strip():
+            raise DatasetError(f"{folder}: a file name that COLMAP cannot read, {name!a}; rename "
+                               "the photo")
+        try:
+            image_size(folder / name)
+        except DatasetError as error:
+            raise DatasetError(f"{error}; copy it again, or remove it") from None
+    return names
+
+
+def matcher_of(args):
+    return args.matcher or "exhaustive"
+
+
+def check_matcher(args, programs, num_photos, say):
+    """That the matcher can run; and a remark where it takes long."""
+    if args.vocab_tree and matcher_of(args) != "vocab_tree":
+        raise DatasetError("--vocab_tree: is for --matcher vocab_tree")
+    if args.vocab_tree and not os.path.isfile(args.vocab_tree):
+        raise DatasetError(f"--vocab_tree {args.vocab_tree}: no such file")
+    brings_tree = "vocab_tree_path arg (=" in programs.colmap_help("vocab_tree_matcher")
+    if matcher_of(args) == "vocab_tree" and not args.vocab_tree and not brings_tree:
+        raise DatasetError("--matcher vocab_tree: this COLMAP needs --vocab_tree FILE, a "
+                           "vocabulary tree from COLMAP's web site")
+    if args.matcher is None and num_photos > MAX_EXHAUSTIVE:
+        say(f"{num_photos} photos: comparing all pairs may take hours; --matcher sequential is "
+            "for the frames of a video, --matcher vocab_tree for others")
+
+
+def warn_of_long_stereo(scene, args, programs, photos, names):
+    """tsar_stereo on a CPU takes hours for photos as large as cameras make them."""
+    uses_gpu = programs.has_gpu and "with CUDA" in programs.versions["colmap_tsar"]
+    if args.stereo != "tsar" or uses_gpu:
+        return
+    pixels = 0
+    for name in names:
+        width, height = image_size(photos / name)
+        pixels += width * height * min(1.0, args.max_image_size / max(width, height))**2
+    minutes = pixels / 1e6 * STEREO_MINUTES / (os.cpu_count() or 1)
+    if minutes > LONG_STEREO and scene.record("stereo")["state"] != "done":
+        advice = ("480 is enough for a first look" if args.max_image_size > 480
+                  else "fewer photos take less")
+        scene.say(f"stereo on the CPU takes some {minutes / 60:.1f} hours at --max_image_size "
+                  f"{args.max_image_size}; {advice}")
+
+
+def take_fewer_views(args, num_images):
+    """As many views of a point as there are, where stereo_fusion asks for more."""
+    if args.min_num_pixels is None:
+        usual = FUSIONS[args.fusion].get("min_num_pixels", FUSION_VIEWS)
+        if num_images < usual:
+            args.min_num_pixels = num_images
+
+
+def camera_options(scene, photos, names, passed):
+    """Without EXIF, COLMAP calibrates each photo on its own, which fails for many. Those
+    of one size are frames of a video, or come from elsewhere together."""
+    given = any(name.startswith(("ImageReader.single_camera", "ImageReader.existing_camera"))
+                for name in passed)
+    if (given or len({image_size(photos / name) for name in names}) > 1
+            or any(has_exif(photos / name) for name in names)):
+        return passed
+    scene.say("photos of one size without EXIF: taken as those of one camera; otherwise "
+              "--ImageReader.single_camera 0")
+    return {"ImageReader.single_camera": 1, **passed}
+
+
+def make_sparse(scene, args, programs, photos, names):
+    """Features, matches, poses; returns the number of images with poses."""
+    passed = lambda command: args.passed.get(command, {})
+    matcher = matcher_of(args)
+    mapper = {"Mapper.min_model_size": MIN_PHOTOS, **passed("mapper")}
+    tree = {"VocabTreeMatching.vocab_tree_path": args.vocab_tree} if args.vocab_tree else {}
+    cameras = camera_options(scene, photos, names, passed("feature_extractor"))
+    extract_features(scene, programs, photos, names, options=cameras)
+    advice = ADVICE[matcher]
+    if "ImageReader.single_camera" not in cameras:
+        advice += "; for photos of one camera with one zoom, --ImageReader.single_camera 1"
+    match_features(scene, programs, matcher, {**tree, **passed(f"{matcher}_matcher")})
+    sparse = scene.folder / "sparse"
+    scene.step(
+        "sparse", lambda step: find_poses(step, programs, photos, sparse, advice, mapper),
+        outputs=["sparse"], after=["matches"],
+        options={**mapper, "colmap": programs.versions["colmap"]})
+    found = {image.name for image in read_images(sparse / "images.txt")}
+    missing = [name for name in names if name not in found]
+    some = ", ".join(missing[:5]) + (", ..." if len(missing) > 5 else "")
+    scene.say(f"{len(found)} of {len(names)} photos have a pose"
+              + (f"; left out: {some}" if missing else "")
+              + (f". For more: {advice}" if 2 * len(found) < len(names) else ""))
+    return len(found)
+
+
+def reconstruct(args, programs):
+    if args.undistorted_size is not None and args.undistorted_size < 16:
+        raise DatasetError(f"--undistorted_size {args.undistorted_size}: is below 16")
+    photos = pathlib.Path(args.photos).resolve()
+    output = pathlib.Path(args.output).resolve()
+    names = read_photos(photos, output)
+    check_matcher(args, programs, len(names), lambda text: print(text, flush=True))
+    check_products(args, programs)
+    scene = dense.Scene(output.name, output, plan=[
+        "features", "matches", "sparse", "workspace", *(["stereo"] if args.stereo != "none" else []),
+        "fusion_before", "refinement", "fusion_after", "report", *product_steps(args)])
+    warn_of_long_stereo(scene, args, programs, photos, names)
+    take_fewer_views(args, make_sparse(scene, args, programs, photos, names))
+    size = {"max_image_size": args.undistorted_size} if args.undistorted_size else {}
+    dense.make_workspace(
+        scene, lambda step: undistort(step, programs, photos, scene.folder / "sparse", size),
+        after=["sparse"], options={**size, "colmap": programs.versions["colmap"]})
+    dense.reconstruct(scene, args, programs)
+    make_report(scene, programs)
+    make_products(scene, args, programs)
+    summarize(scene, args)
+
+
+def make_report(scene, programs):
+    clouds = [f"--{name}_path={scene.folder / name}.ply" for name in ("before", "after")
+              if ply.count(scene.folder / f"{name}.ply", "vertex")]
+    scene.step("report", lambda step: step.run(
+        programs.tsar, "tsar_report", "--workspace_path", scene.folder / dense.REFINED,
+        "--report_path", scene.folder / "report", *clouds),
+        outputs=["report"], after=["fusion_before", "fusion_after"],
+        options={"colmap_tsar": programs.versions["colmap_tsar"]})
+    if not any("--after" in cloud for cloud in clouds):
+        raise DatasetError(f"{scene.folder / 'after.ply'}: has no points, since the views agree "
+                           f"nowhere; {scene.folder / 'report' / 'index.html'} shows their depth")
+
+
+def summarize(scene, args):
+    before, after = (ply.count(scene.folder / f"{name}.ply", "vertex")
+                     for name in ("before", "after"))
+    gain = f", {100 * (after / before - 1):+.0f} %" if before else ""
+    scene.say(f"fused points before → after: {before} → {after}{gain}")
+    scene.say(f"{scene.seconds(*scene.plan) / 60:.1f} minutes in all")
+    scene.say(f"cloud: {scene.folder / 'after.ply'}")
+    for kind in args.mesh:
+        mesh = scene.folder / f"mesh_{kind}.ply"
+        scene.say(f"mesh: {mesh} ({ply.count(mesh, 'face')} triangles)")
+    for form in args.export:
+        scene.say(f"export: {scene.folder / f'export_{form}'}")
+    scene.say(f"open in a browser: {scene.folder / 'report' / 'index.html'}")
+
+
+def commands_of(args):
+    """The commands that take options from the command line."""
+    stereo = {"colmap": ["patch_match_stereo"], "tsar": ["tsar_stereo"], "none": []}[args.stereo]
+    return ["feature_extractor", f"{matcher_of(args)}_matcher", "mapper", *stereo,
+            "stereo_fusion", "tsar_refine", *product_commands(args)]
+
+
+def main():
+    parser = new_parser("reconstruct", DESCRIPTION, EPILOG)
+    parser.add_argument("photos", metavar="PHOTOS", help="folder of the photos; it is only read")
+    parser.add_argument("output", metavar="OUTPUT", help="folder for all that is made")
+    parser.add_argument(
+        "--matcher", choices=("exhaustive", "sequential", "vocab_tree"),
+        help="which photos COLMAP compares: exhaustive, all with all (the default, for up to "
+        f"{MAX_EXHAUSTIVE}); sequential, each with the next ones by name, for the frames of a "
+        "video; vocab_tree, each with those that look alike")
+    parser.add_argument("--vocab_tree", metavar="FILE",
+                        help="vocabulary tree of --matcher vocab_tree, which COLMAP before 3.12 needs")
+    parser.add_argument("--undistorted_size", type=int, metavar="PIXELS",
+                        help="longer side of the undistorted images (default: as the photos)")
+    add_options(parser, "OUTPUT")
+    add_product_options(parser)
+    run_main(parser, reconstruct, commands_of)
+
+
+if __name__ == "__main__":
+    main()

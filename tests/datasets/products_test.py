@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Meshes and exports of scripts/reconstruct.sh with stand-ins for the programs; and
+once all of it with the programs, on photos of the sample scene."""
+import json
+import subprocess
+import unittest
+
+from dataset_testing import COLMAP, PROGRAM, REPOSITORY, DatasetTest, vertex_count
+from stand_in_testing import StandInTest
+
+import ply
+
+
+class ProductsTest(StandInTest):
+    def test_meshes(self):
+        self.run_well("--mesh", "--mesh", "delaunay")
+        poisson, delaunay = (self.output / f"mesh_{kind}.ply" for kind in ("poisson", "delaunay"))
+        self.assertEqual(ply.count(poisson, "face"), 7)
+        self.assertEqual(ply.count(delaunay, "face"), len((self.output / "after.ply").read_bytes()))
+        self.assertEqual(self.commands("--mesh", "poisson", "--PoissonMeshing.trim", 5),
+                         ["poisson_mesher"])
+        self.refuses("the mesh is empty", "--mesh", "--PoissonMeshing.trim", 9)
+        self.assertFalse(poisson.exists())
+        self.write("no_cgal", "1")
+        self.refuses("without CGAL; use --mesh poisson", "--mesh", "delaunay")
+
+    def test_products_of_earlier_runs(self):
+        self.run_well("--mesh", "--export", "npy")
+        mesh, export = self.output / "mesh_poisson.ply", self.output / "export_npy"
+        # Of the same cloud: they stay, but are no result of this run.
+        text, calls = self.run_well()
+        self.assertNotIn("mesh", text)
+        self.assertEqual((calls, mesh.exists(), export.exists()), ([], True, True))
+        # Of another one: they are kept elsewhere.
+        content = mesh.read_bytes()
+        text, _ = self.run_well("--preset", "paper")
+        self.assertFalse(mesh.exists() or export.exists())
+        self.assertIn("mesh_poisson.ply is of an earlier cloud; moved to", text)
+        (kept,) = (self.output / "outdated").glob("*_mesh_poisson.ply")
+        self.assertEqual(kept.read_bytes(), content)
+        self.assertEqual(len(list((self.output / "outdated").glob("*_export_npy/npy"))), 1)
+        # Asked for again, they are made again.
+        self.assertEqual(self.commands("--preset", "paper", "--mesh", "--export", "npy"),
+                         ["poisson_mesher", "tsar_export"])
+
+    def test_exports(self):
+        _, calls = self.run_well("--export", "png16", "--depth_scale", 0.01, "--export", "3dgs")
+        exports = [c for c in calls if c.startswith("tsar_export")]
+        self.assertIn("--format png16", exports[0])
+        self.assertIn("--overwrite 1 --depth_scale 0.01", exports[0])
+        self.assertNotIn("depth_scale", exports[1])
+        self.assertEqual(self.commands("--export", "png16"), ["tsar_export"])
+        self.refuses("--depth_scale: is for", "--export", "npy", "--depth_scale", 1)
+
+    def test_clouds_without_points(self):
+        self.write("nothing", "1")
+        self.refuses("after.ply: has no points")
+        self.assertTrue((self.output / "report" / "index.html").is_file())
+
+
+class PhotosTest(DatasetTest):
+    """With the programs themselves."""
+
+    def test_from_photos_to_mesh_and_export(self):
+        photos, output = self.folder / "photos", self.folder / "out"
+        self.sample.copy_images(photos)
+        result = subprocess.run(
+            [str(part) for part in (
+                REPOSITORY / "scripts" / "reconstruct.sh", photos, output, "--colmap", COLMAP,
+                "--colmap_tsar", PROGRAM, "--stereo", "tsar", "--max_image_size", 64,
+                "--ImageReader.single_camera", 1, "--StereoFusion.min_num_pixels", 3,
+                "--PoissonMeshing.depth", 6, "--mesh", "--export", "npy")],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.check_workspace(output / "dense")
+        self.check_workspace(output / "refined")
+        before, after = (vertex_count(output / f"{name}.ply") for name in ("before", "after"))
+        self.assertGreater(after, before)
+        self.assertIn(f"{before} → {after}", result.stdout)
+        self.assertGreater(ply.count(output / "mesh_poisson.ply", "face"), 0)
+        manifest = json.loads((output / "export_npy" / "manifest.json").read_text())
+        self.assertEqual(sorted(i["name"] for i in manifest["images"]), self.sample.names)
+        self.assertTrue((output / "report" / "index.html").is_file())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,59 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""How the tests run reconstruct.sh with stand-ins for the programs."""
+import os
+import subprocess
+
+from dataset_testing import REPOSITORY, FolderTest
+
+STAND_IN = REPOSITORY / "tests" / "datasets" / "stand_ins.py"
+STEPS = ["features", "matches", "sparse", "workspace", "stereo", "fusion_before", "refinement",
+         "fusion_after", "report"]
+COMMANDS = ["feature_extractor", "exhaustive_matcher", "mapper", "model_converter",
+            "image_undistorter", "tsar_stereo", "stereo_fusion", "tsar_refine", "stereo_fusion",
+            "tsar_report"]
+PHOTO = b"\x89PNG\r\n\x1a\n" + bytes(8) + b"\0\0\0\x10\0\0\0\x0c"  # Its header says 16 x 12.
+
+
+class StandInTest(FolderTest):
+    """Runs reconstruct.sh on six photos, with stand-ins for the programs."""
+
+    def setUp(self):
+        super().setUp()
+        self.photos, self.output = self.root / "photos", self.root / "out"
+        for name in ("a.jpg.png", "left/b.PNG", "left/c d.png", "e.png", "f.png", "g.png"):
+            path = self.photos / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(PHOTO)
+
+    def call(self, *options, photos=None, output=None, stereo="tsar", program=STAND_IN):
+        return subprocess.run(
+            [str(part) for part in (
+                REPOSITORY / "scripts" / "reconstruct.sh", photos or self.photos,
+                output or self.output, "--colmap", program, "--colmap_tsar", program,
+                "--stereo", stereo, *options)],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, "STAND_IN_FOLDER": str(self.root)})
+
+    def run_well(self, *options, **where):
+        """Returns what is printed, and the calls of programs."""
+        (self.root / "calls.txt").unlink(missing_ok=True)
+        result = self.call(*options, **where)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        return result.stdout, self.calls()
+
+    def calls(self):
+        path = self.root / "calls.txt"
+        return path.read_text().splitlines() if path.exists() else []
+
+    def commands(self, *options):
+        """The commands that a run with these options calls."""
+        return [line.split()[0] for line in self.run_well(*options)[1] if line[0] != " "]
+
+    def refuses(self, text, *options, **where):
+        result = self.call(*options, **where)
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertTrue(result.stderr.startswith("ERROR: "), result.stderr)
+        self.assertIn(text, result.stderr)
+        return result.stderr

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Stands in for COLMAP and colmap_tsar in tests of reconstruct.sh: does at once what
+their commands leave behind, and adds each call to calls.txt in the folder that
+STAND_IN_FOLDER names. Files there tell it what to do otherwise:
+
+  fail       a command that fails, after it has done its work
+  models     the number of images of each model of the mapper
+  cuda       COLMAP is built with CUDA
+  no_cgal    COLMAP is built without CGAL
+  tree       vocab_tree_matcher brings its own tree
+  nothing    clouds have no points
+"""
+import os
+import pathlib
+import shutil
+import sqlite3
+import sys
+import time
+
+FOLDER = pathlib.Path(os.environ["STAND_IN_FOLDER"])
+BEFORE, AFTER, TRIANGLES = 40, 50, 7
+OPTIONS = {
+    "feature_extractor": "ImageReader.single_camera ImageReader.single_camera_per_folder "
+                         "ImageReader.camera_model SiftExtraction.use_gpu",
+    "exhaustive_matcher": "SiftMatching.use_gpu SiftMatching.max_ratio",
+    "sequential_matcher": "SiftMatching.use_gpu SequentialMatching.overlap",
+    "vocab_tree_matcher": "SiftMatching.use_gpu VocabTreeMatching.vocab_tree_path",
+    "mapper": "Mapper.min_num_matches",
+    "stereo_fusion": "StereoFusion.min_num_pixels StereoFusion.mask_path",
+    "patch_match_stereo": "PatchMatchStereo.max_image_size",
+    "poisson_mesher": "PoissonMeshing.trim",
+    "delaunay_mesher": "DelaunayMeshing.quality_regularization",
+    "tsar_stereo": "TsarStereo.num_levels",
+    "tsar_refine": "TsarRefine.scene_planes",
+}
+
+
+def told(name):
+    path = FOLDER / name
+    return path.read_text() if path.exists() else ""
+
+
+def print_help(command):
+    # As COLMAP from 3.9 on has it.
+    print(f"I2026 {time.time_ns()} {os.getpid()} option_manager.cc:1] COLMAP 3.9 (stand-in)")
+    if command == "delaunay_mesher" and told("no_cgal"):
+        print("ERROR: Delaunay meshing requires CGAL, which is not available on your system.")
+        return
+    options = OPTIONS.get(command, "")
+    if command == "patch_match_stereo" and not told("cuda"):
+        options = ""
+    for option in options.split():
+        default = "(=tree.bin)" if "tree_path" in option and told("tree") else ""
+        print(f"  --{option} arg {default}")
+
+
+def write_ply(path, vertices, faces=0):
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\n"
+              f"property float y\nproperty float z\nelement face {faces}\n"
+              "property list uchar int vertex_indices\nend_header\n")
+    pathlib.Path(path).write_bytes(header.encode() + bytes(12 * vertices + 13 * faces))
+
+
+def feature_extractor(given):
+    with sqlite3.connect(given["database_path"]) as database:
+        for table in ("matches", "two_view_geometries"):
+            database.execute(f"CREATE TABLE IF NOT EXISTS {table} (pair_id INTEGER)")
+
+
+def matcher(given):
+    with sqlite3.connect(given["database_path"]) as database:
+        (left,) = database.execute("SELECT COUNT(*) FROM two_view_geometries").fetchone()
+        database.execute("INSERT INTO two_view_geometries VALUES (1)")
+    with open(FOLDER / "calls.txt", "a", encoding="utf-8") as calls:
+        calls.write(f"  {left} pairs were matched\n")
+
+
+def mapper(given):
+    database = pathlib.Path(given["database_path"])
+    names = (database.parent / "images.txt").read_text().splitlines()
+    for number, size in enumerate((told("models") or str(len(names))).split()):
+        model = pathlib.Path(given["output_path"]) / str(number)
+        model.mkdir()
+        (model / "images.txt").write_text("".join(
+            f"{i} 1 0 0 0 {i} 0 0 1 {name}\n\n" for i, name in enumerate(names[:int(size)], 1)))
+        (model / "points3D.txt").write_text("1 0 0 0\n" * (20 + len(names)))
+
+
+def image_undistorter(given):
+    output = pathlib.Path(given["output_path"])
+    names = [line.split(maxsplit=9)[9] for line in
+             (pathlib.Path(given["input_path"]) / "images.txt").read_text().splitlines()[::2]]
+    for name in names:
+        target = output / "images" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(pathlib.Path(given["image_path"]) / name, target)
+    (output / "stereo").mkdir()
+    (output / "stereo" / "fusion.cfg").write_text("".join(f"{name}\n" for name in names))
+
+
+def make_maps(given):
+    stereo = pathlib.Path(given["workspace_path"]) / "stereo"
+    for name in (stereo / "fusion.cfg").read_text().splitlines():
+        for kind in ("depth_maps", "normal_maps"):
+            (stereo / kind / f"{name}.geometric.bin").write_bytes(b"1&1&1&0000")
+
+
+def tsar_refine(given):
+    shutil.copytree(given["workspace_path"], given["output_path"], dirs_exist_ok=True)
+    (pathlib.Path(given["output_path"]) / "is_refined").touch()
+
+
+def stereo_fusion(given):
+    is_refined = (pathlib.Path(given["workspace_path"]) / "is_refined").exists()
+    write_ply(given["output_path"], 0 if told("nothing") else AFTER if is_refined else BEFORE)
+    pathlib.Path(given["output_path"] + ".vis").write_text("vis")
+
+
+def poisson_mesher(given):
+    write_ply(given["output_path"], 9, 0 if given["PoissonMeshing.trim"] == "9" else TRIANGLES)
+
+
+def delaunay_mesher(given):
+    workspace = pathlib.Path(given["input_path"])
+    assert (workspace / "fused.ply.vis").read_text() == "vis"
+    write_ply(given["output_path"], 9, len((workspace / "fused.ply").read_bytes()))
+
+
+def make_folder(path, name):
+    pathlib.Path(path).mkdir(exist_ok=True)
+    (pathlib.Path(path) / name).write_text(name)
+
+
+COMMANDS = {
+    "feature_extractor": feature_extractor, "exhaustive_matcher": matcher,
+    "sequential_matcher": matcher, "vocab_tree_matcher": matcher, "mapper": mapper,
+    "model_converter": lambda given: None, "image_undistorter": image_undistorter,
+    "patch_match_stereo": make_maps, "tsar_stereo": make_maps, "tsar_refine": tsar_refine, "stereo_fusion": stereo_fusion,
+    "poisson_mesher": poisson_mesher, "delaunay_mesher": delaunay_mesher,
+    "tsar_report": lambda given: make_folder(given["report_path"], "index.html"),
+    "tsar_export": lambda given: make_folder(given["output_path"], given["format"]),
+}
+
+
+def main():
+    command, *words = sys.argv[1:]
+    if command == "--version":
+        print("colmap_tsar (stand-in)")
+        return
+    if words in (["-h"], ["--help"]):
+        print_help(command)
+        return
+    with open(FOLDER / "calls.txt", "a", encoding="utf-8") as calls:
+        calls.write(" ".join(sys.argv[1:]) + "\n")
+    words = [part for word in words for part in word.split("=", 1)]
+    COMMANDS[command](dict(zip((word.lstrip("-") for word in words[::2]), words[1::2])))
+    if told("fail") == command:
+        print("cannot go on")
+        sys.exit(1)
+
+
+main()
