@@ -25,24 +25,15 @@ if(NOT TARGET ColmapTsar::glog)
   endif()
 endif()
 
-# FLANN's own package file also lists what only its tools need (HDF5, MPI). Its
-# headers need LZ4.
-if(NOT TARGET ColmapTsar::flann)
-  find_path(TSAR_FLANN_INCLUDE_DIR flann/flann.hpp)
-  find_library(TSAR_FLANN_LIBRARY flann_cpp)
+# For the scores of point clouds.
+if(TSAR_CLOUD_EVALUATION AND NOT TARGET ColmapTsar::lz4)
   find_library(TSAR_LZ4_LIBRARY lz4)
-  mark_as_advanced(
-    TSAR_FLANN_INCLUDE_DIR TSAR_FLANN_LIBRARY TSAR_LZ4_LIBRARY)
-  if(NOT TSAR_FLANN_INCLUDE_DIR OR NOT TSAR_FLANN_LIBRARY)
-    list(APPEND tsar_missing "FLANN (flann/flann.hpp, flann_cpp)")
-  elseif(NOT TSAR_LZ4_LIBRARY)
+  mark_as_advanced(TSAR_LZ4_LIBRARY)
+  if(NOT TSAR_LZ4_LIBRARY)
     list(APPEND tsar_missing "LZ4")
   else()
-    add_library(ColmapTsar::flann INTERFACE IMPORTED)
-    target_include_directories(ColmapTsar::flann SYSTEM INTERFACE
-      ${TSAR_FLANN_INCLUDE_DIR})
-    target_link_libraries(ColmapTsar::flann INTERFACE
-      ${TSAR_FLANN_LIBRARY} ${TSAR_LZ4_LIBRARY})
+    add_library(ColmapTsar::lz4 INTERFACE IMPORTED)
+    target_link_libraries(ColmapTsar::lz4 INTERFACE ${TSAR_LZ4_LIBRARY})
   endif()
 endif()
 

@@ -19,6 +19,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   FILES_MATCHING PATTERN "*.h"
   PATTERN "report/canvas.h" EXCLUDE
   PATTERN "store/json_file.h" EXCLUDE
+  PATTERN "export/camera_json.h" EXCLUDE
+  PATTERN "export/export_manifest.h" EXCLUDE
+  PATTERN "export/*_exporter.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/copy.h" EXCLUDE
   PATTERN "device/cuda_*.h" EXCLUDE

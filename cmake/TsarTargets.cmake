@@ -19,9 +19,10 @@ target_compile_definitions(colmap_tsar PRIVATE
 target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
-          JPEG::JPEG TIFF::TIFF ZLIB::ZLIB
-          Boost::program_options Ceres::ceres ColmapTsar::glog ColmapTsar::flann
+          TIFF::TIFF JPEG::JPEG ZLIB::ZLIB
+          Boost::program_options Ceres::ceres ColmapTsar::glog
           ColmapTsar::xxhash
+          $<$<BOOL:${TSAR_CLOUD_EVALUATION}>:ColmapTsar::lz4>
           $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>
           $<$<BOOL:${TSAR_CUDA_ENABLED}>:CUDA::cudart_static>)
 

@@ -33,6 +33,13 @@ LIBRARY_FILES = [
 ]
 
 
+def check_conda_recipe():
+    """It repeats what it cannot read."""
+    path = os.path.join(args.source, "packaging", "conda", "recipe.yaml")
+    with open(path) as file:
+        check(f'\n  version: "{args.version}"\n' in file.read(), "the recipe's version")
+
+
 def built_files():
     """What building would renew: path -> time of its last change."""
     paths = [
@@ -233,4 +240,5 @@ check(built_files() == before, "packing builds nothing")
 shutil.rmtree(os.path.join(args.folder, "_CPack_Packages"))
 test_debian_packages()
 test_archive()
+check_conda_recipe()
 shutil.rmtree(args.folder)
