@@ -8,15 +8,18 @@
 # where nvcc is found.
 #
 #   scripts/build_colmap.sh [--prefix DIR] [--source DIR] [--skip-install]
-#                           [VERSION]
+#                           [VERSION] [-- CMAKE_ARGUMENT...]
 #
 #   VERSION          the version to build; by default the one that the
 #                    distribution has (3.8 on Debian 12, 3.9.1 on Ubuntu 24.04)
 #   --source DIR     take COLMAP's source from DIR, a release or a checkout of
-#                    VERSION (3.8 to 3.10), instead of the distribution; DIR is
+#                    VERSION (3.8 to 4.1), instead of the distribution; DIR is
 #                    copied every time and not changed
 #   --prefix DIR     where to install; by default install/ in this repository
 #   --skip-install   do not look for missing packages (and need no root rights)
+#   CMAKE_ARGUMENT   for COLMAP's CMake, after the script's own: for example
+#                    -DFETCH_POSELIB=OFF -DFETCH_FAISS=OFF, from 3.12 on, where
+#                    both are installed and nothing shall be downloaded
 #
 # The variable CUDA_ARCHITECTURES, in CMake's words, overrides the choice of
 # GPUs. The system's lists of package sources stay as they are. Exit code 3: the
@@ -30,6 +33,7 @@ prefix=
 source=
 version=
 install=1
+cmake_arguments=()
 while (($#)); do
   case $1 in
     --prefix | --source)
@@ -40,6 +44,8 @@ while (($#)); do
       shift ;;
     --skip-install) install=0 ;;
     -h | --help) usage; exit 0 ;;
+    --) cmake_arguments=("${@:2}")
+        break ;;
     -*) usage >&2; exit 2 ;;
     *) [[ -z $version ]] || { usage >&2; exit 2; }
        version=$1 ;;
@@ -50,78 +56,74 @@ done
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 repository=$PWD
 source scripts/apt.sh
+source scripts/apt_source.sh
 : "${prefix:=$repository/install}"
 
 fail() { echo "build_colmap: $1" >&2; exit "${2:-1}"; }
 step() { printf '\n== %s\n' "$*"; }
 
-# What COLMAP needs beside the packages of install_dependencies.sh.
-packages=(
-  dpkg-dev
-  libboost-filesystem-dev
-  libboost-graph-dev
-  libboost-system-dev
-  libboost-test-dev
-  libcgal-dev
-  libfreeimage-dev
-  libglew-dev
-  libmetis-dev
-  libsqlite3-dev
-  patch
-)
 if ((install)); then
   step "Packages"
   scripts/install_dependencies.sh
-  install_packages "${packages[@]}"
+  install_packages dpkg-dev patch
 fi
 
+# since VERSION: whether that one or a later one is built.
+since() { [[ $(printf '%s\n' "$1" "$version" | sort -V | head -1) == "$1" ]]; }
+
+# What the version needs beside the packages of install_dependencies.sh. PoseLib
+# (from 3.11 on), faiss (3.12) and the ONNX runtime (4.0), which the
+# distributions do not have, are downloaded by COLMAP's CMake. OpenBLAS, for
+# faiss, must be the one with OpenMP.
+install_colmap_packages() {
+  local packages=(
+    libboost-graph-dev
+    libboost-system-dev
+    libcgal-dev
+    libglew-dev
+    libmetis-dev
+    libsqlite3-dev
+  )
+  if since 4.0; then
+    packages+=(libopenimageio-dev libsuitesparse-dev openimageio-tools)
+  else
+    packages+=(libfreeimage-dev)
+  fi
+  if since 3.12; then
+    packages+=(libcurl4-openssl-dev libopenblas-openmp-dev libssl-dev)
+  else
+    packages+=(libboost-filesystem-dev libboost-test-dev)
+  fi
+  install_packages "${packages[@]}"
+}
+
 # The patch for a version is that of its line; a patch for all of 3.11 has the
-# name colmap-3.11.patch.
+# name colmap-3.11.patch. What is later than all of them may well be as the last.
 find_patch() {  # find_patch VERSION
-  local name
+  local name last
   for name in "$1" "$(cut -d. -f1,2 <<<"$1")"; do
     if [[ -f patches/colmap-$name.patch ]]; then
       echo "$repository/patches/colmap-$name.patch"
       return
     fi
   done
-  fail "no patch for COLMAP $1; there is $(cd patches && echo *.patch)"
+  last=$(cd patches && printf '%s\n' colmap-*.patch | sort -V | tail -1)
+  name=${last#colmap-}
+  if ! since "${name%.patch}"; then
+    fail "no patch for COLMAP $1; there is $(cd patches && echo *.patch)"
+  fi
+  echo "build_colmap: no patch for COLMAP $1, trying $last" >&2
+  echo "$repository/patches/$last"
 }
 
-# apt-get with entries for source packages of the configured suites. These, the
-# lists and the cache are kept in the folder `apt` and nowhere else.
 work=$repository/build-colmap
-apt=$work/apt
-apt_sources() {
-  "$@" -qq -o APT::Sandbox::User=root \
-    -o Dir::Etc::sourcelist="$apt/sources.list" \
-    -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$apt/lists" \
-    -o Dir::Cache="$apt/cache"
-}
-
+apt_folder=$work/apt
 fetch_source() {  # sets version and source
-  local keys=() keyring origin all chosen
-  mkdir -p "$apt/lists/partial" "$apt/cache/archives/partial"
-  for keyring in debian ubuntu; do
-    if [[ -f /usr/share/keyrings/$keyring-archive-keyring.gpg ]]; then
-      keys+=("/usr/share/keyrings/$keyring-archive-keyring.gpg")
-    fi
-  done
-  local signed=
-  ((${#keys[@]} == 0)) || signed="[signed-by=$(IFS=,; echo "${keys[*]}")] "
-  for origin in Debian Ubuntu; do
-    apt-get indextargets "Identifier: Packages" "Origin: $origin" --format \
-      "deb-src $signed\$(REPO_URI) \$(RELEASE) \$(COMPONENT)"
-  done | sort -u >"$apt/sources.list"
-  [[ -s $apt/sources.list ]] ||
+  local all chosen
+  read_apt_sources ||
     fail "apt knows no suite of Debian or Ubuntu; run apt-get update" 3
-  # Without a network the lists of an earlier run will do. Lists that cannot be
-  # fetched are no error to apt-get unless it is told so.
-  apt_sources apt-get update -o APT::Update::Error-Mode=any ||
-    echo "build_colmap: going on with the package lists that are here" >&2
   # Every version with the upstream part of it, the newest last.
-  all=$({ apt_sources apt-cache showsrc colmap || true; } |
-        sed -n 's/^Version: //p' | sort -Vu)
+  all=$(source_versions colmap)
   chosen=$(while read -r full; do
              [[ -n $full ]] || continue
              upstream=${full#*:}
@@ -138,16 +140,10 @@ has: ${all:-none}); get it and name its folder by --source" 3
   fi
   version=${chosen#* }
   source=$work/$version/distribution
-  if [[ -f $source/CMakeLists.txt ]]; then
-    return
+  if [[ ! -f $source/CMakeLists.txt ]]; then
+    unpack_source colmap "${chosen% *}" "$source" ||
+      fail "apt-get source colmap failed, see above" 3
   fi
-  # Unpacked beside and moved, so that what is there is whole.
-  rm -rf "$work/$version/fetch"
-  mkdir -p "$work/$version/fetch"
-  (cd "$work/$version/fetch" &&
-   apt_sources apt-get source "colmap=${chosen% *}") ||
-    fail "apt-get source colmap failed, see above" 3
-  mv "$work/$version/fetch"/colmap-*/ "$source"
 }
 
 step "Source of COLMAP"
@@ -159,6 +155,9 @@ else
   [[ $source/ != "$work"/* ]] || fail "--source must not lie in $work"
 fi
 patch=$(find_patch "$version")
+if ((install)); then
+  install_colmap_packages
+fi
 echo "COLMAP $version from $source, with $(basename "$patch")"
 
 # A copy is patched. With another folder or patch nothing stays of what was
@@ -208,8 +207,7 @@ if command -v nvcc >/dev/null; then
   cuda=ON
   release=$(nvcc --version | sed -n 's/.*release \([0-9]*\)\..*/\1/p')
   # Its bundle adjustment on the GPU uses what CUDA 12 no longer has.
-  if [[ $(printf '%s\n' 3.9 "$version" | sort -V | head -1) != 3.9 ]] &&
-     ((release >= 12)); then
+  if ! since 3.9 && ((release >= 12)); then
     echo "COLMAP $version does not compile with CUDA $release: its own" \
          "commands are built without CUDA; those of TSAR for COLMAP have it"
     cuda=OFF
@@ -223,12 +221,15 @@ if command -v ccache >/dev/null; then
             -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
             -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache)
 fi
-# Without what was found before: the prefix may be another one.
-cmake -G Ninja -S "$patched" -B "$work/$version/build" -UColmapTsar_DIR \
+# Without what was found before: the prefix may be another one. The prefix goes
+# by the environment, for an argument may set CMAKE_PREFIX_PATH.
+CMAKE_PREFIX_PATH=$prefix${CMAKE_PREFIX_PATH:+:$CMAKE_PREFIX_PATH} \
+cmake -G Ninja -S "$patched" -B "$work/$version/build" \
+  -UColmapTsar_DIR -UCMAKE_PREFIX_PATH \
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
-  -DCMAKE_PREFIX_PATH="$prefix" -DGUI_ENABLED=OFF -DTESTS_ENABLED=OFF \
+  -DGUI_ENABLED=OFF -DTESTS_ENABLED=OFF \
   -DCUDA_ENABLED="$cuda" -DCMAKE_CUDA_ARCHITECTURES="$CUDA_ARCHITECTURES" \
-  "${launcher[@]}"
+  "${launcher[@]}" "${cmake_arguments[@]}"
 cmake --build "$work/$version/build"
 cmake --install "$work/$version/build" >/dev/null
 
