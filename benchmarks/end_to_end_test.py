@@ -32,7 +32,12 @@ def score(program, workspace, truth):
 def write_stereo(path):
     """A stand-in for COLMAP: checks what it is given and writes no maps."""
     path.write_text("""#!/bin/sh
-test "$1" = patch_match_stereo && test "$2" = --workspace_path || exit 3
+test "$2" = --workspace_path || exit 3
+if test "$1" = stereo_fusion; then
+  test -f "$3/stereo/depth_maps/00002.jpg.geometric.bin" || exit 6
+  exit
+fi
+test "$1" = patch_match_stereo || exit 3
 test -f "$3/images/00002.jpg" && test -f "$3/sparse/points3D.txt" || exit 4
 test "$(wc -l < "$3/stereo/patch-match.cfg")" = 2 || exit 5
 """)
@@ -110,12 +115,15 @@ def main():
     lines = run_end_to_end(arguments, folder, "--keep", "--colmap", stereo)
     runs = table(lines, "### Whole runs")
     check(list(runs) == ["tsar_refine",
-                         "patch_match_stereo, photometric pass"],
-          "a row for tsar_refine and one for patch_match_stereo")
-    images, seconds, _, speed, ratio, _, gpu, memory = runs["tsar_refine"]
+                         "patch_match_stereo, photometric pass",
+                         "stereo_fusion"],
+          "a row for tsar_refine and one for each of COLMAP's programs")
+    images, seconds, _, speed, house, ratio, _, gpu, memory = runs["tsar_refine"]
     check(int(images) == NUM_IMAGES, "all images count")
     check(float(seconds) > 0 and float(speed) > 0 and float(ratio) == 1,
           "time and speed are positive, the ratio of the first run is 1")
+    check(abs(float(house) - 500 / 60 * float(seconds)) < 0.06,
+          "500 images take as long as 500 times one")
     check(float(memory) > 1, "the memory is that of a program")
     check(int(gpu) == 500, "the GPU memory is what came on top")
     check("GPUs: Stand-in, driver 1.2" in lines, "the GPU has a name")

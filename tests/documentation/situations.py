@@ -162,9 +162,12 @@ SITUATIONS = {
         lambda: (os.mkdir("project"), os.rename("dense/sparse", "project/sparse")),
     "The sparse model lies elsewhere":
         lambda: (os.rename("dense/sparse", "model"), os.mkdir("dense/sparse"),
-                 os.rename("model", "dense/sparse/0")),
+                 os.rename("model", "dense/sparse/1")),
+    "The sparse model is not complete": lambda: os.remove("dense/sparse/points3D.txt"),
     "The images are not undistorted": lambda: edit(
         "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "OPENCV 640 480 0 0 0 0 "),
+    "The images are panoramas": lambda: edit(
+        "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "EQUIRECTANGULAR 640 480 "),
     "An image has an impossible name": lambda: edit(
         "dense/sparse/images.txt", "v000.jpg", "v\x1b[2J000.jpg"),
     "The images were changed": lambda: edit(
@@ -184,6 +187,10 @@ SITUATIONS = {
     "A name is misspelt": lambda: None,
     "A value is wrong": lambda: None,
     "A value was forgotten": lambda: None,
+    "The list of images names an unknown one": lambda: write("list.txt", "v000.jpg\nv001.png\n"),
+    "The folder of masks holds none": lambda: write("masks/v000.png", png(8, 640, 480)),
+    "A mask is of another size": lambda: write("masks/v000.jpg.png", png(8, 100, 80)),
+    "A mask is no mask": lambda: write("masks/v000.jpg.png", png(16, 640, 480)),
     "A project file has an unknown key": lambda: write(
         "project.ini", "workspace_path=dense\n[TsarRefine]\nscene_plane=0\n"),
     "The originals are gone": lambda: write(
@@ -194,6 +201,10 @@ SITUATIONS = {
     "The report comes before the refinement": lambda: None,
     "The planes come before the refinement": lambda: None,
     "The picture is there already": lambda: write("comparison.png", "mine\n"),
+    "The export folder holds other files": lambda: write("exported/notes.txt", "mine\n"),
+    "Two images have the same name but for the extension": lambda: (
+        edit("dense/sparse/images.txt", "v001.jpg", "v000.png"),
+        edit("dense/stereo/patch-match.cfg", "v001.jpg", "v000.png")),
     "Something goes into the workspace's own folders": lambda: None,
     "The debug pictures lie among other files": lambda: write("debug/notes.txt", "mine\n"),
     "tsar_stereo finds maps of COLMAP": lambda: None,
