@@ -18,6 +18,7 @@ from start_workspaces import STEREO, StartWorkspaces
 
 SEED = 20240607
 NUM_MOMENTS = 3  # Of each command at which memory runs out.
+PATIENCE = 30  # Seconds for a help that takes a tenth of one.
 OUT_OF_MEMORY = "out of memory; close other programs"
 NO_THREADS = "no more threads can be started"
 
@@ -125,9 +126,9 @@ def smallest_start(limit, too_few, enough, step=1):
     take much of it."""
     while enough - too_few > step:
         middle = (too_few + enough) // 2
-        code, _ = program.call("tsar_refine", start.mapped, "--help",
-                               prepare=set_limit(limit, middle))
-        too_few, enough = (too_few, middle) if code in (0, 1) else (middle, enough)
+        starts = program.starts("tsar_refine", start.mapped, "--help", patience=PATIENCE,
+                                prepare=set_limit(limit, middle))
+        too_few, enough = (too_few, middle) if starts else (middle, enough)
     return enough
 
 

@@ -75,6 +75,19 @@ class Program:
         _, errors = process.communicate()
         return process.returncode, errors
 
+    def starts(self, *words, patience, **how):
+        """Whether the program is loaded and says something of its own. Where a
+        library that is loaded with it needs what it cannot have, the loader ends
+        the process, or the library waits for ever (OpenBLAS asks for its memory
+        until it has it), for which there is patience of so many seconds."""
+        process = self.start(*words, **how)
+        try:
+            process.communicate(timeout=patience)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+        return process.returncode in (0, 1)
+
     def run(self, *words, **faults):
         code, errors = self.call(*words, **faults)
         check(code == 0, f"{' '.join(words[:2])} ended with {code}: {errors}")
