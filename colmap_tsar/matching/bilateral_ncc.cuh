@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/avx2.h"
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/base/image.h"
@@ -334,6 +335,16 @@ void AddUpBySteps(const ReferencePatch& patch,
   }
 }
 
+// The same, to be called only where HasAvx2().
+template <typename Element>
+TSAR_FOR_AVX2 void AddUpByStepsForAvx2(const ReferencePatch& patch,
+                                       const WindowHomography& window,
+                                       const ImageView<const Element>& other,
+                                       float center,
+                                       PatchSums* sums) {
+  AddUpBySteps(patch, window, other, center, sums);
+}
+
 // 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
 // kUndefinedCost.
 template <typename Element>
@@ -356,7 +367,11 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
 #ifdef __CUDA_ARCH__
   AddUpBySamples(patch, window, other, center, &sums);
 #else
-  AddUpBySteps(patch, window, other, center, &sums);
+  if (HasAvx2()) {
+    AddUpByStepsForAvx2(patch, window, other, center, &sums);
+  } else {
+    AddUpBySteps(patch, window, other, center, &sums);
+  }
 #endif
   const float mean = sums.values * patch.inverse_sum_weights;
   const float variance = sums.squares * patch.inverse_sum_weights - mean * mean;

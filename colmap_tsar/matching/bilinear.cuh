@@ -15,11 +15,23 @@
 // outside take the border's; those that are no numbers count as 0.
 namespace tsar {
 
+// A column or row within an image of so many; a GPU has an instruction for
+// either bound, while to a CPU they are calls if not written as comparisons.
+TSAR_HD inline float ClampPosition(float position, int count) {
+  const float last = static_cast<float>(count - 1);
+#ifdef __CUDA_ARCH__
+  return fminf(fmaxf(position, 0.f), last);
+#else
+  const float positive = position > 0.f ? position : 0.f;
+  return positive < last ? positive : last;
+#endif
+}
+
 TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
                                     float x,
                                     float y) {
-  x = fminf(fmaxf(x, 0.f), static_cast<float>(image.width - 1));
-  y = fminf(fmaxf(y, 0.f), static_cast<float>(image.height - 1));
+  x = ClampPosition(x, image.width);
+  y = ClampPosition(y, image.height);
   const int x0 = static_cast<int>(x);
   const int y0 = static_cast<int>(y);
   const int x1 = x0 + 1 < image.width ? x0 + 1 : x0;
@@ -54,8 +66,8 @@ TSAR_HD inline Halves SplitWord(uint32_t word) {
 TSAR_HD inline float SampleBilinear(const ImageView<const GrayPair>& image,
                                     float x,
                                     float y) {
-  x = fminf(fmaxf(x, 0.f), static_cast<float>(image.width - 1));
-  y = fminf(fmaxf(y, 0.f), static_cast<float>(image.height - 1));
+  x = ClampPosition(x, image.width);
+  y = ClampPosition(y, image.height);
   // The pixel up to one to the left, and the row up to one above, with another
   // one below it. On a pixel, it may be either, with the weight 0 or 1.
   const int last_row = image.height > 1 ? image.height - 2 : 0;
@@ -85,8 +97,6 @@ void SampleBilinearBySteps(const ImageView<const float>& image,
                            float (&values)[kCount]) {
   const int last_x = image.width - 1;
   const int last_y = image.height - 1;
-  const float max_x = static_cast<float>(last_x);
-  const float max_y = static_cast<float>(last_y);
   int x0[kCount];
   int y0[kCount];
   float fx[kCount];
@@ -94,11 +104,8 @@ void SampleBilinearBySteps(const ImageView<const float>& image,
   // Negative as soon as a position lies in the last column or row.
   int room = 0;
   for (int i = 0; i < kCount; ++i) {
-    // Comparisons, because fminf and fmaxf are calls.
-    const float from_x = x[i] > 0.f ? x[i] : 0.f;
-    const float from_y = y[i] > 0.f ? y[i] : 0.f;
-    const float inside_x = from_x < max_x ? from_x : max_x;
-    const float inside_y = from_y < max_y ? from_y : max_y;
+    const float inside_x = ClampPosition(x[i], image.width);
+    const float inside_y = ClampPosition(y[i], image.height);
     x0[i] = static_cast<int>(inside_x);
     y0[i] = static_cast<int>(inside_y);
     fx[i] = inside_x - x0[i];
@@ -137,8 +144,6 @@ void SampleBilinearBySteps(const ImageView<const GrayPair>& image,
                            const float (&x)[kCount],
                            const float (&y)[kCount],
                            float (&values)[kCount]) {
-  const float max_x = static_cast<float>(image.width - 1);
-  const float max_y = static_cast<float>(image.height - 1);
   const float last_row =
       kRounder + static_cast<float>(image.height > 1 ? image.height - 2 : 0);
   const int to_bottom = image.height > 1 ? image.width : 0;
@@ -146,10 +151,8 @@ void SampleBilinearBySteps(const ImageView<const GrayPair>& image,
   float fx[kCount];
   float fy[kCount];
   for (int i = 0; i < kCount; ++i) {
-    const float from_x = x[i] > 0.f ? x[i] : 0.f;
-    const float from_y = y[i] > 0.f ? y[i] : 0.f;
-    const float inside_x = from_x < max_x ? from_x : max_x;
-    const float inside_y = from_y < max_y ? from_y : max_y;
+    const float inside_x = ClampPosition(x[i], image.width);
+    const float inside_y = ClampPosition(y[i], image.height);
     const float left = (inside_x - 0.5f) + kRounder;
     const float nearest = (inside_y - 0.5f) + kRounder;
     const float above = nearest < last_row ? nearest : last_row;
