@@ -3,14 +3,14 @@
 
 #pragma once
 
-// Code for processors with AVX2 beside the code for all, chosen when the program
-// runs, so that what is built on one machine runs on every other. Vectors hold
-// eight numbers there instead of four, and are loaded from eight places at once.
-// Multiplications and additions stay apart (-ffp-contract=off), and so both give
-// the same bits.
+// Code for processors with AVX2 beside the code for all, chosen when the
+// program runs, so that what is built on one machine runs on every other.
+// Vectors hold eight numbers there instead of four, and are loaded from eight
+// places at once. Multiplications and additions stay apart (-ffp-contract=off),
+// and so both give the same bits.
 
-// Marks a function that is called only where HasAvx2(): it is compiled for AVX2,
-// and so is a copy of everything that it calls.
+// Marks a function that is called only where HasAvx2(): it is compiled for
+// AVX2, and so is a copy of everything that it calls.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define TSAR_FOR_AVX2 __attribute__((target("avx2"), flatten))
 #else
