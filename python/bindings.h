@@ -50,6 +50,17 @@ pybind11::list ToTexts(const std::vector<std::filesystem::path>& paths);
 // {GPU: bytes}.
 pybind11::dict ToDict(const std::vector<RunSummary::GpuMemory>& peaks);
 
+// result: a RestoreResult or UndoResult. num_restored: of its images.
+template <typename Result>
+pybind11::dict ToRestorationDict(const Result& result, int num_restored) {
+  pybind11::dict dict;
+  dict["num_restored"] = num_restored;
+  dict["kept"] = ToTexts(result.kept);
+  dict["superseded"] = ToTexts(result.superseded);
+  dict["conflicts"] = ToTexts(result.conflicts);
+  return dict;
+}
+
 // From {name: value}. Raises TypeError for a value of another type; throws
 // kBadOption where it is outside the option's range. Unknown names are
 // KeyError.

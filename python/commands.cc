@@ -163,12 +163,7 @@ py::dict UndoImports(const std::filesystem::path& workspace_path,
     const WorkspaceLock lock(workspace_path);
     result = UndoImport(workspace_path, ParseRestoreConflicts(conflicts));
   }
-  py::dict dict;
-  dict["num_restored"] = result.num_images;
-  dict["kept"] = ToTexts(result.kept);
-  dict["superseded"] = ToTexts(result.superseded);
-  dict["conflicts"] = ToTexts(result.conflicts);
-  return dict;
+  return ToRestorationDict(result, result.num_images);
 }
 
 py::dict Report(const py::dict& options, const py::tuple& listeners) {

@@ -99,12 +99,7 @@ py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
     const WorkspaceLock lock(workspace_path);
     result = Restore(workspace_path, ParseRestoreConflicts(conflicts));
   }
-  py::dict dict;
-  dict["num_restored"] = result.num_restored;
-  dict["kept"] = ToTexts(result.kept);
-  dict["superseded"] = ToTexts(result.superseded);
-  dict["conflicts"] = ToTexts(result.conflicts);
-  return dict;
+  return ToRestorationDict(result, result.num_restored);
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/base/error.h"
 
-#include <cstdint>
 #include <new>
 
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
@@ -44,6 +44,22 @@ void PutPicture(const cv::Mat& pixels,
   }
   file->Stream().write(reinterpret_cast<const char*>(bytes.data()),
                        static_cast<std::streamsize>(bytes.size()));
+}
+
+cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
+  // Decoding only reads.
+  const cv::Mat buffer(1,
+                       static_cast<int>(bytes.size()),
+                       CV_8UC1,
+                       const_cast<uint8_t*>(bytes.data()));
+  try {
+    return cv::imdecode(buffer, mode);
+  } catch (const cv::Exception& exception) {
+    if (exception.code == cv::Error::StsNoMem) {
+      throw std::bad_alloc();
+    }
+    return {};
+  }
 }
 
 }  // namespace tsar

@@ -5,7 +5,9 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,5 +26,9 @@ void PutPicture(const cv::Mat& pixels,
                 const std::filesystem::path& path,
                 AtomicFile* file,
                 const std::vector<int>& parameters = {});
+
+// The pixels of a file, as cv::imdecode() has them in this mode; empty where
+// OpenCV cannot decode it. Throws std::bad_alloc.
+cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode);
 
 }  // namespace tsar

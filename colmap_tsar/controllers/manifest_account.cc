@@ -6,12 +6,10 @@
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/store/shard_record.h"
 
 #include <string>
-#include <vector>
 
 namespace tsar {
 namespace {
@@ -64,11 +62,7 @@ Manifest ManifestAccount::Build() const {
     manifest.runtime["listed_images"] =
         std::to_string(run_.catalogue.NumListed());
   }
-  const std::vector<int> references =
-      ReferencesOf(run_.workspace, run_.Images());
-  if (const auto num_masks = CountMasks(run_.workspace, references)) {
-    manifest.runtime["masks"] = std::to_string(*num_masks);
-  }
+  NoteMasks(run_.NumMasks(), &manifest);
   return manifest;
 }
 

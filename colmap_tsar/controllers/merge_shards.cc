@@ -16,7 +16,9 @@
 #include "colmap_tsar/store/shard_record.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,17 @@ std::map<std::string, std::string> RuntimeOfShards(
     }
   }
   return runtime;
+}
+
+// By what the shards were run with, whatever masks the merge is given.
+std::optional<int64_t> MasksOfShards(const std::vector<ShardRecord>& shards) {
+  std::optional<int64_t> num_masks;
+  for (const ShardRecord& shard : shards) {
+    if (shard.num_masks) {
+      num_masks = num_masks.value_or(0) + *shard.num_masks;
+    }
+  }
+  return num_masks;
 }
 
 void RequireAllDone(const Workspace& workspace, const Manifest& manifest) {
@@ -73,8 +86,10 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
                                     RefineOptionsText(refine_options),
                                     HashRefineOptions(refine_options));
   RequireAllDone(workspace, manifest);
+  const std::optional<int64_t> num_masks = MasksOfShards(shards);
   if (!shards.empty()) {
     manifest.runtime = RuntimeOfShards(shards);
+    NoteMasks(num_masks, &manifest);
     WriteManifest(workspace, manifest);
   }
   EvidenceStore::Clear(workspace);
@@ -89,6 +104,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   summary.pass = RefinePass::kMerge;
   summary.num_images = static_cast<int>(manifest.images.size());
   summary.num_refined = manifest.NumImages(ImageStatus::kDone);
+  summary.num_masks = num_masks;
   for (const Manifest::Entry& entry : manifest.images) {
     if (entry.status == ImageStatus::kKept) {
       summary.kept.push_back({entry.image, entry.note});

@@ -15,7 +15,6 @@
 #include "colmap_tsar/controllers/shard_account.h"
 #include "colmap_tsar/controllers/single_view_task.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/output_workspace.h"
 
 #include <exception>
@@ -283,8 +282,7 @@ RunSummary RefineController::Summarize(const RefineRun& run,
   summary.num_workers = static_cast<int>(devices_.workers.size());
   summary.peak_gpu_memory = PeakGpuMemory(devices_);
   summary.num_images = static_cast<int>(Images().size());
-  summary.num_masks =
-      CountMasks(workspace_, ReferencesOf(workspace_, Images()));
+  summary.num_masks = run.NumMasks();
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
     const int image = run.catalogue.Reference(Images()[i]);
     summary.Add(run.catalogue.Name(image), outcome.reports[i]);

@@ -12,11 +12,14 @@
 #include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/pipeline/refine_options.h"
+#include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +46,10 @@ struct RefineRun {
     return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
       return catalogue.IsToBeRefined(index);
     });
+  }
+  // Of the run's images, those with a mask; nothing where no masks are used.
+  std::optional<int64_t> NumMasks() const {
+    return CountMasks(workspace, ReferencesOf(workspace, Images()));
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };

@@ -17,6 +17,7 @@ void ShardAccount::Begin() {
                           run_.options.pass,
                           run_.options.shard);
   record_.runtime = ShardRuntime(run_.options.devices, run_.devices);
+  record_.num_masks = run_.NumMasks();
   for (const size_t index : run_.Images()) {
     record_.images.push_back(
         {run_.catalogue.Name(run_.catalogue.Reference(index)),

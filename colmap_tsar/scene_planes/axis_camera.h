@@ -4,24 +4,13 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/scene_planes/axis_frame.h"
 
 #include <optional>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace tsar {
-
-// A frame of the plane across an axis, in the world: heights are along it.
-struct AxisFrame {
-  Eigen::Vector3d along = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d across = Eigen::Vector3d::UnitX();
-
-  Eigen::Vector3d Third() const { return along.cross(across); }
-  Eigen::Vector2d Across(const Eigen::Vector3d& world) const {
-    return {across.dot(world), Third().dot(world)};
-  }
-};
 
 // The camera of a view that is rectified for an axis: turned about its centre
 // until the columns of its image are parallel to the axis, each of which is

@@ -135,8 +135,7 @@ class CylinderFinder {
       return {};
     }
     ModelCylinder cylinder;
-    cylinder.along = frame.along;
-    cylinder.across = frame.across;
+    cylinder.frame = frame;
     cylinder.point =
         circle.center.x() * frame.across + circle.center.y() * frame.Third();
     cylinder.radius = circle.radius;
@@ -321,10 +320,9 @@ class CylinderFinder {
 
 // Whether a circle is in a cylinder, or cuts it, at some of these heights.
 bool IsIn(const ModelCylinder& cylinder,
-          const AxisFrame& frame,
           const AxisCircle& circle,
           const HeightRange& heights) {
-  return (circle.center - frame.Across(cylinder.point)).norm() <
+  return (circle.center - cylinder.frame.Across(cylinder.point)).norm() <
              circle.radius + cylinder.radius &&
          heights.Overlaps({cylinder.min_height, cylinder.max_height});
 }
@@ -342,7 +340,7 @@ std::vector<ModelCylinder> FindCylinders(
   const auto is_taken = [&](const AxisCircle& circle,
                             const HeightRange& heights) {
     return std::ranges::any_of(cylinders, [&](const ModelCylinder& other) {
-      return IsIn(other, frame, circle, heights);
+      return IsIn(other, circle, heights);
     });
   };
   const std::vector<Hypothesis> hypotheses = finder.FindHypotheses(threads);

@@ -3,8 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/scene_planes/axis_frame.h"
+
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace tsar {
 
@@ -13,18 +14,14 @@ namespace tsar {
 // frame. World frame, units of the sparse model.
 struct ModelCylinder {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // On its axis.
-  // Unit vectors at right angles: along the cylinder, and across it.
-  Eigen::Vector3d along = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d across = Eigen::Vector3d::UnitX();
+  AxisFrame frame;  // Along the cylinder, and across it.
   double radius = 1.0;
   // The part of it that was seen: from where to where along its axis, as of
   // `point`.
   double min_height = 0.0;
   double max_height = 0.0;
-  // Of the shifts along `across` and along Third(), and of the radius.
+  // Of the shifts along frame.across and frame.Third(), and of the radius.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-
-  Eigen::Vector3d Third() const { return along.cross(across); }
 };
 
 }  // namespace tsar

@@ -111,13 +111,13 @@ SeenCylinder ToCameraCylinder(const ModelCylinder& cylinder,
                               const Camera& camera) {
   SeenCylinder seen;
   const Eigen::Vector3d begin =
-      cylinder.point + cylinder.min_height * cylinder.along;
+      cylinder.point + cylinder.min_height * cylinder.frame.along;
   seen.cylinder.point = ToVec3f(camera.rotation * begin + camera.translation);
-  seen.cylinder.axis = ToVec3f(camera.rotation * cylinder.along);
+  seen.cylinder.axis = ToVec3f(camera.rotation * cylinder.frame.along);
   seen.cylinder.radius = static_cast<float>(cylinder.radius);
   seen.length = static_cast<float>(cylinder.max_height - cylinder.min_height);
-  seen.across = ToVec3f(camera.rotation * cylinder.across);
-  seen.third = ToVec3f(camera.rotation * cylinder.Third());
+  seen.across = ToVec3f(camera.rotation * cylinder.frame.across);
+  seen.third = ToVec3f(camera.rotation * cylinder.frame.Third());
   for (int i = 0; i < 3; ++i) {
     seen.variances[i] = static_cast<float>(cylinder.covariance(i, i));
   }
@@ -135,10 +135,8 @@ std::vector<SeenCylinder> FindSeenCylinders(
   const ModelCylinder* last = nullptr;
   for (const ModelCylinder& cylinder : cylinders) {
     // Those along one axis follow each other.
-    if (last == nullptr || cylinder.along != last->along ||
-        cylinder.across != last->across) {
-      axis_camera =
-          MakeAxisCamera(view.camera, {cylinder.along, cylinder.across});
+    if (last == nullptr || cylinder.frame != last->frame) {
+      axis_camera = MakeAxisCamera(view.camera, cylinder.frame);
       edges = axis_camera ? FindEdgesAcross(
                                 view.evidence->color, view.camera, *axis_camera)
                           : std::vector<std::vector<AcrossEdge>>();
@@ -147,9 +145,8 @@ std::vector<SeenCylinder> FindSeenCylinders(
     if (!axis_camera) {
       continue;
     }
-    const AxisFrame frame = {cylinder.along, cylinder.across};
     const std::optional<CircleOutline> outline = OutlineOf(
-        {frame.Across(cylinder.point), cylinder.radius}, *axis_camera);
+        {cylinder.frame.Across(cylinder.point), cylinder.radius}, *axis_camera);
     if (!outline) {
       continue;
     }

@@ -50,6 +50,12 @@ Manifest BuildManifest(const Workspace& workspace,
   return manifest;
 }
 
+void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest) {
+  if (num_masks) {
+    manifest->runtime["masks"] = std::to_string(*num_masks);
+  }
+}
+
 void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
   nlohmann::json images = nlohmann::json::array();
   for (const Manifest::Entry& entry : manifest.images) {

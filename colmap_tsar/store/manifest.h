@@ -6,7 +6,9 @@
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/store/workspace.h"
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +42,9 @@ struct Manifest {
 Manifest BuildManifest(const Workspace& workspace,
                        const std::map<std::string, std::string>& options,
                        const std::string& options_hash);
+
+// Notes of how many images masks were used; nothing where none were given.
+void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest);
 
 // In one step.
 void WriteManifest(const Workspace& workspace, const Manifest& manifest);

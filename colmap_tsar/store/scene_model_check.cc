@@ -62,7 +62,7 @@ std::optional<std::string> FindPlaneFault(const ModelPlane& plane,
 
 std::optional<std::string> FindCylinderFault(const ModelCylinder& cylinder) {
   Eigen::Matrix3d axes;
-  axes << cylinder.across, cylinder.Third(), cylinder.along;
+  axes << cylinder.frame.across, cylinder.frame.Third(), cylinder.frame.along;
   if (!axes.allFinite() || !IsRotation(axes)) {
     return "a cylinder whose directions are not unit vectors at right angles";
   }

@@ -53,8 +53,8 @@ ModelPlane FromStored(const StoredPlane& stored) {
 StoredCylinder ToStored(const ModelCylinder& cylinder) {
   StoredCylinder stored = {};
   Store(cylinder.point, &stored.point);
-  Store(cylinder.along, &stored.along);
-  Store(cylinder.across, &stored.across);
+  Store(cylinder.frame.along, &stored.along);
+  Store(cylinder.frame.across, &stored.across);
   stored.radius = cylinder.radius;
   stored.min_height = cylinder.min_height;
   stored.max_height = cylinder.max_height;
@@ -65,8 +65,8 @@ StoredCylinder ToStored(const ModelCylinder& cylinder) {
 ModelCylinder FromStored(const StoredCylinder& stored) {
   ModelCylinder cylinder;
   Load(stored.point, &cylinder.point);
-  Load(stored.along, &cylinder.along);
-  Load(stored.across, &cylinder.across);
+  Load(stored.along, &cylinder.frame.along);
+  Load(stored.across, &cylinder.frame.across);
   cylinder.radius = stored.radius;
   cylinder.min_height = stored.min_height;
   cylinder.max_height = stored.max_height;

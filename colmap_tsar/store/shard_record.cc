@@ -90,6 +90,9 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
     record.is_complete = json.at("is_complete").get<bool>();
     record.runtime =
         json.at("runtime").get<std::map<std::string, std::string>>();
+    if (json.contains("num_masks")) {
+      record.num_masks = json["num_masks"].get<int64_t>();
+    }
     for (const nlohmann::json& image : json.at("images")) {
       record.images.push_back(
           {image.at("image").get<std::string>(),
@@ -122,17 +125,20 @@ void WriteShardRecord(const std::filesystem::path& root,
                       {"inputs", entry.inputs},
                       {"note", entry.note}});
   }
-  const nlohmann::json json = {{"version", record.version},
-                               {"type", record.type},
-                               {"options", record.options},
-                               {"options_hash", record.options_hash},
-                               {"images_hash", record.images_hash},
-                               {"pass", record.pass},
-                               {"index", record.index},
-                               {"count", record.count},
-                               {"is_complete", record.is_complete},
-                               {"runtime", record.runtime},
-                               {"images", images}};
+  nlohmann::json json = {{"version", record.version},
+                         {"type", record.type},
+                         {"options", record.options},
+                         {"options_hash", record.options_hash},
+                         {"images_hash", record.images_hash},
+                         {"pass", record.pass},
+                         {"index", record.index},
+                         {"count", record.count},
+                         {"is_complete", record.is_complete},
+                         {"runtime", record.runtime},
+                         {"images", images}};
+  if (record.num_masks) {
+    json["num_masks"] = *record.num_masks;
+  }
   WriteJson(GetShardPath(root, record.pass, record.index, record.count), json);
 }
 

@@ -5,8 +5,10 @@
 
 #include "colmap_tsar/base/contained_path.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,8 @@ struct ShardRecord {
   bool is_complete = false;
   // What it was run with; no result depends on it.
   std::map<std::string, std::string> runtime;
+  // Of the images, those with a mask; nothing where no masks were given.
+  std::optional<int64_t> num_masks;
   std::vector<Entry> images;
 };
 

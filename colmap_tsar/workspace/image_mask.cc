@@ -4,14 +4,14 @@
 #include "colmap_tsar/workspace/image_mask.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/workspace/photo_format.h"
+#include "colmap_tsar/workspace/picture_input.h"
 #include "colmap_tsar/workspace/png_chunks.h"
 
 #include <algorithm>
 #include <cctype>
-#include <new>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -61,31 +61,26 @@ Error Damaged(const std::string& name, const std::string& what) {
 
 class MaskFile {
  public:
-  explicit MaskFile(const fs::path& path) : name_(path.string()), file_(path) {
-    if (!file_) {
-      throw Error::File(
-          file_.IsMissing() ? ErrorCode::kNotFound : ErrorCode::kIo,
-          name_,
-          "the mask cannot be read (" + file_.Reason() + ")",
-          "check that it is a file and that you may read it");
-    }
-  }
+  explicit MaskFile(const fs::path& path)
+      : file_(path, {"mask", kAdvice, kAdvice}) {}
 
   // Throws where the header tells that it is no mask for an image of these
   // sizes.
   void RequireFit(const MaskSizes& sizes) {
-    const Bytes head = Read(0, std::min<uint64_t>(kPngHeadSize, file_.Size()));
+    const Bytes head = file_.ReadHead(kPngHeadSize);
     const std::optional<PngHeader> header = ReadPngHeader(head);
     if (!header) {
       if (FormatOf(head) == PhotoFormat::kPng) {
-        throw Damaged(name_, "its header is not whole");
+        throw Damaged(file_.Name(), "its header is not whole");
       }
-      throw Error::File(
-          ErrorCode::kCorrupt, name_, "the mask is no PNG file", kAdvice);
+      throw Error::File(ErrorCode::kCorrupt,
+                        file_.Name(),
+                        "the mask is no PNG file",
+                        kAdvice);
     }
     if (header->bits_per_channel > 8) {
       throw Error::File(ErrorCode::kUnsupported,
-                        name_,
+                        file_.Name(),
                         "the mask has " +
                             std::to_string(header->bits_per_channel) +
                             " bits per channel",
@@ -98,31 +93,18 @@ class MaskFile {
 
   bool EndsAsWhole() {
     constexpr uint64_t kTailBytes = 16;
-    const uint64_t count = std::min<uint64_t>(kTailBytes, file_.Size());
-    return EndsInMarker(PhotoFormat::kPng, Read(file_.Size() - count, count));
+    return EndsInMarker(PhotoFormat::kPng, file_.ReadTail(kTailBytes));
   }
 
   Image<uint8_t> Decode() {
-    constexpr uint64_t kMaxBytes = uint64_t{1} << 31;
-    if (file_.Size() >= kMaxBytes) {
-      throw Error::File(
-          ErrorCode::kUnsupported, name_, "the mask has 2 GB or more", kAdvice);
-    }
-    const Bytes bytes = Read(0, file_.Size());
+    const Bytes bytes = file_.ReadAll();
     if (const std::string defect = FindPngDefect(bytes); !defect.empty()) {
-      throw Damaged(name_, defect);
+      throw Damaged(file_.Name(), defect);
     }
-    cv::Mat gray;
-    try {
-      gray = cv::imdecode(KeepCriticalChunks(bytes), cv::IMREAD_GRAYSCALE);
-    } catch (const cv::Exception& exception) {
-      if (exception.code == cv::Error::StsNoMem) {
-        throw std::bad_alloc();
-      }
-      gray.release();
-    }
+    const cv::Mat gray =
+        DecodePicture(KeepCriticalChunks(bytes), cv::IMREAD_GRAYSCALE);
     if (gray.empty()) {
-      throw Damaged(name_, "OpenCV cannot decode it");
+      throw Damaged(file_.Name(), "OpenCV cannot decode it");
     }
     auto mask = Image<uint8_t>::Uninitialized(gray.cols, gray.rows);
     cv::Mat target(gray.rows, gray.cols, CV_8UC1, mask.Data());
@@ -144,7 +126,7 @@ class MaskFile {
                               sizes.maps.height != sizes.image.height;
     return Error::File(
         ErrorCode::kMismatch,
-        name_,
+        file_.Name(),
         "the mask has " + std::to_string(header.width) + " x " +
             std::to_string(header.height) + " pixels, its undistorted image " +
             ToString(sizes.image) +
@@ -153,20 +135,7 @@ class MaskFile {
         "image_undistorter, as docs/guide.md tells under Masks");
   }
 
-  Bytes Read(uint64_t begin, uint64_t count) {
-    Bytes bytes(count);
-    file_.seekg(static_cast<std::streamoff>(begin));
-    file_.read(reinterpret_cast<char*>(bytes.data()),
-               static_cast<std::streamsize>(count));
-    if (!file_) {
-      throw Error::File(
-          ErrorCode::kIo, name_, "reading the mask failed", "check the disk");
-    }
-    return bytes;
-  }
-
-  std::string name_;
-  InputFile file_;
+  PictureInput file_;
 };
 
 }  // namespace

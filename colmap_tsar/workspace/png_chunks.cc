@@ -29,6 +29,9 @@ struct Chunk {
   std::span<const uint8_t> bytes;  // Length, type, content, checksum.
 
   std::span<const uint8_t> Type() const { return bytes.subspan(4, 4); }
+  std::span<const uint8_t> Content() const {
+    return bytes.subspan(8, bytes.size() - kFrame);
+  }
   bool Is(std::string_view type) const {
     return std::equal(type.begin(), type.end(), Type().begin());
   }
@@ -50,6 +53,50 @@ std::optional<Chunk> FirstChunk(std::span<const uint8_t> left) {
   return Chunk{left.first(ReadBigEndian(left) + kFrame)};
 }
 
+// content: that of the first chunk, of kHeaderLength bytes.
+PngHeader ParseHeader(std::span<const uint8_t> content) {
+  return {ReadBigEndian(content),
+          ReadBigEndian(content.subspan(4)),
+          content[8],
+          content[9],
+          content[10],
+          content[11],
+          content[12]};
+}
+
+// Of a file, those that are needed for the pixels.
+struct CriticalChunks {
+  std::optional<PngHeader> header;
+  std::optional<Chunk> palette;
+  std::vector<std::span<const uint8_t>> pixels;
+  std::optional<Chunk> end;
+
+  // Whether it is one that may stand here.
+  bool Add(const Chunk& chunk) {
+    if (chunk.Is("IHDR")) {
+      header = ParseHeader(chunk.Content());
+    } else if (chunk.Is("PLTE")) {
+      if (palette || !pixels.empty()) {
+        return false;
+      }
+      palette = chunk;
+    } else if (chunk.Is("IDAT")) {
+      pixels.push_back(chunk.Content());
+    } else if (chunk.Is("IEND")) {
+      end = chunk;
+      return chunk.Content().empty();
+    } else {
+      return false;
+    }
+    return true;
+  }
+  // Whether it has from 1 to 256 colours of 3 bytes.
+  bool HasPossiblePalette() const {
+    const size_t size = palette ? palette->Content().size() : 0;
+    return size > 0 && size <= 3 * 256 && size % 3 == 0;
+  }
+};
+
 }  // namespace
 
 std::string FindPngDefect(std::span<const uint8_t> bytes) {
@@ -57,8 +104,9 @@ std::string FindPngDefect(std::span<const uint8_t> bytes) {
       !std::equal(kSignature.begin(), kSignature.end(), bytes.begin())) {
     return "it does not begin as a PNG file";
   }
+  CriticalChunks chunks;
   std::span<const uint8_t> left = bytes.subspan(kSignature.size());
-  for (bool is_first = true;; is_first = false) {
+  for (bool is_first = true; !chunks.end; is_first = false) {
     const std::optional<Chunk> chunk = FirstChunk(left);
     if (!chunk) {
       return "it breaks off";
@@ -69,14 +117,25 @@ std::string FindPngDefect(std::span<const uint8_t> bytes) {
     if (is_first && chunk->bytes.size() != kFrame + kHeaderLength) {
       return "its header is of another length";
     }
-    if (chunk->IsCritical() && !chunk->IsWhole()) {
-      return "a checksum is wrong";
-    }
-    if (chunk->Is("IEND")) {
-      return "";
+    if (chunk->IsCritical()) {
+      if (!chunk->IsWhole()) {
+        return "a checksum is wrong";
+      }
+      if (!chunks.Add(*chunk)) {
+        return "it has chunks that make no sense";
+      }
     }
     left = left.subspan(chunk->bytes.size());
   }
+  if (!chunks.header->IsPossible()) {
+    return "its header makes no sense";
+  }
+  if (chunks.header->HasPalette() && !chunks.HasPossiblePalette()) {
+    return "its palette makes no sense";
+  }
+  return HasAllPngRows(*chunks.header, chunks.pixels)
+             ? ""
+             : "its pixels cannot be decompressed";
 }
 
 std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
@@ -91,18 +150,19 @@ std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
       chunk->bytes.size() != kFrame + kHeaderLength || !chunk->IsWhole()) {
     return std::nullopt;
   }
-  const std::span<const uint8_t> content = chunk->bytes.subspan(8);
-  return PngHeader{
-      ReadBigEndian(content), ReadBigEndian(content.subspan(4)), content[8]};
+  return ParseHeader(chunk->Content());
 }
 
 std::vector<uint8_t> KeepCriticalChunks(std::span<const uint8_t> bytes) {
   std::vector<uint8_t> kept(kSignature.begin(), kSignature.end());
   kept.reserve(bytes.size());
   std::span<const uint8_t> left = bytes.subspan(kSignature.size());
+  const bool has_palette =
+      ParseHeader(FirstChunk(left).value().Content()).HasPalette();
   for (bool is_last = false; !is_last;) {
     const Chunk chunk = FirstChunk(left).value();
-    if (chunk.IsCritical()) {
+    // A palette in another picture is advice for those who reduce its colours.
+    if (chunk.IsCritical() && (has_palette || !chunk.Is("PLTE"))) {
       kept.insert(kept.end(), chunk.bytes.begin(), chunk.bytes.end());
     }
     is_last = chunk.Is("IEND");

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/workspace/png_pixels.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,14 +18,9 @@ namespace tsar {
 // notice damage as well, but prints it on the standard error in its own words.
 
 // What is wrong with the bytes of a PNG file, or nothing: that they break off,
-// or that the checksum of a chunk is wrong which is needed for the pixels.
+// that the checksum of a chunk is wrong which is needed for the pixels, or that
+// such chunks do not hold what they should. Decompresses the pixels.
 std::string FindPngDefect(std::span<const uint8_t> bytes);
-
-struct PngHeader {
-  uint32_t width = 0;
-  uint32_t height = 0;
-  int bits_per_channel = 0;
-};
 
 // Of a file that begins with these bytes, of which there should be at least
 // kPngHeadSize; nothing where it is no PNG file or its header is damaged.

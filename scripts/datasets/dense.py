@@ -39,14 +39,21 @@ def make_workspace(scene, action, **key):
     scene.step("workspace", guarded, outputs=[WORKSPACE], removes=False, **key)
 
 
-def stereo_command(args):
+def mask_options(masks):
+    """The option of this project's commands for a folder of masks, or None."""
+    return {"mask_path": str(masks)} if masks else {}
+
+
+def stereo_command(args, masks):
     """The command that makes the maps, and its options, name by value."""
     command, group = (("patch_match_stereo", "PatchMatchStereo") if args.stereo == "colmap"
                       else ("tsar_stereo", "TsarStereo"))
-    return command, {f"{group}.max_image_size": args.max_image_size, **args.passed.get(command, {})}
+    options = {f"{group}.max_image_size": args.max_image_size, **args.passed.get(command, {})}
+    # patch_match_stereo knows no masks.
+    return command, {**options, **(mask_options(masks) if command == "tsar_stereo" else {})}
 
 
-def make_maps(scene, args, programs):
+def make_maps(scene, args, programs, masks):
     dense = scene.folder / WORKSPACE
     made_here = scene.record("stereo")["state"] != ""
     if args.stereo == "none":
@@ -61,7 +68,7 @@ def make_maps(scene, args, programs):
         raise DatasetError(f"{dense}: has depth maps that were not made by this script; "
                            "--stereo none takes them, or remove them")
 
-    command, options = stereo_command(args)
+    command, options = stereo_command(args, masks)
     program = programs.colmap if args.stereo == "colmap" else programs.tsar
 
     def action(step):
@@ -74,21 +81,23 @@ def make_maps(scene, args, programs):
         step.run(program, command, "--workspace_path", dense, *as_words(options))
 
     scene.step("stereo", action, outputs=[dense / "stereo" / "depth_maps"], removes=False,
-               resumes=True, after=["workspace"], options={
+               resumes=True, after=["workspace"], inputs=files_named_by(options), options={
                    "stereo": args.stereo, "options": options, **programs.versions})
 
 
-def fusion_options(args):
+def fusion_options(args, masks):
     """What differs from COLMAP's defaults, name by value."""
     options = dict(FUSIONS[args.fusion])
     if args.min_num_pixels is not None:
         options["min_num_pixels"] = args.min_num_pixels
     options = {f"StereoFusion.{name}": value for name, value in options.items()}
+    if masks:
+        options["StereoFusion.mask_path"] = str(masks)
     return {**options, **args.passed.get("stereo_fusion", {})}
 
 
-def fuse(scene, args, programs, name, workspace, input_type, cloud, inputs=(), **key):
-    options = fusion_options(args)
+def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, inputs=(), **key):
+    options = fusion_options(args, masks)
 
     def action(step):
         part = scene.folder / f"part.{cloud}"
@@ -106,32 +115,33 @@ def fuse(scene, args, programs, name, workspace, input_type, cloud, inputs=(), *
                inputs=[*inputs, *files_named_by(options)], **key)
 
 
-def refine(scene, args, programs, input_type, **key):
-    options = {"TsarRefine.preset": args.preset, **args.passed.get("tsar_refine", {})}
+def refine(scene, args, programs, input_type, masks, inputs=(), **key):
+    options = {"TsarRefine.preset": args.preset, **args.passed.get("tsar_refine", {}),
+               **mask_options(masks)}
     scene.step(
         "refinement", lambda step: step.run(
             programs.tsar, "tsar_refine", "--workspace_path", scene.folder / WORKSPACE,
             "--output_path", scene.folder / REFINED, "--input_type", input_type,
             *as_words(options)),
-        outputs=[REFINED], resumes=True,
+        outputs=[REFINED], resumes=True, inputs=[*inputs, *files_named_by(options)],
         options={"type": input_type, "options": options,
                  "colmap_tsar": programs.versions["colmap_tsar"]}, **key)
 
 
-def reconstruct(scene, args, programs):
+def reconstruct(scene, args, programs, masks=None):
     """Depth maps, refinement and the clouds before.ply and after.ply from the
-    scene's workspace."""
+    scene's workspace. masks: the folder with those of its images."""
     dense = scene.folder / WORKSPACE
-    make_maps(scene, args, programs)
+    make_maps(scene, args, programs, masks)
     # Maps that were put there by hand are inputs; others belong to their step.
     inputs = [dense / "stereo" / f for f in ("depth_maps", "normal_maps")]
     origin = {"after": ["workspace", "stereo"], "inputs": inputs if args.stereo == "none" else []}
     geometric = any(".geometric." in path.name for path in maps_of(dense))
     input_type = "geometric" if geometric else "photometric"
-    fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", **origin)
-    refine(scene, args, programs, input_type, **origin)
+    fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", masks, **origin)
+    refine(scene, args, programs, input_type, masks, **origin)
     fuse(scene, args, programs, "fusion_after", scene.folder / REFINED, input_type, "after.ply",
-         after=["refinement"])
+         masks, after=["refinement"])
 
 
 def evaluate(step, programs, cloud, project, output, options):

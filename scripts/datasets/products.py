@@ -7,9 +7,9 @@ import os
 import re
 
 import ply
-from dense import REFINED
+from dense import REFINED, mask_options
 from files import DatasetError
-from programs import as_words
+from programs import as_words, files_named_by
 from steps import remove
 
 MESHES = ("poisson", "delaunay")
@@ -88,9 +88,9 @@ def with_cloud(scene):
     return workspace
 
 
-def make_export(scene, args, programs, form):
+def make_export(scene, args, programs, form, masks):
     name = f"export_{form}"
-    options = {}
+    options = mask_options(masks)
     if form == "png16" and args.depth_scale is not None:
         options["depth_scale"] = args.depth_scale
 
@@ -105,10 +105,11 @@ def make_export(scene, args, programs, form):
                 scene.say(line.strip())
 
     scene.step(name, action, outputs=[name], removes=False, after=["refinement"],
+               inputs=files_named_by(options),
                options={**options, "colmap_tsar": programs.versions["colmap_tsar"]})
 
 
-def make_products(scene, args, programs):
+def make_products(scene, args, programs, masks):
     """Those that are asked for. Others of former runs stay while they are of the
     same cloud; so do exports, in which a trainer may have left its files."""
     for kind in MESHES:
@@ -119,4 +120,4 @@ def make_products(scene, args, programs):
     for kind in args.mesh:
         make_mesh(scene, args, programs, kind)
     for form in args.export:
-        make_export(scene, args, programs, form)
+        make_export(scene, args, programs, form, masks)

@@ -9,6 +9,7 @@ import ply
 from command_line import FUSIONS, add_options, new_parser, run_main
 from features import extract_features, match_features
 from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
+from masks import find_masks, undistort_masks
 from model import read_images
 from products import (add_product_options, check_products, make_products, product_commands,
                       product_steps)
@@ -29,6 +30,7 @@ PNG). The steps:
                       exhaustive_matcher, or the one of --matcher)
   sparse              camera poses (mapper); of several models the largest
   workspace           images without lens distortion (image_undistorter)
+  masks               the same of the masks, with --mask_path
   stereo              a depth map of each image (patch_match_stereo, or tsar_stereo
                       where COLMAP has no CUDA or there is no NVIDIA GPU)
   fusion_before       the cloud of these maps (stereo_fusion), to compare with
@@ -45,6 +47,7 @@ What comes out:
   OUTPUT/export_FORMAT/
   OUTPUT/sparse/                 the model of the photos
   OUTPUT/dense/, refined/        dense workspaces with the maps before and after
+  OUTPUT/masks/                  masks of the undistorted images
   OUTPUT/logs/                   what the programs printed, one file per step"""
 
 EPILOG = """\
@@ -60,6 +63,10 @@ With other options, the steps that depend on them are done again, and no others.
   a video: two frames per second, each compared with the next ones
     ffmpeg -i video.mp4 -r 2 -qscale:v 2 frames/%05d.jpg
     scripts/reconstruct.sh frames out --matcher sequential
+
+  without people and cars: masks as COLMAP takes them, that of photos/a.jpg being
+  masks/a.jpg.png, black where the photo is to be ignored
+    scripts/reconstruct.sh photos out --mask_path masks
 
   less, but surer points; and planes that are found in each image on its own
     scripts/reconstruct.sh photos out --StereoFusion.min_num_pixels 8 \\
@@ -155,13 +162,14 @@ def camera_options(scene, photos, names, passed):
     return {"ImageReader.single_camera": 1, **passed}
 
 
-def make_sparse(scene, args, programs, photos, names):
-    """Features, matches, poses; returns the number of images with poses."""
+def make_sparse(scene, args, programs, photos, names, masks):
+    """Features, matches, poses; returns the names of the images with poses."""
     passed = lambda command: args.passed.get(command, {})
     matcher = matcher_of(args)
     mapper = {"Mapper.min_model_size": MIN_PHOTOS, **passed("mapper")}
     tree = {"VocabTreeMatching.vocab_tree_path": args.vocab_tree} if args.vocab_tree else {}
-    cameras = camera_options(scene, photos, names, passed("feature_extractor"))
+    reader = {"ImageReader.mask_path": str(masks)} if masks else {}
+    cameras = camera_options(scene, photos, names, {**reader, **passed("feature_extractor")})
     extract_features(scene, programs, photos, names, options=cameras)
     advice = ADVICE[matcher]
     if "ImageReader.single_camera" not in cameras:
@@ -178,7 +186,15 @@ def make_sparse(scene, args, programs, photos, names):
     scene.say(f"{len(found)} of {len(names)} photos have a pose"
               + (f"; left out: {some}" if missing else "")
               + (f". For more: {advice}" if 2 * len(found) < len(names) else ""))
-    return len(found)
+    return found
+
+
+def make_masks(scene, programs, folder, names, size):
+    """The masks of the undistorted images, or None where there are none. names:
+    photos that have a mask and a pose."""
+    if folder and not names:
+        scene.say("no photo with a mask has a pose: going on without masks")
+    return undistort_masks(scene, programs, folder, names, size) if names else None
 
 
 def reconstruct(args, programs):
@@ -187,20 +203,25 @@ def reconstruct(args, programs):
     photos = pathlib.Path(args.photos).resolve()
     output = pathlib.Path(args.output).resolve()
     names = read_photos(photos, output)
+    masks = pathlib.Path(args.mask_path).resolve() if args.mask_path else None
+    masked = find_masks(masks, photos, output, names) if masks else []
     check_matcher(args, programs, len(names), lambda text: print(text, flush=True))
     check_products(args, programs)
     scene = dense.Scene(output.name, output, plan=[
-        "features", "matches", "sparse", "workspace", *(["stereo"] if args.stereo != "none" else []),
+        "features", "matches", "sparse", "workspace", *(["masks"] if masks else []),
+        *(["stereo"] if args.stereo != "none" else []),
         "fusion_before", "refinement", "fusion_after", "report", *product_steps(args)])
     warn_of_long_stereo(scene, args, programs, photos, names)
-    take_fewer_views(args, make_sparse(scene, args, programs, photos, names))
+    found = make_sparse(scene, args, programs, photos, names, masks)
+    take_fewer_views(args, len(found))
     size = {"max_image_size": args.undistorted_size} if args.undistorted_size else {}
     dense.make_workspace(
         scene, lambda step: undistort(step, programs, photos, scene.folder / "sparse", size),
         after=["sparse"], options={**size, "colmap": programs.versions["colmap"]})
-    dense.reconstruct(scene, args, programs)
+    dense_masks = make_masks(scene, programs, masks, [n for n in masked if n in found], size)
+    dense.reconstruct(scene, args, programs, dense_masks)
     make_report(scene, programs)
-    make_products(scene, args, programs)
+    make_products(scene, args, programs, dense_masks)
     summarize(scene, args)
 
 
@@ -250,6 +271,12 @@ def main():
         "video; vocab_tree, each with those that look alike")
     parser.add_argument("--vocab_tree", metavar="FILE",
                         help="vocabulary tree of --matcher vocab_tree, which COLMAP before 3.12 needs")
+    parser.add_argument("--mask_path", metavar="MASKS",
+                        help="folder with masks of the photos: that of PHOTOS/a/b.jpg is "
+                        "MASKS/a/b.jpg.png, of the same size, black where the photo is to be "
+                        "ignored, by features as well as by depth maps and clouds. Photos without "
+                        "one are used as a whole. Masks get gray borders when they are "
+                        "undistorted, and gray is not masked: draw them some pixels too wide")
     parser.add_argument("--undistorted_size", type=int, metavar="PIXELS",
                         help="longer side of the undistorted images (default: as the photos)")
     add_options(parser, "OUTPUT")

@@ -1,65 +1,15 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/report/debug_pictures.h"
 
-#include <csignal>
+#include <map>
 
-#include "tests/cli/captured_run.h"
+#include "tests/cli/tsar_refine_fixture.h"
 #include "tests/support/mask_files.h"
-#include "tests/support/synthetic_workspace.h"
-#include "tests/support/test_workspace.h"
-#include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
-
-Outcome RunRefine(const std::vector<std::string>& arguments) {
-  return RunCaptured("colmap", arguments, [](int argc, char** argv) {
-    return RunCommand(&RunTsarRefine, argc, argv);
-  });
-}
-
-class TsarRefineTest : public testing::Test {
- protected:
-  void SetUp() override { MakeSyntheticWorkspace(root_); }
-
-  Outcome Run(std::vector<std::string> arguments) const {
-    for (const std::string& argument : {std::string("--workspace_path"),
-                                        root_.string(),
-                                        std::string("--TsarRefine.device"),
-                                        std::string("cpu")}) {
-      arguments.push_back(argument);
-    }
-    return RunRefine(arguments);
-  }
-
-  // Expects exit code 1, one line with these texts, and no file changed.
-  void ExpectFailure(const std::vector<std::string>& arguments,
-                     const std::vector<std::string>& texts) const {
-    const auto before = ReadTree(folder_.Path());
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_EQ(outcome.err.find("ERROR: "), 0u) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
-    for (const std::string& text : texts) {
-      EXPECT_THAT(outcome.err, testing::HasSubstr(text));
-    }
-    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
-  }
-
-  nlohmann::json UsedOptions() const {
-    return nlohmann::json::parse(
-        ReadText(root_ / "stereo/tsar/manifest.json"))["options"];
-  }
-
-  TemporaryFolder folder_;
-  const std::filesystem::path root_ = folder_.Path() / "dense";
-};
 
 TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   const auto before = ReadTree(root_);
@@ -179,88 +129,6 @@ TEST_F(TsarRefineTest, WritesASecondWorkspace) {
       folder_.Path() / "out/stereo/depth_maps/left/v2.png.photometric.bin"));
 }
 
-// What refinement writes for others to read.
-std::map<std::string, std::string> ReadMaps(const std::filesystem::path& root) {
-  std::map<std::string, std::string> maps;
-  for (const char* folder : {"depth_maps",
-                             "normal_maps",
-                             "confidence_maps",
-                             "sigma_maps",
-                             "provenance_maps"}) {
-    for (const auto& [path, content] : ReadTree(root / "stereo" / folder)) {
-      maps[std::string(folder) + "/" + path] = content;
-    }
-  }
-  return maps;
-}
-
-TEST_F(TsarRefineTest, PicturesOfAllStagesChangeNoMap) {
-  EXPECT_EQ(Run({}).exit_code, 0);
-  const auto maps = ReadMaps(root_);
-  ASSERT_FALSE(maps.empty());
-  // Images that were done before are done again, for their pictures.
-  const std::filesystem::path debug = folder_.Path() / "debug";
-  const Outcome drawn = Run({"--TsarRefine.debug_path", debug.string()});
-  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-  EXPECT_THAT(drawn.out, testing::HasSubstr("4 images: 4 refined\n"));
-  EXPECT_TRUE(ReadMaps(root_) == maps);
-  for (const std::string& image : SyntheticWorkspace::Names()) {
-    for (const RefineStageInfo& info : RefineStages()) {
-      const auto path = DebugPicturePath(debug, image, info.stage);
-      EXPECT_FALSE(cv::imread(path.string()).empty()) << path;
-    }
-  }
-  EXPECT_THAT(Run({}).out, testing::HasSubstr("4 done before"));
-}
-
-TEST_F(TsarRefineTest, StagesThatAreOffHaveNoPictures) {
-  const std::filesystem::path debug = folder_.Path() / "debug";
-  const Outcome drawn = Run({"--TsarRefine.debug_path",
-                             debug.string(),
-                             "--TsarRefine.scene_planes",
-                             "0",
-                             "--TsarRefine.view_agreement",
-                             "0"});
-  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
-  for (const RefineStageInfo& info : RefineStages()) {
-    const bool is_off = info.stage == RefineStage::kAgreement ||
-                        info.stage == RefineStage::kSceneLabels ||
-                        info.stage == RefineStage::kLabelEvidence ||
-                        info.stage == RefineStage::kScenePlanes;
-    EXPECT_NE(std::filesystem::exists(
-                  DebugPicturePath(debug, "left/v2.png", info.stage)),
-              is_off)
-        << info.name;
-  }
-}
-
-TEST_F(TsarRefineTest, APathForPicturesThatIsNoFolderIsOneLine) {
-  WriteText(folder_.Path() / "file", "");
-  ExpectFailure({"--TsarRefine.debug_path", (folder_.Path() / "file").string()},
-                {"file"});
-}
-
-TEST_F(TsarRefineTest, PicturesGoWhereNothingElseIs) {
-  ExpectFailure({"--TsarRefine.debug_path", (root_ / "images").string()},
-                {"folder images", "--TsarRefine.debug_path"});
-  ExpectFailure({"--TsarRefine.debug_path", root_.string()}, {"no picture"});
-  const auto debug = folder_.Path() / "debug";
-  WriteText(debug / "v0.png/thesis.tex", "years of work");
-  ExpectFailure({"--TsarRefine.debug_path", debug.string()},
-                {"v0.png/thesis.tex", "no picture"});
-}
-
-TEST_F(TsarRefineTest, ShardsDrawNoPictures) {
-  const auto debug = folder_.Path() / "debug";
-  ExpectFailure({"--TsarRefine.debug_path",
-                 debug.string(),
-                 "--TsarRefine.shard",
-                 "0/2",
-                 "--TsarRefine.pass",
-                 "observe"},
-                {"TsarRefine.debug_path", "shards"});
-}
-
 TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   const std::map<std::string, std::string> paper =
       RefineOptionsText(RefineOptions::Paper());
@@ -374,26 +242,6 @@ TEST(TsarRefine, HelpTeaches) {
     EXPECT_THAT(outcome.out,
                 testing::HasSubstr("--TsarRefine." + field.name + " "));
   }
-}
-
-TEST(Interruption, CatchesTheFirstSignal) {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    const Interruption interruption;
-    EXPECT_FALSE(interruption.Requested());
-    std::raise(signal);
-    EXPECT_TRUE(interruption.Requested());
-  }
-}
-
-TEST(InterruptionDeathTest, TheSecondSignalEndsTheProgram) {
-  EXPECT_EXIT(
-      {
-        const Interruption interruption;
-        std::raise(SIGINT);
-        std::raise(SIGINT);
-      },
-      testing::KilledBySignal(SIGINT),
-      "");
 }
 
 }  // namespace

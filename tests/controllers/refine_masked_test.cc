@@ -249,7 +249,11 @@ TEST_F(RefineMaskedTest, ShardsSeeTheSameMasks) {
               {"its mask has changed since it was observed"},
               [&] { Refine(without); });
   run("compose", "1/2");
-  run("merge", "");
+  // Also where it is merged without them.
+  WorkspaceRefineOptions merge = Options(root_);
+  merge.pass = RefinePass::kMerge;
+  EXPECT_EQ(Refine(merge).num_masks, 2);
+  EXPECT_EQ(Manifest()["runtime"]["masks"], "2");
   ExpectSameFiles(MapsOf(root_), whole);
 }
 

@@ -68,13 +68,15 @@ void ExpectColumn(const std::vector<ModelCylinder>& found,
   ASSERT_EQ(found.size(), 1u);
   const ModelCylinder& cylinder = found[0];
   EXPECT_NEAR(cylinder.radius, column.radius, tolerance);
-  EXPECT_NEAR(std::abs(cylinder.along.dot(rotation * Eigen::Vector3d::UnitZ())),
-              1.0,
-              1e-9);
+  EXPECT_NEAR(
+      std::abs(cylinder.frame.along.dot(rotation * Eigen::Vector3d::UnitZ())),
+      1.0,
+      1e-9);
   const Eigen::Vector3d point = rotation.transpose() * cylinder.point;
   EXPECT_NEAR(point.x(), column.center.x(), tolerance);
   EXPECT_NEAR(point.y(), column.center.y(), tolerance);
-  const double sign = cylinder.along.dot(rotation * Eigen::Vector3d::UnitZ());
+  const double sign =
+      cylinder.frame.along.dot(rotation * Eigen::Vector3d::UnitZ());
   const double bottom = point.z() + sign * cylinder.min_height;
   const double top = point.z() + sign * cylinder.max_height;
   EXPECT_NEAR(std::min(bottom, top), column.bottom, 0.06);
@@ -107,7 +109,8 @@ DrawnScene TwoStoreys() {
 void SortByHeight(std::vector<ModelCylinder>* cylinders) {
   // Heights are along any of the two directions of the axis.
   const auto height = [](const ModelCylinder& cylinder) {
-    return cylinder.along.z() * (cylinder.min_height + cylinder.max_height);
+    return cylinder.frame.along.z() *
+           (cylinder.min_height + cylinder.max_height);
   };
   std::sort(
       cylinders->begin(), cylinders->end(), [&](const auto& a, const auto& b) {

@@ -7,9 +7,11 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import unittest
+import zlib
 
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
 PROGRAM = os.environ["TSAR_PROGRAM"]
@@ -127,6 +129,18 @@ def make_tanks_and_temples(sample, scene, with_poses=True, truth_from_world=None
         (scene / f"{scene.name}.json").write_text(json.dumps(
             {"axis_max": high[2], "axis_min": low[2], "bounding_polygon": polygon,
              "class_name": "SelectionPolygonVolume", "orthogonal_axis": "Z"}))
+
+
+def write_gray_png(path, pixels):
+    """pixels: height x width, 8 bits."""
+    pixels = np.asarray(pixels, np.uint8)
+    chunk = lambda kind, content: (struct.pack(">I", len(content)) + kind + content
+                                   + struct.pack(">I", zlib.crc32(kind + content)))
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(
+        b"IHDR", struct.pack(">IIBBBBB", pixels.shape[1], pixels.shape[0], 8, 0, 0, 0, 0))
+        + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
 class FolderTest(unittest.TestCase):

@@ -7,10 +7,13 @@ import json
 import subprocess
 import unittest
 
-from dataset_testing import COLMAP, PROGRAM, REPOSITORY, DatasetTest, vertex_count
+from dataset_testing import (COLMAP, PROGRAM, REPOSITORY, DatasetTest, vertex_count,
+                             write_gray_png)
 from stand_in_testing import StandInTest
 
+import numpy as np
 import ply
+from files import image_size
 
 
 class ProductsTest(StandInTest):
@@ -66,11 +69,17 @@ class PhotosTest(DatasetTest):
     def test_from_photos_to_mesh_and_export(self):
         photos, output = self.folder / "photos", self.folder / "out"
         self.sample.copy_images(photos)
+        masked = self.sample.names[0]
+        width, height = image_size(photos / masked)
+        mask = np.full((height, width), 255)
+        mask[:, :width // 4] = 0
+        write_gray_png(self.folder / "masks" / f"{masked}.png", mask)
         result = subprocess.run(
             [str(part) for part in (
                 REPOSITORY / "scripts" / "reconstruct.sh", photos, output, "--colmap", COLMAP,
                 "--colmap_tsar", PROGRAM, "--stereo", "tsar", "--max_image_size", 64,
                 "--ImageReader.single_camera", 1, "--StereoFusion.min_num_pixels", 3,
+                "--mask_path", self.folder / "masks",
                 "--PoissonMeshing.depth", 6, "--mesh", "--export", "npy")],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.assertEqual(result.returncode, 0, result.stdout)
@@ -83,6 +92,12 @@ class PhotosTest(DatasetTest):
         manifest = json.loads((output / "export_npy" / "manifest.json").read_text())
         self.assertEqual(sorted(i["name"] for i in manifest["images"]), self.sample.names)
         self.assertTrue((output / "report" / "index.html").is_file())
+        path = output / "refined" / "stereo" / "depth_maps" / f"{masked}.geometric.bin"
+        width, height, _, values = path.read_bytes().split(b"&", 3)
+        depth = np.frombuffer(values, "<f4").reshape(int(height), int(width))
+        border = int(width) // 4
+        self.assertFalse(depth[:, :border - 2].any())
+        self.assertTrue(depth[:, border + 2:].any())
 
 
 if __name__ == "__main__":

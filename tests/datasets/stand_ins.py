@@ -85,6 +85,7 @@ def mapper(given):
         model.mkdir()
         (model / "images.txt").write_text("".join(
             f"{i} 1 0 0 0 {i} 0 0 1 {name}\n\n" for i, name in enumerate(names[:int(size)], 1)))
+        (model / "cameras.txt").write_text("1 PINHOLE 16 12 9 9 8 6\n")
         (model / "points3D.txt").write_text("1 0 0 0\n" * (20 + len(names)))
 
 

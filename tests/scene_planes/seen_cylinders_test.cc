@@ -127,8 +127,8 @@ TEST(SeenCylindersTest, KnowsHowItsErrorsMoveDepths) {
     double variance = 0.0;
     for (int i = 0; i < 3; ++i) {
       ModelCylinder moved = cylinder;
-      moved.point +=
-          root(0, i) * cylinder.across + root(1, i) * cylinder.Third();
+      moved.point += root(0, i) * cylinder.frame.across +
+                     root(1, i) * cylinder.frame.Third();
       moved.radius += root(2, i);
       Cylinder::Intersection other;
       ASSERT_TRUE(

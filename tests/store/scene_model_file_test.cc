@@ -41,8 +41,8 @@ void ExpectSamePlanes(const SceneModel& a, const SceneModel& b) {
   ASSERT_EQ(a.cylinders.size(), b.cylinders.size());
   for (size_t i = 0; i < a.cylinders.size(); ++i) {
     EXPECT_EQ(a.cylinders[i].point, b.cylinders[i].point);
-    EXPECT_EQ(a.cylinders[i].along, b.cylinders[i].along);
-    EXPECT_EQ(a.cylinders[i].across, b.cylinders[i].across);
+    EXPECT_EQ(a.cylinders[i].frame.along, b.cylinders[i].frame.along);
+    EXPECT_EQ(a.cylinders[i].frame.across, b.cylinders[i].frame.across);
     EXPECT_EQ(a.cylinders[i].radius, b.cylinders[i].radius);
     EXPECT_EQ(a.cylinders[i].min_height, b.cylinders[i].min_height);
     EXPECT_EQ(a.cylinders[i].max_height, b.cylinders[i].max_height);
@@ -154,8 +154,11 @@ TEST_F(SceneModelFileTest, RefusesToWriteWhatItWouldNotRead) {
           {"no rotation", [](auto* m) { m->frames[0].col(0) *= -1.0; }},
           {"no rotation", [](auto* m) { m->frames[0](0, 0) = kNan; }},
           {"directions",
-           [](auto* m) { m->cylinders[0].across = m->cylinders[0].along; }},
-          {"directions", [](auto* m) { m->cylinders[0].along.x() = kNan; }},
+           [](auto* m) {
+             m->cylinders[0].frame.across = m->cylinders[0].frame.along;
+           }},
+          {"directions",
+           [](auto* m) { m->cylinders[0].frame.along.x() = kNan; }},
           {"place or size", [](auto* m) { m->cylinders[0].point.y() = kNan; }},
           {"place or size", [](auto* m) { m->cylinders[0].radius = 0; }},
           {"place or size", [](auto* m) { m->cylinders[0].radius = kNan; }},

@@ -24,6 +24,7 @@ ShardRecord MakeRecord(int index) {
   record.count = 3;
   record.is_complete = true;
   record.runtime = {{"host", "here"}};
+  record.num_masks = index;
   record.images = {
       {"a.png", State::kObserved, {{"camera", "e"}, {"maps", "f"}}, ""},
       {"left/b.png", State::kNothing, {{"maps", "none"}}, ""},
@@ -53,6 +54,7 @@ TEST(ShardRecordTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(read.count, 3);
   EXPECT_TRUE(read.is_complete);
   EXPECT_EQ(read.runtime, written.runtime);
+  EXPECT_EQ(read.num_masks, 2);
   ASSERT_EQ(read.images.size(), written.images.size());
   for (size_t i = 0; i < read.images.size(); ++i) {
     EXPECT_EQ(read.images[i].image, written.images[i].image);
@@ -60,6 +62,19 @@ TEST(ShardRecordTest, GivesBackWhatWasWritten) {
               static_cast<int>(written.images[i].state));
     EXPECT_EQ(read.images[i].inputs, written.images[i].inputs);
     EXPECT_EQ(read.images[i].note, written.images[i].note);
+  }
+}
+
+TEST(ShardRecordTest, NoMasksAreNotTheSameAsNoneOfItsImages) {
+  const TemporaryFolder folder;
+  ShardRecord record = MakeRecord(0);
+  for (const std::optional<int64_t>& num_masks :
+       {std::optional<int64_t>(0), std::optional<int64_t>()}) {
+    record.num_masks = num_masks;
+    WriteShardRecord(folder.Path(), record);
+    EXPECT_EQ(
+        ReadShardRecord(GetShardPath(folder.Path(), "observe", 0, 3)).num_masks,
+        num_masks);
   }
 }
 
@@ -73,8 +88,11 @@ TEST(ShardRecordTest, BrokenFilesAreErrorsThatNameThem) {
   ASSERT_NE(state, std::string::npos);
   const size_t count = text.find("\"count\": 3");
   ASSERT_NE(count, std::string::npos);
+  const size_t masks = text.find("\"num_masks\": 0");
+  ASSERT_NE(masks, std::string::npos);
   for (const std::string& broken :
-       {text.substr(0, count) + "\"count\": 4" + text.substr(count + 10),
+       {text.substr(0, masks) + "\"num_masks\": []" + text.substr(masks + 14),
+        text.substr(0, count) + "\"count\": 4" + text.substr(count + 10),
         std::string(),
         std::string("{}"),
         std::string("[1]"),

@@ -52,8 +52,8 @@ inline SceneModel MakeSceneModel() {
   model.planes[1].axis = 1;
   ModelCylinder cylinder;
   cylinder.point = {1, -2, 3e5};
-  cylinder.along = model.frames[0].col(2);
-  cylinder.across = model.frames[0].col(0);
+  cylinder.frame.along = model.frames[0].col(2);
+  cylinder.frame.across = model.frames[0].col(0);
   cylinder.radius = 0.25;
   cylinder.min_height = -1.5;
   cylinder.max_height = 2.5;

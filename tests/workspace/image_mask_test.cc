@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/support/mask_files.h"
+#include "tests/support/png_files.h"
 #include "tests/support/test_workspace.h"
 #include <opencv2/imgproc.hpp>
 
@@ -44,8 +45,7 @@ class ImageMaskTest : public testing::Test {
     for (const auto& look :
          {+[](const fs::path& path) { ReadImageMask(path, kSizes); },
           +[](const fs::path& path) { CheckImageMask(path, kSizes); }}) {
-      ExpectError(
-          code, {path_.string() + ": the mask " + text}, [&] { look(path_); });
+      ExpectError(code, {path_.string() + ": " + text}, [&] { look(path_); });
     }
   }
   // The bytes of a good mask.
@@ -138,7 +138,7 @@ TEST_F(ImageMaskTest, HasTheSizeOfTheImageOrOfItsMaps) {
        {std::pair(6, 8), std::pair(8, 3), std::pair(16, 12)}) {
     write(width, height);
     ExpectRefused(ErrorCode::kMismatch,
-                  "has " + std::to_string(width) + " x " +
+                  "the mask has " + std::to_string(width) + " x " +
                       std::to_string(height) +
                       " pixels, its undistorted image 8 x 6, and its maps 4 x "
                       "3; masks of the photos do not fit: undistort them with "
@@ -152,18 +152,22 @@ TEST_F(ImageMaskTest, HasTheSizeOfTheImageOrOfItsMaps) {
 TEST_F(ImageMaskTest, OtherFilesAreRefused) {
   const std::string png = WriteGoodMask();
   for (const std::string& bytes :
-       {std::string(), std::string("mask"), std::string("\xff\xd8\xff\xe0 ")}) {
+       {std::string("mask"), std::string("\xff\xd8\xff\xe0 ")}) {
     WriteText(path_, bytes);
-    ExpectRefused(ErrorCode::kCorrupt, "is no PNG file; write it as");
+    ExpectRefused(ErrorCode::kCorrupt, "the mask is no PNG file; write it as");
   }
   WriteText(path_, png.substr(0, 20));
-  ExpectRefused(ErrorCode::kCorrupt, "is damaged: its header is not whole");
+  ExpectRefused(ErrorCode::kCorrupt,
+                "the mask is damaged: its header is not whole");
   ASSERT_TRUE(cv::imwrite(path_.string(), cv::Mat(6, 8, CV_16UC1)));
-  ExpectRefused(ErrorCode::kUnsupported, "has 16 bits per channel; write it");
+  ExpectRefused(ErrorCode::kUnsupported,
+                "the mask has 16 bits per channel; write it");
+  WriteText(path_, "");
+  ExpectRefused(ErrorCode::kCorrupt, "the file is empty; write it as");
   fs::remove(path_);
-  ExpectRefused(ErrorCode::kNotFound, "cannot be read (");
+  ExpectRefused(ErrorCode::kNotFound, "no such mask; write it as");
   fs::create_directory(path_);
-  ExpectRefused(ErrorCode::kIo, "cannot be read (");
+  ExpectRefused(ErrorCode::kIo, "the mask cannot be read: it is a ");
 }
 
 TEST_F(ImageMaskTest, DamageNeverGivesAnotherMask) {
@@ -192,6 +196,17 @@ TEST_F(ImageMaskTest, DamageNeverGivesAnotherMask) {
   }
   EXPECT_FALSE(expect_refused_or_whole(png + "more"));
   CheckImageMask(path_, kSizes);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_F(ImageMaskTest, ABrokenStreamUnderRightChecksumsIsOneError) {
+  WriteText(path_, PngWithBrokenStream(8, 6));
+  CheckImageMask(path_, kSizes);
+  testing::internal::CaptureStderr();
+  ExpectError(ErrorCode::kCorrupt,
+              {path_.string() + ": the mask is damaged: its pixels cannot be "
+                                "decompressed; write it again"},
+              [&] { ReadImageMask(path_, kSizes); });
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "tests/support/photo_files.h"
+#include "tests/support/png_files.h"
 #include "tests/support/test_workspace.h"
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -169,6 +170,14 @@ TEST_F(PhotoTest, ChecksumsShowEveryBit) {
     }
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   }
+}
+
+TEST_F(PhotoTest, ChecksumsOfPngDoNotVouchForItsPixels) {
+  testing::internal::CaptureStderr();
+  ExpectRefused({"photo.png", "", false, false},
+                PngWithBrokenStream(64, 48),
+                "the image is damaged: its pixels cannot be decompressed");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 // Whatever is damaged, it is a line or a picture, and no crash.

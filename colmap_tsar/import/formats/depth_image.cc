@@ -3,9 +3,11 @@
 
 #include "colmap_tsar/import/formats/depth_image.h"
 
+#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/import/formats/npy.h"
 #include "colmap_tsar/import/formats/pfm.h"
 #include "colmap_tsar/import/formats/picture_header.h"
+#include "colmap_tsar/workspace/png_chunks.h"
 #include "colmap_tsar/workspace/tiff_strips.h"
 
 #include <algorithm>
@@ -27,19 +29,6 @@ std::string LowerExtension(const std::filesystem::path& path) {
                  extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   return extension;
-}
-
-cv::Mat Decode(std::span<const uint8_t> bytes) {
-  // Decoding only reads.
-  const cv::Mat buffer(1,
-                       static_cast<int>(bytes.size()),
-                       CV_8UC1,
-                       const_cast<uint8_t*>(bytes.data()));
-  try {
-    return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return {};
-  }
 }
 
 bool HasThreeEqualChannels(const FloatMap& map) {
@@ -67,17 +56,20 @@ void KeepFirstChannel(FloatMap* map) {
   map->channels = 1;
 }
 
-DepthImage DecodePicture(std::span<const uint8_t> bytes,
-                         const std::string& extension,
-                         const std::string& name) {
+DepthImage ParsePicture(std::span<const uint8_t> bytes,
+                        const std::string& extension,
+                        const std::string& name) {
   constexpr size_t kMaxBytes = size_t{1} << 31;
   const ByteReader reader(bytes, name);
   if (bytes.empty() || bytes.size() >= kMaxBytes) {
     throw reader.Corrupt(bytes.empty() ? "the file is empty"
                                        : "the file is too large for a picture");
   }
+  std::vector<uint8_t> critical_chunks;
   if (extension == ".png") {
     CheckPng(bytes, name);
+    critical_chunks = KeepCriticalChunks(bytes);
+    bytes = critical_chunks;
   } else if (extension == ".exr") {
     CheckExr(bytes, name);
     // Builds of OpenCV that hold OpenEXR may still ask for leave.
@@ -88,7 +80,7 @@ DepthImage DecodePicture(std::span<const uint8_t> bytes,
       throw reader.Corrupt("the TIFF file is damaged: " + defect);
     }
   }
-  const cv::Mat pixels = Decode(bytes);
+  const cv::Mat pixels = DecodePicture(bytes, cv::IMREAD_UNCHANGED);
   if (pixels.empty() && extension == ".exr" &&
       !cv::haveImageWriter("depth.exr")) {
     throw Error::File(ErrorCode::kUnsupported,
@@ -150,7 +142,7 @@ DepthImage ParseDepthImage(std::span<const uint8_t> bytes,
     NpyArray array = ParseNpy(bytes, path.string());
     return {std::move(array.map), array.is_integer};
   }
-  return DecodePicture(bytes, extension, path.string());
+  return ParsePicture(bytes, extension, path.string());
 }
 
 }  // namespace tsar

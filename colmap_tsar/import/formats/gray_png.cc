@@ -5,8 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/import/formats/byte_reader.h"
 #include "colmap_tsar/import/formats/picture_header.h"
+#include "colmap_tsar/workspace/png_chunks.h"
 
 #include <string>
 #include <vector>
@@ -31,12 +33,10 @@ Image<T> ReadGray(const std::filesystem::path& path) {
   try {
     const PngKind kind = CheckPngFrame(bytes, path.string());
     if (kind.num_bits == kNumBits && kind.is_gray) {
-      pixels = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+      pixels = DecodePicture(KeepCriticalChunks(bytes), cv::IMREAD_UNCHANGED);
     }
   } catch (const Error&) {
-    // The header breaks the format.
-  } catch (const cv::Exception&) {
-    pixels.release();
+    // It breaks the format.
   }
   if (pixels.empty() || pixels.type() != cv::DataType<T>::type) {
     throw Error::File(ErrorCode::kCorrupt,

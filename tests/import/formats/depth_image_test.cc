@@ -10,6 +10,7 @@
 
 #include "tests/import/external_writers.h"
 #include "tests/import/formats/format_readers.h"
+#include "tests/support/png_files.h"
 #include "tests/support/test_workspace.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -67,6 +68,20 @@ TEST(DepthImage, RefusesPngHeadersThatNoFileCanHold) {
   ExpectError(ErrorCode::kCorrupt, {"a.png", "1048576 x 2"}, [&] {
     CheckPngFrame(AsBytes(bytes), "a.png");
   });
+}
+
+TEST(DepthImage, OddPngFilesPrintNothing) {
+  testing::internal::CaptureStderr();
+  const std::string broken = PngWithBrokenStream(8, 6, 16);
+  ExpectError(ErrorCode::kCorrupt,
+              {"a.png: the PNG file is damaged: its pixels cannot be"},
+              [&] { ParseDepthImage(AsBytes(broken), "a.png"); });
+  // A colour profile that makes no sense, behind the header.
+  std::string profiled = PngBytes(1, 1, {7});
+  profiled.insert(33, PngChunk("iCCP", "icc"));
+  EXPECT_THAT(ParseDepthImage(AsBytes(profiled), "a.png").map.values,
+              ElementsAre(7));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(DepthImage, RefusesTiffHeadersThatNoFileCanHold) {

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "tests/support/png_files.h"
 #include "tests/support/test_workspace.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -70,6 +71,12 @@ TEST_F(GrayPngTest, RefusesHostileFiles) {
     WriteText(path_, whole.substr(0, length));
     ExpectNeither(ErrorCode::kCorrupt);
   }
+  testing::internal::CaptureStderr();
+  for (const int bits : {8, 16}) {
+    WriteText(path_, PngWithBrokenStream(64, 64, bits));
+    ExpectNeither(ErrorCode::kCorrupt);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   // A width of more than two thousand million pixels.
   std::string absurd = whole;
   absurd[16] = '\x7f';

@@ -1,0 +1,128 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/commands.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/cli/captured_run.h"
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+// Runs the program with these arguments and returns what it printed.
+Outcome RunWith(const std::vector<std::string>& arguments) {
+  return RunCaptured("colmap_tsar", arguments, &RunProgram);
+}
+
+TEST(TsarEvaluate, NeedsToKnowWhatToEvaluate) {
+  const Outcome outcome = RunWith({"tsar_evaluate"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("depth or cloud"), std::string::npos);
+  EXPECT_EQ(RunWith({"tsar_evaluate", "mesh"}).exit_code, 1);
+}
+
+TEST(TsarEvaluate, HelpExplainsBothForms) {
+  EXPECT_NE(RunWith({"tsar_evaluate", "--help"}).out.find("cloud"),
+            std::string::npos);
+  EXPECT_NE(
+      RunWith({"tsar_evaluate", "depth", "--help"}).out.find("--input_type"),
+      std::string::npos);
+  EXPECT_NE(
+      RunWith({"tsar_evaluate", "cloud", "--help"}).out.find("--voxel_size"),
+      std::string::npos);
+}
+
+TEST(TsarEvaluate, CloudsHaveNoMasks) {
+  for (const std::vector<std::string>& masks :
+       {std::vector<std::string>{"--mask_path", "masks"},
+        {"--mask_path=masks"}}) {
+    std::vector<std::string> arguments = {"tsar_evaluate", "cloud"};
+    arguments.insert(arguments.end(), masks.begin(), masks.end());
+    const Outcome outcome = RunWith(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: --mask_path: masks are of images"), 0u)
+        << outcome.err;
+  }
+}
+
+TEST(TsarEvaluate, RejectsToleranceListsThatMeanNothing) {
+  for (const std::string list :
+       {"0.1,", "0.1,x", "-1", "0", "nan", "0.2,0.1", "0.1,0.1"}) {
+    const Outcome outcome = RunWith({"tsar_evaluate",
+                                     "depth",
+                                     "--workspace_path",
+                                     "nowhere",
+                                     "--tolerances=" + list});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.err.find("ERROR: --tolerances: "), 0u)
+        << list << " gave " << outcome.err;
+  }
+}
+
+// A scan of one point, and a cloud that has it and a point in front of it.
+class TsarEvaluateCloudTest : public testing::Test {
+ protected:
+  TsarEvaluateCloudTest() {
+    std::filesystem::create_directories(folder_);
+    Write("scan.mlp",
+          "<MeshLabProject><MeshGroup><MLMesh filename=\"scan.ply\">"
+          "<MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>"
+          "</MeshGroup></MeshLabProject>");
+    Write("scan.ply", kPly + "element vertex 1\n" + kXyz + "2 0 0\n");
+    Write("cloud.ply", kPly + "element vertex 2\n" + kXyz + "2 0 0\n1 0 0\n");
+  }
+  ~TsarEvaluateCloudTest() override { std::filesystem::remove_all(folder_); }
+
+  void Write(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name) << content;
+  }
+
+  Outcome Evaluate(const std::string& json) const {
+    return RunWith({"tsar_evaluate",
+                    "cloud",
+                    "--input_path",
+                    (folder_ / "cloud.ply").string(),
+                    "--ground_truth_path",
+                    (folder_ / "scan.mlp").string(),
+                    "--tolerances",
+                    "0.1",
+                    "--json",
+                    json});
+  }
+
+  const std::string kPly = "ply\nformat ascii 1.0\n";
+  const std::string kXyz =
+      "property float x\nproperty float y\nproperty float z\nend_header\n";
+  const std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) /
+      ("tsar_evaluate_" + std::to_string(getpid()));
+};
+
+TEST_F(TsarEvaluateCloudTest, PrintsJson) {
+  const Outcome outcome = Evaluate("1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["num_points"], 2);
+  EXPECT_EQ(json["num_scan_points"], 1);
+  ASSERT_EQ(json["scores"].size(), 1u);
+  EXPECT_EQ(json["scores"][0]["tolerance"], 0.1);
+  EXPECT_EQ(json["scores"][0]["completeness"], 1.0);
+  EXPECT_EQ(json["scores"][0]["accuracy"], 0.5);
+}
+
+TEST_F(TsarEvaluateCloudTest, PrintsATable) {
+  const Outcome outcome = Evaluate("0");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("2 points, 1 scan points"), std::string::npos);
+  EXPECT_NE(outcome.out.find("1.0000       0.5000       0.6667"),
+            std::string::npos)
+      << outcome.out;
+}
+
+}  // namespace
+}  // namespace tsar
