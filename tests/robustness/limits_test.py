@@ -18,7 +18,7 @@ from start_workspaces import STEREO, StartWorkspaces
 
 SEED = 20240607
 NUM_MOMENTS = 3  # Of each command at which memory runs out.
-PATIENCE = 30  # Seconds for a help that takes a tenth of one.
+PATIENCE = 5  # Seconds for a help that takes a tenth of one; too few are a larger limit.
 OUT_OF_MEMORY = "out of memory; close other programs"
 NO_THREADS = "no more threads can be started"
 
