@@ -74,7 +74,8 @@ since() { [[ $(printf '%s\n' "$1" "$version" | sort -V | head -1) == "$1" ]]; }
 # What the version needs beside the packages of install_dependencies.sh. PoseLib
 # (from 3.11 on), faiss (3.12) and the ONNX runtime (4.0), which the
 # distributions do not have, are downloaded by COLMAP's CMake. OpenBLAS, for
-# faiss, must be the one with OpenMP.
+# faiss, must be the one with OpenMP; it takes the place of the system's BLAS, so
+# who has a faiss of their own is spared it.
 install_colmap_packages() {
   local packages=(
     libboost-graph-dev
@@ -90,7 +91,10 @@ install_colmap_packages() {
     packages+=(libfreeimage-dev)
   fi
   if since 3.12; then
-    packages+=(libcurl4-openssl-dev libopenblas-openmp-dev libssl-dev)
+    packages+=(libcurl4-openssl-dev libssl-dev)
+    if [[ " ${cmake_arguments[*]} " != *" -DFETCH_FAISS=OFF "* ]]; then
+      packages+=(libopenblas-openmp-dev)
+    fi
   else
     packages+=(libboost-filesystem-dev libboost-test-dev)
   fi
