@@ -16,7 +16,16 @@
 namespace tsar {
 namespace {
 
-using MapFormatsTest = ExportTest;
+class MapFormatsTest : public ExportTest {
+ protected:
+  // The picture that the manifest names for a kind of map of an image.
+  cv::Mat ReadPicture(const nlohmann::json& entry, const char* kind) const {
+    return cv::imread(
+        (options_.output_path / entry["files"][kind].get<std::string>())
+            .string(),
+        cv::IMREAD_UNCHANGED);
+  }
+};
 
 TEST_F(MapFormatsTest, ArraysHoldThePointsOfTheWorkspace) {
   Export(ExportFormat::kNpy);
@@ -81,14 +90,8 @@ TEST_F(MapFormatsTest, ExrHoldsThePointsOfTheWorkspace) {
   for (int image = 0; image < 2; ++image) {
     const nlohmann::json entry =
         ImageEntry(Names()[static_cast<size_t>(image)]);
-    const auto read = [&](const char* kind) {
-      return cv::imread(
-          (options_.output_path / entry["files"][kind].get<std::string>())
-              .string(),
-          cv::IMREAD_UNCHANGED);
-    };
-    const cv::Mat depth = read("depth");
-    const cv::Mat normals = read("normals");
+    const cv::Mat depth = ReadPicture(entry, "depth");
+    const cv::Mat normals = ReadPicture(entry, "normals");
     ASSERT_EQ(depth.type(), CV_32FC1);
     ASSERT_EQ(normals.type(), CV_32FC3);
     const auto depth_at = [&](int x, int y) { return depth.at<float>(y, x); };
@@ -128,14 +131,8 @@ TEST_F(MapFormatsTest, PicturesOf16BitsHoldThePointsToHalfAStep) {
            maps[kind]["offset"].get<double>();
   };
   const nlohmann::json entry = ImageEntry("a.1.png");
-  const auto read = [&](const char* kind) {
-    return cv::imread(
-        (options_.output_path / entry["files"][kind].get<std::string>())
-            .string(),
-        cv::IMREAD_UNCHANGED);
-  };
-  const cv::Mat depth = read("depth");
-  const cv::Mat normals = read("normals");
+  const cv::Mat depth = ReadPicture(entry, "depth");
+  const cv::Mat normals = ReadPicture(entry, "normals");
   ASSERT_EQ(depth.type(), CV_16UC1);
   ASSERT_EQ(normals.type(), CV_16UC3);
   const auto depth_at = [&](int x, int y) { return depth.at<uint16_t>(y, x); };
@@ -152,10 +149,14 @@ TEST_F(MapFormatsTest, PicturesOf16BitsHoldThePointsToHalfAStep) {
   EXPECT_NEAR(
       value("normals", normals.at<cv::Vec<uint16_t, 3>>(2, 1)[0]), 0.0, 1e-12);
   EXPECT_NEAR(
-      value("confidence", read("confidence").at<uint8_t>(1, 1)), 0.5, 0.002);
-  EXPECT_NEAR(value("sigma", read("sigma").at<uint16_t>(1, 1)), 0.0625, 5e-6);
-  EXPECT_EQ(read("provenance").at<uint8_t>(1, 1), 4);
-  EXPECT_EQ(read("planes").at<uint16_t>(1, 1), 700);
+      value("confidence", ReadPicture(entry, "confidence").at<uint8_t>(1, 1)),
+      0.5,
+      0.002);
+  EXPECT_NEAR(value("sigma", ReadPicture(entry, "sigma").at<uint16_t>(1, 1)),
+              0.0625,
+              5e-6);
+  EXPECT_EQ(ReadPicture(entry, "provenance").at<uint8_t>(1, 1), 4);
+  EXPECT_EQ(ReadPicture(entry, "planes").at<uint16_t>(1, 1), 700);
 }
 
 TEST_F(MapFormatsTest, LeavesOutDepthsThat16BitsDoNotHold) {
