@@ -37,7 +37,7 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
     outcome.RethrowFailure();
     throw;
   }
-  RequireComplete(outcome);
+  RequireComplete(outcome, run_.catalogue.NumListed());
   // Also what a run with other options left behind.
   EvidenceStore::Clear(run_.workspace);
   if (run_.HasScenePlanes()) {

@@ -10,12 +10,16 @@ namespace tsar {
 int PipelineOutcome::NumDone() const {
   return static_cast<int>(std::count_if(
       reports.begin(), reports.end(), [](const ImageReport& report) {
-        return report.outcome != ImageReport::Outcome::kNotDone;
+        return report.outcome != ImageReport::Outcome::kNotDone &&
+               report.outcome != ImageReport::Outcome::kNotListed;
       }));
 }
 
 bool PipelineOutcome::IsComplete() const {
-  return NumDone() == static_cast<int>(reports.size());
+  return std::none_of(
+      reports.begin(), reports.end(), [](const ImageReport& report) {
+        return report.outcome == ImageReport::Outcome::kNotDone;
+      });
 }
 
 void PipelineOutcome::RethrowFailure() const {

@@ -22,8 +22,10 @@ struct PipelineOutcome {
   explicit PipelineOutcome(size_t num_images = 0)
       : reports(num_images), failures(num_images) {}
 
-  // Images that are neither failed nor left undone.
+  // Images that were to be refined, or observed, and are neither failed nor left
+  // undone.
   int NumDone() const;
+  // Whether no image is failed or left undone.
   bool IsComplete() const;
   // Throws the first failure, if there was one.
   void RethrowFailure() const;

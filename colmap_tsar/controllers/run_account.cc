@@ -24,12 +24,12 @@ std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
   return text;
 }
 
-void RequireComplete(const PipelineOutcome& outcome) {
+void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
   outcome.RethrowFailure();
   if (!outcome.IsComplete()) {
     throw Error(ErrorCode::kInterrupted,
                 "interrupted after " + std::to_string(outcome.NumDone()) +
-                    " of " + std::to_string(outcome.reports.size()) +
+                    " of " + std::to_string(num_wanted) +
                     " images; run the same command again to go on");
   }
 }

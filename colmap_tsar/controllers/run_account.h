@@ -74,7 +74,8 @@ class RunAccount {
 std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
                                                const RefineDevices& devices);
 
-// Throws the first failure or, where images are left to be done, kInterrupted.
-void RequireComplete(const PipelineOutcome& outcome);
+// Throws the first failure or, where images are left to be done, kInterrupted,
+// which tells how many of num_wanted are done.
+void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted);
 
 }  // namespace tsar

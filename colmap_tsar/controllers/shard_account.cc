@@ -78,7 +78,7 @@ void ShardAccount::End(const PipelineOutcome& outcome) {
       // On a full disk the failure of the image says more.
     }
   }
-  RequireComplete(outcome);
+  RequireComplete(outcome, run_.Images().size());
   for (size_t i = 0; i < run_.Images().size(); ++i) {
     record_.images[i].state =
         IsObserving() ? ObservedState(run_.Images()[i]) : State::kComposed;

@@ -79,13 +79,24 @@ TEST_F(RefineListedTest, GoesOnAfterAnInterruption) {
   const Tree whole = RefinedInOneGo();
   const Tree before = MapsOf(root_);
   const WorkspaceRefineOptions options = Listed("v1.png\n");
-  ExpectError(ErrorCode::kInterrupted, {"same command"}, [&] {
+  ExpectError(ErrorCode::kInterrupted, {"0 of 1", "same command"}, [&] {
     Refine(options, {}, [&] {
       return std::filesystem::exists(Evidence(root_, 3));
     });
   });
   EXPECT_EQ(Refine(options).num_refined, 1);
   ExpectRefined(MapsOf(root_), "v1.png", before, whole);
+}
+
+// The images that are not listed are none of those that are done.
+TEST_F(RefineListedTest, AnInterruptionTellsOfTheListedAlone) {
+  const WorkspaceRefineOptions options = Listed("v1.png\nv3.png\n");
+  ExpectError(ErrorCode::kInterrupted, {"1 of 2", "same command"}, [&] {
+    Refine(options, {}, [&] {
+      return std::filesystem::exists(Paths(1).record);
+    });
+  });
+  EXPECT_EQ(Refine(options).num_skipped, 1);
 }
 
 TEST_F(RefineListedTest, LinksTheOthersInASecondWorkspace) {
