@@ -3,9 +3,10 @@
 """Scores against ground truth."""
 import dataclasses
 import os
-from typing import Any, Dict, List, Optional, Sequence, Union
+from typing import List, Optional, Sequence, Union
 
 from . import _core
+from ._result import Result
 
 _Path = Union[str, "os.PathLike[str]"]
 
@@ -30,7 +31,7 @@ class DepthScore:
 
 
 @dataclasses.dataclass(frozen=True)
-class DepthEvaluation:
+class DepthEvaluation(Result):
     """What evaluate_depth() finds."""
 
     num_images: int
@@ -40,9 +41,6 @@ class DepthEvaluation:
     """Of num_images, those with a mask; None where no masks were given."""
     scores: List[DepthScore]
     """For each area, one for each tolerance."""
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,16 +59,13 @@ class CloudScore:
 
 
 @dataclasses.dataclass(frozen=True)
-class CloudEvaluation:
+class CloudEvaluation(Result):
     """What evaluate_cloud() finds."""
 
     num_points: int
     num_scan_points: int
     scores: List[CloudScore]
     """One for each tolerance."""
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
 
 
 def evaluate_depth(

@@ -9,12 +9,13 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Union
 from . import _core
 from ._options import RefineOptions
 from ._progress import tell_lines
+from ._result import PrintedResult, Result
 
 _Path = Union[str, "os.PathLike[str]"]
 
 
 @dataclasses.dataclass(frozen=True)
-class RefineSummary:
+class RefineSummary(PrintedResult):
     """What a run of refine() did. str() of it is the account that the command
     prints."""
 
@@ -49,17 +50,10 @@ class RefineSummary:
     """Time from start to end."""
     peak_gpu_memory: Dict[str, int]
     """The most bytes held at a time on each GPU."""
-    text: str = dataclasses.field(repr=False)
-
-    def __str__(self) -> str:
-        return self.text
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
 
 
 @dataclasses.dataclass(frozen=True)
-class RestoreSummary:
+class RestoreSummary(Result):
     """What restore() did."""
 
     num_restored: int
@@ -73,9 +67,6 @@ class RestoreSummary:
     conflicts: List[str]
     """Depth maps for which nothing was changed, since nothing tells whose they
     and their normal maps are."""
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
 
 
 def refine(

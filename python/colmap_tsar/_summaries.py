@@ -3,11 +3,13 @@
 """What the runs of a Workspace did."""
 import dataclasses
 import pathlib
-from typing import Any, Dict, List, Optional
+from typing import Dict, List, Optional
+
+from ._result import PrintedResult, Result
 
 
 @dataclasses.dataclass(frozen=True)
-class StereoSummary:
+class StereoSummary(PrintedResult):
     """What Workspace.stereo() did. str() of it is the account that the command
     prints."""
 
@@ -28,17 +30,10 @@ class StereoSummary:
     wall_seconds: float
     peak_gpu_memory: Dict[str, int]
     """The most bytes held at a time on each GPU."""
-    text: str = dataclasses.field(repr=False)
-
-    def __str__(self) -> str:
-        return self.text
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
 
 
 @dataclasses.dataclass(frozen=True)
-class ImportSummary:
+class ImportSummary(PrintedResult):
     """What Workspace.import_maps() did. str() of it is the account that the command
     prints."""
 
@@ -60,17 +55,10 @@ class ImportSummary:
     scaling; None where too few points tell."""
     warnings: List[str]
     """Things to look at, one line each."""
-    text: str = dataclasses.field(repr=False)
-
-    def __str__(self) -> str:
-        return self.text
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
 
 
 @dataclasses.dataclass(frozen=True)
-class ReportSummary:
+class ReportSummary(Result):
     """What Workspace.report() wrote."""
 
     page_path: Optional[pathlib.Path]
@@ -80,12 +68,9 @@ class ReportSummary:
     num_images: int
     """Images that the page shows."""
 
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)
-
 
 @dataclasses.dataclass(frozen=True)
-class ExportSummary:
+class ExportSummary(Result):
     """What Workspace.export() wrote."""
 
     output_path: pathlib.Path
@@ -99,6 +84,3 @@ class ExportSummary:
     """Of the maps of all images."""
     num_depths: int
     """Pixels with depth."""
-
-    def todict(self) -> Dict[str, Any]:
-        return dataclasses.asdict(self)

@@ -1,0 +1,23 @@
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the results of all runs have in common."""
+import dataclasses
+from typing import Any, Dict
+
+
+@dataclasses.dataclass(frozen=True)
+class Result:
+    """What a run did or found."""
+
+    def todict(self) -> Dict[str, Any]:
+        return dataclasses.asdict(self)
+
+
+@dataclasses.dataclass(frozen=True)
+class PrintedResult(Result):
+    """One that the command prints; str() of it is that text."""
+
+    text: str = dataclasses.field(repr=False)
+
+    def __str__(self) -> str:
+        return self.text
