@@ -8,7 +8,7 @@ import pathlib
 import typing
 
 from . import _core
-from ._planes import _import_numpy
+from ._numpy import import_numpy
 
 if typing.TYPE_CHECKING:
     import numpy
@@ -34,7 +34,7 @@ class Camera:
     def K(self) -> "_Array":
         """(3, 3) of float64: the calibration matrix."""
         rows = [[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]]
-        return _import_numpy().array(rows)
+        return import_numpy().array(rows)
 
     def resized(self, width: int, height: int) -> "Camera":
         """The same camera for rasters of another size."""
@@ -127,10 +127,10 @@ class WorkspaceImage:
     def cam_from_world(self) -> "_Array":
         """(3, 4) of float64: [R | t] with x_camera = R x_world + t, as pycolmap's
         Rigid3d.matrix()."""
-        return _import_numpy().array(self._facts["cam_from_world"])
+        return import_numpy().array(self._facts["cam_from_world"])
 
     def _read(self, kind, dtype, *channels):
-        np = _import_numpy()
+        np = import_numpy()
         width, height, pixels = _core.read_map(
             self._workspace_path, self._name, self._input_type, kind
         )

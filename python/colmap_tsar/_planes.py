@@ -1,12 +1,13 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The planes of a refined scene, as arrays of NumPy, which nothing else needs."""
+"""The planes of a refined scene, as arrays of NumPy."""
 import dataclasses
 import os
 import typing
 from typing import Dict, List, Optional, Union
 
 from . import _core
+from ._numpy import import_numpy
 
 if typing.TYPE_CHECKING:
     import numpy
@@ -108,17 +109,6 @@ _ARRAYS = {
 _LISTS = ("classes", "meets", "images")
 
 
-def _import_numpy():
-    try:
-        import numpy
-    except ImportError as error:
-        raise ImportError(
-            "the planes are given as arrays of NumPy, which is not there; install it "
-            "(pip install numpy)"
-        ) from error
-    return numpy
-
-
 def _to_polygon(np, polygon):
     return Polygon(
         np.array(polygon["outline"]), [np.array(hole) for hole in polygon["holes"]]
@@ -143,7 +133,7 @@ def read_planes(
         min_area: Planes of a smaller area, in square units of the sparse model, are
             left out.
     """
-    np = _import_numpy()
+    np = import_numpy()
     result = _core.read_planes(os.fspath(workspace_path), input_type, min_area)
     planes = result.pop("planes")
     for name, (kind, shape) in _ARRAYS.items():
@@ -167,7 +157,7 @@ def read_plane_map(path: _Path) -> "_Array":
     Args:
         path: A plane map, stereo/plane_maps/IMAGE_NAME.TYPE.png in the workspace.
     """
-    np = _import_numpy()
+    np = import_numpy()
     width, height, pixels = _core.read_plane_map(os.fspath(path))
     numbers = np.frombuffer(pixels, "uint16").reshape(height, width)
     return numbers.astype("int32") - 1
