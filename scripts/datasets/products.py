@@ -20,6 +20,8 @@ def add_product_options(parser):
     parser.add_argument("--mesh", choices=MESHES, nargs="?", const=MESHES[0], action="append",
                         default=[], help="mesh the refined cloud: poisson (the default) closes "
                         "gaps; delaunay keeps to what the cameras saw, and needs a COLMAP with CGAL")
+    parser.add_argument("--texture", action="store_true", help="put the photos on each mesh; needs "
+                        "COLMAP 4.1 or later")
     parser.add_argument("--export", choices=EXPORTS, action="append", default=[],
                         help="export the refined maps by tsar_export; may be given several times")
     parser.add_argument("--depth_scale", type=float, metavar="UNITS", help="of --export png16: units of the "
@@ -28,11 +30,17 @@ def add_product_options(parser):
 
 def product_steps(args):
     args.mesh, args.export = (list(dict.fromkeys(kinds)) for kinds in (args.mesh, args.export))
-    return [f"mesh_{kind}" for kind in args.mesh] + [f"export_{form}" for form in args.export]
+    return ([f"mesh_{kind}" for kind in args.mesh]
+            + [f"texture_{kind}" for kind in textured_meshes(args)]
+            + [f"export_{form}" for form in args.export])
 
 
 def product_commands(args):
-    return [f"{kind}_mesher" for kind in args.mesh]
+    return [f"{kind}_mesher" for kind in args.mesh] + ["mesh_texturer"] * args.texture
+
+
+def textured_meshes(args):
+    return args.mesh if args.texture else []
 
 
 def check_products(args, programs):
@@ -47,6 +55,11 @@ def check_products(args, programs):
             reason = ("was built without CGAL; use --mesh poisson or name another by --colmap"
                       if "CGAL" in text else "does not have it; name another by --colmap")
             raise DatasetError(f"--mesh {kind}: {programs.colmap} {reason}")
+    if args.texture and not args.mesh:
+        raise DatasetError("--texture: is for meshes; give --mesh as well")
+    if args.texture and "MeshTextureMapping." not in programs.colmap_help("mesh_texturer"):
+        raise DatasetError(f"--texture: {programs.colmap} has no mesh_texturer, which came with "
+                           "COLMAP 4.1; leave it out or name another by --colmap")
 
 
 def poisson_options(num_points):
@@ -75,6 +88,24 @@ def make_mesh(scene, args, programs, kind):
         os.replace(part, mesh)
 
     scene.step(name, action, outputs=[mesh.name], after=["fusion_after"],
+               options={**options, "colmap": programs.versions["colmap"]})
+
+
+def make_texture(scene, args, programs, kind):
+    name, options = f"texture_{kind}", args.passed.get("mesh_texturer", {})
+    folder = scene.folder / f"textured_{kind}"
+
+    def action(step):
+        part = scene.folder / f"part.{name}"
+        remove(part)
+        step.run(programs.colmap, "mesh_texturer", "--workspace_path", scene.folder / REFINED,
+                 "--input_path", scene.folder / f"mesh_{kind}.ply", "--output_path", part,
+                 *as_words(options))
+        if not (part / "mesh.ply").exists():
+            raise DatasetError(f"{scene.name}: {name}: COLMAP wrote no mesh; see {step.log}")
+        os.replace(part, folder)
+
+    scene.step(name, action, outputs=[folder.name], after=[f"mesh_{kind}"],
                options={**options, "colmap": programs.versions["colmap"]})
 
 
@@ -119,5 +150,10 @@ def make_products(scene, args, programs, masks):
         scene.retire(f"export_{form}", f"export_{form}")
     for kind in args.mesh:
         make_mesh(scene, args, programs, kind)
+    for kind in MESHES:  # Of a mesh that has been made anew as well.
+        if kind not in textured_meshes(args):
+            scene.retire(f"texture_{kind}", f"textured_{kind}")
+    for kind in textured_meshes(args):
+        make_texture(scene, args, programs, kind)
     for form in args.export:
         make_export(scene, args, programs, form, masks)

@@ -12,7 +12,7 @@ from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
 from masks import find_masks, undistort_masks
 from model import read_images
 from products import (add_product_options, check_products, make_products, product_commands,
-                      product_steps)
+                      product_steps, textured_meshes)
 from structure_from_motion import ADVICE, find_poses, undistort
 
 MIN_PHOTOS = 3
@@ -37,13 +37,16 @@ PNG). The steps:
   refinement          tsar_refine: wrong depths go, bare surfaces are filled
   fusion_after        the cloud of the refined maps
   report              a page to look at (tsar_report)
-  mesh, export        if asked for: poisson_mesher or delaunay_mesher, tsar_export
+  mesh, texture       if asked for: poisson_mesher or delaunay_mesher, and
+                      mesh_texturer, which puts the photos on the mesh
+  export              if asked for: tsar_export
 
 What comes out:
 
   OUTPUT/after.ply, before.ply   the clouds with and without refinement
   OUTPUT/report/index.html       depth, normals and clouds before and after
   OUTPUT/mesh_poisson.ply, mesh_delaunay.ply
+  OUTPUT/textured_poisson/, textured_delaunay/
   OUTPUT/export_FORMAT/
   OUTPUT/sparse/                 the model of the photos
   OUTPUT/dense/, refined/        dense workspaces with the maps before and after
@@ -248,6 +251,8 @@ def summarize(scene, args):
     for kind in args.mesh:
         mesh = scene.folder / f"mesh_{kind}.ply"
         scene.say(f"mesh: {mesh} ({ply.count(mesh, 'face')} triangles)")
+    for kind in textured_meshes(args):
+        scene.say(f"textured mesh: {scene.folder / f'textured_{kind}' / 'mesh.ply'}")
     for form in args.export:
         scene.say(f"export: {scene.folder / f'export_{form}'}")
     scene.say(f"open in a browser: {scene.folder / 'report' / 'index.html'}")

@@ -29,6 +29,30 @@ class ProductsTest(StandInTest):
         self.write("no_cgal", "1")
         self.refuses("without CGAL; use --mesh poisson", "--mesh", "delaunay")
 
+    def test_textures(self):
+        texture = self.output / "textured_poisson"
+        text, calls = self.run_well("--mesh", "--texture")
+        self.assertIn(f"textured mesh: {texture / 'mesh.ply'}", text)
+        self.assertEqual([c.split()[0] for c in calls[-2:]], ["poisson_mesher", "mesh_texturer"])
+        self.assertEqual((texture / "texture.png").read_text(), "texture")
+        # Of the same mesh it stays; of another one it is made anew, or kept elsewhere.
+        self.assertEqual(self.commands("--mesh"), [])
+        self.assertTrue(texture.is_dir())
+        self.assertEqual(
+            self.commands("--mesh", "--texture", "--MeshTextureMapping.min_cos_normal_angle", 0.2),
+            ["mesh_texturer"])
+        self.assertEqual(self.commands("--mesh", "--texture", "--PoissonMeshing.trim", 5),
+                         ["poisson_mesher", "mesh_texturer"])
+        self.assertEqual(self.commands("--mesh", "--PoissonMeshing.trim", 6), ["poisson_mesher"])
+        self.assertFalse(texture.exists())
+        self.assertEqual(len(list((self.output / "outdated").glob("*_textured_poisson"))), 1)
+        self.assertEqual(
+            self.commands("--mesh", "delaunay", "--mesh", "--texture"),
+            ["delaunay_mesher", "poisson_mesher", "mesh_texturer", "mesh_texturer"])
+        self.refuses("--texture: is for meshes", "--texture")
+        self.write("old", "1")
+        self.refuses("has no mesh_texturer", "--mesh", "--texture")
+
     def test_products_of_earlier_runs(self):
         self.run_well("--mesh", "--export", "npy")
         mesh, export = self.output / "mesh_poisson.ply", self.output / "export_npy"

@@ -9,6 +9,7 @@ STAND_IN_FOLDER names. Files there tell it what to do otherwise:
   models     the number of images of each model of the mapper
   cuda       COLMAP is built with CUDA
   no_cgal    COLMAP is built without CGAL
+  old        COLMAP has no mesh_texturer
   tree       vocab_tree_matcher brings its own tree
   nothing    clouds have no points
 """
@@ -32,6 +33,7 @@ OPTIONS = {
     "patch_match_stereo": "PatchMatchStereo.max_image_size",
     "poisson_mesher": "PoissonMeshing.trim",
     "delaunay_mesher": "DelaunayMeshing.quality_regularization",
+    "mesh_texturer": "MeshTextureMapping.min_cos_normal_angle",
     "tsar_stereo": "TsarStereo.num_levels",
     "tsar_refine": "TsarRefine.scene_planes",
 }
@@ -47,6 +49,9 @@ def print_help(command):
     print(f"I2026 {time.time_ns()} {os.getpid()} option_manager.cc:1] COLMAP 3.9 (stand-in)")
     if command == "delaunay_mesher" and told("no_cgal"):
         print("ERROR: Delaunay meshing requires CGAL, which is not available on your system.")
+        return
+    if command == "mesh_texturer" and told("old"):
+        print("ERROR: Command 'mesh_texturer' not recognized.")
         return
     options = OPTIONS.get(command, "")
     if command == "patch_match_stereo" and not told("cuda"):
@@ -129,6 +134,14 @@ def delaunay_mesher(given):
     write_ply(given["output_path"], 9, len((workspace / "fused.ply").read_bytes()))
 
 
+def mesh_texturer(given):
+    assert (pathlib.Path(given["workspace_path"]) / "is_refined").exists()
+    output = pathlib.Path(given["output_path"])
+    output.mkdir()
+    shutil.copyfile(given["input_path"], output / "mesh.ply")
+    (output / "texture.png").write_text("texture")
+
+
 def make_folder(path, name):
     pathlib.Path(path).mkdir(exist_ok=True)
     (pathlib.Path(path) / name).write_text(name)
@@ -140,6 +153,7 @@ COMMANDS = {
     "model_converter": lambda given: None, "image_undistorter": image_undistorter,
     "patch_match_stereo": make_maps, "tsar_stereo": make_maps, "tsar_refine": tsar_refine, "stereo_fusion": stereo_fusion,
     "poisson_mesher": poisson_mesher, "delaunay_mesher": delaunay_mesher,
+    "mesh_texturer": mesh_texturer,
     "tsar_report": lambda given: make_folder(given["report_path"], "index.html"),
     "tsar_export": lambda given: make_folder(given["output_path"], given["format"]),
 }
