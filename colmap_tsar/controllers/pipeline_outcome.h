@@ -22,8 +22,8 @@ struct PipelineOutcome {
   explicit PipelineOutcome(size_t num_images = 0)
       : reports(num_images), failures(num_images) {}
 
-  // Images that were to be refined, or observed, and are neither failed nor left
-  // undone.
+  // Images that were to be refined, or observed, and are neither failed nor
+  // left undone.
   int NumDone() const;
   // Whether no image is failed or left undone.
   bool IsComplete() const;

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""NumPy, which only maps and planes as arrays need."""
+"""NumPy, which only maps, cameras and planes as arrays need."""
 
 
 def import_numpy():

@@ -50,6 +50,7 @@ class RefineSummary(PrintedResult):
     """Time from start to end."""
     peak_gpu_memory: Dict[str, int]
     """The most bytes held at a time on each GPU."""
+    text: str = dataclasses.field(repr=False)
 
 
 @dataclasses.dataclass(frozen=True)

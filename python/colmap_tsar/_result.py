@@ -13,11 +13,10 @@ class Result:
         return dataclasses.asdict(self)
 
 
-@dataclasses.dataclass(frozen=True)
 class PrintedResult(Result):
-    """One that the command prints; str() of it is that text."""
+    """One that the command prints. Its last field is that text, which str() gives."""
 
-    text: str = dataclasses.field(repr=False)
+    text: str
 
     def __str__(self) -> str:
         return self.text

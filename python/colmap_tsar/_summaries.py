@@ -30,6 +30,7 @@ class StereoSummary(PrintedResult):
     wall_seconds: float
     peak_gpu_memory: Dict[str, int]
     """The most bytes held at a time on each GPU."""
+    text: str = dataclasses.field(repr=False)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,6 +56,7 @@ class ImportSummary(PrintedResult):
     scaling; None where too few points tell."""
     warnings: List[str]
     """Things to look at, one line each."""
+    text: str = dataclasses.field(repr=False)
 
 
 @dataclasses.dataclass(frozen=True)

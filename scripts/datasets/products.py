@@ -1,7 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """What reconstruct.sh makes of a refined workspace and its cloud on request: meshes
-by COLMAP, and exports."""
+by COLMAP, with texture if wanted, and exports."""
 import math
 import os
 import re
@@ -20,8 +20,8 @@ def add_product_options(parser):
     parser.add_argument("--mesh", choices=MESHES, nargs="?", const=MESHES[0], action="append",
                         default=[], help="mesh the refined cloud: poisson (the default) closes "
                         "gaps; delaunay keeps to what the cameras saw, and needs a COLMAP with CGAL")
-    parser.add_argument("--texture", action="store_true", help="put the photos on each mesh; needs "
-                        "COLMAP 4.1 or later")
+    parser.add_argument("--texture", action="store_true", help="put the photos on each mesh, "
+                        "whatever masks say; needs COLMAP 4.0 or later with CGAL")
     parser.add_argument("--export", choices=EXPORTS, action="append", default=[],
                         help="export the refined maps by tsar_export; may be given several times")
     parser.add_argument("--depth_scale", type=float, metavar="UNITS", help="of --export png16: units of the "
@@ -59,7 +59,11 @@ def check_products(args, programs):
         raise DatasetError("--texture: is for meshes; give --mesh as well")
     if args.texture and "MeshTextureMapping." not in programs.colmap_help("mesh_texturer"):
         raise DatasetError(f"--texture: {programs.colmap} has no mesh_texturer, which came with "
-                           "COLMAP 4.1; leave it out or name another by --colmap")
+                           "COLMAP 4.0; leave it out or name another by --colmap")
+    # It says nothing, and takes every surface for one that all photos see.
+    if args.texture and "CGAL" in programs.colmap_help("delaunay_mesher"):
+        raise DatasetError(f"--texture: {programs.colmap} was built without CGAL and cannot tell "
+                           "which surfaces a photo sees; leave it out or name another by --colmap")
 
 
 def poisson_options(num_points):
@@ -78,6 +82,7 @@ def make_mesh(scene, args, programs, kind):
     def action(step):
         part = scene.folder / f"part.{name}.ply"
         remove(part)
+        remove(textured(scene, kind))  # It is of the mesh that was there before.
         step.run(programs.colmap, command, "--input_path", cloud if kind == "poisson" else
                  with_cloud(scene), "--output_path", part, *as_words(options))
         if not part.exists():
@@ -91,9 +96,13 @@ def make_mesh(scene, args, programs, kind):
                options={**options, "colmap": programs.versions["colmap"]})
 
 
+def textured(scene, kind):
+    return scene.folder / f"textured_{kind}"
+
+
 def make_texture(scene, args, programs, kind):
     name, options = f"texture_{kind}", args.passed.get("mesh_texturer", {})
-    folder = scene.folder / f"textured_{kind}"
+    folder = textured(scene, kind)
 
     def action(step):
         part = scene.folder / f"part.{name}"
@@ -142,17 +151,17 @@ def make_export(scene, args, programs, form, masks):
 
 def make_products(scene, args, programs, masks):
     """Those that are asked for. Others of former runs stay while they are of the
-    same cloud; so do exports, in which a trainer may have left its files."""
+    same cloud, and textures of the same mesh; so do exports, in which a trainer may
+    have left its files."""
     for kind in MESHES:
         if kind not in args.mesh:
             scene.retire(f"mesh_{kind}", f"mesh_{kind}.ply")
+        if kind not in textured_meshes(args):
+            scene.retire(f"texture_{kind}", textured(scene, kind).name)
     for form in EXPORTS:
         scene.retire(f"export_{form}", f"export_{form}")
     for kind in args.mesh:
         make_mesh(scene, args, programs, kind)
-    for kind in MESHES:  # Of a mesh that has been made anew as well.
-        if kind not in textured_meshes(args):
-            scene.retire(f"texture_{kind}", f"textured_{kind}")
     for kind in textured_meshes(args):
         make_texture(scene, args, programs, kind)
     for form in args.export:

@@ -12,7 +12,7 @@ from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
 from masks import find_masks, undistort_masks
 from model import read_images
 from products import (add_product_options, check_products, make_products, product_commands,
-                      product_steps, textured_meshes)
+                      product_steps, textured, textured_meshes)
 from structure_from_motion import ADVICE, find_poses, undistort
 
 MIN_PHOTOS = 3
@@ -60,8 +60,8 @@ With other options, the steps that depend on them are done again, and no others.
   a first look, in minutes even without a GPU
     scripts/reconstruct.sh photos out --max_image_size 480
 
-  a mesh, and a folder for 3D Gaussian splatting
-    scripts/reconstruct.sh photos out --mesh --export 3dgs
+  a mesh with the photos on it, and a folder for 3D Gaussian splatting
+    scripts/reconstruct.sh photos out --mesh --texture --export 3dgs
 
   a video: two frames per second, each compared with the next ones
     ffmpeg -i video.mp4 -r 2 -qscale:v 2 frames/%05d.jpg
@@ -252,7 +252,7 @@ def summarize(scene, args):
         mesh = scene.folder / f"mesh_{kind}.ply"
         scene.say(f"mesh: {mesh} ({ply.count(mesh, 'face')} triangles)")
     for kind in textured_meshes(args):
-        scene.say(f"textured mesh: {scene.folder / f'textured_{kind}' / 'mesh.ply'}")
+        scene.say(f"textured mesh: {textured(scene, kind) / 'mesh.ply'}")
     for form in args.export:
         scene.say(f"export: {scene.folder / f'export_{form}'}")
     scene.say(f"open in a browser: {scene.folder / 'report' / 'index.html'}")

@@ -211,7 +211,7 @@ class Scene:
         target.parent.mkdir(exist_ok=True)
         os.replace(path, target)
         self.record_path(name).unlink(missing_ok=True)
-        self.say(f"{output} is of an earlier cloud; moved to {target}")
+        self.say(f"{output} is of an earlier run; moved to {target}")
 
     def seconds(self, *names):
         """How long these steps took together."""

@@ -92,9 +92,8 @@ TEST_F(RefineListedTest, GoesOnAfterAnInterruption) {
 TEST_F(RefineListedTest, AnInterruptionTellsOfTheListedAlone) {
   const WorkspaceRefineOptions options = Listed("v1.png\nv3.png\n");
   ExpectError(ErrorCode::kInterrupted, {"1 of 2", "same command"}, [&] {
-    Refine(options, {}, [&] {
-      return std::filesystem::exists(Paths(1).record);
-    });
+    Refine(
+        options, {}, [&] { return std::filesystem::exists(Paths(1).record); });
   });
   EXPECT_EQ(Refine(options).num_skipped, 1);
 }

@@ -35,21 +35,35 @@ class ProductsTest(StandInTest):
         self.assertIn(f"textured mesh: {texture / 'mesh.ply'}", text)
         self.assertEqual([c.split()[0] for c in calls[-2:]], ["poisson_mesher", "mesh_texturer"])
         self.assertEqual((texture / "texture.png").read_text(), "texture")
-        # Of the same mesh it stays; of another one it is made anew, or kept elsewhere.
+        _, calls = self.run_well("--mesh", "--texture",
+                                 "--MeshTextureMapping.min_cos_normal_angle", 0.2)
+        self.assertEqual(len(calls), 1)
+        self.assertIn(" --MeshTextureMapping.min_cos_normal_angle 0.2", calls[0])
+        # Of the same mesh it stays, of another one it is made anew or gone, and of
+        # another cloud it is kept elsewhere, as its mesh is.
         self.assertEqual(self.commands("--mesh"), [])
         self.assertTrue(texture.is_dir())
-        self.assertEqual(
-            self.commands("--mesh", "--texture", "--MeshTextureMapping.min_cos_normal_angle", 0.2),
-            ["mesh_texturer"])
         self.assertEqual(self.commands("--mesh", "--texture", "--PoissonMeshing.trim", 5),
                          ["poisson_mesher", "mesh_texturer"])
         self.assertEqual(self.commands("--mesh", "--PoissonMeshing.trim", 6), ["poisson_mesher"])
         self.assertFalse(texture.exists())
-        self.assertEqual(len(list((self.output / "outdated").glob("*_textured_poisson"))), 1)
         self.assertEqual(
             self.commands("--mesh", "delaunay", "--mesh", "--texture"),
             ["delaunay_mesher", "poisson_mesher", "mesh_texturer", "mesh_texturer"])
+        for kind in ("poisson", "delaunay"):
+            self.assertEqual((self.output / f"textured_{kind}" / "mesh.ply").read_bytes(),
+                             (self.output / f"mesh_{kind}.ply").read_bytes())
+        self.run_well("--preset", "paper")
+        self.assertFalse(texture.exists())
+        self.assertEqual(len(list((self.output / "outdated").glob("*_textured_*"))), 2)
+
+    def test_textures_that_cannot_be(self):
         self.refuses("--texture: is for meshes", "--texture")
+        self.write("no_texture", "1")
+        self.refuses("texture_poisson: COLMAP wrote no mesh", "--mesh", "--texture")
+        self.assertFalse((self.output / "textured_poisson").exists())
+        self.write("no_cgal", "1")
+        self.refuses("without CGAL and cannot tell", "--mesh", "--texture")
         self.write("old", "1")
         self.refuses("has no mesh_texturer", "--mesh", "--texture")
 
@@ -64,7 +78,7 @@ class ProductsTest(StandInTest):
         content = mesh.read_bytes()
         text, _ = self.run_well("--preset", "paper")
         self.assertFalse(mesh.exists() or export.exists())
-        self.assertIn("mesh_poisson.ply is of an earlier cloud; moved to", text)
+        self.assertIn("mesh_poisson.ply is of an earlier run; moved to", text)
         (kept,) = (self.output / "outdated").glob("*_mesh_poisson.ply")
         self.assertEqual(kept.read_bytes(), content)
         self.assertEqual(len(list((self.output / "outdated").glob("*_export_npy/npy"))), 1)

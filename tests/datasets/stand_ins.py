@@ -12,6 +12,7 @@ STAND_IN_FOLDER names. Files there tell it what to do otherwise:
   old        COLMAP has no mesh_texturer
   tree       vocab_tree_matcher brings its own tree
   nothing    clouds have no points
+  no_texture mesh_texturer writes nothing
 """
 import os
 import pathlib
@@ -138,6 +139,8 @@ def mesh_texturer(given):
     assert (pathlib.Path(given["workspace_path"]) / "is_refined").exists()
     output = pathlib.Path(given["output_path"])
     output.mkdir()
+    if told("no_texture"):
+        return
     shutil.copyfile(given["input_path"], output / "mesh.ply")
     (output / "texture.png").write_text("texture")
 
