@@ -73,9 +73,8 @@ since() { [[ $(printf '%s\n' "$1" "$version" | sort -V | head -1) == "$1" ]]; }
 
 # What the version needs beside the packages of install_dependencies.sh. PoseLib
 # (from 3.11 on), faiss (3.12) and the ONNX runtime (4.0) are downloaded by
-# COLMAP's CMake. OpenBLAS, for
-# faiss, must be the one with OpenMP; it takes the place of the system's BLAS, so
-# who has a faiss of their own is spared it.
+# COLMAP's CMake. OpenBLAS, for faiss, must be the one with OpenMP; it takes the
+# place of the system's BLAS, so who has a faiss of their own is spared it.
 install_colmap_packages() {
   local packages=(
     libboost-graph-dev

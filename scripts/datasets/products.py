@@ -55,13 +55,19 @@ def check_products(args, programs):
             reason = ("was built without CGAL; use --mesh poisson or name another by --colmap"
                       if "CGAL" in text else "does not have it; name another by --colmap")
             raise DatasetError(f"--mesh {kind}: {programs.colmap} {reason}")
-    if args.texture and not args.mesh:
+    if args.texture:
+        check_texture(args, programs)
+
+
+def check_texture(args, programs):
+    if not args.mesh:
         raise DatasetError("--texture: is for meshes; give --mesh as well")
-    if args.texture and "MeshTextureMapping." not in programs.colmap_help("mesh_texturer"):
+    if "MeshTextureMapping." not in programs.colmap_help("mesh_texturer"):
         raise DatasetError(f"--texture: {programs.colmap} has no mesh_texturer, which came with "
                            "COLMAP 4.0; leave it out or name another by --colmap")
-    # It says nothing, and takes every surface for one that all photos see.
-    if args.texture and "CGAL" in programs.colmap_help("delaunay_mesher"):
+    # Without CGAL mesh_texturer takes every surface for one that all photos see, and
+    # does not say so.
+    if "CGAL" in programs.colmap_help("delaunay_mesher"):
         raise DatasetError(f"--texture: {programs.colmap} was built without CGAL and cannot tell "
                            "which surfaces a photo sees; leave it out or name another by --colmap")
 
@@ -74,7 +80,7 @@ def poisson_options(num_points):
 
 def make_mesh(scene, args, programs, kind):
     name, command = f"mesh_{kind}", f"{kind}_mesher"
-    mesh, cloud = scene.folder / f"{name}.ply", scene.folder / "after.ply"
+    mesh, cloud = mesh_file(scene, kind), scene.folder / "after.ply"
     options = args.passed.get(command, {})
     if kind == "poisson":
         options = {**poisson_options(ply.count(cloud, "vertex")), **options}
@@ -96,6 +102,10 @@ def make_mesh(scene, args, programs, kind):
                options={**options, "colmap": programs.versions["colmap"]})
 
 
+def mesh_file(scene, kind):
+    return scene.folder / f"mesh_{kind}.ply"
+
+
 def textured(scene, kind):
     return scene.folder / f"textured_{kind}"
 
@@ -108,8 +118,7 @@ def make_texture(scene, args, programs, kind):
         part = scene.folder / f"part.{name}"
         remove(part)
         step.run(programs.colmap, "mesh_texturer", "--workspace_path", scene.folder / REFINED,
-                 "--input_path", scene.folder / f"mesh_{kind}.ply", "--output_path", part,
-                 *as_words(options))
+                 "--input_path", mesh_file(scene, kind), "--output_path", part, *as_words(options))
         if not (part / "mesh.ply").exists():
             raise DatasetError(f"{scene.name}: {name}: COLMAP wrote no mesh; see {step.log}")
         os.replace(part, folder)
@@ -155,7 +164,7 @@ def make_products(scene, args, programs, masks):
     have left its files."""
     for kind in MESHES:
         if kind not in args.mesh:
-            scene.retire(f"mesh_{kind}", f"mesh_{kind}.ply")
+            scene.retire(f"mesh_{kind}", mesh_file(scene, kind).name)
         if kind not in textured_meshes(args):
             scene.retire(f"texture_{kind}", textured(scene, kind).name)
     for form in EXPORTS:

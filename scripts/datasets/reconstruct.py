@@ -11,8 +11,8 @@ from features import extract_features, match_features
 from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
 from masks import find_masks, undistort_masks
 from model import read_images
-from products import (add_product_options, check_products, make_products, product_commands,
-                      product_steps, textured, textured_meshes)
+from products import (add_product_options, check_products, make_products, mesh_file,
+                      product_commands, product_steps, textured, textured_meshes)
 from structure_from_motion import ADVICE, find_poses, undistort
 
 MIN_PHOTOS = 3
@@ -249,7 +249,7 @@ def summarize(scene, args):
     scene.say(f"{scene.seconds(*scene.plan) / 60:.1f} minutes in all")
     scene.say(f"cloud: {scene.folder / 'after.ply'}")
     for kind in args.mesh:
-        mesh = scene.folder / f"mesh_{kind}.ply"
+        mesh = mesh_file(scene, kind)
         scene.say(f"mesh: {mesh} ({ply.count(mesh, 'face')} triangles)")
     for kind in textured_meshes(args):
         scene.say(f"textured mesh: {textured(scene, kind) / 'mesh.ply'}")
