@@ -154,10 +154,9 @@ void Study(const std::string& root) {
     add("agreeing views", counts);
     add("n_disp", discontinuity.ToHost());
     const std::pair<const char*, ConfidenceOptions> readings[] = {
-        {"ratio as printed", {RatioTerm::kSimilarity, true}},
-        {"1 - ratio", {RatioTerm::kAmbiguity, true}},
-        {"no ratio", {RatioTerm::kNone, true}},
-        {"no ratio, no LRD", {RatioTerm::kNone, false}},
+        {"ratio as printed", {true, true}},
+        {"no ratio", {false, true}},
+        {"no ratio, no LRD", {false, false}},
     };
     for (const auto& [name, options] : readings) {
       const DeviceImage<float> confidence =

@@ -9,8 +9,8 @@
 //
 // MODELLED: a workspace with ground_truth/depth after tsar_refine's passes
 // observe and model; REFINED: a copy of it after pass compose too; all passes
-// with --TsarRefine.cylinders 0, since depths on columns and pipes, which have
-// a constant, would count as interpolated ones.
+// with --TsarRefine.experiment cylinders=0, since depths on columns and pipes,
+// which have a constant, would count as interpolated ones.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refined_maps.h"

@@ -296,15 +296,42 @@ def check_texture():
 
 
 def check_variants():
-    variants = make_variants(["a=--x 1 --y 'b c'"], False, False, "--z 2")
+    def told(name, value, default, presets, **more):
+        return {"name": name, "value": value, "default": default,
+                "presets": presets, **more}
+
+    options = [
+        told("TsarRefine.preset", "default|paper", "default", {},
+             choices=["default", "paper"]),
+        told("TsarRefine.scene_planes", "0|1", "1", {}),
+        told("TsarRefine.sigma_maps", "0|1", "1", {}),
+        told("TsarRefine.experiment", "NAME=VALUE,...", "", {}, settings=[
+            told("filter", "0|1", "1", {}),
+            told("unused", "0|1", "0", {}),
+            told("printed", "0|1", "0", {"paper": "1"}),
+            told("weight", "NUMBER", "0.7", {}, max=1.0),
+            told("rounds", "INT", "5", {}, max=10.0),
+            told("gap", "NUMBER", "0", {}, max=9.0)])]
+    variants = make_variants(["a=--x 1 --y 'b c'"], False, False, "--z 2",
+                             options)
     check(variants == {"a": ["--z", "2", "--x", "1", "--y", "b c"]},
           "options of a variant")
-    names = make_variants([], True, True, "")
-    check(next(iter(names)) == "default" and "without filter" in names
-          and "with free_space" in names
-          and "without free_space" not in names
-          and names["confidence_weight 1"] == [
-              "--TsarRefine.confidence_weight", "1"],
+    experiment = "--TsarRefine.experiment"
+    variants = make_variants([f"a={experiment} b=1"], False, False,
+                             f"{experiment} c=2 --z 3", options)
+    check(variants == {"a": ["--z", "3", experiment, "c=2,b=1"]},
+          "experiments of a variant and of all runs")
+    variants = make_variants([], True, True, "", options)
+    check(list(variants.items()) == [
+        ("default", []),
+        ("without scene_planes", ["--TsarRefine.scene_planes", "0"]),
+        ("without filter", [experiment, "filter=0"]),
+        ("with unused", [experiment, "unused=1"]),
+        ("preset paper", ["--TsarRefine.preset", "paper"]),
+        ("weight 0.35", [experiment, "weight=0.35"]),
+        ("weight 1", [experiment, "weight=1"]),
+        ("rounds 2", [experiment, "rounds=2"]),
+        ("rounds 10", [experiment, "rounds=10"])],
           "ablation and sensitivity")
 
 

@@ -5,22 +5,23 @@
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/cli/export_command.h"
 #include "colmap_tsar/cli/import_command.h"
+#include "colmap_tsar/cli/name_suggestion.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/refine_command.h"
 #include "colmap_tsar/cli/report_command.h"
 #include "colmap_tsar/cli/stereo_command.h"
 #include "colmap_tsar/export/export_workspace.h"
 #include "colmap_tsar/import/import_workspace.h"
 #include "colmap_tsar/import/undo_import.h"
 #include "colmap_tsar/report/write_page.h"
+#include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
-#include <type_traits>
-#include <variant>
 #include <vector>
 
 #include "python/bindings.h"
@@ -45,48 +46,72 @@ std::vector<Option> OptionsOf(Command* command) {
   return options.Options();
 }
 
-py::object DefaultOf(const Option& option) {
-  return std::visit(
-      [](const auto* value) -> py::object {
-        if constexpr (std::is_same_v<decltype(value), const std::string*>) {
-          return ToText(*value);
-        } else {
-          return py::cast(*value);
-        }
-      },
-      option.target);
+// What --help_json of the command prints of its options.
+template <typename Command>
+py::str HelpJson() {
+  Command command;
+  OptionSet options("", "", "");
+  command.AddTo(&options);
+  TextStream text;
+  PrintHelpJson(options.Help(), text);
+  return ToText(text.str());
 }
 
-// What a user may know about each option of a command, in the order of the
-// help.
+// Sets what is given in {name: text}, as it is written on a command line.
+// Throws kBadOption for a value that is none or outside its range.
 template <typename Command>
-py::list Describe() {
-  Command command;
-  py::list all;
-  for (const Option& option : OptionsOf(&command)) {
-    py::dict description;
-    description["name"] = KeyOf(option);
-    description["default"] = DefaultOf(option);
-    description["description"] = option.description;
-    description["choices"] = option.choices;
-    description["is_path"] = option.IsPath();
-    all.append(description);
-  }
-  return all;
-}
-
-// From {name: text}, as it is written on a command line. Throws kBadOption for
-// a value that is none or outside its range.
-template <typename Command>
-Command ToCommand(const py::dict& values) {
-  Command command;
-  for (const Option& option : OptionsOf(&command)) {
+void SetGiven(const py::dict& values, Command* command) {
+  for (const Option& option : OptionsOf(command)) {
     const std::string key = KeyOf(option);
     if (values.contains(key)) {
       option.Set(values[key.c_str()].cast<std::string>(), key);
     }
   }
+}
+
+template <typename Command>
+Command ToCommand(const py::dict& values) {
+  Command command;
+  SetGiven(values, &command);
   return command;
+}
+
+// {GPU: bytes}.
+py::dict ToDict(const std::vector<RunSummary::GpuMemory>& peaks) {
+  py::dict dict;
+  for (const RunSummary::GpuMemory& peak : peaks) {
+    dict[py::str(peak.gpu)] = peak.num_bytes;
+  }
+  return dict;
+}
+
+py::list ToTexts(const std::vector<std::filesystem::path>& paths) {
+  py::list list;
+  for (const std::filesystem::path& path : paths) {
+    list.append(ToText(path.string()));
+  }
+  return list;
+}
+
+// Undoes the work of a command on a workspace. num_restored: tells of the
+// result of how many images.
+template <typename Undo, typename NumRestored>
+py::dict Undone(const std::filesystem::path& workspace_path,
+                const std::string& conflicts,
+                const Undo& undo,
+                const NumRestored& num_restored) {
+  PrepareStreams();
+  const auto result = [&] {
+    const py::gil_scoped_release release;
+    const WorkspaceLock lock(workspace_path);
+    return undo(workspace_path, ParseRestoreConflicts(conflicts));
+  }();
+  py::dict dict;
+  dict["num_restored"] = num_restored(result);
+  dict["kept"] = ToTexts(result.kept);
+  dict["superseded"] = ToTexts(result.superseded);
+  dict["conflicts"] = ToTexts(result.conflicts);
+  return dict;
 }
 
 template <typename Summary>
@@ -94,6 +119,53 @@ py::str TextOf(const Summary& summary) {
   TextStream text;
   PrintSummary(summary, text);
   return ToText(text.str());
+}
+
+py::dict ToDict(const RunSummary& summary) {
+  py::dict kept;
+  for (const RunSummary::KeptImage& image : summary.kept) {
+    kept[ToText(image.name)] = ToText(image.reason);
+  }
+  py::dict dict;
+  dict["workspace_path"] = summary.workspace_path;
+  dict["input_type"] = ToString(summary.type);
+  dict["device"] = summary.device;
+  dict["num_workers"] = summary.num_workers;
+  dict["num_images"] = summary.num_images;
+  dict["num_observed"] = summary.num_observed;
+  dict["num_refined"] = summary.num_refined;
+  dict["num_skipped"] = summary.num_skipped;
+  dict["num_masks"] = summary.num_masks;
+  dict["kept"] = kept;
+  dict["num_sources_without_maps"] = summary.num_sources_without_maps;
+  dict["counts"] = summary.counts;
+  dict["seconds"] = summary.seconds;
+  dict["wall_seconds"] = summary.wall_seconds;
+  dict["peak_gpu_memory"] = ToDict(summary.peak_gpu_memory);
+  dict["text"] = TextOf(summary);
+  return dict;
+}
+
+py::dict Refine(const py::dict& options, const py::tuple& listeners) {
+  auto command = ToCommand<RefineCommand>(options);
+  command.UsePreset();
+  SetGiven(options, &command);
+  RunSummary summary;
+  WorkWhileServingPython(
+      "refine",
+      ToPythonListeners(listeners),
+      [&](Progress& progress, const std::function<bool()>& should_stop) {
+        summary = command.Run(progress, should_stop);
+      });
+  return ToDict(summary);
+}
+
+py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
+                          const std::string& conflicts) {
+  return Undone(
+      workspace_path, conflicts, &Restore, [](const RestoreResult& result) {
+        return result.num_restored;
+      });
 }
 
 py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
@@ -156,14 +228,10 @@ py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
 
 py::dict UndoImports(const std::filesystem::path& workspace_path,
                      const std::string& conflicts) {
-  PrepareStreams();
-  UndoResult result;
-  {
-    const py::gil_scoped_release release;
-    const WorkspaceLock lock(workspace_path);
-    result = UndoImport(workspace_path, ParseRestoreConflicts(conflicts));
-  }
-  return ToRestorationDict(result, result.num_images);
+  return Undone(
+      workspace_path, conflicts, &UndoImport, [](const UndoResult& result) {
+        return result.num_images;
+      });
 }
 
 py::dict Report(const py::dict& options, const py::tuple& listeners) {
@@ -215,10 +283,17 @@ py::dict Export(const py::dict& options, const py::tuple& listeners) {
 }  // namespace
 
 void BindCommands(py::module_* module) {
-  module->def("describe_stereo", &Describe<StereoCommand>);
-  module->def("describe_import", &Describe<ImportCommand>);
-  module->def("describe_report", &Describe<ReportCommand>);
-  module->def("describe_export", &Describe<ExportCommand>);
+  module->def("help_json_of_refine", &HelpJson<RefineCommand>);
+  module->def("help_json_of_stereo", &HelpJson<StereoCommand>);
+  module->def("help_json_of_import", &HelpJson<ImportCommand>);
+  module->def("help_json_of_report", &HelpJson<ReportCommand>);
+  module->def("help_json_of_export", &HelpJson<ExportCommand>);
+  module->def("suggest_names", &SuggestNames);
+  module->def("refine", &Refine, py::arg("options"), py::arg("listeners"));
+  module->def("restore",
+              &RestoreOriginals,
+              py::arg("workspace_path"),
+              py::arg("conflicts"));
   module->def("stereo", &Stereo, py::arg("options"), py::arg("listeners"));
   module->def(
       "import_maps", &ImportMaps, py::arg("options"), py::arg("listeners"));

@@ -8,8 +8,6 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = TSAR_VERSION;
   module.attr("has_cuda") = static_cast<bool>(TSAR_CUDA_ENABLED);
   tsar::BindErrors(&module);
-  tsar::BindRefineOptions(&module);
-  tsar::BindRefine(&module);
   tsar::BindEvaluate(&module);
   tsar::BindCommands(&module);
   tsar::BindImages(&module);

@@ -2,32 +2,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The named sets of options that a suite runs."""
 
+import json
 import shlex
 
-from programs import CommandFailed
+from programs import CommandFailed, run
 
-SWITCHES = ("denoise", "filter", "filter_confidence",
-            "filter_discontinuity", "refine", "superpixel_planes",
-            "weighted_median", "segment", "view_agreement", "region_cores",
-            "region_rims", "bounded_regions", "confirmed_depths", "scene_planes",
-            "foreground_fattening", "manhattan_frame", "bounded_planes",
-            "adjust_planes", "bounding_creases",
-            "pixel_borders", "photometric", "curved_surfaces", "cylinders",
-            "off_plane_depths")
-# Off by default: the ablation switches each of them on.
-OPTIONAL_SWITCHES = ("distrust_unmatched", "free_space")
-# The numbers of the method, with their defaults: each is halved and doubled.
-PARAMETERS = {"min_aggregated_score": 0.8, "confidence_weight": 0.7,
-              "num_iterations": 4, "superpixel_size": 400,
-              "min_plane_support": 0.3, "window_radius": 5,
-              "spatial_sigma": 2, "color_sigma": 3, "disparity_tolerance": 24,
-              "edge_threshold": 4, "hough_min_votes": 5, "hough_max_gap": 15,
-              "min_region_size": 8000, "max_boundary_error": 0.02,
-              "plane_tolerance": 7, "min_scene_plane": 100,
-              "unlabelled_cost": 0.02}
-# Doubling these leads out of their range.
-SHARES = {"confidence_weight"}
+EXPERIMENT = "--TsarRefine.experiment"
+# Those of the method that are options of their own.
+OPTIONS = ("TsarRefine.scene_planes", "TsarRefine.distrust_unmatched")
 DEFAULT = "default"
+
+
+def ask_options(program):
+    """What the program tells of the options of tsar_refine."""
+    return json.loads(run([program, "tsar_refine", "--help_json"]))["options"]
 
 
 def read_variant(text):
@@ -37,10 +25,61 @@ def read_variant(text):
     return name, shlex.split(options)
 
 
-def make_variants(given, ablation, sensitivity, extra):
+def join(extra, options):
+    """Both, with what they set for experiments in one option."""
+    joined, experiments = [], []
+    words = iter(extra + options)
+    for word in words:
+        if word == EXPERIMENT:
+            experiments.append(next(words, ""))
+        else:
+            joined.append(word)
+    return joined + ([EXPERIMENT, ",".join(experiments)] if experiments else [])
+
+
+def method_of(options):
+    """(name, what is told of it, words that set it to {}) of each part."""
+    for option in options:
+        if option["name"] in OPTIONS:
+            name = option["name"].split(".")[-1]
+            yield name, option, [f"--{option['name']}", "{}"]
+        for setting in option.get("settings", ()):
+            yield setting["name"], setting, [EXPERIMENT, setting["name"] + "={}"]
+
+
+def ablations(options):
+    """Each switch turned, but for those that are on in a preset alone, and each
+    preset."""
+    for name, told, words in method_of(options):
+        if told["value"] != "0|1":
+            continue
+        if told["default"] == "1":
+            yield f"without {name}", [word.format(0) for word in words]
+        elif not told.get("presets"):
+            yield f"with {name}", [word.format(1) for word in words]
+    for option in options:
+        if option["name"] == "TsarRefine.preset":
+            for preset in option["choices"]:
+                if preset != option["default"]:
+                    yield f"preset {preset}", [f"--{option['name']}", preset]
+
+
+def sensitivities(options):
+    """Each number halved and doubled, within its range."""
+    for name, told, words in method_of(options):
+        if told["value"] in ("INT", "NUMBER") and float(told["default"]) > 0:
+            default = float(told["default"])
+            half = default // 2 if told["value"] == "INT" else default / 2
+            for value in (half, min(2 * default, told["max"])):
+                yield (f"{name} {value:g}",
+                       [word.format(f"{value:g}") for word in words])
+
+
+def make_variants(given, ablation, sensitivity, extra, options):
     """Name -> options, in the order of the tables.
 
-    given: texts NAME=OPTIONS; extra: options for all runs.
+    given: texts NAME=OPTIONS; extra: options for all runs; options: what
+    ask_options() tells.
     """
     variants = dict(read_variant(text) for text in given)
     if len(variants) < len(given):
@@ -48,18 +87,8 @@ def make_variants(given, ablation, sensitivity, extra):
     if not variants or ablation or sensitivity:
         variants = {DEFAULT: [], **variants}
     if ablation:
-        for switch in SWITCHES:
-            variants[f"without {switch}"] = [f"--TsarRefine.{switch}", "0"]
-        for switch in OPTIONAL_SWITCHES:
-            variants[f"with {switch}"] = [f"--TsarRefine.{switch}", "1"]
-        for preset in ("paper", "paper_strict"):
-            variants[f"preset {preset}"] = ["--TsarRefine.preset", preset]
+        variants.update(ablations(options))
     if sensitivity:
-        for name, value in PARAMETERS.items():
-            half = value // 2 if isinstance(value, int) else value / 2
-            double = min(2 * value, 1) if name in SHARES else 2 * value
-            for changed in (half, double):
-                variants[f"{name} {changed:g}"] = [f"--TsarRefine.{name}",
-                                                   f"{changed:g}"]
-    return {name: shlex.split(extra) + options
-            for name, options in variants.items()}
+        variants.update(sensitivities(options))
+    return {name: join(shlex.split(extra), words)
+            for name, words in variants.items()}

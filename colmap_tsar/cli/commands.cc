@@ -6,20 +6,37 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/cli/failure_report.h"
-#include "colmap_tsar/cli/file_size_limit.h"
 #include "colmap_tsar/cli/low_memory.h"
 #include "colmap_tsar/cli/name_suggestion.h"
 #include "colmap_tsar/cli/standard_streams.h"
-#include "colmap_tsar/cli/version.h"
 
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
+#include <signal.h>
 
 namespace tsar {
 namespace {
+
+// While it lives, a write past the limit of a file's size (ulimit -f) fails, as
+// one to a full disk does; the system would end the process otherwise.
+class FileSizeLimitFails {
+ public:
+  FileSizeLimitFails() {
+    struct sigaction action = {};
+    action.sa_handler = SIG_IGN;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGXFSZ, &action, &previous_);
+  }
+  ~FileSizeLimitFails() { sigaction(SIGXFSZ, &previous_, nullptr); }
+  FileSizeLimitFails(const FileSizeLimitFails&) = delete;
+  FileSizeLimitFails& operator=(const FileSizeLimitFails&) = delete;
+
+ private:
+  struct sigaction previous_;
+};
 
 // The function with its errors reported.
 template <CommandFunction kFunction>
@@ -90,7 +107,8 @@ int TellAboutProgram(int argc, char** argv) {
   } else if (name == "--help_json") {
     PrintProgramHelpJson();
   } else if (name == "--version") {
-    std::cout << VersionText() << "\n";
+    std::cout << "colmap_tsar " TSAR_VERSION
+              << (TSAR_CUDA_ENABLED ? " (with CUDA)\n" : " (without CUDA)\n");
   } else {
     ThrowUnknownCommand(name);
   }

@@ -4,20 +4,47 @@
 #include "colmap_tsar/cli/export_command.h"
 
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
+#include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/export/export_format.h"
 #include "colmap_tsar/store/workspace.h"
 
+#include <iostream>
 #include <optional>
+
+#include <unistd.h>
 
 namespace tsar {
 namespace {
 
-std::optional<MapType> TypeOf(const std::string& name) {
-  if (name.empty()) {
-    return std::nullopt;
+constexpr const char* kSummary =
+    "Exports the maps of a dense workspace, refined or not, for other "
+    "programs: "
+    "depth, normals and, where tsar_refine wrote them, confidence, sigma, "
+    "provenance and planes as arrays of NumPy (npy), as OpenEXR (exr) or in 16 "
+    "bits (png16); or depth with the images and cameras as a folder to train "
+    "on, for nerfstudio (transforms.json) or for the trainer of 3D Gaussian "
+    "splatting (3dgs: inverse depth, depth_params.json). manifest.json tells "
+    "the camera and the pose of each map, and what its values mean. Depth is z "
+    "in the camera's frame, in units of the sparse model; 0 is no depth.";
+
+void PrintSummary(const ExportSummary& summary, const ExportCommand& command) {
+  std::cout << "Exported " << summary.num_images
+            << (summary.num_images == 1 ? " image" : " images") << " to "
+            << Printable(command.output_path)
+            << "\n  with depth: " << summary.num_with_depth
+            << (summary.num_with_depth == 1 ? " image, " : " images, ")
+            << 100.0 * static_cast<double>(summary.num_depths) /
+                   static_cast<double>(summary.num_pixels)
+            << " % of all pixels\n";
+  PrintMasks(summary.num_masks, summary.num_images, std::cout);
+  if (const std::string training = command.TrainingCommand();
+      !training.empty()) {
+    std::cout << "Train with: " << Printable(training) << "\n";
   }
-  return name == ToString(MapType::kPhotometric) ? MapType::kPhotometric
-                                                 : MapType::kGeometric;
+  std::cout << std::flush;
 }
 
 }  // namespace
@@ -30,12 +57,12 @@ void ExportCommand::AddTo(OptionSet* set) {
                    "empty, or hold an earlier export (--overwrite 1).");
   set->AddChoice(
       "format", &format, ExportFormatNames(), "What to write; must be given.");
-  set->AddChoice(
+  AddMapType(
       "input_type",
       &input_type,
-      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
       "The maps to export. If not given: geometric, or photometric where only "
-      "those were refined or are there.");
+      "those were refined or are there.",
+      set);
   set->Add("mask_path",
            &mask_path,
            "The folder with masks of the undistorted images, named as for "
@@ -65,7 +92,7 @@ ExportSummary ExportCommand::Run(
   all.output_path = output_path;
   all.mask_path = mask_path;
   const Workspace workspace =
-      OpenWorkspaceToExport(workspace_path, TypeOf(input_type));
+      OpenWorkspaceToExport(workspace_path, ParseMapType(input_type));
   return ExportWorkspace(workspace, all, progress, should_stop);
 }
 
@@ -79,6 +106,24 @@ std::string ExportCommand::TrainingCommand() const {
     default:
       return "";
   }
+}
+
+int RunTsarExport(int argc, char** argv) {
+  ExportCommand command;
+  OptionSet options("tsar_export",
+                    kSummary,
+                    "tsar_export --workspace_path dense --format npy "
+                    "--output_path exported");
+  command.AddTo(&options);
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  const ExportSummary summary =
+      command.Run(progress, [&] { return interruption.Requested(); });
+  PrintSummary(summary, command);
+  return 0;
 }
 
 }  // namespace tsar

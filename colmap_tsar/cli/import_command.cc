@@ -5,10 +5,45 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/cli/restore_options.h"
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
+#include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/import/undo_import.h"
+#include "colmap_tsar/store/workspace_lock.h"
+
+#include <iostream>
+
+#include <unistd.h>
 
 namespace tsar {
 namespace {
+
+constexpr const char* kSummary =
+    "Brings depth and normal maps of other programs and sensors into a dense "
+    "workspace, so that tsar_refine and stereo_fusion can use them: maps of "
+    "ACMH, ACMM, ACMP, ACMMP and Gipuma (acm), of APD (apd), of OpenMVS "
+    "(openmvs), and depth images of any origin (depth). The workspace needs "
+    "images/ and a sparse model in sparse/; the maps must have been made from "
+    "both. Everything is checked before the first file is written. Maps that "
+    "were there are kept in stereo/tsar_import, and --restore 1 puts them "
+    "back.";
+
+int UndoImports(const ImportCommand& command) {
+  if (!command.input_path.empty() || !command.format.empty()) {
+    throw Error(
+        ErrorCode::kBadOption,
+        "--restore undoes imports; leave --input_path and --format out");
+  }
+  const WorkspaceLock lock(command.workspace_path);
+  const UndoResult result = UndoImport(
+      command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
+  std::cout << "Undid the import of " << result.num_images
+            << (result.num_images == 1 ? " image" : " images") << ".\n";
+  ReportRestored(result.kept, result.superseded, result.conflicts);
+  return 0;
+}
 
 void AddInputOptions(ImportCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
@@ -28,12 +63,12 @@ void AddInputOptions(ImportCommand* command, OptionSet* options) {
                "For depth: a folder with normal maps (EXR, TIFF, PFM or NPY of "
                "three channels, x right, y down, z forward). If empty, normals "
                "are computed from depth.");
-  options->AddChoice(
+  AddMapType(
       "output_type",
       &command->output_type,
-      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
       "The type of maps to write; for acm also which of its depth maps is "
-      "taken.");
+      "taken.",
+      options);
   options->AddChoice("index_order",
                      &command->index_order,
                      {"image_id", "name"},
@@ -116,9 +151,7 @@ ImportOptions ImportCommand::Parse() const {
   options.match.format = ToFormat(format);
   options.match.input_path = input_path;
   options.match.normal_path = normal_path;
-  options.match.type = output_type == ToString(MapType::kGeometric)
-                           ? MapType::kGeometric
-                           : MapType::kPhotometric;
+  options.match.type = *ParseMapType(output_type);
   options.match.index_order =
       index_order == "name" ? IndexOrder::kName : IndexOrder::kImageId;
   options.match.image_list = image_list;
@@ -126,6 +159,28 @@ ImportOptions ImportCommand::Parse() const {
                          : normal_frame == "camera" ? NormalFrame::kCamera
                                                     : NormalFrame::kAuto;
   return options;
+}
+
+int RunTsarImport(int argc, char** argv) {
+  ImportCommand command;
+  OptionSet options("tsar_import",
+                    kSummary,
+                    "tsar_import --format acm --input_path scene "
+                    "--workspace_path dense");
+  command.AddTo(&options);
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  if (command.restore) {
+    return UndoImports(command);
+  }
+  const ImportOptions import = command.Parse();
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  PrintSummary(ImportWorkspace(
+                   import, progress, [&] { return interruption.Requested(); }),
+               std::cout);
+  return 0;
 }
 
 }  // namespace tsar

@@ -19,21 +19,29 @@ struct CommandHelp {
   std::vector<Option> options;  // All but --help itself.
 };
 
-// Breaks a text into lines of at most 79 letters with this indentation.
-std::string WrapText(const std::string& text, size_t indentation);
-
 // Prints the help for people, in lines of at most 79 letters. program: the
 // name to show before the command.
 void PrintHelp(const CommandHelp& help,
                const std::string& program,
                std::ostream& out);
 
-// Prints the same as one JSON object, for programs: "command", "summary",
+// Prints what one needs most of it, on one screen of 24 lines of 80 letters:
+// what the command does, an example, the required options and those most used,
+// and where the rest is.
+void PrintShortHelp(const CommandHelp& help,
+                    const std::string& program,
+                    std::ostream& out);
+
+// Prints what can be named in the value of an option of settings.
+void PrintSettings(const Option& option, std::ostream& out);
+
+// Prints the help as one JSON object, for programs: "command", "summary",
 // "example" and "options", a list in the order of the help. An option has
 // "name" (without dashes), "value" (what to give, as in the help), "choices"
 // (a list, empty where any value will do), "is_path" (the value is a file or a
 // folder), "required", "default" (as text, empty if there is none) and
-// "description".
+// "description". One of settings has these as "settings", a list of the same
+// form, with "presets" beside, an object of the values that differ there.
 void PrintHelpJson(const CommandHelp& help, std::ostream& out);
 
 }  // namespace tsar

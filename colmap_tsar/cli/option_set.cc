@@ -6,22 +6,15 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/name_suggestion.h"
-#include "colmap_tsar/cli/short_help.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <utility>
 
-#include <boost/program_options.hpp>
-
 namespace tsar {
 namespace {
-
-namespace po = boost::program_options;
 
 const char kProjectPath[] = "project_path";
 const char kProjectPathHelp[] =
@@ -32,6 +25,14 @@ const char kProjectPathHelp[] =
 std::string Group(const std::string& name) {
   const size_t dot = name.find('.');
   return dot == std::string::npos ? std::string() : name.substr(0, dot);
+}
+
+std::string Trim(const std::string& text) {
+  const char kSpaces[] = " \t\r\v\f";
+  const size_t begin = text.find_first_not_of(kSpaces);
+  return begin == std::string::npos
+             ? std::string()
+             : text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
 }
 
 bool HasArgument(int argc, const char* const* argv, const std::string& name) {
@@ -69,15 +70,21 @@ void OptionSet::AddChoice(const std::string& name,
   options_.push_back({name, description, value, {}, choices, false});
 }
 
-void OptionSet::AddFormerName(const std::string& former_name,
-                              const std::string& name) {
-  former_names_[former_name] = name;
+void OptionSet::AddSettings(const std::string& name,
+                            std::string* text,
+                            std::vector<Option> settings,
+                            const std::string& description) {
+  options_.push_back(
+      {name, description, text, {}, {}, false, std::move(settings)});
 }
 
 bool OptionSet::Parse(int argc, const char* const* argv) const {
   std::map<std::string, std::string> written;
   for (const Option& option : options_) {
     written[option.name.substr(option.name.find('.') + 1)] = "--" + option.name;
+    for (const Option& setting : option.settings) {
+      written[setting.name] = "--" + option.name + " " + setting.name;
+    }
   }
   SetOptionNamer([written](const std::string& key) {
     const auto found = written.find(key);
@@ -94,6 +101,14 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
     return false;
   }
   const std::map<std::string, std::string> given = ReadCommandLine(argc, argv);
+  for (const Option& option : options_) {
+    const auto found = given.find(option.name);
+    if (!option.settings.empty() && found != given.end() &&
+        found->second == "help") {
+      PrintSettings(option, std::cout);
+      return false;
+    }
+  }
   std::set<std::string> names;
   for (const auto& [name, text] : given) {
     names.insert(name);
@@ -128,33 +143,12 @@ CommandHelp OptionSet::Help() const {
   return help;
 }
 
-std::map<std::string, std::string> OptionSet::Values() const {
-  std::map<std::string, std::string> values;
-  for (const Option& option : options_) {
-    values[option.name] = option.Text();
-  }
-  return values;
-}
-
 const Option* OptionSet::Find(const std::string& name) const {
   const auto found =
       std::find_if(options_.begin(), options_.end(), [&](const Option& option) {
         return option.name == name;
       });
   return found == options_.end() ? nullptr : &*found;
-}
-
-// Warns where an option is written by a former name.
-std::string OptionSet::PresentName(const std::string& written) const {
-  const auto found = former_names_.find(written);
-  if (found == former_names_.end()) {
-    return written;
-  }
-  // Options may be parsed twice, for the values that a preset leaves to them.
-  if (warned_names_.insert(written).second) {
-    Warn(written + " is called " + found->second + " now");
-  }
-  return found->second;
 }
 
 std::string OptionSet::Advice(const std::string& written) const {
@@ -171,59 +165,38 @@ std::string OptionSet::Advice(const std::string& written) const {
 
 std::map<std::string, std::string> OptionSet::ReadCommandLine(
     int argc, const char* const* argv) const {
-  po::options_description description;
-  for (const Option& option : options_) {
-    description.add_options()(option.name.c_str(), po::value<std::string>());
-  }
-  for (const auto& [former_name, name] : former_names_) {
-    description.add_options()(former_name.c_str(), po::value<std::string>());
-  }
-  description.add_options()(kProjectPath, po::value<std::string>());
-
-  using Style = po::command_line_style::style_t;
-  const int style =
-      Style::allow_long | Style::long_allow_adjacent | Style::long_allow_next;
-  po::parsed_options parsed(&description);
-  try {
-    parsed = po::command_line_parser(argc, argv)
-                 .options(description)
-                 .style(style)
-                 .allow_unregistered()
-                 .run();
-  } catch (const po::error_with_option_name& error) {
-    throw Error(ErrorCode::kBadOption,
-                error.get_option_name() + " has no value; give one, or see " +
-                    command_ + " --help");
-  }
-
   std::map<std::string, std::string> values;
-  for (const po::option& option : parsed.options) {
-    const std::string& token = option.original_tokens.front();
-    if (option.position_key >= 0 || option.string_key.empty()) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string token = argv[i];
+    const size_t equals = token.find('=');
+    const std::string written = token.substr(0, equals);
+    if (!token.starts_with("--") || written.size() == 2) {
       throw Error(ErrorCode::kBadOption,
                   "unexpected argument '" + token +
                       "'; options begin with two dashes, see " + command_ +
                       " --help");
     }
-    if (option.unregistered) {
-      const std::string name = token.substr(0, token.find('='));
+    const std::string name = written.substr(2);
+    if (name != kProjectPath && Find(name) == nullptr) {
       throw Error(ErrorCode::kBadOption,
-                  "unknown option " + name + "; " +
-                      Advice(name.substr(name.find_first_not_of('-'))));
+                  "unknown option " + written + "; " + Advice(name));
     }
-    const std::string name = "--" + option.string_key;
     // A value in a word of its own that looks like an option is one: the value
     // was forgotten.
-    if (option.value.empty() || (option.original_tokens.size() > 1 &&
-                                 option.value.front().starts_with("--"))) {
+    const bool has_value =
+        equals == std::string::npos
+            ? i + 1 < argc && !std::string(argv[i + 1]).starts_with("--")
+            : equals + 1 < token.size();
+    if (!has_value) {
       throw Error(
           ErrorCode::kBadOption,
-          name + " has no value; give one, or see " + command_ + " --help");
+          written + " has no value; give one, or see " + command_ + " --help");
     }
-    const std::string present = PresentName(option.string_key);
-    if (!values.emplace(present, option.value.front()).second) {
+    const std::string value =
+        equals == std::string::npos ? argv[++i] : token.substr(equals + 1);
+    if (!values.emplace(name, value).second) {
       throw Error(ErrorCode::kBadOption,
-                  "--" + present + " is given twice; give it once");
+                  written + " is given twice; give it once");
     }
   }
   return values;
@@ -244,17 +217,6 @@ std::set<std::string> OptionSet::ReadIni(
                       "the file cannot be opened (" + file.Reason() + ")",
                       "check that it is a file and that you may read it");
   }
-  po::options_description description;
-  po::parsed_options parsed(&description);
-  try {
-    parsed = po::parse_config_file(file, description, true);
-  } catch (const po::error& error) {
-    throw Error::File(ErrorCode::kCorrupt,
-                      path,
-                      std::string("not an ini file (") + error.what() + ")",
-                      "write lines such as KEY = VALUE and [SECTION]");
-  }
-
   std::set<std::string> groups;
   std::vector<std::string> top_level_names;
   for (const Option& option : options_) {
@@ -265,8 +227,27 @@ std::set<std::string> OptionSet::ReadIni(
     }
   }
   std::set<std::string> names;
-  for (const po::option& entry : parsed.options) {
-    const std::string name = PresentName(entry.string_key);
+  std::string prefix;
+  int line_number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++line_number;
+    line = Trim(line.substr(0, line.find('#')));
+    if (line.empty()) {
+      continue;
+    }
+    if (line.front() == '[' && line.back() == ']') {
+      prefix = line.substr(1, line.size() - 2) + ".";
+      continue;
+    }
+    const size_t equals = line.find('=');
+    if (equals == std::string::npos) {
+      throw Error::File(
+          ErrorCode::kCorrupt,
+          path,
+          "not an ini file (line " + std::to_string(line_number) + ")",
+          "write lines such as KEY = VALUE and [SECTION]");
+    }
+    const std::string name = prefix + Trim(line.substr(0, equals));
     if (const Option* option = Find(name)) {
       if (!names.insert(name).second) {
         throw Error::File(ErrorCode::kBadOption,
@@ -275,7 +256,7 @@ std::set<std::string> OptionSet::ReadIni(
                           "give it once");
       }
       if (overridden.count(name) == 0) {
-        option->Set(entry.value.front(), path + ": " + name);
+        option->Set(Trim(line.substr(equals + 1)), path + ": " + name);
       }
       continue;
     }

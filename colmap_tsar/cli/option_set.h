@@ -48,9 +48,12 @@ class OptionSet {
                  const std::vector<std::string>& choices,
                  const std::string& description);
 
-  // Lets an option be given by a name that it had before, too; a warning then
-  // says how it is called now.
-  void AddFormerName(const std::string& former_name, const std::string& name);
+  // Adds an option whose value names settings: "name=value,name=value". The
+  // value "help" prints them.
+  void AddSettings(const std::string& name,
+                   std::string* text,
+                   std::vector<Option> settings,
+                   const std::string& description);
 
   // Reads the arguments after argv[0], the program, into the targets. Returns
   // false, without touching any target, when help was asked for and has been
@@ -62,14 +65,11 @@ class OptionSet {
   // All options, in the order in which they were added.
   const std::vector<Option>& Options() const { return options_; }
 
-  // All options and their present values as text, e.g. for a manifest; without
-  // project_path, whose content the other values hold.
-  std::map<std::string, std::string> Values() const;
+  // What the help tells; PrintHelpJson prints it for programs.
+  CommandHelp Help() const;
 
  private:
-  CommandHelp Help() const;
   const Option* Find(const std::string& name) const;
-  std::string PresentName(const std::string& written) const;
   std::string Advice(const std::string& written) const;
   std::map<std::string, std::string> ReadCommandLine(
       int argc, const char* const* argv) const;
@@ -80,8 +80,6 @@ class OptionSet {
   std::string summary_;
   std::string example_;
   std::vector<Option> options_;
-  std::map<std::string, std::string> former_names_;  // To the present ones.
-  mutable std::set<std::string> warned_names_;
 };
 
 }  // namespace tsar

@@ -4,10 +4,13 @@
 #include "colmap_tsar/cli/option_value.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/name_suggestion.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
+#include <sstream>
 #include <type_traits>
 
 namespace tsar {
@@ -84,6 +87,45 @@ std::string ParseText(const std::string& text,
   return text;
 }
 
+// The setting of that name. where: as for Option::Set.
+const Option& FindSetting(const std::vector<Option>& settings,
+                          const std::string& name,
+                          const std::string& where) {
+  std::vector<std::string> names;
+  for (const Option& setting : settings) {
+    if (setting.name == name) {
+      return setting;
+    }
+    names.push_back(setting.name);
+  }
+  const std::vector<std::string> similar = SuggestNames(name, names);
+  Fail(where,
+       "there is no '" + name + "'; " +
+           (similar.empty()
+                ? ""
+                : "did you mean " + JoinChoices(similar, " or ") + "? ") +
+           where + " help lists all");
+}
+
+void SetSettings(const std::vector<Option>& settings,
+                 const std::string& text,
+                 const std::string& where) {
+  std::istringstream entries(text);
+  std::set<std::string> names;
+  for (std::string entry; std::getline(entries, entry, ',');) {
+    const size_t equals = entry.find('=');
+    if (equals == std::string::npos) {
+      Fail(where, "'" + entry + "' is not of the form name=value");
+    }
+    const std::string name = entry.substr(0, equals);
+    const Option& setting = FindSetting(settings, name, where);
+    if (!names.insert(name).second) {
+      Fail(where, name + " is given twice; give it once");
+    }
+    setting.Set(entry.substr(equals + 1), where + " " + name);
+  }
+}
+
 }  // namespace
 
 void Option::Set(const std::string& text, const std::string& where) const {
@@ -93,6 +135,9 @@ void Option::Set(const std::string& text, const std::string& where) const {
         if constexpr (std::is_same_v<T, bool>) {
           *value = ParseBool(text, where);
         } else if constexpr (std::is_same_v<T, std::string>) {
+          if (!settings.empty()) {
+            SetSettings(settings, text, where);
+          }
           *value = ParseText(text, choices, where);
         } else {
           *value = ParseNumber<T>(text, range, where);
@@ -124,6 +169,9 @@ bool Option::IsPath() const {
 std::string Option::ValueHint() const {
   if (!choices.empty()) {
     return JoinChoices(choices, "|");
+  }
+  if (!settings.empty()) {
+    return "NAME=VALUE,...";
   }
   if (std::holds_alternative<bool*>(target)) {
     return "0|1";

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -26,14 +27,19 @@ struct Option {
   std::string name;         // Without dashes: "TsarRefine.num_iterations".
   std::string description;  // A sentence; with the unit of the value.
   OptionTarget target;
-  OptionRange range;                 // Only for numbers.
-  std::vector<std::string> choices;  // Only for strings; empty: any text.
+  OptionRange range = {};  // Only for numbers.
+  // Only for strings; empty: any text.
+  std::vector<std::string> choices = {};
   bool required = false;
+  // For a text of the form "name=value,name=value": what can be named.
+  std::vector<Option> settings = {};
+  // By the name of a preset, as text: the value there, if not the default.
+  std::map<std::string, std::string> presets = {};
 
-  // Parses the text and writes the result to the target. Numbers must be
-  // finite and take up the whole text; a bool is 0, 1, false or true. Throws
-  // kBadOption with "WHERE: WHAT IS WRONG" otherwise, and the target keeps its
-  // value.
+  // Parses the text and writes the result to the target, and to those of the
+  // settings that it names. Numbers must be finite and take up the whole text;
+  // a bool is 0, 1, false or true. Throws kBadOption with "WHERE: WHAT IS
+  // WRONG" otherwise, and the target keeps its value.
   void Set(const std::string& text, const std::string& where) const;
 
   // The target's present value as Set would read it. Numbers keep every bit.
@@ -43,8 +49,8 @@ struct Option {
   // name ends in "_path" or "_list".
   bool IsPath() const;
 
-  // What kind of value to give, for the help: INT, NUMBER, 0|1, PATH, TEXT or
-  // the choices.
+  // What kind of value to give, for the help: INT, NUMBER, 0|1, PATH, TEXT,
+  // NAME=VALUE,... or the choices.
   std::string ValueHint() const;
 };
 

@@ -4,28 +4,61 @@
 #include "colmap_tsar/cli/report_command.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/report/comparison_picture.h"
 #include "colmap_tsar/report/png.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 
 #include <filesystem>
+#include <iostream>
 #include <vector>
+
+#include <unistd.h>
 
 namespace tsar {
 namespace {
+
+constexpr const char* kSummary =
+    "Writes a page about a refined workspace, to be opened in a browser from "
+    "the disk: for every image depth and normals before and after, how sure "
+    "each depth is and where it comes from; a 3D view of the points before and "
+    "after, and one of the planes of the scene with a list of them; and the "
+    "gain, where there is ground truth. It is one folder that "
+    "can be moved and sent, and needs neither a server nor a network; open its "
+    "index.html. With --output_path it draws one picture (PNG) of some images "
+    "instead, or as well where --report_path is given.";
+
+void WriteReport(const Workspace& workspace, const ReportCommand& command) {
+  const PageOptions page = command.Page(workspace);
+  // Before the page is there: from then on, memory may be short without the run
+  // having failed.
+  const std::string index =
+      Printable((page.report_path / "index.html").string());
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  const int num_images = WritePage(
+      workspace, page, progress, [&] { return interruption.Requested(); });
+  std::cout << "Wrote a page about " << num_images
+            << (num_images == 1 ? " image" : " images") << "\nOpen " << index
+            << " in a browser" << std::endl;
+}
 
 void AddPageOptions(ReportCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
                        &command->workspace_path,
                        "The refined dense workspace.");
-  options->AddChoice(
+  AddMapType(
       "input_type",
       &command->input_type,
-      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were.");
+      "where only those were.",
+      options);
   options->Add(
       "report_path",
       &command->report_path,
@@ -142,6 +175,27 @@ PageOptions ReportCommand::Page(const Workspace& workspace) const {
   result.tolerances = ParseTolerances(tolerances);
   result.max_num_points = max_points;
   return result;
+}
+
+int RunTsarReport(int argc, char** argv) {
+  ReportCommand command;
+  OptionSet options("tsar_report",
+                    kSummary,
+                    "tsar_report --workspace_path dense --after_path "
+                    "fused.ply");
+  command.AddTo(&options);
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  const Workspace workspace = command.Open();
+  if (command.WantsPicture()) {
+    command.WritePicture(workspace);
+    std::cout << "Wrote " << Printable(command.output_path) << std::endl;
+  }
+  if (command.WantsPage()) {
+    WriteReport(workspace, command);
+  }
+  return 0;
 }
 
 }  // namespace tsar

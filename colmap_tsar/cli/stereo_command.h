@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/cli/device_arguments.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/stereo/stereo_workspace.h"
 
 #include <functional>
@@ -16,7 +16,6 @@ namespace tsar {
 // What a user of tsar_stereo gives, on the command line or from Python.
 struct StereoCommand {
   std::string workspace_path;
-  std::string workspace_format = "COLMAP";
   std::string image_list_path;
   std::string mask_path;
   bool overwrite = false;

@@ -7,6 +7,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/plane_export/export_planes.h"
 #include "colmap_tsar/plane_export/open_workspace_with_planes.h"
 #include "colmap_tsar/plane_export/write_planes.h"
@@ -14,7 +15,6 @@
 
 #include <iostream>
 #include <limits>
-#include <optional>
 #include <string>
 
 #include <unistd.h>
@@ -55,12 +55,12 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
       &command->format,
       PlaneFormatNames(),
       "What to write. If not given: what the name of the file ends in.");
-  options->AddChoice(
+  AddMapType(
       "input_type",
       &command->input_type,
-      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those have planes.");
+      "where only those have planes.",
+      options);
   options->Add("min_area",
                &command->options.min_area,
                "Planes of a smaller area are left out; in square units of the "
@@ -68,16 +68,6 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                {0.0, std::numeric_limits<double>::max()});
   options->Add(
       "overwrite", &command->overwrite, "Replace a file that is there.");
-}
-
-Workspace OpenWorkspace(const PlanesCommand& command) {
-  std::optional<MapType> type;
-  if (!command.input_type.empty()) {
-    type = command.input_type == ToString(MapType::kPhotometric)
-               ? MapType::kPhotometric
-               : MapType::kGeometric;
-  }
-  return OpenWorkspaceWithPlanes(command.workspace_path, type);
 }
 
 void PrintPlanes(const ExportedPlanes& planes, const std::string& path) {
@@ -118,7 +108,8 @@ int RunTsarPlanes(int argc, char** argv) {
   }
   const PlaneFormat format =
       ParsePlaneFormat(command.format, command.output_path);
-  const Workspace workspace = OpenWorkspace(command);
+  const Workspace workspace = OpenWorkspaceWithPlanes(
+      command.workspace_path, ParseMapType(command.input_type));
   RequireWritableOutput(command.workspace_path,
                         command.output_path,
                         "file of planes",

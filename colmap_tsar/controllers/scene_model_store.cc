@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/pipeline/plane_numbers.h"
+#include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
 #include <cstddef>

@@ -25,11 +25,10 @@ struct ConfidenceKernel {
     float sum = 0.5f * (2.f - min);
     int num_terms = 1;
     const float second = second_cost(x, y);
-    if (options.ratio_term != RatioTerm::kNone && second != kUndefinedCost) {
+    if (options.use_ratio && second != kUndefinedCost) {
       ++num_terms;
       // Two perfect views have no quotient; they are equal.
-      const float ratio = second > 0.f ? min / second : 1.f;
-      sum += options.ratio_term == RatioTerm::kSimilarity ? ratio : 1.f - ratio;
+      sum += second > 0.f ? min / second : 1.f;
     }
     // Undefined where the costs were read from a file and the windows of this
     // program carry no evidence.

@@ -8,17 +8,11 @@
 
 namespace tsar {
 
-// How the quotient c_min / c_sec of Eq. 1 counts.
-enum class RatioTerm {
-  kNone,        // Left out.
-  kSimilarity,  // c_min / c_sec, as printed: two views that agree are good.
-  kAmbiguity,   // 1 - c_min / c_sec, the usual sign of a peak ratio.
-};
-
 struct ConfidenceOptions {
-  // c_min / c_sec compares two views at one plane, not two hypotheses; without
-  // it the sum ranks pixels better on every scene (docs/ablation.md).
-  RatioTerm ratio_term = RatioTerm::kNone;
+  // c_min / c_sec, as printed: two views that agree are good. It compares two
+  // views at one plane, not two hypotheses; without it the sum ranks pixels
+  // better on every scene (docs/ablation.md).
+  bool use_ratio = false;
   bool use_left_right_difference = true;
 };
 

@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/pipeline/on_plane.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <cmath>
@@ -145,6 +144,21 @@ struct SceneConfidenceKernel {
   }
 };
 
+struct PlaneMapKernel {
+  ImageView<const float> depth;
+  PlaneRaster scene_planes;
+  ImageView<const uint16_t> numbers;
+  ImageView<uint16_t> map;
+
+  TSAR_HD void operator()(int x, int y) const {
+    map(x, y) =
+        IsOnPlane(scene_planes, x, y, depth(x, y))
+            ? numbers(ReducedRaster::FromMap(x, depth.width, numbers.width),
+                      ReducedRaster::FromMap(y, depth.height, numbers.height))
+            : 0;
+  }
+};
+
 }  // namespace
 
 ComposedMap ComposeScene(DepthNormalImages own,
@@ -212,6 +226,18 @@ int64_t ComposeSceneWorkingBytes(int64_t num_pixels) {
   const int64_t provenance_and_own_depth = 2 * BytesOf<uint8_t>(num_pixels);
   const int64_t blobs_and_sizes = 2 * BytesOf<int>(num_pixels);
   return provenance_and_own_depth + blobs_and_sizes;
+}
+
+DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
+                                const PlaneRaster& scene_planes,
+                                ImageView<const uint16_t> numbers,
+                                Device& device) {
+  DeviceImage<uint16_t> map(device, depth.width, depth.height);
+  ParallelFor(device,
+              depth.width,
+              depth.height,
+              PlaneMapKernel{depth, scene_planes, numbers, map.View()});
+  return map;
 }
 
 }  // namespace tsar

@@ -4,7 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/planes/group_planes.h"
 #include "colmap_tsar/scene_planes/inverse_depth_error.h"
@@ -84,5 +87,30 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
 
 // Beside `own`.
 int64_t ComposeSceneWorkingBytes(int64_t num_pixels);
+
+// The depth of the plane that a raster has at a pixel of the map; 0 where it
+// has none.
+TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
+  const Plane plane = raster.At(x, y);
+  return plane.Valid() ? plane.Depth(raster.intrinsics.Ray(x, y)) : 0.f;
+}
+
+// Whether a depth is exactly that of the plane: then composition put it there.
+TSAR_HD inline bool IsOnPlane(const PlaneRaster& raster,
+                              int x,
+                              int y,
+                              float depth) {
+  return depth > 0.f && depth == DepthOnPlane(raster, x, y);
+}
+
+// Which plane of the scene each pixel of a composed map lies on.
+// scene_planes: as the map was composed with. numbers: of its size, one more
+// than the number of the plane in the model; 0 where that is not a plane of the
+// model. Result, of the map's size: the number where the depth is exactly that
+// of the plane, 0 elsewhere.
+DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
+                                const PlaneRaster& scene_planes,
+                                ImageView<const uint16_t> numbers,
+                                Device& device);
 
 }  // namespace tsar

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/pipeline/on_plane.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
 
 #include <cmath>
 

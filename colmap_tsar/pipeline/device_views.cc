@@ -6,12 +6,13 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/scoped_synchronization.h"
 #include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/noise/denoise.h"
+#include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/raster_color.h"
+#include "colmap_tsar/superpixels/reduce_color.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -107,6 +108,29 @@ int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels) {
 int64_t MakeDeviceViewsWorkingBytes(int64_t num_pixels, bool denoise) {
   return DeviceReferenceWorkingBytes(num_pixels) +
          MakeRasterColorWorkingBytes(MaxRasterPixels(num_pixels), denoise);
+}
+
+DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
+                                 const ReducedRaster& raster,
+                                 bool denoise,
+                                 Device& device) {
+  DeviceImage<Rgb> reduced = ReduceColor(color, raster, device);
+  if (!denoise) {
+    return reduced;
+  }
+  const ImageView<const Rgb> noisy = std::as_const(reduced).View();
+  const DeviceImage<float> gray = ComputeGray(noisy, device);
+  return Denoise(
+      noisy, gray.View(), EstimateNoise(gray.View(), device), {}, device);
+}
+
+int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise) {
+  const int64_t reduced = BytesOf<Rgb>(num_raster_pixels);
+  const int64_t gray = BytesOf<float>(num_raster_pixels);
+  return denoise ? reduced + gray +
+                       std::max(EstimateNoiseWorkingBytes(num_raster_pixels),
+                                DenoiseWorkingBytes(num_raster_pixels))
+                 : reduced;
 }
 
 }  // namespace tsar

@@ -118,4 +118,13 @@ int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels);
 // While they are made, before what matching needs.
 int64_t MakeDeviceViewsWorkingBytes(int64_t num_pixels, bool denoise);
 
+// The image that superpixels, regions, textures and borders are found in:
+// reduced to the raster and, if denoise says so, without its noise.
+DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
+                                 const ReducedRaster& raster,
+                                 bool denoise,
+                                 Device& device);
+
+int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise);
+
 }  // namespace tsar

@@ -12,9 +12,7 @@
 #include "colmap_tsar/scene_planes/plane_support.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -251,6 +249,76 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
           : CurvedView{{}, {}, found.labeled.evidence};
   timer.Finish("curved surfaces");
   return found;
+}
+
+Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
+                             const FoundScene& found) {
+  std::vector<uint16_t> of_superpixel;
+  for (size_t k = 0; k < found.labeled.labels.size(); ++k) {
+    const int label = found.labeled.labels[k];
+    const bool is_curved =
+        !found.curved.labels.empty() && found.curved.labels[k] >= 0;
+    const int number = label >= 0 && !is_curved
+                           ? found.plane_numbers[static_cast<size_t>(label)] + 1
+                           : 0;
+    of_superpixel.push_back(number <= kMaxPlanesOfMap
+                                ? static_cast<uint16_t>(number)
+                                : uint16_t{0});
+  }
+  Image<uint16_t> numbers(superpixels.Width(), superpixels.Height());
+  std::transform(
+      superpixels.begin(),
+      superpixels.end(),
+      numbers.begin(),
+      [&](uint16_t superpixel) { return of_superpixel[superpixel]; });
+  return numbers;
+}
+
+std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
+  std::vector<Plane> planes;
+  for (const int label : labeled.labels) {
+    planes.push_back(label >= 0 ? labeled.planes[static_cast<size_t>(label)]
+                                : Plane{});
+  }
+  return planes;
+}
+
+LabeledView FlattenSurfaces(const ObservedView& view,
+                            LabeledView labeled,
+                            const CurvedView& curved) {
+  if (curved.surfaces.empty()) {
+    return labeled;
+  }
+  const Image<uint16_t>& superpixels = view.evidence->superpixels;
+  struct Sum {
+    double x = 0.0;
+    double y = 0.0;
+    int count = 0;
+  };
+  std::vector<Sum> sums(labeled.labels.size());
+  for (int y = 0; y < superpixels.Height(); ++y) {
+    for (int x = 0; x < superpixels.Width(); ++x) {
+      Sum& sum = sums[superpixels(x, y)];
+      sum.x += x;
+      sum.y += y;
+      ++sum.count;
+    }
+  }
+  const Intrinsics intrinsics = view.camera.GetIntrinsics();
+  for (size_t k = 0; k < sums.size(); ++k) {
+    if (curved.labels[k] < 0 || sums[k].count == 0) {
+      continue;
+    }
+    const Plane tangent =
+        curved.surfaces[static_cast<size_t>(curved.labels[k])].TangentAt(
+            intrinsics.Ray(static_cast<float>(sums[k].x / sums[k].count),
+                           static_cast<float>(sums[k].y / sums[k].count)));
+    if (tangent.Valid()) {
+      labeled.labels[k] = static_cast<int>(labeled.planes.size());
+      labeled.planes.push_back(tangent);
+    }
+  }
+  return labeled;
 }
 
 }  // namespace tsar

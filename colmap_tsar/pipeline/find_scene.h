@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/scene_planes/bounding_creases.h"
@@ -20,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -111,5 +113,25 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
                      const ViewLabels& labels,
                      const RefineOptions& options,
                      Device& device);
+
+// A plane map names the first so many planes of the model, which are those of
+// largest support: by one more than their numbers, in 16 bits.
+inline constexpr int kMaxPlanesOfMap = std::numeric_limits<uint16_t>::max();
+
+// What a plane map may say in each pixel of the raster: the plane that its
+// superpixel was labelled with. 0 where there is none, or a curved surface, or
+// one that plane maps cannot name.
+Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
+                             const FoundScene& found);
+
+// The plane of each superpixel, in the camera's frame; invalid where it has
+// none.
+std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled);
+
+// Superpixels of curved surfaces get planes of their own, which touch the
+// surface in their middle.
+LabeledView FlattenSurfaces(const ObservedView& view,
+                            LabeledView labeled,
+                            const CurvedView& curved);
 
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/filtering/reliability.h"
-#include "colmap_tsar/pipeline/compose_surfaces.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/score_hypotheses.h"
 #include "colmap_tsar/pipeline/stage_options.h"
@@ -333,6 +332,31 @@ int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels) {
          SuperpixelBytes(options, num_raster_pixels) +
          SpreadAndFilledBytes(options, num_pixels) +
          (options.segment ? BytesOf<Plane>(num_raster_pixels) : 0);
+}
+
+ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
+                            const RefineOptions& options,
+                            Surfaces* surfaces,
+                            DeviceViews* views,
+                            Device& device) {
+  const bool is_spread = !surfaces->spread.depth.Empty();
+  DeviceImage<Plane> superpixel_planes;
+  if (options.superpixel_planes && surfaces->superpixels.count > 0 &&
+      !is_spread) {
+    superpixel_planes =
+        PlanesOfLabels(std::as_const(surfaces->superpixels.labels).View(),
+                       surfaces->superpixel_planes,
+                       device);
+  }
+  return ComposeMap(
+      is_spread ? std::move(surfaces->spread) : views->TakeHypotheses(),
+      {std::as_const(surfaces->trusted).View(),
+       views->OnMap(superpixel_planes),
+       region_planes,
+       std::as_const(surfaces->confirmations).View()},
+      views->Scale(),
+      {},
+      device);
 }
 
 }  // namespace tsar

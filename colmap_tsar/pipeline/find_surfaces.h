@@ -54,4 +54,14 @@ int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
 // Bytes of what it returns.
 int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels);
 
+// The map of one view alone: its trusted depths and the planes of its
+// superpixels and regions (may be empty). Takes the hypotheses of the views, or
+// Surfaces::spread where it is there: the planes of superpixels are in it
+// already.
+ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
+                            const RefineOptions& options,
+                            Surfaces* surfaces,
+                            DeviceViews* views,
+                            Device& device);
+
 }  // namespace tsar

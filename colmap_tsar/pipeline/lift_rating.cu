@@ -8,8 +8,10 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/pipeline/reduce_hypotheses.h"
+#include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
+#include "colmap_tsar/pipeline/square_hypothesis.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <climits>
 #include <cmath>
@@ -72,6 +74,37 @@ struct LiftRatingsKernel {
       }
     }
     lifted(x, y) = rating;
+  }
+};
+
+struct PackRatingsKernel {
+  ImageView<const uint8_t> trusted;
+  ImageView<const uint8_t> confirmations;
+  ImageView<uint8_t> ratings;
+
+  TSAR_HD void operator()(int x, int y) const {
+    ratings(x, y) = MeasurementRating::Pack(
+        trusted(x, y) != 0,
+        confirmations.Empty() ? Confirmation::kNone
+                              : static_cast<Confirmation>(confirmations(x, y)));
+  }
+};
+
+struct ReduceKernel {
+  SquareHypothesis squares;
+  Intrinsics reduced;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+
+  TSAR_HD void operator()(int x, int y) const {
+    depth(x, y) = 0.f;
+    normal(x, y) = {};
+    const ptrdiff_t found = squares.Find(x, y);
+    if (found >= 0) {
+      depth(x, y) = squares.DepthOnRay(
+          found, reduced.Ray(static_cast<float>(x), static_cast<float>(y)));
+      normal(x, y) = squares.normal.data[found];
+    }
   }
 };
 
@@ -143,6 +176,38 @@ int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels) {
   // What the reduction uploads takes as much, and is gone when ratings are
   // lifted.
   return lifted + judged;
+}
+
+DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
+                                 ImageView<const uint8_t> confirmations,
+                                 Device& device) {
+  DeviceImage<uint8_t> ratings(device, trusted.width, trusted.height);
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              PackRatingsKernel{trusted, confirmations, ratings.View()});
+  return ratings;
+}
+
+DepthNormalImages ReduceHypotheses(const DeviceReference& view,
+                                   const Image<uint8_t>& is_to_refine,
+                                   int factor,
+                                   Device& device) {
+  const Camera camera = ReduceCamera(view.camera, factor);
+  const DeviceImage<uint8_t> to_refine(device, is_to_refine);
+  DepthNormalImages reduced(device, camera.width, camera.height);
+  ParallelFor(device,
+              camera.width,
+              camera.height,
+              ReduceKernel{{view.hypotheses.depth.View(),
+                            view.hypotheses.normal.View(),
+                            to_refine.View(),
+                            view.MapIntrinsics(),
+                            factor},
+                           camera.GetIntrinsics(),
+                           reduced.depth.View(),
+                           reduced.normal.View()});
+  return reduced;
 }
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/view_data.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
@@ -47,5 +48,19 @@ DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
 // With the result and what is uploaded for it. num_judged_pixels: of the
 // reduced map, or all where it is not reduced.
 int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels);
+
+// The MeasurementRating of each pixel. trusted: other than 0 where its depth is
+// trusted. confirmations: its Confirmation; may be empty.
+DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
+                                 ImageView<const uint8_t> confirmations,
+                                 Device& device);
+
+// The hypotheses of ReduceView(), of a view in the device's memory.
+// is_to_refine: ViewData::is_to_refine, in host memory. Beside the result,
+// takes a byte of the device's memory for each pixel of the view.
+DepthNormalImages ReduceHypotheses(const DeviceReference& view,
+                                   const Image<uint8_t>& is_to_refine,
+                                   int factor,
+                                   Device& device);
 
 }  // namespace tsar

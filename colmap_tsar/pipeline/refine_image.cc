@@ -4,7 +4,6 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 
 #include "colmap_tsar/pipeline/compose.h"
-#include "colmap_tsar/pipeline/compose_surfaces.h"
 #include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"

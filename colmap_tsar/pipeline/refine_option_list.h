@@ -6,6 +6,7 @@
 #include "colmap_tsar/pipeline/refine_options.h"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -14,35 +15,43 @@ namespace tsar {
 
 // One member of RefineOptions, with what a user needs to know about it.
 struct RefineField {
-  std::string name;  // Of the member, and of the option on the command line.
+  std::string name;
   std::variant<bool*, int*, double*> value;
   std::string description;
   // The values that make sense, both ends included; not for bools.
   double min = 0.0;
-  double max = 0.0;
+  double max = 1.0;
+  // Whether it is an option of the command, which users choose better than we;
+  // all others are set by its option "experiment".
+  bool is_option = false;
+  // What the presets set it to, where that is not the default: the published
+  // method in the readings that measure best, and its equations as printed,
+  // which otherwise have the values of the first.
+  std::optional<double> paper = std::nullopt;
+  std::optional<double> paper_strict = std::nullopt;
+
+  // The member's present value, as text that keeps every bit.
+  std::string Text() const;
 };
 
 // All members of RefineOptions, in the order of the help. The one list that the
-// command line, the checks, the manifest and the options' hash are made from.
+// command line, Python, the presets, the checks, the manifest, the options' hash
+// and the ablation of benchmarks/suite are made from.
 std::vector<RefineField> ListRefineFields(RefineOptions* options);
 
-// An option that had another name before. The former name still works, and a
-// warning says how the option is called now.
-struct RenamedOption {
-  std::string former_name;
-  std::string name;
-};
+// The columns of that list.
+enum class RefinePreset { kDefault, kPaper, kPaperStrict };
 
-// The former names of members of RefineOptions.
-const std::vector<RenamedOption>& RenamedRefineOptions();
+// All members with the values of a preset. Lengths of kPaperStrict are metres,
+// as on ETH3D; docs/method.md lists where it follows the print.
+RefineOptions PresetOptions(RefinePreset preset);
 
-// Name and value of every member, as text that keeps every bit.
+// Name and value of every member.
 std::map<std::string, std::string> RefineOptionsText(
     const RefineOptions& options);
 
 // A fingerprint of the program's version and of all values: what a result
-// depends on beside the workspace. It takes former names, so that a new name
-// alone does not make results outdated.
+// depends on beside the workspace.
 std::string HashRefineOptions(const RefineOptions& options);
 
 }  // namespace tsar

@@ -3,13 +3,12 @@
 
 #pragma once
 
-#include <string>
-
 namespace tsar {
 
-// What a user can set; docs/ablation.md tells how each default was found. Pixel
-// numbers hold at the paper's sizes: maps 3110 pixels wide and a segmentation
-// raster 777 wide; they are scaled to the maps at hand.
+// What a result depends on beside the workspace; ListRefineFields describes the
+// members, docs/ablation.md tells how each default was found. Pixel numbers
+// hold at the paper's sizes: maps 3110 pixels wide and a segmentation raster
+// 777 wide; they are scaled to the maps at hand.
 struct RefineOptions {
   bool denoise = true;
 
@@ -49,8 +48,7 @@ struct RefineOptions {
   double edge_threshold = 4.0;
   bool edges_of_roots = false;
   bool short_lines = false;
-  int hough_min_votes = 5;  // epsilon
-  int hough_max_gap = 15;   // upsilon
+  int hough_max_gap = 15;  // upsilon
   bool region_cores = true;
   bool region_rims = true;
   bool bounded_regions = true;
@@ -87,12 +85,6 @@ struct RefineOptions {
 
   // Keys the random numbers of every RANSAC.
   int seed = 0;
-
-  // The method as the paper describes it, in the readings that measure best.
-  static RefineOptions Paper();
-  // Its equations as printed, wherever these can be computed (docs/method.md
-  // has the list). Lengths are metres, as on ETH3D.
-  static RefineOptions PaperStrict();
 
   // Throws kBadOption, naming the option, where a value makes no sense.
   void Check() const;

@@ -8,17 +8,14 @@
 #include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
+#include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/find_surfaces.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
-#include "colmap_tsar/pipeline/pack_ratings.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
-#include "colmap_tsar/pipeline/plane_map.h"
-#include "colmap_tsar/pipeline/plane_numbers.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
-#include "colmap_tsar/pipeline/superpixel_surfaces.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
@@ -189,6 +186,25 @@ void ShowScene(StageObserver* observer,
   observer->Show(RefineStage::kSceneLabels, labels);
   observer->Show(RefineStage::kLabelEvidence,
                  EvidenceRaster(superpixels, curved.evidence));
+}
+
+// The superpixels' evidence with their confidences and errors.
+std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
+  const LabeledView& labeled = found.labeled;
+  const CurvedView& curved = found.curved;
+  std::vector<ComposedSuperpixel> result;
+  for (size_t k = 0; k < curved.evidence.size(); ++k) {
+    const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
+    const int label = labeled.labels[k];
+    result.push_back(
+        {curved.evidence[k],
+         is_curved ? kConfidenceOfCurved
+                   : RateSurface(curved.evidence[k], labeled.qualities[k]),
+         label >= 0 ? found.plane_errors[static_cast<size_t>(label)]
+                    : InverseDepthError{},
+         is_curved});
+  }
+  return result;
 }
 
 }  // namespace

@@ -51,11 +51,7 @@ RefineOptions MeasuringOptions(const RefineOptions& options) {
 }
 
 ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options) {
-  ConfidenceOptions confidence;
-  if (options.cost_ratio) {
-    confidence.ratio_term = RatioTerm::kSimilarity;
-  }
-  return confidence;
+  return {.use_ratio = options.cost_ratio};
 }
 
 CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
@@ -83,7 +79,6 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
 HoughOptions MakeHoughOptions(const RefineOptions& options,
                               double raster_scale) {
   HoughOptions hough;
-  hough.min_votes = options.hough_min_votes;
   hough.max_gap = ScaledLength(options.hough_max_gap, raster_scale);
   if (options.short_lines) {
     hough.min_length_share = 0.f;

@@ -17,8 +17,8 @@ or, with the maps at hand as arrays of NumPy,
 refine() fills the depth and normal maps of a dense workspace where walls, floors
 and facades have no texture, in COLMAP's own format and under the same names;
 restore() puts COLMAP's maps back. evaluate_depth() and evaluate_cloud() score the
-result against ground truth. RefineOptions explains every option, and Error what
-can go wrong. read_planes() and read_plane_map() give the planes of a refined
+result against ground truth. help(refine) explains every option, and Error what can
+go wrong. read_planes() and read_plane_map() give the planes of a refined
 scene as arrays of NumPy. help() of each tells the rest.
 
 has_cuda says whether this package was built for NVIDIA GPUs; without, everything
@@ -45,10 +45,16 @@ from ._evaluate import (
     evaluate_depth,
 )
 from ._images import Camera, WorkspaceImage
-from ._options import RefineOptions
 from ._planes import Planes, Polygon, read_plane_map, read_planes
-from ._refine import RefineSummary, RestoreSummary, refine, restore
-from ._summaries import ExportSummary, ImportSummary, ReportSummary, StereoSummary
+from ._refine import refine, restore
+from ._summaries import (
+    ExportSummary,
+    ImportSummary,
+    RefineSummary,
+    ReportSummary,
+    RestoreSummary,
+    StereoSummary,
+)
 from ._workspace import Workspace
 
 __all__ = [
@@ -69,7 +75,6 @@ __all__ = [
     "OutOfMemoryError",
     "Planes",
     "Polygon",
-    "RefineOptions",
     "RefineSummary",
     "ReportSummary",
     "RestoreSummary",

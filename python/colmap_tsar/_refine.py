@@ -1,90 +1,29 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Refining a workspace, and taking it back."""
-import dataclasses
 import os
-import pathlib
-from typing import Any, Callable, Dict, List, Mapping, Optional, Union
+import typing
+from typing import Callable, Optional, Union
 
 from . import _core
-from ._options import RefineOptions
+from ._command_options import REFINE
 from ._progress import tell_lines
-from ._result import PrintedResult, Result
+from ._summaries import RefineSummary, RestoreSummary
+
+if typing.TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._keywords import RefineKeywords
 
 _Path = Union[str, "os.PathLike[str]"]
 
 
-@dataclasses.dataclass(frozen=True)
-class RefineSummary(PrintedResult):
-    """What a run of refine() did. str() of it is the account that the command
-    prints."""
-
-    workspace_path: pathlib.Path
-    """The workspace that was written: output_path where that was given."""
-    input_type: str
-    """The maps that were refined: "geometric" or "photometric"."""
-    device: str
-    """Where it was computed, in words."""
-    num_workers: int
-    """Images at a time."""
-    num_images: int
-    """All images of stereo/patch-match.cfg."""
-    num_observed: int
-    """Images that were observed now, by a pass that does nothing else."""
-    num_refined: int
-    """Images that were refined now."""
-    num_skipped: int
-    """Images that had been refined before with the same options."""
-    num_masks: Optional[int]
-    """Of num_images, those with a mask; None where no masks were given."""
-    kept: Dict[str, str]
-    """Images that keep COLMAP's maps: name and reason."""
-    num_sources_without_maps: int
-    """Source images, over all images, that were left out for want of maps."""
-    counts: Dict[str, int]
-    """Sums over the refined images, in pixels: "pixels", "depth_before",
-    "depth_after", "not_finite", and how many have each provenance."""
-    seconds: Dict[str, float]
-    """Time of each stage, summed over the refined images."""
-    wall_seconds: float
-    """Time from start to end."""
-    peak_gpu_memory: Dict[str, int]
-    """The most bytes held at a time on each GPU."""
-    text: str = dataclasses.field(repr=False)
-
-
-@dataclasses.dataclass(frozen=True)
-class RestoreSummary(Result):
-    """What restore() did."""
-
-    num_restored: int
-    """Maps of how many images and types were put back."""
-    kept: List[str]
-    """Depth maps that patch_match_stereo has written since, or that were kept on
-    demand: left as they were, with their normal maps."""
-    superseded: List[str]
-    """Where the maps are now that stood in the place of originals and were not
-    written by this program as they were."""
-    conflicts: List[str]
-    """Depth maps for which nothing was changed, since nothing tells whose they
-    and their normal maps are."""
-
-
 def refine(
     workspace_path: _Path,
-    options: Union[RefineOptions, Mapping[str, Any], None] = None,
     *,
-    output_path: Optional[_Path] = None,
     input_type: Optional[str] = None,
-    image_list_path: Optional[_Path] = None,
-    mask_path: Optional[_Path] = None,
-    device: str = "auto",
-    gpu_index: Union[str, int] = "-1",
-    num_threads: int = -1,
-    cache_size: float = 32.0,
-    shard: str = "",
-    pass_: str = "all",
     progress: Union[bool, Callable[[str], None]] = True,
+    **options: "Unpack[RefineKeywords]",
 ) -> RefineSummary:
     """Completes the depth and normal maps of a dense workspace.
 
@@ -101,33 +40,14 @@ def refine(
     Args:
         workspace_path: The dense workspace, as image_undistorter makes it and
             patch_match_stereo fills it: images/, sparse/, stereo/.
-        options: RefineOptions, or a dict of some; None for the defaults.
-        output_path: Write a second workspace here, with links to the images, and
-            leave the first as it is. None: refine in place.
         input_type: Which maps to refine, "geometric" or "photometric"; the others
             serve as evidence where they exist. None: geometric, or photometric
             where there are no geometric ones.
-        image_list_path: A text file with one image name per line: refine these
-            alone. None: all.
-        mask_path: The folder with masks of the undistorted images, named as for
-            COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), what the maps
-            hold is no evidence for anything, and the refined maps have no depth.
-            None: no masks.
-        device: Where to compute: "auto" (on a GPU where there is one), "cuda" or
-            "cpu".
-        gpu_index: The GPUs to use, as numbers from 0 on with commas between them,
-            such as "0,1"; -1 takes every GPU of the machine.
-        num_threads: Number of CPU threads; -1: one for each core.
-        cache_size: Main memory for the images at work, in gigabytes (10^9 bytes);
-            at most four fifths of the machine's count.
-        shard: For several machines with one file system: the part of the images to
-            work on, "i/n" with i from 0 to n - 1 (docs/cluster.md). Empty: all.
-        pass_: What to do of it: "all", "observe", "model", "compose" or
-            "merge".
         progress: True: a line for each image, or now and then, on sys.stderr.
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it
             raises stops the work as Ctrl-C does, and is raised.
+        options: Those of the command, below. `experiment` may be a dict.
 
     Returns:
         What was done, and how long it took.
@@ -136,61 +56,17 @@ def refine(
         Error: One of its subclasses; see there.
         TypeError: An option does not exist or has a value of a wrong type.
     """
-    if options is None:
-        options = RefineOptions()
-    elif not isinstance(options, RefineOptions):
-        options = RefineOptions(**options)
     return refine_with_listeners(
-        workspace_path,
-        options,
-        tell_lines(progress),
-        output_path=output_path,
-        input_type=input_type,
-        image_list_path=image_list_path,
-        mask_path=mask_path,
-        device=device,
-        gpu_index=gpu_index,
-        num_threads=num_threads,
-        cache_size=cache_size,
-        shard=shard,
-        pass_=pass_,
+        workspace_path, input_type, tell_lines(progress), options
     )
 
 
-def refine_with_listeners(
-    workspace_path,
-    options,
-    listeners,
-    *,
-    output_path,
-    input_type,
-    image_list_path,
-    mask_path,
-    device,
-    gpu_index,
-    num_threads,
-    cache_size,
-    shard,
-    pass_,
-):
+def refine_with_listeners(workspace_path, input_type, listeners, options):
     """refine(), with the listeners of _progress.py."""
-    return RefineSummary(
-        **_core.refine(
-            os.fspath(workspace_path),
-            options.todict(),
-            "" if output_path is None else os.fspath(output_path),
-            input_type,
-            "" if image_list_path is None else os.fspath(image_list_path),
-            "" if mask_path is None else os.fspath(mask_path),
-            device,
-            str(gpu_index),
-            num_threads,
-            cache_size,
-            shard,
-            pass_,
-            listeners,
-        )
-    )
+    command = {"workspace_path": os.fsencode(workspace_path), **REFINE.to_text(options)}
+    if input_type is not None:
+        command["input_type"] = input_type
+    return RefineSummary(**_core.refine(command, listeners))
 
 
 def restore(workspace_path: _Path, conflicts: str = "report") -> RestoreSummary:
@@ -207,3 +83,6 @@ def restore(workspace_path: _Path, conflicts: str = "report") -> RestoreSummary:
     one.
     """
     return RestoreSummary(**_core.restore(os.fspath(workspace_path), conflicts))
+
+
+REFINE.document(refine)

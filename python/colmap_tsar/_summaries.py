@@ -1,11 +1,67 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the runs of a Workspace did."""
+"""What runs did."""
 import dataclasses
 import pathlib
 from typing import Dict, List, Optional
 
 from ._result import PrintedResult, Result
+
+
+@dataclasses.dataclass(frozen=True)
+class RefineSummary(PrintedResult):
+    """What a run of refine() did. str() of it is the account that the command
+    prints."""
+
+    workspace_path: pathlib.Path
+    """The workspace that was written: output_path where that was given."""
+    input_type: str
+    """The maps that were refined: "geometric" or "photometric"."""
+    device: str
+    """Where it was computed, in words."""
+    num_workers: int
+    """Images at a time."""
+    num_images: int
+    """All images of stereo/patch-match.cfg."""
+    num_observed: int
+    """Images that were observed now, by a pass that does nothing else."""
+    num_refined: int
+    """Images that were refined now."""
+    num_skipped: int
+    """Images that had been refined before with the same options."""
+    num_masks: Optional[int]
+    """Of num_images, those with a mask; None where no masks were given."""
+    kept: Dict[str, str]
+    """Images that keep COLMAP's maps: name and reason."""
+    num_sources_without_maps: int
+    """Source images, over all images, that were left out for want of maps."""
+    counts: Dict[str, int]
+    """Sums over the refined images, in pixels: "pixels", "depth_before",
+    "depth_after", "not_finite", and how many have each provenance."""
+    seconds: Dict[str, float]
+    """Time of each stage, summed over the refined images."""
+    wall_seconds: float
+    """Time from start to end."""
+    peak_gpu_memory: Dict[str, int]
+    """The most bytes held at a time on each GPU."""
+    text: str = dataclasses.field(repr=False)
+
+
+@dataclasses.dataclass(frozen=True)
+class RestoreSummary(Result):
+    """What restore() did."""
+
+    num_restored: int
+    """Maps of how many images and types were put back."""
+    kept: List[str]
+    """Depth maps that patch_match_stereo has written since, or that were kept on
+    demand: left as they were, with their normal maps."""
+    superseded: List[str]
+    """Where the maps are now that stood in the place of originals and were not
+    written by this program as they were."""
+    conflicts: List[str]
+    """Depth maps for which nothing was changed, since nothing tells whose they
+    and their normal maps are."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,32 +1,42 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """A dense workspace, and all that can be done with it."""
-import collections.abc
-import inspect
 import os
 import pathlib
-from typing import Any, Callable, Iterator, Mapping, Optional, Tuple, Union
+import typing
+from typing import Any, Callable, Iterator, Optional, Tuple, Union
 
 from . import _core
-from ._command_options import EXPORT, IMPORT, REPORT, STEREO
+from ._command_options import EXPORT, IMPORT, REFINE, REPORT, STEREO
 from ._images import WorkspaceImage
-from ._options import RefineOptions
 from ._planes import Planes, read_planes
 from ._progress import tell_steps
-from ._refine import RefineSummary, RestoreSummary, refine_with_listeners, restore
-from ._summaries import ExportSummary, ImportSummary, ReportSummary, StereoSummary
+from ._refine import refine_with_listeners, restore
+from ._summaries import (
+    ExportSummary,
+    ImportSummary,
+    RefineSummary,
+    ReportSummary,
+    RestoreSummary,
+    StereoSummary,
+)
+
+if typing.TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._keywords import (
+        ExportKeywords,
+        ImportKeywords,
+        RefineKeywords,
+        ReportKeywords,
+        StereoKeywords,
+    )
 
 _Path = Union[str, "os.PathLike[str]"]
 _Progress = Union[bool, Callable[[str, int, int], Any]]
 
-_PRESETS = {
-    "default": RefineOptions,
-    "paper": RefineOptions.paper,
-    "paper_strict": RefineOptions.paper_strict,
-}
 
-
-class Workspace(collections.abc.Mapping):
+class Workspace(typing.Mapping[str, WorkspaceImage]):
     """A dense workspace, as COLMAP's image_undistorter makes it: images/, sparse/ and
     stereo/. A mapping from the names of its images to WorkspaceImage:
 
@@ -112,59 +122,21 @@ class Workspace(collections.abc.Mapping):
         return self._planes
 
     def refine(
-        self,
-        options: Union[RefineOptions, Mapping[str, Any], None] = None,
-        *,
-        preset: str = "default",
-        output_path: Optional[_Path] = None,
-        image_list_path: Optional[_Path] = None,
-        mask_path: Optional[_Path] = None,
-        device: str = "auto",
-        gpu_index: Union[str, int] = "-1",
-        num_threads: int = -1,
-        cache_size: float = 32.0,
-        shard: str = "",
-        pass_: str = "all",
-        progress: _Progress = True,
-        **named: Any,
+        self, *, progress: _Progress = True, **options: "Unpack[RefineKeywords]"
     ) -> RefineSummary:
-        """Completes the maps; see refine(), which has the same options. Those of
-        RefineOptions can be given as keywords, too, on top of `options`, or of a
-        `preset`: "default", "paper" or "paper_strict".
+        """Completes the maps; see the function refine().
 
-            ws.refine(num_iterations=3, device="cpu")
+            ws.refine(preset="paper", device="cpu")
+            ws.refine(experiment={"num_iterations": 3})
         """
-        if preset not in _PRESETS:
-            raise ValueError(
-                f"preset: '{preset}' is not known; give one of {', '.join(_PRESETS)}"
-            )
-        if options is None:
-            options = _PRESETS[preset]()
-        elif preset != "default":
-            raise TypeError("give options or a preset, not both")
-        elif isinstance(options, RefineOptions):
-            options = options.copy()
-        else:
-            options = RefineOptions(**options)
-        options.update(**named)
         self._planes = None
         return refine_with_listeners(
-            self._path,
-            options,
-            tell_steps(progress),
-            output_path=output_path,
-            input_type=self._chosen_type,
-            image_list_path=image_list_path,
-            mask_path=mask_path,
-            device=device,
-            gpu_index=gpu_index,
-            num_threads=num_threads,
-            cache_size=cache_size,
-            shard=shard,
-            pass_=pass_,
+            self._path, self._chosen_type, tell_steps(progress), options
         )
 
-    def stereo(self, *, progress: _Progress = True, **options: Any) -> StereoSummary:
+    def stereo(
+        self, *, progress: _Progress = True, **options: "Unpack[StereoKeywords]"
+    ) -> StereoSummary:
         """Makes depth and normal maps from the images, as patch_match_stereo does, on
         NVIDIA GPUs and also without any: what the command tsar_stereo does. Images that
         were done before with the same options are skipped."""
@@ -179,17 +151,19 @@ class Workspace(collections.abc.Mapping):
         format: str,
         *,
         progress: _Progress = True,
-        **options: Any,
+        **options: "Unpack[ImportKeywords]",
     ) -> ImportSummary:
         """Brings depth and normal maps of other programs and sensors into the
         workspace: what the command tsar_import does. undo_imports() takes them back."""
         self._planes = None
-        options = {"input_path": input_path, "format": format, **options}
+        given = {"input_path": input_path, "format": format, **options}
         return ImportSummary(
-            **_core.import_maps(self._to_command(IMPORT, options), tell_steps(progress))
+            **_core.import_maps(self._to_command(IMPORT, given), tell_steps(progress))
         )
 
-    def report(self, *, progress: _Progress = True, **options: Any) -> ReportSummary:
+    def report(
+        self, *, progress: _Progress = True, **options: "Unpack[ReportKeywords]"
+    ) -> ReportSummary:
         """Writes a page about the refined workspace, to be opened in a browser, or a
         picture of some images: what the command tsar_report does."""
         command = {**self._to_command(REPORT, options), **self._to_type()}
@@ -201,12 +175,12 @@ class Workspace(collections.abc.Mapping):
         format: str,
         *,
         progress: _Progress = True,
-        **options: Any,
+        **options: "Unpack[ExportKeywords]",
     ) -> ExportSummary:
         """Writes the maps into a folder of their own, with cameras and poses, for other
         programs and for training: what the command tsar_export does."""
-        options = {"output_path": output_path, "format": format, **options}
-        command = {**self._to_command(EXPORT, options), **self._to_type()}
+        given = {"output_path": output_path, "format": format, **options}
+        command = {**self._to_command(EXPORT, given), **self._to_type()}
         return ExportSummary(**_core.export(command, tell_steps(progress)))
 
     def restore(self, conflicts: str = "report") -> RestoreSummary:
@@ -233,15 +207,7 @@ class Workspace(collections.abc.Mapping):
         return f"{self._path} has no image {name!r}{advice}"
 
 
-def _document_refine():
-    """Has the signature of refine() show the options, too."""
-    signature = inspect.signature(Workspace.refine)
-    own = list(signature.parameters.values())[:-1]
-    _, *options = inspect.signature(RefineOptions.__init__).parameters.values()
-    Workspace.refine.__signature__ = signature.replace(parameters=own + options)
-
-
-_document_refine()
+REFINE.document(Workspace.refine)
 STEREO.document(Workspace.stereo)
 IMPORT.document(Workspace.import_maps)
 REPORT.document(Workspace.report)

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/cli/captured_run.h"
+#include "tests/cli/command_test.h"
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -22,11 +22,6 @@
 
 namespace tsar {
 namespace {
-
-// Runs the program with these arguments and returns what it printed.
-Outcome RunWith(const std::vector<std::string>& arguments) {
-  return RunCaptured("colmap_tsar", arguments, &RunProgram);
-}
 
 std::string ErrorOf(CommandFunction function) {
   testing::internal::CaptureStderr();

@@ -29,7 +29,12 @@ class OptionSetTest : public testing::Test {
     options_.Add("TsarTest.filter", &filter_, "On or off.");
     options_.AddChoice(
         "TsarTest.device", &device_, {"auto", "cpu", "cuda"}, "Where to run.");
-    options_.AddFormerName("TsarTest.rounds", "TsarTest.iterations");
+    Option edges{"edges", "Steps.", &edges_, {0, 1}};
+    edges.presets["paper"] = "2";
+    options_.AddSettings("TsarTest.experiment",
+                         &experiment_,
+                         {edges, {"rounds", "Rounds.", &rounds_, {1, 10}}},
+                         "For experiments.");
   }
 
   ~OptionSetTest() override {
@@ -87,6 +92,9 @@ class OptionSetTest : public testing::Test {
   double sigma_ = 2.0;
   bool filter_ = true;
   std::string device_ = "auto";
+  std::string experiment_;
+  double edges_ = 1.0;
+  int rounds_ = 4;
 };
 
 TEST_F(OptionSetTest, KeepsDefaultsOfWhatIsNotGiven) {
@@ -124,28 +132,38 @@ TEST_F(OptionSetTest, ReadsTrueAndFalse) {
   EXPECT_TRUE(filter_);
 }
 
-TEST_F(OptionSetTest, TakesFormerNamesWithAWarning) {
-  testing::internal::CaptureStderr();
-  EXPECT_TRUE(ParseMore({"--TsarTest.rounds", "7"}));
-  EXPECT_NE(testing::internal::GetCapturedStderr().find(
-                "TsarTest.rounds is called TsarTest.iterations now"),
-            std::string::npos);
-  EXPECT_EQ(iterations_, 7);
-  EXPECT_TRUE(
-      ParseMore({"--project_path", WriteIni("[TsarTest]\nrounds = 9\n")}));
-  EXPECT_EQ(iterations_, 9);
-  EXPECT_EQ(options_.Values().count("TsarTest.rounds"), 0u);
+TEST_F(OptionSetTest, SettingsSetWhatTheyName) {
+  EXPECT_TRUE(ParseMore({"--TsarTest.experiment", "edges=0.25,rounds=7"}));
+  EXPECT_EQ(edges_, 0.25);
+  EXPECT_EQ(rounds_, 7);
+  EXPECT_TRUE(ParseMore(
+      {"--project_path", WriteIni("[TsarTest]\nexperiment = edges=0.5\n")}));
+  EXPECT_EQ(edges_, 0.5);
 }
 
-TEST_F(OptionSetTest, AFormerNameAndThePresentOneAreTheSameOption) {
-  EXPECT_EQ(Failure({"--TsarTest.rounds", "7", "--TsarTest.iterations", "7"}),
-            "--TsarTest.iterations is given twice; give it once");
-  // The command line comes before the file, whatever the names.
-  EXPECT_TRUE(ParseMore({"--TsarTest.rounds",
-                         "7",
-                         "--project_path",
-                         WriteIni("[TsarTest]\niterations = 9\n")}));
-  EXPECT_EQ(iterations_, 7);
+TEST_F(OptionSetTest, WrongSettingsAreNamedWithTheNearest) {
+  const std::string option = "--TsarTest.experiment";
+  EXPECT_EQ(FailureWith({option, "edge=1"}),
+            option + ": there is no 'edge'; did you mean edges? " + option +
+                " help lists all");
+  EXPECT_EQ(FailureWith({option, "zzzzzzzz=1"}),
+            option + ": there is no 'zzzzzzzz'; " + option + " help lists all");
+  EXPECT_EQ(FailureWith({option, "edges"}),
+            option + ": 'edges' is not of the form name=value");
+  EXPECT_EQ(FailureWith({option, "edges=1,edges=2"}),
+            option + ": edges is given twice; give it once");
+  EXPECT_EQ(FailureWith({option, "rounds=11"}),
+            option + " rounds: 11 is too large; give at most 10");
+}
+
+TEST_F(OptionSetTest, HelpOfSettingsListsThem) {
+  testing::internal::CaptureStdout();
+  EXPECT_FALSE(Parse({"--TsarTest.experiment", "help"}));
+  const std::string text = testing::internal::GetCapturedStdout();
+  EXPECT_NE(text.find("edges NUMBER (default: 1; paper: 2)\n      Steps.\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("rounds INT (default: 4)\n"), std::string::npos) << text;
 }
 
 TEST_F(OptionSetTest, UnknownOptionNamesItAndTheNearest) {
@@ -262,7 +280,7 @@ TEST_F(OptionSetTest, HelpAsJsonTellsTheSameToPrograms) {
   for (const nlohmann::json& option : json.at("options")) {
     options[option.at("name")] = option;
   }
-  EXPECT_EQ(options.size(), 9u);
+  EXPECT_EQ(options.size(), 10u);
   EXPECT_EQ(options.at("workspace_path"),
             nlohmann::json({{"name", "workspace_path"},
                             {"value", "PATH"},
@@ -278,6 +296,11 @@ TEST_F(OptionSetTest, HelpAsJsonTellsTheSameToPrograms) {
             nlohmann::json({"0", "1"}));
   EXPECT_EQ(options.at("TsarTest.iterations").at("default"), "4");
   EXPECT_EQ(options.at("project_path").at("is_path"), true);
+  const nlohmann::json settings =
+      options.at("TsarTest.experiment").at("settings");
+  EXPECT_EQ(settings.at(0).at("name"), "edges");
+  EXPECT_EQ(settings.at(0).at("presets"), nlohmann::json({{"paper", "2"}}));
+  EXPECT_EQ(settings.at(1).at("max"), 10.0);
 }
 
 TEST_F(OptionSetTest, IniFillsInWhatTheCommandLineLeavesOut) {
@@ -336,20 +359,6 @@ TEST_F(OptionSetTest, UnreadableIniIsAnError) {
   EXPECT_EQ(Failure({"--project_path", ini}, ErrorCode::kCorrupt)
                 .find(ini + ": not an ini file ("),
             0u);
-}
-
-TEST_F(OptionSetTest, ValuesReadBackAsTheyWere) {
-  EXPECT_TRUE(ParseMore({"--TsarTest.score", "0.1", "--TsarTest.sigma", "3"}));
-  const std::map<std::string, std::string> expected = {
-      {"workspace_path", "dense"},
-      {"output_path", ""},
-      {"TsarTest.iterations", "4"},
-      {"TsarTest.bytes", "-1"},
-      {"TsarTest.score", "0.1"},
-      {"TsarTest.sigma", "3"},
-      {"TsarTest.filter", "1"},
-      {"TsarTest.device", "auto"}};
-  EXPECT_EQ(options_.Values(), expected);
 }
 
 }  // namespace

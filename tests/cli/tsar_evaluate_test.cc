@@ -1,23 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/commands.h"
-
-#include <filesystem>
-#include <fstream>
-
-#include "tests/cli/captured_run.h"
-#include <gtest/gtest.h>
+#include "tests/cli/command_test.h"
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 namespace tsar {
 namespace {
-
-// Runs the program with these arguments and returns what it printed.
-Outcome RunWith(const std::vector<std::string>& arguments) {
-  return RunCaptured("colmap_tsar", arguments, &RunProgram);
-}
 
 TEST(TsarEvaluate, NeedsToKnowWhatToEvaluate) {
   const Outcome outcome = RunWith({"tsar_evaluate"});
@@ -68,27 +56,23 @@ TEST(TsarEvaluate, RejectsToleranceListsThatMeanNothing) {
 class TsarEvaluateCloudTest : public testing::Test {
  protected:
   TsarEvaluateCloudTest() {
-    std::filesystem::create_directories(folder_);
-    Write("scan.mlp",
-          "<MeshLabProject><MeshGroup><MLMesh filename=\"scan.ply\">"
-          "<MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>"
-          "</MeshGroup></MeshLabProject>");
-    Write("scan.ply", kPly + "element vertex 1\n" + kXyz + "2 0 0\n");
-    Write("cloud.ply", kPly + "element vertex 2\n" + kXyz + "2 0 0\n1 0 0\n");
+    WriteText(
+        folder_.Path() / "scan.mlp",
+        "<MeshLabProject><MeshGroup><MLMesh filename=\"scan.ply\">"
+        "<MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>"
+        "</MeshGroup></MeshLabProject>");
+    WriteText(folder_.Path() / "scan.ply",
+              kPly + "element vertex 1\n" + kXyz + "2 0 0\n");
+    WriteText(folder_.Path() / "cloud.ply",
+              kPly + "element vertex 2\n" + kXyz + "2 0 0\n1 0 0\n");
   }
-  ~TsarEvaluateCloudTest() override { std::filesystem::remove_all(folder_); }
-
-  void Write(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name) << content;
-  }
-
   Outcome Evaluate(const std::string& json) const {
     return RunWith({"tsar_evaluate",
                     "cloud",
                     "--input_path",
-                    (folder_ / "cloud.ply").string(),
+                    (folder_.Path() / "cloud.ply").string(),
                     "--ground_truth_path",
-                    (folder_ / "scan.mlp").string(),
+                    (folder_.Path() / "scan.mlp").string(),
                     "--tolerances",
                     "0.1",
                     "--json",
@@ -98,9 +82,7 @@ class TsarEvaluateCloudTest : public testing::Test {
   const std::string kPly = "ply\nformat ascii 1.0\n";
   const std::string kXyz =
       "property float x\nproperty float y\nproperty float z\nend_header\n";
-  const std::filesystem::path folder_ =
-      std::filesystem::path(testing::TempDir()) /
-      ("tsar_evaluate_" + std::to_string(getpid()));
+  const TemporaryFolder folder_;
 };
 
 TEST_F(TsarEvaluateCloudTest, PrintsJson) {

@@ -1,14 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/commands.h"
-
 #include <filesystem>
 
-#include "tests/cli/captured_run.h"
+#include "tests/cli/command_test.h"
 #include "tests/support/mask_files.h"
-#include "tests/support/synthetic_workspace.h"
-#include "tests/support/test_workspace.h"
 #include <sys/resource.h>
 
 namespace tsar {
@@ -16,40 +12,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class TsarExportTest : public testing::Test {
+class TsarExportTest : public CommandTest<&RunTsarExport> {
  protected:
   void SetUp() override { MakeTestWorkspace(root_); }
 
-  Outcome Run(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.end(), {"--workspace_path", root_.string()});
-    return RunCaptured("colmap", arguments, [](int argc, char** argv) {
-      return RunCommand(&RunTsarExport, argc, argv);
-    });
-  }
-  Outcome Write(const std::string& format,
-                const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {
-        "--format", format, "--output_path", output_.string()};
+  Outcome Write(const std::string& format, const Words& more = {}) const {
+    Words arguments = {"--format", format, "--output_path", output_.string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Run(arguments);
   }
-  // Expects exit code 1, an error as the last line with this text, and no file
-  // changed.
-  void ExpectFailure(const std::vector<std::string>& arguments,
-                     const std::string& text) const {
-    const auto before = ReadTree(folder_.Path());
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1);
-    const size_t error = outcome.err.find("ERROR: ");
-    ASSERT_NE(error, std::string::npos) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n', error), outcome.err.size() - 1)
-        << outcome.err;
-    EXPECT_THAT(outcome.err.substr(error), testing::HasSubstr(text));
-    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
-  }
 
-  TemporaryFolder folder_;
-  const fs::path root_ = folder_.Path() / "dense";
   const fs::path output_ = folder_.Path() / "exported";
 };
 

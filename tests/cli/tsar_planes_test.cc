@@ -1,15 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
 #include <filesystem>
 
-#include "tests/cli/captured_run.h"
+#include "tests/cli/command_test.h"
 #include "tests/support/room_workspace.h"
-#include "tests/support/synthetic_workspace.h"
-#include "tests/support/test_workspace.h"
 #include <nlohmann/json.hpp>
 
 namespace tsar {
@@ -17,35 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class TsarPlanesTest : public testing::Test {
+class TsarPlanesTest : public CommandTest<&RunTsarPlanes> {
  protected:
-  Outcome Run(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.end(),
-                     {"--workspace_path", room_.root.string()});
-    return RunCaptured("colmap", arguments, [](int argc, char** argv) {
-      return RunCommand(&RunTsarPlanes, argc, argv);
-    });
-  }
-  Outcome Write(const fs::path& path,
-                const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {"--output_path", path.string()};
+  Outcome Write(const fs::path& path, const Words& more = {}) const {
+    Words arguments = {"--output_path", path.string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Run(arguments);
   }
-  // Expects exit code 1, one line with this text, and no file changed.
-  void ExpectFailure(const std::vector<std::string>& arguments,
-                     const std::string& text) const {
-    const auto before = ReadTree(folder_.Path());
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_EQ(outcome.err.find("ERROR: "), 0u) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
-    EXPECT_THAT(outcome.err, testing::HasSubstr(text));
-    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
-  }
 
-  TemporaryFolder folder_;
-  const RoomWorkspace room_{folder_.Path() / "dense"};
+  const RoomWorkspace room_{root_};
   const fs::path json_ = folder_.Path() / "planes.json";
 };
 

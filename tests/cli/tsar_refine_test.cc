@@ -131,21 +131,21 @@ TEST_F(TsarRefineTest, WritesASecondWorkspace) {
 
 TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   const std::map<std::string, std::string> paper =
-      RefineOptionsText(RefineOptions::Paper());
+      RefineOptionsText(PresetOptions(RefinePreset::kPaper));
   ASSERT_EQ(paper.at("view_agreement"), "0");
   ASSERT_NE(paper.at("num_iterations"), "2");
   WriteText(folder_.Path() / "project.ini",
-            "[TsarRefine]\npreset = paper\nnum_iterations = 2\n"
-            "confidence_weight = 0.5\n");
+            "[TsarRefine]\npreset = paper\nseed = 2\n"
+            "experiment = num_iterations=2\n");
   const Outcome outcome = Run({"--project_path",
                                (folder_.Path() / "project.ini").string(),
-                               "--TsarRefine.confidence_weight=0.6"});
+                               "--TsarRefine.seed=3"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const auto& [name, value] : paper) {
     EXPECT_EQ(UsedOptions()[name],
-              name == "num_iterations"      ? "2"
-              : name == "confidence_weight" ? "0.6"
-                                            : value)
+              name == "num_iterations" ? "2"
+              : name == "seed"         ? "3"
+                                       : value)
         << name;
   }
 }
@@ -154,25 +154,28 @@ TEST_F(TsarRefineTest, TakesThePaperAsPrinted) {
   const Outcome outcome = Run({"--TsarRefine.preset", "paper_strict"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const auto& [name, value] :
-       RefineOptionsText(RefineOptions::PaperStrict())) {
+       RefineOptionsText(PresetOptions(RefinePreset::kPaperStrict))) {
     EXPECT_EQ(UsedOptions()[name], value) << name;
   }
 }
 
 TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
-  ExpectFailure({"--TsarRefine.num_iteration", "3"},
-                {"--TsarRefine.num_iteration", "num_iterations"});
-  ExpectFailure({"--TsarRefine.min_aggregated_score", "2.5"},
-                {"min_aggregated_score", "too large"});
+  ExpectFailure({"--TsarRefine.num_thread", "3"},
+                {"--TsarRefine.num_thread", "num_threads"});
+  ExpectFailure({"--TsarRefine.experiment", "num_iteration=3"},
+                {"--TsarRefine.experiment", "num_iterations"});
+  ExpectFailure({"--TsarRefine.experiment",
+                 "filter_confidence=0,filter_discontinuity=0,view_agreement=0"},
+                {"--TsarRefine.experiment filter: nothing is left"});
   ExpectFailure({"--TsarRefine.num_threads", "0"}, {"num_threads"});
   ExpectFailure({"--TsarRefine.gpu_index", "0,-3"}, {"gpu_index", "-3"});
   ExpectFailure({"--TsarRefine.gpu_index", "first"}, {"gpu_index", "first"});
   ExpectFailure({"--TsarRefine.preset", "best"}, {"preset", "paper"});
-  ExpectFailure({"--workspace_format", "PMVS"}, {"COLMAP"});
   ExpectFailure({"--input_type", "normal"}, {"input_type", "photometric"});
   ExpectFailure({"--restore", "1", "--output_path", "out"}, {"--output_path"});
   ExpectFailure({"--output_path", root_.string()}, {"--output_path"});
-  EXPECT_THAT(RunRefine({}).err, testing::HasSubstr("--workspace_path"));
+  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({}).err,
+              testing::HasSubstr("--workspace_path"));
 }
 
 TEST_F(TsarRefineTest, WrongShardsAreOneLine) {
@@ -228,7 +231,7 @@ TEST_F(TsarRefineTest, TakesListsOfGpus) {
 }
 
 TEST(TsarRefine, HelpTeaches) {
-  const Outcome outcome = RunRefine({"--help"});
+  const Outcome outcome = RunCommandWith<&RunTsarRefine>({"--help"});
   EXPECT_EQ(outcome.exit_code, 0);
   for (const char* text : {"after patch_match_stereo",
                            "--restore 1",
@@ -237,11 +240,20 @@ TEST(TsarRefine, HelpTeaches) {
                            "manifest.json"}) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(text));
   }
+  const Outcome experiments =
+      RunCommandWith<&RunTsarRefine>({"--TsarRefine.experiment", "help"});
+  EXPECT_EQ(experiments.exit_code, 0);
   RefineOptions options;
   for (const RefineField& field : ListRefineFields(&options)) {
-    EXPECT_THAT(outcome.out,
-                testing::HasSubstr("--TsarRefine." + field.name + " "));
+    const std::string name = field.is_option
+                                 ? "\n  --TsarRefine." + field.name + " "
+                                 : "\n  " + field.name + " ";
+    EXPECT_THAT(field.is_option ? outcome.out : experiments.out,
+                testing::HasSubstr(name));
   }
+  EXPECT_THAT(
+      experiments.out,
+      testing::HasSubstr("cost_ratio 0|1 (default: 0; paper_strict: 1)"));
 }
 
 }  // namespace

@@ -1,15 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/write_back.h"
 
 #include <filesystem>
 
-#include "tests/cli/captured_run.h"
-#include "tests/support/synthetic_workspace.h"
-#include "tests/support/test_workspace.h"
+#include "tests/cli/command_test.h"
 #include "tests/support/write_refined.h"
 
 namespace tsar {
@@ -17,35 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class TsarReportTest : public testing::Test {
+class TsarReportTest : public CommandTest<&RunTsarReport> {
  protected:
   void SetUp() override {
     MakeTestWorkspace(root_);
     WriteRefined(
         Workspace(root_, MapType::kGeometric), 1, MakeRefinedMaps(9.f), {});
   }
-
-  Outcome Run(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.end(), {"--workspace_path", root_.string()});
-    return RunCaptured("colmap", arguments, [](int argc, char** argv) {
-      return RunCommand(&RunTsarReport, argc, argv);
-    });
-  }
-
-  // Expects exit code 1, one line with this text, and no file changed.
-  void ExpectFailure(const std::vector<std::string>& arguments,
-                     const std::string& text) const {
-    const auto before = ReadTree(folder_.Path());
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_EQ(outcome.err.find("ERROR: "), 0u) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
-    EXPECT_THAT(outcome.err, testing::HasSubstr(text));
-    EXPECT_TRUE(ReadTree(folder_.Path()) == before);
-  }
-
-  TemporaryFolder folder_;
-  const fs::path root_ = folder_.Path() / "dense";
 };
 
 TEST_F(TsarReportTest, WritesThePageIntoTheWorkspace) {

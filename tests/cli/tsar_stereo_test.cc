@@ -1,25 +1,20 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/device/device.h"
 
-#include "tests/cli/captured_run.h"
-#include "tests/support/synthetic_workspace.h"
-#include "tests/support/test_workspace.h"
-#include <gmock/gmock.h>
+#include "tests/cli/command_test.h"
 
 namespace tsar {
 namespace {
 
-Outcome RunStereo(const std::vector<std::string>& arguments) {
-  return RunCaptured("colmap", arguments, [](int argc, char** argv) {
-    return RunCommand(&RunTsarStereo, argc, argv);
-  });
-}
+class TsarStereoTest : public CommandTest<&RunTsarStereo> {
+ protected:
+  void SetUp() override { MakeSyntheticWorkspace(root_); }
+};
 
 TEST(TsarStereo, HelpTeaches) {
-  const Outcome outcome = RunStereo({"--help"});
+  const Outcome outcome = RunCommandWith<&RunTsarStereo>({"--help"});
   EXPECT_EQ(outcome.exit_code, 0);
   for (const char* text : {"after image_undistorter",
                            "colmap tsar_stereo --workspace_path dense",
@@ -30,40 +25,23 @@ TEST(TsarStereo, HelpTeaches) {
   }
 }
 
-TEST(TsarStereo, FailsWithOneLineAndLeavesTheWorkspaceAsItIs) {
-  const TemporaryFolder folder;
-  const std::filesystem::path root = folder.Path() / "dense";
-  MakeSyntheticWorkspace(root);
-  const auto before = ReadTree(root / "stereo/depth_maps");
-  const std::pair<std::vector<std::string>, const char*> cases[] = {
-      {{"--TsarStereo.num_iteration", "3"}, "--TsarStereo.num_iterations"},
-      {{"--TsarStereo.window_radius", "0"}, "TsarStereo.window_radius"},
-      {{"--TsarStereo.depth_min", "3"}, "depth_max"},
-      {{"--TsarStereo.device",
-        "cpu",
-        "--TsarStereo.depth_min",
-        "1",
-        "--TsarStereo.depth_max",
-        "9"},
-       "--overwrite 1"},
-  };
-  for (const auto& [given, text] : cases) {
-    std::vector<std::string> arguments = given;
-    arguments.insert(arguments.end(), {"--workspace_path", root.string()});
-    const Outcome outcome = RunStereo(arguments);
-    EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_EQ(outcome.err.rfind("ERROR: ", 0), 0u) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
-    EXPECT_THAT(outcome.err, testing::HasSubstr(text));
-  }
-  EXPECT_TRUE(ReadTree(root / "stereo/depth_maps") == before);
+TEST_F(TsarStereoTest, FailsWithOneLineAndLeavesTheWorkspaceAsItIs) {
+  ExpectFailure({"--TsarStereo.num_iteration", "3"},
+                "--TsarStereo.num_iterations");
+  ExpectFailure({"--TsarStereo.window_radius", "0"},
+                "TsarStereo.window_radius");
+  ExpectFailure({"--TsarStereo.depth_min", "3"}, "depth_max");
+  ExpectFailure({"--TsarStereo.device",
+                 "cpu",
+                 "--TsarStereo.depth_min",
+                 "1",
+                 "--TsarStereo.depth_max",
+                 "9"},
+                "--overwrite 1");
 }
 
 // The two commands share what works with devices and memory.
-TEST(TsarStereo, DeviceOptionsAreCalledByItsOwnNames) {
-  const TemporaryFolder folder;
-  const std::filesystem::path root = folder.Path() / "dense";
-  MakeSyntheticWorkspace(root);
+TEST_F(TsarStereoTest, DeviceOptionsAreCalledByItsOwnNames) {
   const std::pair<const char*, const char*> wrong[] = {
       {"device", "gpu"},
       {"device", "cuda"},
@@ -79,8 +57,7 @@ TEST(TsarStereo, DeviceOptionsAreCalledByItsOwnNames) {
       continue;
     }
     const std::string option = std::string("--TsarStereo.") + key;
-    const Outcome outcome = RunStereo(
-        {"--workspace_path", root.string(), "--overwrite", "1", option, value});
+    const Outcome outcome = Run({"--overwrite", "1", option, value});
     EXPECT_EQ(outcome.exit_code, 1) << option << " " << value;
     EXPECT_THAT(outcome.err, testing::HasSubstr(option));
     EXPECT_EQ(outcome.err.find("TsarRefine"), std::string::npos) << outcome.err;

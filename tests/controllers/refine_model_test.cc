@@ -6,7 +6,7 @@
 
 #include "colmap_tsar/controllers/scene_model_store.h"
 #include "colmap_tsar/import/formats/gray_png.h"
-#include "colmap_tsar/pipeline/plane_numbers.h"
+#include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/scene_model_file.h"

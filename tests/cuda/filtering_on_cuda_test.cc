@@ -50,11 +50,9 @@ TEST_F(CudaTest, ComputeConfidence) {
         };
         const MatchingCosts costs{
             random(1.f, 1), random(2.f, 2), random(1.f, 3)};
-        for (const RatioTerm term : {RatioTerm::kNone,
-                                     RatioTerm::kSimilarity,
-                                     RatioTerm::kAmbiguity}) {
+        for (const bool use_ratio : {false, true}) {
           result->Add("confidence",
-                      ComputeConfidence(costs, {term, true}, device));
+                      ComputeConfidence(costs, {use_ratio, true}, device));
         }
       });
 }

@@ -8,9 +8,9 @@
 #include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
-#include "colmap_tsar/pipeline/reduce_hypotheses.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
 
 #include <set>
 #include <string>
@@ -352,8 +352,8 @@ TEST_F(CudaTest, RefineImage) {
   scenes.push_back({SceneKind::kWall, 223, 811});
   const std::vector<std::pair<std::string, RefineOptions>> presets = {
       {"default", RefineOptions()},
-      {"paper", RefineOptions::Paper()},
-      {"paper_strict", RefineOptions::PaperStrict()}};
+      {"paper", PresetOptions(RefinePreset::kPaper)},
+      {"paper_strict", PresetOptions(RefinePreset::kPaperStrict)}};
   for (const auto& [name, options] : presets) {
     ExpectAlike("RefineImage, " + name,
                 scenes,

@@ -12,6 +12,7 @@
 #include "colmap_tsar/device/cuda_staging.h"
 #include "colmap_tsar/pipeline/gray.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/stereo/stereo_workspace.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
@@ -291,8 +292,8 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuRefineToTheSameBytes) {
   MakeSyntheticWorkspace(root_);
   const std::pair<const char*, RefineOptions> presets[] = {
       {"default", RefineOptions()},
-      {"paper", RefineOptions::Paper()},
-      {"paper_strict", RefineOptions::PaperStrict()}};
+      {"paper", PresetOptions(RefinePreset::kPaper)},
+      {"paper_strict", PresetOptions(RefinePreset::kPaperStrict)}};
   for (const auto& [name, options] : presets) {
     const std::string preset = name;
     EXPECT_EQ(Refine(Cpu(), preset + " on the CPU", options).num_refined, 4);

@@ -18,14 +18,14 @@ class ConfidenceTest : public testing::Test {
   float Confidence(float min,
                    float second,
                    float difference,
-                   RatioTerm ratio_term,
+                   bool use_ratio,
                    bool use_difference) const {
     const MatchingCosts costs{
         DeviceImage<float>(*device_, Image<float>(1, 1, min)),
         DeviceImage<float>(*device_, Image<float>(1, 1, second)),
         DeviceImage<float>(*device_, Image<float>(1, 1, difference))};
     ConfidenceOptions options;
-    options.ratio_term = ratio_term;
+    options.use_ratio = use_ratio;
     options.use_left_right_difference = use_difference;
     return ComputeConfidence(costs, options, *device_).ToHost()(0, 0);
   }
@@ -35,46 +35,37 @@ class ConfidenceTest : public testing::Test {
 
 TEST_F(ConfidenceTest, IsTheMeanOfItsTerms) {
   // (2 - 0.2) / 2 = 0.9, 0.2 / 0.5 = 0.4, 1 - 0.3 = 0.7.
-  const auto confidence = [&](RatioTerm ratio_term, bool use_difference) {
-    return Confidence(0.2f, 0.5f, 0.3f, ratio_term, use_difference);
+  const auto confidence = [&](bool use_ratio, bool use_difference) {
+    return Confidence(0.2f, 0.5f, 0.3f, use_ratio, use_difference);
   };
-  EXPECT_FLOAT_EQ(confidence(RatioTerm::kSimilarity, true), 2.f / 3.f);
-  EXPECT_FLOAT_EQ(confidence(RatioTerm::kAmbiguity, true), 2.2f / 3.f);
-  EXPECT_FLOAT_EQ(confidence(RatioTerm::kNone, true), 0.8f);
-  EXPECT_FLOAT_EQ(confidence(RatioTerm::kSimilarity, false), 0.65f);
-  EXPECT_FLOAT_EQ(confidence(RatioTerm::kAmbiguity, false), 0.75f);
-  EXPECT_FLOAT_EQ(confidence(RatioTerm::kNone, false), 0.9f);
+  EXPECT_FLOAT_EQ(confidence(true, true), 2.f / 3.f);
+  EXPECT_FLOAT_EQ(confidence(false, true), 0.8f);
+  EXPECT_FLOAT_EQ(confidence(true, false), 0.65f);
+  EXPECT_FLOAT_EQ(confidence(false, false), 0.9f);
 }
 
 TEST_F(ConfidenceTest, LeavesOutTheRatioWithoutASecondView) {
-  for (const RatioTerm ratio_term :
-       {RatioTerm::kNone, RatioTerm::kSimilarity, RatioTerm::kAmbiguity}) {
-    EXPECT_FLOAT_EQ(Confidence(0.2f, kUndefinedCost, 0.3f, ratio_term, true),
+  for (const bool use_ratio : {false, true}) {
+    EXPECT_FLOAT_EQ(Confidence(0.2f, kUndefinedCost, 0.3f, use_ratio, true),
                     0.8f);
   }
 }
 
 // Costs that come with the maps may be defined where ours are not.
 TEST_F(ConfidenceTest, LeavesOutTheDifferenceWhereThereIsNone) {
-  EXPECT_FLOAT_EQ(
-      Confidence(0.2f, 0.5f, kUndefinedCost, RatioTerm::kNone, true), 0.9f);
-  EXPECT_FLOAT_EQ(
-      Confidence(0.2f, 0.5f, kUndefinedCost, RatioTerm::kSimilarity, true),
-      0.65f);
+  EXPECT_FLOAT_EQ(Confidence(0.2f, 0.5f, kUndefinedCost, false, true), 0.9f);
+  EXPECT_FLOAT_EQ(Confidence(0.2f, 0.5f, kUndefinedCost, true, true), 0.65f);
 }
 
 TEST_F(ConfidenceTest, IsZeroWithoutEvidence) {
-  EXPECT_EQ(Confidence(kUndefinedCost,
-                       kUndefinedCost,
-                       kUndefinedCost,
-                       RatioTerm::kSimilarity,
-                       true),
-            0.f);
+  EXPECT_EQ(
+      Confidence(kUndefinedCost, kUndefinedCost, kUndefinedCost, true, true),
+      0.f);
 }
 
 TEST_F(ConfidenceTest, IsOneForTwoPerfectViewsThatAgree) {
-  EXPECT_FLOAT_EQ(Confidence(0.f, 0.f, 0.f, RatioTerm::kSimilarity, true), 1.f);
-  EXPECT_FLOAT_EQ(Confidence(0.f, 0.f, 0.f, RatioTerm::kNone, true), 1.f);
+  EXPECT_FLOAT_EQ(Confidence(0.f, 0.f, 0.f, true, true), 1.f);
+  EXPECT_FLOAT_EQ(Confidence(0.f, 0.f, 0.f, false, true), 1.f);
 }
 
 TEST_F(ConfidenceTest, LiesBetweenZeroAndOne) {
@@ -83,15 +74,14 @@ TEST_F(ConfidenceTest, LiesBetweenZeroAndOne) {
     const float second = 2.f * random.NextFloat();
     const float min = second * random.NextFloat();
     const float difference = random.NextFloat();
-    for (const RatioTerm ratio_term :
-         {RatioTerm::kNone, RatioTerm::kSimilarity, RatioTerm::kAmbiguity}) {
+    for (const bool use_ratio : {false, true}) {
       const float confidence =
-          Confidence(min, second, difference, ratio_term, i % 2 == 0);
+          Confidence(min, second, difference, use_ratio, i % 2 == 0);
       ASSERT_GE(confidence, 0.f);
       ASSERT_LE(confidence, 1.f);
     }
   }
-  EXPECT_FLOAT_EQ(Confidence(2.f, 2.f, 1.f, RatioTerm::kNone, true), 0.f);
+  EXPECT_FLOAT_EQ(Confidence(2.f, 2.f, 1.f, false, true), 0.f);
 }
 
 }  // namespace

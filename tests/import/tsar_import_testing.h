@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/cli/captured_run.h"
+#include "tests/cli/command_test.h"
 #include "tests/import/import_scene.h"
 #include "tests/support/test_workspace.h"
 

@@ -18,7 +18,7 @@ parser = argparse.ArgumentParser()
 for name in ("program", "pages", "folder"):
     parser.add_argument("--" + name, required=True)
 args = parser.parse_args()
-ANY_VALUE = ("PATH", "TEXT", "INT", "NUMBER", "")
+ANY_VALUE = ("PATH", "TEXT", "INT", "NUMBER", "NAME=VALUE,...", "")
 OPTION = re.compile(r"^  (?:-h, )?--(\S+)(?: (\S+))?( \(.*\))?$")
 
 

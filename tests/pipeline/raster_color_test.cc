@@ -1,8 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/raster_color.h"
-
+#include "colmap_tsar/pipeline/device_views.h"
 #include "colmap_tsar/superpixels/reduce_color.h"
 
 #include <algorithm>

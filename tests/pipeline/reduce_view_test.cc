@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/pipeline/reduce_hypotheses.h"
+#include "colmap_tsar/pipeline/lift_rating.h"
 
 #include <cmath>
 #include <vector>

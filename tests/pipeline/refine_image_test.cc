@@ -110,11 +110,11 @@ TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
   }
   EXPECT_GT(num_switches, 8);
   SCOPED_TRACE("paper");
-  const RefineResult paper = Refine(RefineOptions::Paper());
+  const RefineResult paper = Refine(PresetOptions(RefinePreset::kPaper));
   ExpectSoundMaps(paper.maps);
   EXPECT_EQ(paper.reason_to_keep, "");
   SCOPED_TRACE("paper_strict");
-  const RefineResult strict = Refine(RefineOptions::PaperStrict());
+  const RefineResult strict = Refine(PresetOptions(RefinePreset::kPaperStrict));
   ExpectSoundMaps(strict.maps);
   EXPECT_EQ(strict.reason_to_keep, "");
 }

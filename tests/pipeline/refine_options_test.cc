@@ -53,17 +53,17 @@ TEST(RefineFields, HaveNamesDescriptionsAndDefaultsInRange) {
     EXPECT_EQ(field.description.back(), '.') << field.name;
   }
   EXPECT_NO_THROW(RefineOptions().Check());
-  EXPECT_NO_THROW(RefineOptions::Paper().Check());
-  EXPECT_NO_THROW(RefineOptions::PaperStrict().Check());
+  EXPECT_NO_THROW(PresetOptions(RefinePreset::kPaper).Check());
+  EXPECT_NO_THROW(PresetOptions(RefinePreset::kPaperStrict).Check());
 }
 
 TEST(RefineOptions, PaperStrictAddsToPaper) {
   const std::map<std::string, std::string> paper =
-      RefineOptionsText(RefineOptions::Paper());
+      RefineOptionsText(PresetOptions(RefinePreset::kPaper));
   const std::map<std::string, std::string> defaults = RefineOptionsText({});
   int num_added = 0;
   for (const auto& [name, value] :
-       RefineOptionsText(RefineOptions::PaperStrict())) {
+       RefineOptionsText(PresetOptions(RefinePreset::kPaperStrict))) {
     if (value == paper.at(name)) {
       continue;
     }
@@ -83,15 +83,6 @@ TEST(RefineOptions, CheckNamesTheOption) {
     EXPECT_EQ(error.Code(), ErrorCode::kBadOption);
     EXPECT_NE(std::string(error.what()).find("min_aggregated_score"),
               std::string::npos);
-  }
-}
-
-TEST(RenamedRefineOptions, LeadFromNamesThatAreFreeToOptions) {
-  const std::map<std::string, std::string> options = RefineOptionsText({});
-  ASSERT_FALSE(RenamedRefineOptions().empty());
-  for (const RenamedOption& renamed : RenamedRefineOptions()) {
-    EXPECT_EQ(options.count(renamed.former_name), 0u) << renamed.former_name;
-    EXPECT_EQ(options.count(renamed.name), 1u) << renamed.name;
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 
@@ -204,10 +205,10 @@ TEST_F(StageMemoryTest, HoldsForThePaperAsPrinted) {
   for (const MapSize& size : {kSmall, kLarge, kLong}) {
     SCOPED_TRACE(std::to_string(size.width));
     Draw(size);
-    ExpectSingleViewPlanned(RefineOptions::PaperStrict());
+    ExpectSingleViewPlanned(PresetOptions(RefinePreset::kPaperStrict));
   }
   Draw(kSmall);
-  RefineOptions options = RefineOptions::PaperStrict();
+  RefineOptions options = PresetOptions(RefinePreset::kPaperStrict);
   options.scene_planes = true;
   ExpectScenePlanned(options);
   options = RefineOptions();

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/pipeline/stage_options.h"
 
+#include "colmap_tsar/pipeline/refine_option_list.h"
+
 #include <cmath>
 #include <utility>
 
@@ -26,8 +28,8 @@ TEST(StageOptions, KeyRandomNumbersByImageAndSeed) {
 
 // What is printed in the paper and no default reaches its stage.
 TEST(StageOptions, OfThePaperAsPrinted) {
-  const RefineOptions strict = RefineOptions::PaperStrict();
-  EXPECT_EQ(MakeConfidenceOptions(strict).ratio_term, RatioTerm::kSimilarity);
+  const RefineOptions strict = PresetOptions(RefinePreset::kPaperStrict);
+  EXPECT_TRUE(MakeConfidenceOptions(strict).use_ratio);
   const CorrelationOptions correlation = MakeCorrelationOptions(strict, 1);
   EXPECT_TRUE(correlation.spread_medians);
   EXPECT_TRUE(correlation.readmit_filtered);
@@ -45,7 +47,7 @@ TEST(StageOptions, OfThePaperAsPrinted) {
 }
 
 TEST(StageOptions, OfThePaperReachNothingByDefault) {
-  EXPECT_EQ(MakeConfidenceOptions({}).ratio_term, RatioTerm::kNone);
+  EXPECT_FALSE(MakeConfidenceOptions({}).use_ratio);
   const CorrelationOptions correlation = MakeCorrelationOptions({}, 1);
   EXPECT_FALSE(correlation.spread_medians);
   EXPECT_FALSE(correlation.small_windows);
@@ -79,7 +81,7 @@ TEST(StageOptions, ConfirmedDepthsGiveWayWithinTheSpreadOfDepths) {
 
 TEST(MeasuringOptions, LeaveEveryPixelItsDepth) {
   const RefineOptions measuring =
-      MeasuringOptions(RefineOptions::PaperStrict());
+      MeasuringOptions(PresetOptions(RefinePreset::kPaperStrict));
   EXPECT_FALSE(measuring.spread_medians);
   EXPECT_FALSE(measuring.fill_before_regions);
   EXPECT_TRUE(measuring.cost_ratio);

@@ -11,12 +11,12 @@ import unittest
 
 import colmap_tsar
 from sample_testing import digests
-from support import SampleTest, results, run_program, write_black_mask
+from support import QUICK, SampleTest, results, run_program, write_black_mask
 
 
-def refine(workspace, *arguments, **options):
+def refine(workspace, **options):
     options.setdefault("progress", False)
-    return colmap_tsar.refine(workspace, *arguments, device="cpu", **options)
+    return colmap_tsar.refine(workspace, device="cpu", **options)
 
 
 def manifest_of(workspace):
@@ -24,15 +24,8 @@ def manifest_of(workspace):
 
 
 class RefineTest(SampleTest):
-    # What does not show in the tests that use them, and takes most of the time.
-    quick = {"scene_planes": False, "segment": False, "num_iterations": 1}
-
     def test_gives_the_same_bytes_as_the_program(self):
-        for preset, options in (
-            ("default", None),
-            ("paper", colmap_tsar.RefineOptions.paper()),
-            ("paper_strict", colmap_tsar.RefineOptions.paper_strict()),
-        ):
+        for preset in ("default", "paper", "paper_strict"):
             with self.subTest(preset=preset):
                 other = self.new_workspace("by_program_" + preset)
                 run_program(
@@ -44,7 +37,7 @@ class RefineTest(SampleTest):
                     "--TsarRefine.preset",
                     preset,
                 )
-                summary = refine(self.workspace, options)
+                summary = refine(self.workspace, preset=preset)
                 self.assertEqual(summary.num_refined, self.num_images)
                 self.assertNotEqual(results(self.workspace), results(self.sample))
                 self.assertEqual(results(self.workspace), results(other))
@@ -54,7 +47,7 @@ class RefineTest(SampleTest):
 
     def test_summary_skipping_and_restore(self):
         before = digests(self.workspace)
-        summary = refine(str(self.workspace), self.quick)
+        summary = refine(str(self.workspace), **QUICK)
         self.assertEqual(summary.workspace_path, self.workspace)
         self.assertEqual(summary.input_type, "geometric")
         self.assertIn("CPU", summary.device)
@@ -67,7 +60,7 @@ class RefineTest(SampleTest):
         self.assertIn(f"{self.num_images} images: {self.num_images} ref", str(summary))
         self.assertEqual(summary.todict()["counts"], summary.counts)
 
-        again = refine(self.workspace, self.quick)
+        again = refine(self.workspace, **QUICK)
         self.assertEqual((again.num_refined, again.num_skipped), (0, self.num_images))
 
         self.assertEqual(
@@ -80,7 +73,7 @@ class RefineTest(SampleTest):
         for kind in ("depth_maps", "normal_maps"):
             for path in (self.workspace / "stereo" / kind).glob("v001.jpg.*"):
                 path.unlink()
-        summary = refine(self.workspace, self.quick)
+        summary = refine(self.workspace, **QUICK)
         self.assertEqual(list(summary.kept), ["v001.jpg"])
         self.assertRegex(summary.kept["v001.jpg"], "map")
         self.assertEqual(summary.num_refined, self.num_images - 1)
@@ -89,20 +82,20 @@ class RefineTest(SampleTest):
     def test_masks(self):
         masks = self.workspace / "masks"
         write_black_mask(masks / "v000.jpg.png", 640, 480)
-        summary = refine(self.workspace, self.quick, mask_path=masks)
+        summary = refine(self.workspace, **QUICK, mask_path=masks)
         self.assertEqual(summary.num_masks, 1)
         self.assertIn("masks for 1 of 3 images", str(summary))
         with open(self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin", "rb") as file:
             self.assertEqual(set(file.read().split(b"&", 3)[3]), {0})
-        self.assertIsNone(refine(self.workspace, self.quick).num_masks)
+        self.assertIsNone(refine(self.workspace, **QUICK).num_masks)
         with self.assertRaises(colmap_tsar.NotFoundError):
-            refine(self.workspace, self.quick, mask_path=self.workspace / "sparse")
+            refine(self.workspace, **QUICK, mask_path=self.workspace / "sparse")
 
     def test_second_workspace(self):
         before = digests(self.workspace)
         output = self.folder / "out"
         summary = refine(
-            self.workspace, self.quick, output_path=output, input_type="photometric"
+            self.workspace, **QUICK, output_path=output, input_type="photometric"
         )
         self.assertEqual(summary.workspace_path, output)
         self.assertEqual(summary.input_type, "photometric")
@@ -113,23 +106,23 @@ class RefineTest(SampleTest):
 
     def test_shards_give_the_same_bytes(self):
         other = self.new_workspace("whole")
-        refine(other, self.quick)
+        refine(other, **QUICK)
         for pass_name in ("observe", "compose"):
             for shard in ("0/2", "1/2"):
-                refine(self.workspace, self.quick, shard=shard, pass_=pass_name)
-        summary = refine(self.workspace, self.quick, pass_="merge")
+                refine(self.workspace, **QUICK, shard=shard, pass_=pass_name)
+        summary = refine(self.workspace, **QUICK, pass_="merge")
         self.assertEqual(summary.num_refined, self.num_images)
         self.assertEqual(results(self.workspace), results(other))
 
     def test_progress_goes_where_it_is_wanted(self):
         lines = []
-        refine(self.workspace, self.quick, progress=lines.append)
+        refine(self.workspace, **QUICK, progress=lines.append)
         self.assertEqual(len(lines), self.num_images)
         self.assertTrue(lines[-1].startswith(f"[{self.num_images}/{self.num_images}]"))
         for progress, expected in ((True, True), (False, False)):
             colmap_tsar.restore(self.workspace)
             with contextlib.redirect_stderr(io.StringIO()) as stream:
-                refine(self.workspace, self.quick, progress=progress)
+                refine(self.workspace, **QUICK, progress=progress)
             self.assertEqual("[3/3]" in stream.getvalue(), expected)
 
     def test_what_progress_raises_stops_the_work(self):
@@ -140,9 +133,9 @@ class RefineTest(SampleTest):
             raise Enough(line)
 
         with self.assertRaisesRegex(Enough, r"^\[1/3\]"):
-            refine(self.workspace, self.quick, num_threads=1, progress=stop)
+            refine(self.workspace, **QUICK, num_threads=1, progress=stop)
         # Nobody holds the workspace any more.
-        self.assertEqual(refine(self.workspace, self.quick).num_images, 3)
+        self.assertEqual(refine(self.workspace, **QUICK).num_images, 3)
 
     def test_other_python_threads_run_meanwhile(self):
         num_ticks = 0
@@ -157,7 +150,7 @@ class RefineTest(SampleTest):
         thread = threading.Thread(target=tick)
         thread.start()
         try:
-            refine(self.workspace, self.quick)
+            refine(self.workspace, **QUICK)
         finally:
             is_done.set()
             thread.join()
@@ -167,7 +160,7 @@ class RefineTest(SampleTest):
     def test_works_in_another_thread(self):
         summaries = []
         thread = threading.Thread(
-            target=lambda: summaries.append(refine(self.workspace, self.quick))
+            target=lambda: summaries.append(refine(self.workspace, **QUICK))
         )
         thread.start()
         thread.join()
@@ -178,11 +171,11 @@ class RefineTest(SampleTest):
 
         def refine_again(line):
             try:
-                refine(self.workspace, self.quick)
+                refine(self.workspace, **QUICK)
             except colmap_tsar.Error as error:
                 errors.append(error)
 
-        refine(self.workspace, self.quick, num_threads=1, progress=refine_again)
+        refine(self.workspace, **QUICK, num_threads=1, progress=refine_again)
         self.assertIsInstance(errors[0], colmap_tsar.UnsupportedError)
         self.assertIn("another program is working", str(errors[0]))
 
@@ -264,7 +257,7 @@ class RefineTest(SampleTest):
             refine(path)
         self.assertIn(shown, str(caught.exception))
         os.rename(self.workspace, path)
-        summary = refine(path, self.quick)
+        summary = refine(path, **QUICK)
         self.assertEqual(os.fsencode(summary.workspace_path), path)
         self.assertIn(shown, str(summary))
 
@@ -274,8 +267,6 @@ class RefineTest(SampleTest):
         self.assertEqual(caught.exception.code, "device")
 
     def test_wrong_arguments_are_type_errors(self):
-        with self.assertRaisesRegex(TypeError, "num_iteration'.*num_iterations"):
-            refine(self.workspace, {"num_iteration": 3})
         with self.assertRaisesRegex(TypeError, "not int"):
             refine(3)
 

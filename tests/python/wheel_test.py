@@ -19,12 +19,11 @@ from support import REPOSITORY, SKIPPED, WORK_FOLDER
 from virtual_environment import VirtualEnvironment
 
 USE = """
-import json, pathlib, pickle, sys
+import json, pathlib, sys
 import colmap_tsar
 assert pathlib.Path(colmap_tsar.__file__).is_relative_to(sys.prefix)
-options = colmap_tsar.RefineOptions(scene_planes=False, num_iterations=1)
-assert pickle.loads(pickle.dumps(options)) == options
-summary = colmap_tsar.refine(sys.argv[1], options, device="cpu", progress=False)
+summary = colmap_tsar.refine(
+    sys.argv[1], scene_planes=False, experiment={"num_iterations": 1}, progress=False)
 assert summary.num_refined == 8, summary
 try:
     colmap_tsar.evaluate_cloud(sys.argv[1] + "/a.ply", sys.argv[1] + "/scans.mlp")
@@ -72,7 +71,7 @@ def main(build_folder, definitions):
             roots == {"colmap_tsar", f"colmap_tsar-{version}.dist-info"},
             "holds the package and nothing else",
         )
-        for name in ("py.typed", "__init__.py", "_options.pyi"):
+        for name in ("py.typed", "__init__.py", "_keywords.py"):
             check(f"colmap_tsar/{name}" in names, "holds " + name)
 
         user = VirtualEnvironment(folder / "user")

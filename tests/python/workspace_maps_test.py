@@ -11,7 +11,7 @@ import unittest
 from unittest import mock
 
 import colmap_tsar
-from support import SampleTest
+from support import QUICK, SampleTest
 from virtual_environment import run_in_environment
 
 IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
@@ -194,7 +194,7 @@ class WorkspaceMapsTest(SampleTest):
         os.rename(self.workspace, path)
         ws = colmap_tsar.Workspace(path)
         self.assertEqual(ws["v000.jpg"].depth.shape, (360, 480))
-        ws.refine(device="cpu", progress=False, scene_planes=False, num_iterations=1)
+        ws.refine(device="cpu", progress=False, **QUICK)
         self.assertEqual(ws.report(progress=False).num_images, self.num_images)
 
 

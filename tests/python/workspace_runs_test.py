@@ -5,7 +5,6 @@
 Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
 build folder. Skipped where it cannot be had."""
 import contextlib
-import inspect
 import io
 import json
 import pathlib
@@ -16,7 +15,7 @@ import unittest
 
 import colmap_tsar
 from sample_testing import digests
-from support import SampleTest, results, run_program
+from support import QUICK, SampleTest, results, run_program
 from virtual_environment import run_in_environment
 
 IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
@@ -25,7 +24,6 @@ try:
 except ImportError:
     np = None
 
-QUICK_REFINE = {"scene_planes": False, "segment": False, "num_iterations": 1}
 QUICK_STEREO = {
     "num_sources": 2,
     "num_levels": 1,
@@ -49,53 +47,23 @@ class WorkspaceRunsTest(SampleTest):
         super().setUp()
         self.ws = colmap_tsar.Workspace(self.workspace)
 
-    def test_keywords_are_the_options_of_the_commands(self):
-        """Names, defaults and choices; but for what the workspace and other methods
-        say."""
-        refine = {"workspace_path", "workspace_format", "input_type", "project_path"}
-        refine |= {"restore", "restore_conflicts", "debug_path"}
-        for method, command, left_out in (
-            (self.ws.refine, "tsar_refine", refine),
-            (self.ws.stereo, "tsar_stereo", refine),
-            (self.ws.import_maps, "tsar_import", refine),
-            (self.ws.report, "tsar_report", refine - {"debug_path"}),
-            (self.ws.export, "tsar_export", refine),
-        ):
-            help_of = json.loads(run_program(command, "--help_json"))
-            parameters = dict(inspect.signature(method).parameters)
-            for option in help_of["options"]:
-                name = option["name"].split(".")[-1]
-                if name in left_out:
-                    continue
-                with self.subTest(command=command, option=name):
-                    parameter = parameters.pop("pass_" if name == "pass" else name)
-                    if parameter.default not in (None, inspect.Parameter.empty):
-                        default = parameter.default
-                        written = default if isinstance(default, str) else f"{default:g}"
-                        self.assertEqual(written, option["default"])
-            self.assertLessEqual(set(parameters), {"progress", "options"})
-
     def test_refine_is_the_function(self):
         other = self.new_workspace("by_function")
-        colmap_tsar.refine(other, QUICK_REFINE, device="cpu", progress=False)
-        summary = self.ws.refine(device="cpu", progress=False, **QUICK_REFINE)
+        colmap_tsar.refine(other, **QUICK, device="cpu", progress=False)
+        summary = self.ws.refine(device="cpu", progress=False, **QUICK)
         self.assertEqual(summary.num_refined, self.num_images)
         self.assertEqual(results(self.workspace), results(other))
         self.assertEqual(self.ws.restore().num_restored, self.num_images)
         self.assertEqual(results(self.workspace), results(self.sample))
-        summary = self.ws.refine(
-            preset="paper", segment=False, num_iterations=1, device="cpu", progress=False
-        )
-        paper = colmap_tsar.RefineOptions.paper(segment=False, num_iterations=1)
-        again = colmap_tsar.refine(self.workspace, paper, device="cpu", progress=False)
+        paper = {"preset": "paper", "experiment": "segment=0,num_iterations=1"}
+        self.ws.refine(**paper, device="cpu", progress=False)
+        again = colmap_tsar.refine(self.workspace, **paper, device="cpu", progress=False)
         self.assertEqual(again.num_skipped, self.num_images)
 
     def test_wrong_options_are_named(self):
         before = digests(self.workspace)
         for method, keywords, error, text in (
-            (self.ws.refine, {"num_iteration": 1}, TypeError, "did you mean num_iter"),
-            (self.ws.refine, {"preset": "best"}, ValueError, "^preset: 'best'.*paper"),
-            (self.ws.refine, {"options": {}, "preset": "paper"}, TypeError, "not both"),
+            (self.ws.refine, {"num_thread": 1}, TypeError, "did you mean num_threads"),
             (self.ws.stereo, {"num_source": 1}, TypeError, "did you mean num_sources"),
             (self.ws.stereo, {"num_sources": 0}, ValueError, "^num_sources: 0 is too s"),
             (self.ws.stereo, {"num_sources": 1.5}, TypeError, "^num_sources: .* integer"),
@@ -158,8 +126,8 @@ class WorkspaceRunsTest(SampleTest):
             )
         self.ws.stereo(overwrite=True, progress=False, **run, **QUICK_STEREO)
         with self.assertRaisesRegex(Enough, "^refine$"):
-            self.ws.refine(progress=stop_at_the_first, **run, **QUICK_REFINE)
-        self.ws.refine(progress=False, **run, **QUICK_REFINE)
+            self.ws.refine(progress=stop_at_the_first, **run, **QUICK)
+        self.ws.refine(progress=False, **run, **QUICK)
         before = digests(self.workspace)
         with self.assertRaisesRegex(Enough, "^report$"):
             self.ws.report(progress=stop_at_the_first, num_threads=1)
@@ -187,7 +155,7 @@ class WorkspaceRunsTest(SampleTest):
     def test_progress_on_standard_error(self):
         for progress, expected in ((True, True), (False, False)):
             with contextlib.redirect_stderr(io.StringIO()) as stream:
-                self.ws.refine(progress=progress, device="cpu", **QUICK_REFINE)
+                self.ws.refine(progress=progress, device="cpu", **QUICK)
             self.ws.restore()
             self.assertEqual("[3/3]" in stream.getvalue(), expected)
 
@@ -248,7 +216,7 @@ class WorkspaceRunsTest(SampleTest):
         self.assertEqual(results(self.workspace), results(self.sample))
 
     def test_report(self):
-        self.ws.refine(progress=False, device="cpu", **QUICK_REFINE)
+        self.ws.refine(progress=False, device="cpu", **QUICK)
         with self.assertRaisesRegex(FileNotFoundError, "another output_path"):
             self.ws.report(output_path=self.folder / "missing" / "a.png")
         summary = self.ws.report(

@@ -141,7 +141,7 @@ for changes in itertools.product(CHANGES, repeat=2):
     what = f"refining again: depth {changes[0]}, normals {changes[1]}"
     change(start.refined, changes)
     before = read_tree(work)
-    command = ["tsar_refine", work, "--TsarRefine.superpixel_size", 300]
+    command = ["tsar_refine", work, "--TsarRefine.experiment", "superpixel_size=300"]
     is_edited = not {"masked", "thresholded"}.isdisjoint(changes)
     if is_edited or changes.count("made anew") == 1:
         program.fails_with_one_line(*command, texts=[MAP, "--restore 1"])

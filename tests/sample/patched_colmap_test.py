@@ -59,7 +59,7 @@ check("colmap tsar_refine --workspace_path" in help_text, "and shows that name")
 
 fails_with_one_line("--workspace_path", path("nowhere"), text="nowhere")
 fails_with_one_line("--workspace_path", sample, "--TsarRefine.devise", "cpu", text="--TsarRefine.device")
-fails_with_one_line("--workspace_path", sample, "--TsarRefine.num_iterations", "99", text="num_iterations")
+fails_with_one_line("--workspace_path", sample, "--TsarRefine.num_threads", "9999", text="num_threads")
 
 # A project file of COLMAP's own, with a section more.
 project = path("project.ini")
@@ -79,14 +79,14 @@ if "requires CUDA" not in stereo_help:  # Without it, this command has no help.
         "patch_match_stereo lists write_cost_maps",
     )
 with open(project, "a", encoding="utf-8") as file:
-    file.write("[TsarRefine]\nnum_iterations=3\ndevice=cpu\n")
+    file.write("[TsarRefine]\nseed=3\ndevice=cpu\n")
 before = score(args.colmap, args.colmap, sample)
 by_module, by_program = path("by_module"), path("by_program")
 for program, output in ((args.colmap, by_module), (args.program, by_program)):
     run(program, "tsar_refine", "--project_path", project, "--workspace_path", sample,
         "--output_path", output)
 with open(os.path.join(by_module, "stereo", "tsar", "manifest.json"), encoding="utf-8") as file:
-    check(json.load(file)["options"]["num_iterations"] == "3", "the project's section is read")
+    check(json.load(file)["options"]["seed"] == "3", "the project's section is read")
 
 
 def maps(workspace):

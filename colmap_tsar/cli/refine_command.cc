@@ -1,17 +1,16 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/cli/refine_command.h"
+
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/cli/device_arguments.h"
 #include "colmap_tsar/cli/interruption.h"
-#include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/cli/restore_options.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/store/input_folders.h"
 #include "colmap_tsar/store/restore.h"
@@ -20,7 +19,8 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
-#include <string>
+#include <type_traits>
+#include <utility>
 #include <variant>
 
 #include <unistd.h>
@@ -43,40 +43,17 @@ constexpr const char* kSummary =
     "command goes on where it stopped. A run with other options begins from "
     "the originals again.";
 
-struct RefineCommand {
-  std::string workspace_path;
-  std::string workspace_format = "COLMAP";
-  std::string input_type;
-  std::string image_list_path;
-  std::string mask_path;
-  std::string output_path;
-  std::string preset = "default";
-  bool restore = false;
-  std::string restore_conflicts = "report";
-  std::string debug_path;
-  DeviceArguments devices;
-  std::string shard;
-  std::string pass = "all";
-  WorkspaceRefineOptions workspace;
-  RefineOptions refine;
-};
-
 void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
                        &command->workspace_path,
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
-  options->AddChoice("workspace_format",
-                     &command->workspace_format,
-                     {"COLMAP"},
-                     "The layout of the workspace.");
-  options->AddChoice(
-      "input_type",
-      &command->input_type,
-      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
-      "Which maps to refine; the others serve as evidence where "
-      "they exist. If not given: geometric, or photometric where "
-      "there are no geometric ones.");
+  AddMapType("input_type",
+             &command->input_type,
+             "Which maps to refine; the others serve as evidence where "
+             "they exist. If not given: geometric, or photometric where "
+             "there are no geometric ones.",
+             options);
   options->Add("image_list_path",
                &command->image_list_path,
                "A text file with one image name per line: refine these alone, "
@@ -106,10 +83,9 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   options->AddChoice(group + "preset",
                      &command->preset,
                      {"default", "paper", "paper_strict"},
-                     "Values for the options below that are not given: what "
-                     "measures best; the published method in its best "
+                     "What measures best; the published method in its best "
                      "readings; or its equations as printed, for scenes in "
-                     "metres.");
+                     "metres. Options that are given come on top.");
   AddDeviceArguments(group, &command->devices, options);
   options->Add(
       group + "num_threads",
@@ -142,21 +118,50 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      "shard is composed; merge ends the work of all shards.");
 }
 
+OptionRange RangeOf(const RefineField& field) {
+  return std::holds_alternative<bool*>(field.value)
+             ? OptionRange{}
+             : OptionRange{field.min, field.max};
+}
+
+OptionTarget TargetOf(const RefineField& field) {
+  return std::visit([](auto* value) { return OptionTarget(value); },
+                    field.value);
+}
+
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {
-  for (const RefineField& field : ListRefineFields(&command->refine)) {
-    std::visit(
-        [&](auto* value) {
-          using T = std::remove_pointer_t<decltype(value)>;
-          const OptionRange range = std::is_same_v<T, bool>
-                                        ? OptionRange{}
-                                        : OptionRange{field.min, field.max};
-          options->Add(kGroup + field.name, value, field.description, range);
-        },
-        field.value);
+  RefineOptions paper = PresetOptions(RefinePreset::kPaper);
+  RefineOptions strict = PresetOptions(RefinePreset::kPaperStrict);
+  const std::vector<RefineField> of_paper = ListRefineFields(&paper);
+  const std::vector<RefineField> of_strict = ListRefineFields(&strict);
+  const std::vector<RefineField> fields = ListRefineFields(&command->refine);
+  std::vector<Option> settings;
+  for (size_t i = 0; i < fields.size(); ++i) {
+    const RefineField& field = fields[i];
+    if (field.is_option) {
+      options->Add(kGroup + field.name,
+                   TargetOf(field),
+                   field.description,
+                   RangeOf(field));
+      continue;
+    }
+    Option setting{
+        field.name, field.description, TargetOf(field), RangeOf(field)};
+    if (of_paper[i].Text() != field.Text()) {
+      setting.presets["paper"] = of_paper[i].Text();
+    }
+    if (of_strict[i].Text() != field.Text()) {
+      setting.presets["paper_strict"] = of_strict[i].Text();
+    }
+    settings.push_back(std::move(setting));
   }
-  for (const RenamedOption& renamed : RenamedRefineOptions()) {
-    options->AddFormerName(kGroup + renamed.former_name, kGroup + renamed.name);
-  }
+  options->AddSettings(
+      std::string(kGroup) + "experiment",
+      &command->experiment,
+      std::move(settings),
+      "Changes of the method, for experiments: values whose defaults we know "
+      "better than users can, such as segment=0,edge_threshold=8. help lists "
+      "all, with their meaning and values in the presets.");
 }
 
 int RestoreWorkspace(const RefineCommand& command) {
@@ -188,65 +193,70 @@ int RestoreWorkspace(const RefineCommand& command) {
 
 }  // namespace
 
+void RefineCommand::AddTo(OptionSet* options) {
+  AddWorkspaceOptions(this, options);
+  AddRunOptions(this, options);
+  AddRefineOptions(this, options);
+}
+
+void RefineCommand::UsePreset() {
+  refine = PresetOptions(preset == "paper"          ? RefinePreset::kPaper
+                         : preset == "paper_strict" ? RefinePreset::kPaperStrict
+                                                    : RefinePreset::kDefault);
+}
+
+RunSummary RefineCommand::Run(Progress& progress,
+                              const std::function<bool()>& should_stop) const {
+  WorkspaceRefineOptions workspace;
+  workspace.workspace_path = workspace_path;
+  workspace.output_path = output_path;
+  workspace.image_list_path = image_list_path;
+  workspace.mask_path = mask_path;
+  workspace.input_type = ParseMapType(input_type);
+  workspace.devices = devices.Parse();
+  workspace.shard = ParseShard(shard);
+  workspace.pass = ParsePass(pass);
+  std::optional<DebugPictures> pictures;
+  if (!debug_path.empty()) {
+    workspace.Check();
+    refine.Check();
+    const std::string option = OptionName("debug_path");
+    if (workspace.pass != RefinePass::kAll) {
+      throw Error(ErrorCode::kBadOption,
+                  option + ": shards draw no pictures; leave it out, or run " +
+                      OptionName("pass") + " all");
+    }
+    for (const std::string& root : {workspace_path, output_path}) {
+      if (!root.empty()) {
+        RequireOutsideInputs(root, debug_path, option);
+      }
+    }
+    pictures.emplace(debug_path);
+  }
+  return RefineWorkspace(workspace,
+                         refine,
+                         progress,
+                         should_stop,
+                         pictures ? &*pictures : nullptr);
+}
+
 int RunTsarRefine(int argc, char** argv) {
   RefineCommand command;
   OptionSet options(
       "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
-  AddWorkspaceOptions(&command, &options);
-  AddRunOptions(&command, &options);
-  AddRefineOptions(&command, &options);
+  command.AddTo(&options);
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  if (command.preset != "default") {
-    // The options that were given come on top of the preset.
-    command.refine = command.preset == "paper" ? RefineOptions::Paper()
-                                               : RefineOptions::PaperStrict();
-    options.Parse(argc, argv);
-  }
+  command.UsePreset();
+  options.Parse(argc, argv);
   if (command.restore) {
     return RestoreWorkspace(command);
   }
-  command.workspace.workspace_path = command.workspace_path;
-  command.workspace.output_path = command.output_path;
-  command.workspace.image_list_path = command.image_list_path;
-  command.workspace.mask_path = command.mask_path;
-  if (!command.input_type.empty()) {
-    command.workspace.input_type =
-        command.input_type == ToString(MapType::kGeometric)
-            ? MapType::kGeometric
-            : MapType::kPhotometric;
-  }
-  command.workspace.devices = command.devices.Parse();
-  command.workspace.shard = ParseShard(command.shard);
-  command.workspace.pass = ParsePass(command.pass);
-  std::optional<DebugPictures> pictures;
-  if (!command.debug_path.empty()) {
-    command.workspace.Check();
-    command.refine.Check();
-    if (command.workspace.pass != RefinePass::kAll) {
-      throw Error(ErrorCode::kBadOption,
-                  "--TsarRefine.debug_path: shards draw no pictures; leave it "
-                  "out, or run --TsarRefine.pass all");
-    }
-    for (const std::string& root :
-         {command.workspace_path, command.output_path}) {
-      if (!root.empty()) {
-        RequireOutsideInputs(
-            root, command.debug_path, "--TsarRefine.debug_path");
-      }
-    }
-    pictures.emplace(command.debug_path);
-  }
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
-  const RunSummary summary = RefineWorkspace(
-      command.workspace,
-      command.refine,
-      progress,
-      [&] { return interruption.Requested(); },
-      pictures ? &*pictures : nullptr);
-  PrintSummary(summary, std::cout);
+  PrintSummary(command.Run(progress, [&] { return interruption.Requested(); }),
+               std::cout);
   return 0;
 }
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/cli/restore_options.h"
+#include "colmap_tsar/cli/shared_options.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
@@ -29,6 +29,54 @@ void PrintList(const std::string& title,
 }
 
 }  // namespace
+
+DeviceOptions DeviceArguments::Parse() const {
+  DeviceOptions options;
+  options.choice = ParseDeviceChoice(device);
+  options.gpu_indices = ParseGpuIndices(gpu_index);
+  options.num_threads = num_threads;
+  options.cache_size = cache_size;
+  options.Check();
+  return options;
+}
+
+void AddDeviceArguments(const std::string& group,
+                        DeviceArguments* arguments,
+                        OptionSet* options) {
+  options->AddChoice(group + "device",
+                     &arguments->device,
+                     {"auto", "cuda", "cpu"},
+                     "Where to compute; auto: on a GPU where there is one.");
+  options->Add(group + "gpu_index",
+               &arguments->gpu_index,
+               "The GPUs to use, as numbers from 0 on with commas between "
+               "them, such as 0,1; -1 takes every GPU of the machine.");
+  options->Add(group + "cache_size",
+               &arguments->cache_size,
+               "Main memory for the images at work, in gigabytes; at most four "
+               "fifths of the machine's count. Fewer images are worked on at a "
+               "time where it does not suffice.",
+               {0.001, 1e6});
+}
+
+void AddMapType(const std::string& name,
+                std::string* value,
+                const std::string& description,
+                OptionSet* options) {
+  options->AddChoice(
+      name,
+      value,
+      {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
+      description);
+}
+
+std::optional<MapType> ParseMapType(const std::string& value) {
+  if (value.empty()) {
+    return std::nullopt;
+  }
+  return value == ToString(MapType::kPhotometric) ? MapType::kPhotometric
+                                                  : MapType::kGeometric;
+}
 
 void AddRestoreConflicts(std::string* value, OptionSet* options) {
   options->AddChoice(

@@ -5,10 +5,16 @@
 
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/controllers/device_options.h"
+#include "colmap_tsar/workspace/map_paths.h"
 
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace tsar {
+
+// Options that several commands have.
 
 // DeviceOptions as a user types them.
 struct DeviceArguments {
@@ -28,5 +34,24 @@ struct DeviceArguments {
 void AddDeviceArguments(const std::string& group,
                         DeviceArguments* arguments,
                         OptionSet* options);
+
+// Adds a choice of maps, such as --input_type. description: "The maps to ...".
+void AddMapType(const std::string& name,
+                std::string* value,
+                const std::string& description,
+                OptionSet* options);
+
+// Of its value; nothing where that is empty.
+std::optional<MapType> ParseMapType(const std::string& value);
+
+// Adds --restore_conflicts.
+void AddRestoreConflicts(std::string* value, OptionSet* options);
+
+// Prints which maps were left as they are and where those are now that stood in
+// the way. Throws Error kMismatch, after that, where images are left that the
+// user has to decide about.
+void ReportRestored(const std::vector<std::filesystem::path>& kept,
+                    const std::vector<std::filesystem::path>& superseded,
+                    const std::vector<std::filesystem::path>& conflicts);
 
 }  // namespace tsar

@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/pipeline/refine_option_list.h"
+
+#include <functional>
+#include <string>
+
+namespace tsar {
+
+// What a user of tsar_refine gives, on the command line or from Python.
+struct RefineCommand {
+  std::string workspace_path;
+  std::string input_type;
+  std::string image_list_path;
+  std::string mask_path;
+  std::string output_path;
+  bool restore = false;
+  std::string restore_conflicts = "report";
+  std::string preset = "default";
+  DeviceArguments devices;
+  std::string debug_path;
+  std::string shard;
+  std::string pass = "all";
+  std::string experiment;
+  RefineOptions refine;
+
+  void AddTo(OptionSet* options);
+
+  // Sets the options of the method to those of the preset. Those that were
+  // given come on top of it: they are to be set again.
+  void UsePreset();
+
+  // Throws kBadOption, and what RefineWorkspace throws.
+  RunSummary Run(Progress& progress,
+                 const std::function<bool()>& should_stop) const;
+};
+
+}  // namespace tsar
