@@ -185,6 +185,7 @@ SITUATIONS = {
     "Another program works there": lock,
     "A file may not become as large": lambda: SmallFiles(1000),
     "A name is misspelt": lambda: None,
+    "A value for experiments is misspelt": lambda: None,
     "A value is wrong": lambda: None,
     "A value was forgotten": lambda: None,
     "The list of images names an unknown one": lambda: write("list.txt", "v000.jpg\nv001.png\n"),
