@@ -10,7 +10,7 @@
 #include "colmap_tsar/export/map_levels.h"
 #include "colmap_tsar/export/picture_file.h"
 #include "colmap_tsar/pipeline/confidence_level.h"
-#include "colmap_tsar/report/provenance_colors.h"
+#include "colmap_tsar/report/colors.h"
 
 #include <algorithm>
 #include <map>
