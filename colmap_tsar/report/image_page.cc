@@ -15,7 +15,7 @@
 #include "colmap_tsar/report/workspace_comparison.h"
 #include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/require_size.h"
+#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/sigma_map.h"
 
 #include <algorithm>

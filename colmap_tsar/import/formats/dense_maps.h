@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/import/formats/float_map.h"
 #include "colmap_tsar/import/formats/stored_camera.h"
 
 #include <cstdint>
@@ -12,6 +13,25 @@
 #include <string>
 
 namespace tsar {
+
+// Reads a .dmb file of the family of Gipuma (ACMH, ACMM, ACMP, ACMMP): int32
+// type (1 = float), height, width, channels; then float32 row by row, the
+// channels of a pixel side by side. Depth is z in the camera frame, one
+// channel; normals have three, in the world frame. Pixels have integer
+// coordinates and K is used as it is, as in COLMAP's dense stage.
+//
+// name: the file, for messages. Throws Error kCorrupt where the header is not
+// of this form or the length is not exactly what it says.
+FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name);
+
+// Reads a .dmb or .bin file of APD and its successors: an OpenCV matrix as
+// int32 version, rows, columns, OpenCV type (5 = one float, 21 = three), then
+// the rows. Some versions leave the first word out; which it is, the file's
+// length tells. Depth and normals are as in ParseDmb.
+//
+// name: the file, for messages. Throws Error kCorrupt where neither form, or
+// both, have exactly the file's length, or the matrix is not of floats.
+FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name);
 
 // What a .dmap file of OpenMVS holds. Its confidences are left out: what they
 // mean has changed between its versions, and after its filter they are not

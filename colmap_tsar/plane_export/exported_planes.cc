@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/plane_export/plane_class.h"
+#include "colmap_tsar/plane_export/exported_planes.h"
 
 #include <algorithm>
 #include <cmath>

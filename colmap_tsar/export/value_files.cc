@@ -1,12 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/export/picture_file.h"
+#include "colmap_tsar/export/value_files.h"
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/picture_file.h"
+#include "colmap_tsar/workspace/npy_header.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -20,6 +21,27 @@
 
 namespace tsar {
 namespace {
+
+static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+
+template <typename T>
+void Write(const ContainedPath& path,
+           const Image<T>& values,
+           const std::string& type,
+           const std::string& more_sides) {
+  const std::string header =
+      NpyHeader(type,
+                std::to_string(values.Height()) + ", " +
+                    std::to_string(values.Width()) + more_sides);
+  CreateFolders(path.Parent());
+  AtomicFile file(path);
+  file.Stream().write(header.data(),
+                      static_cast<std::streamsize>(header.size()));
+  file.Stream().write(
+      reinterpret_cast<const char*>(values.Data()),
+      static_cast<std::streamsize>(values.NumPixels() * sizeof(T)));
+  file.Commit();
+}
 
 // OpenCV takes blue first.
 template <typename T>
@@ -95,6 +117,22 @@ void WriteExr(const ContainedPath& path, const cv::Mat& pixels) {
 }
 
 }  // namespace
+
+void WriteArray(const ContainedPath& path, const Image<float>& values) {
+  Write(path, values, "<f4", "");
+}
+
+void WriteArray(const ContainedPath& path, const Image<Vec3f>& values) {
+  Write(path, values, "<f4", ", 3");
+}
+
+void WriteArray(const ContainedPath& path, const Image<uint8_t>& values) {
+  Write(path, values, "|u1", "");
+}
+
+void WriteArray(const ContainedPath& path, const Image<uint16_t>& values) {
+  Write(path, values, "<u2", "");
+}
 
 void WritePngFile(const ContainedPath& path, const Image<uint8_t>& values) {
   WritePng(path, AsMatrix(values, CV_8UC1));
