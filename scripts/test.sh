@@ -53,6 +53,7 @@ fi
 export CCACHE_COMPILERCHECK=content
 export CCACHE_BASEDIR=$PWD
 export CCACHE_NOHASHDIR=1
+export CCACHE_INODECACHE=1  # A precompiled header is large: hashed once.
 export QT_QPA_PLATFORM=offscreen  # For the tests that run COLMAP.
 
 jobs=$(nproc)
