@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/failure.h"
-
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/base/warning.h"
 
 #include <filesystem>
 #include <new>
@@ -58,6 +58,17 @@ TEST(Failure, OtherExceptionsAreSomethingElse) {
             })),
             "/nowhere/a.bin: No such file or directory; check the path and its "
             "permissions");
+}
+
+TEST(Warn, IsOneLineOnStandardErrorThatNoTerminalObeys) {
+  PrepareWarnings("base_tests");
+  PrepareWarnings("base_tests");  // Does nothing.
+  testing::internal::CaptureStderr();
+  Warn(
+      "a\xC2\x9B"
+      "2J\n\x1b[31m.png: caf\xC3\xA9");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "a?2J ?[31m.png: caf\xC3\xA9\n");
 }
 
 }  // namespace

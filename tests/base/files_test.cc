@@ -1,15 +1,24 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/input_file.h"
-
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/picture_file.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
+#include <string>
+#include <vector>
 
 #include "tests/support/test_workspace.h"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -133,6 +142,112 @@ TEST_F(InputFileTest, OpensAnotherFileAfterOneThatFails) {
   WriteText(path_, "one");
   file.Open(path_);
   EXPECT_EQ(ReadAll(file), "one");
+}
+
+namespace fs = std::filesystem;
+
+class PictureFileTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = fs::path(::testing::TempDir()) /
+            ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove(path_);
+  }
+  void TearDown() override { fs::remove(path_); }
+
+  fs::path path_;
+};
+
+TEST_F(PictureFileTest, PixelsAreThoseThatWereGiven) {
+  cv::Mat_<uint16_t> pixels(2, 3);
+  int value = 0;
+  for (uint16_t& pixel : pixels) {
+    pixel = static_cast<uint16_t>(value += 9999);
+  }
+  AtomicFile file(UserPath(path_));
+  PutPicture(pixels, ".png", path_, &file);
+  file.Commit();
+  const cv::Mat read = cv::imread(path_.string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(read.type(), CV_16UC1);
+  ASSERT_EQ(read.size(), pixels.size());
+  EXPECT_EQ(cv::norm(read, pixels, cv::NORM_INF), 0.);
+}
+
+TEST_F(PictureFileTest, NamesTheFileOfAFormatThatIsMissing) {
+  AtomicFile file(UserPath(path_));
+  try {
+    PutPicture(cv::Mat_<uint8_t>(2, 3, uint8_t{7}), ".abc", path_, &file);
+    FAIL() << "has written";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.Code(), ErrorCode::kIo);
+    EXPECT_THAT(error.what(), testing::StartsWith(path_.string()));
+    EXPECT_THAT(error.what(), testing::HasSubstr("encoded as abc"));
+  }
+}
+
+// OpenCV reports that an encoder had no memory as an assertion of its own. More
+// rows than JPEG can have fail in the encoder in the same way.
+TEST_F(PictureFileTest, AnEncoderThatFailsHadNoMemory) {
+  AtomicFile file(UserPath(path_));
+  EXPECT_THROW(
+      PutPicture(cv::Mat_<uint8_t>(70000, 1, uint8_t{7}), ".jpg", path_, &file),
+      std::bad_alloc);
+}
+
+// The fingerprints of all workspaces hang on it.
+TEST(ContentHashTest, IsXxh3) {
+  ContentHash hash;
+  EXPECT_EQ(hash.Value(), 0x2D06800538D394C2u);
+}
+
+TEST(ContentHashTest, DoesNotDependOnTheSplit) {
+  std::string bytes;
+  for (int i = 0; i < 200; ++i) {
+    bytes.push_back(static_cast<char>(i * 7));
+  }
+  ContentHash whole;
+  whole.Update(bytes.data(), bytes.size());
+  for (size_t step : {1u, 3u, 31u, 32u, 33u, 100u}) {
+    ContentHash parts;
+    for (size_t i = 0; i < bytes.size(); i += step) {
+      parts.Update(bytes.data() + i, std::min(step, bytes.size() - i));
+    }
+    EXPECT_EQ(parts.Value(), whole.Value()) << step;
+  }
+}
+
+TEST(ContentHashTest, NothingChangesNothing) {
+  ContentHash hash;
+  hash.Update(nullptr, 0);
+  EXPECT_EQ(hash.Value(), ContentHash().Value());
+  ContentHash expected;
+  for (ContentHash* either : {&hash, &expected}) {
+    either->Update("12345", 5);
+  }
+  // Also between two parts of a block.
+  hash.Update(nullptr, 0);
+  EXPECT_EQ(hash.Value(), expected.Value());
+  for (ContentHash* either : {&hash, &expected}) {
+    either->Update("6789", 4);
+  }
+  EXPECT_EQ(hash.Value(), expected.Value());
+}
+
+TEST(ContentHashTest, SeesEveryByteAndTheLength) {
+  const std::string bytes(77, '\0');
+  std::vector<uint64_t> values;
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    std::string changed = bytes;
+    changed[i] = 1;
+    ContentHash hash;
+    hash.Update(changed.data(), changed.size());
+    values.push_back(hash.Value());
+    ContentHash shorter;
+    shorter.Update(bytes.data(), i);
+    values.push_back(shorter.Value());
+  }
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(std::adjacent_find(values.begin(), values.end()), values.end());
 }
 
 }  // namespace
