@@ -24,7 +24,7 @@
 #include "colmap_tsar/store/scene_model_file.h"
 #include "colmap_tsar/store/workspace.h"
 #include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/require_size.h"
+#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/sigma_map.h"
 
 #include <algorithm>

@@ -20,6 +20,7 @@ from suite_parts.agreement import check_sparse, check_view_agreement
 from suite_parts.comparison import compare, judge, Difference
 from suite_parts.harm import Calibration, measure_truth
 from suite_parts.maps import Maps, read_grey_png, write_map
+from suite_parts.outliers import measure_outliers
 from suite_parts.photographs import with_noise
 from suite_parts.plots import write_plots
 from suite_parts.sparse_model import (TRACK_ELEMENT, Camera, Point, PosedImage,
@@ -114,6 +115,43 @@ def check_harm(folder):
         check(abs(scores[key] - value) < 1e-6, f"{key} is {value:.4f}")
     check(scores["calibration_pixels"] == [0, 0, 20, 0, 0, 0, 0, 0, 0, 58],
           "pixels are counted in tenths")
+
+
+def check_outliers(folder):
+    """A plane at depth 2 before a far corner: of 840 depths that are there and
+    known, 30 are off, 8 of them at the corner, where nothing is smooth."""
+    scene = folder / "outliers"
+    truth = np.full((30, 30), 2.0)
+    truth[0] = 0  # Unknown.
+    truth[20:, 20:] = 3.0
+    depth = truth.copy()
+    depth[0] = 7
+    depth[1] = 0  # No depth.
+    depth[5, :8] = 2.2  # Measured.
+    depth[6, :6] = 1.8  # Filled.
+    depth[7, :8] = 2.11  # Guessed.
+    depth[8, :8] = 2.09  # Not enough to be plainly wrong.
+    depth[18, 20:28] = 4  # Measured, close to the corner.
+    origin = np.full((30, 30), 1)
+    origin[:, 9:] = 2
+    origin[6, :6] = 4
+    origin[7, :8] = 6
+    write_map(scene / "ground_truth" / "depth" / f"{NAME}.bin", truth)
+    put(scene, "depth", NAME, depth)
+    before = measure_outliers(scene, Maps(scene))
+    write_grey_png(Maps(scene).path("provenance", NAME, "png"), origin)
+    after = measure_outliers(scene, Maps(scene))
+    for key, value in {"outliers": 30 / 840, "outliers_measured": 16 / 826,
+                       "outliers_filled": 1, "outliers_guessed": 1,
+                       "specks": 8 / 870}.items():
+        check(abs(after[key] - value) < 1e-9, f"{key} is {value:.4f}")
+    check(before["outliers"] == before["outliers_measured"] == 30 / 840
+          and before["outliers_filled"] is None
+          and abs(before["specks"] - 22 / 870) < 1e-9,
+          "all depths of maps without an origin are measured")
+    (scene / "ground_truth" / "depth" / f"{NAME}.bin").unlink()
+    check(not measure_outliers(scene, Maps(scene)),
+          "without true depth there are no outliers to count")
 
 
 def check_calibration():
@@ -343,6 +381,7 @@ def main():
     folder.mkdir(parents=True)
     check_png(folder)
     check_harm(folder)
+    check_outliers(folder)
     check_calibration()
     check_views(folder)
     check_model(folder)

@@ -17,10 +17,8 @@ install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
-  PATTERN "report/canvas.h" EXCLUDE
   PATTERN "store/json_file.h" EXCLUDE
-  PATTERN "export/camera_json.h" EXCLUDE
-  PATTERN "export/export_manifest.h" EXCLUDE
+  PATTERN "export/scene_files.h" EXCLUDE
   PATTERN "export/*_exporter.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/copy.h" EXCLUDE

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/plane_export/export_planes.h"
-#include "colmap_tsar/plane_export/open_workspace_with_planes.h"
+#include "colmap_tsar/plane_export/plane_view.h"
 
 #include <algorithm>
 #include <array>

@@ -2,23 +2,47 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Installs what is missing, builds everything, and runs all tests twice:
-# optimised (with the benchmarks and the Python module, with CUDA where nvcc is
-# found, and warnings as errors) and under the address and undefined sanitizers;
-# then feeds the readers with hostile input (libFuzzer, by Clang).
+# Installs what is missing, builds everything, and runs all tests:
+# - an optimised build, with the benchmarks and the Python module, with CUDA
+#   where nvcc is found, and warnings as errors: whole runs, the Python module,
+#   and the unit tests of what must give the same bits however it is compiled;
+# - a build under the address and undefined sanitizers: every unit test.
 # The last line says how many passed, failed and were skipped (those that need
 # what is not there, such as a network); the exit code is 0 only if none failed.
 #
+#   scripts/test.sh [--all]
+#
+#   --all   also the parts that tests/parts.json names, which are large and
+#           rarely affected: the readers fed with hostile input (libFuzzer), the
+#           distribution's COLMAP built with this project's patch, Slurm and
+#           Snakemake (700 MB, services), a wheel, and Chromium. Without it, those
+#           that a change of the last day may affect; Slurm, Snakemake and COLMAP
+#           only with CI=true.
+#
 # With CI=true the CUDA part is compiled for one architecture alone, which is
-# enough to see that it compiles, the distribution's COLMAP is built with this
-# project's patch and tested, and the schedulers of clusters are installed and
-# tested. Who builds the program has no use for them, and they are large
-# (Snakemake: 700 MB) or start services (Slurm).
+# enough to see that it compiles.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+case $# in
+  0) all= ;;
+  *) [[ $# == 1 && $1 == --all ]] ||
+       { echo "usage: scripts/test.sh [--all]" >&2; exit 2; }
+     all=--all ;;
+esac
+
 scripts/install_dependencies.sh --tests
-if [[ ${CI:-} == true ]]; then
+chosen=$(scripts/test_parts.py $all)
+parts=" ${chosen%%$'\n'*} "
+left_out_tests=${chosen##*$'\n'}
+# includes PART: whether it is to be tested.
+includes() { [[ $parts == *" $1 "* ]]; }
+# The same of those that change the machine.
+includes_on_this_machine() {
+  [[ ${CI:-} == true || -n $all ]] && includes "$1"
+}
+
+if includes_on_this_machine clusters; then
   source scripts/apt.sh
   install_packages slurm-wlm snakemake ||
     echo "test: the tests of Slurm and Snakemake will be skipped"
@@ -29,6 +53,7 @@ fi
 export CCACHE_COMPILERCHECK=content
 export CCACHE_BASEDIR=$PWD
 export CCACHE_NOHASHDIR=1
+export CCACHE_INODECACHE=1  # A precompiled header is large: hashed once.
 export QT_QPA_PLATFORM=offscreen  # For the tests that run COLMAP.
 
 jobs=$(nproc)
@@ -50,7 +75,8 @@ run_tests() {  # run_tests PRESET
   local preset=$1
   printf '\n== %s: tests\n' "$preset"
   local status=0
-  ctest --preset "$preset" --parallel "$jobs" --no-tests=error 2>&1 |
+  ctest --preset "$preset" --parallel "$jobs" --no-tests=error \
+    --exclude-regex "$left_out_tests" 2>&1 |
     tee "$log" || status=$?
   local summary='^[0-9]+% tests passed, ([0-9]+) tests? failed out of ([0-9]+)'
   local line failures total left_out
@@ -109,26 +135,29 @@ build_patched_colmap() {
 
 # The patched COLMAP of an earlier run is none of this one.
 release_options=(
-  -DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON -DTSAR_PYTHON=ON
+  -DTSAR_UNIT_TESTS=OFF -DTSAR_WARNINGS_AS_ERRORS=ON -DTSAR_BENCHMARKS=ON
+  -DTSAR_PYTHON=ON
   -DTSAR_PATCHED_COLMAP=)
 if [[ ${CI:-} == true ]]; then
   export CUDA_ARCHITECTURES=90
   release_options+=(-DCMAKE_CUDA_ARCHITECTURES=$CUDA_ARCHITECTURES)
 fi
 build release "${release_options[@]}"
-if [[ ${CI:-} == true ]]; then
+if includes_on_this_machine patched_colmap; then
   build_patched_colmap
 fi
 run_tests release
 # Here warnings stay warnings: on instrumented code GCC warns of what cannot be
 # (-Wrestrict inside std::string, for one).
-build debug -DTSAR_WARNINGS_AS_ERRORS=OFF
+build debug -DTSAR_UNIT_TESTS=ON -DTSAR_WARNINGS_AS_ERRORS=OFF
 run_tests debug
 # The readers alone, by Clang, fed with a bounded number of hostile inputs.
-printf '\n== fuzz: build\n'
-cmake --preset fuzz
-cmake --build --preset fuzz --parallel "$jobs"
-run_tests fuzz
+if includes fuzz; then
+  printf '\n== fuzz: build\n'
+  cmake --preset fuzz
+  cmake --build --preset fuzz --parallel "$jobs"
+  run_tests fuzz
+fi
 
 printf '\n%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
 ((failed == 0))

@@ -16,12 +16,13 @@ from scoring import Scorer
 from suite_parts.agreement import check_sparse, check_view_agreement
 from suite_parts.harm import measure_truth
 from suite_parts.maps import Maps
+from suite_parts.outliers import measure_outliers
 from suite_parts.sparse_model import read_model
 
 DEPTH_TOLERANCES = (0.02, 0.05)
 CLOUD_TOLERANCES = (0.02, 0.05, 0.1)
 # Raised where the same maps would get other scores.
-VERSION = 1
+VERSION = 2
 
 
 def hash_of_file(path):
@@ -75,7 +76,8 @@ class Measurer:
             cloud = folder / "fused.ply" if self.fuse else None
             scores = scorer.score(workspace, cloud, maps.type)
         model = read_model(workspace / "sparse")
-        return {**scores, **check_sparse(model, maps)}, model
+        return {**scores, **measure_outliers(scene, maps),
+                **check_sparse(model, maps)}, model
 
     def before(self, configuration, workspace, fingerprint):
         """Scores of the maps that refinement begins with."""

@@ -21,6 +21,11 @@ COLUMNS = (
     ("textureless F1 2 cm", "depth_textureless_0.02", 2, 3),
     ("HARM", "harm", None, 4), ("by over 5 %", "harm_far", None, 4),
     ("lost", "lost", None, 4),
+    ("OUTLIERS", "outliers", None, 3),
+    ("measured", "outliers_measured", None, 3),
+    ("filled", "outliers_filled", None, 3),
+    ("guessed", "outliers_guessed", None, 3),
+    ("SPECKS", "specks", None, 4),
     ("views disagree", "view_disagreement", None, 3),
     ("sparse with depth", "sparse_with_depth", None, 3),
     ("sparse right 1 %", "sparse_right_1", None, 3),
@@ -32,7 +37,7 @@ IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")
 # Those by which variants are set beside each other.
 VARIANT_COLUMNS = tuple(column for column in COLUMNS if column[0] in (
     "cloud F1 2 cm", "cloud F1 5 cm", "depth F1 2 cm", "depth F1 5 cm",
-    "accuracy 2 cm", "HARM"))
+    "accuracy 2 cm", "HARM", "OUTLIERS", "SPECKS"))
 
 
 def value_of(scores, key, index):

@@ -12,7 +12,7 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/report/comparison_picture.h"
-#include "colmap_tsar/report/png.h"
+#include "colmap_tsar/report/pictures.h"
 #include "colmap_tsar/report/workspace_comparison.h"
 
 #include <filesystem>

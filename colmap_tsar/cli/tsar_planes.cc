@@ -9,7 +9,7 @@
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/plane_export/export_planes.h"
-#include "colmap_tsar/plane_export/open_workspace_with_planes.h"
+#include "colmap_tsar/plane_export/plane_view.h"
 #include "colmap_tsar/plane_export/write_planes.h"
 #include "colmap_tsar/store/workspace.h"
 

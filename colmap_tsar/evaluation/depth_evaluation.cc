@@ -12,7 +12,6 @@
 #include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/mask_folder.h"
 #include "colmap_tsar/workspace/photo.h"
 
 #include <algorithm>

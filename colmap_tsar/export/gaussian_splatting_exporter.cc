@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/export/map_levels.h"
-#include "colmap_tsar/export/picture_file.h"
+#include "colmap_tsar/export/image_maps.h"
+#include "colmap_tsar/export/value_files.h"
 #include "colmap_tsar/export/scene_files.h"
 #include "colmap_tsar/store/json_file.h"
 

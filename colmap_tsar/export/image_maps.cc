@@ -5,17 +5,22 @@
 
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/pipeline/confidence_level.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/require_size.h"
 #include "colmap_tsar/workspace/sigma_map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
 
 namespace tsar {
 namespace {
+
+uint16_t ToLevel(double value) {
+  return static_cast<uint16_t>(std::lround(value));
+}
 
 // The map in a file, or none where there is no such file.
 template <typename Read>
@@ -54,6 +59,58 @@ float Median(std::vector<float>* values) {
 }
 
 }  // namespace
+
+Image<uint16_t> DepthLevels(const Image<float>& depth,
+                            double step,
+                            int64_t* num_out_of_range) {
+  Image<uint16_t> levels(depth.Width(), depth.Height());
+  std::transform(
+      depth.begin(), depth.end(), levels.begin(), [&](float z) -> uint16_t {
+        const double level = z / step;
+        if (level >= 0.5 && level < kMaxLevel + 0.5) {
+          return ToLevel(level);
+        }
+        *num_out_of_range += z > 0.f ? 1 : 0;
+        return 0;
+      });
+  return levels;
+}
+
+Image<uint16_t> SigmaLevels(const Image<float>& sigma, double step) {
+  Image<uint16_t> levels(sigma.Width(), sigma.Height());
+  std::transform(
+      sigma.begin(), sigma.end(), levels.begin(), [&](float s) -> uint16_t {
+        return s > 0.f ? ToLevel(std::clamp(s / step, 1.0, 1.0 * kMaxLevel))
+                       : 0;
+      });
+  return levels;
+}
+
+Image<Rgb16> NormalLevels(const Image<Vec3f>& normal) {
+  const auto to_level = [](float value) {
+    const double bounded = std::clamp(value, -1.f, 1.f);
+    return ToLevel((bounded - kNormalOffset) / kNormalScale);
+  };
+  Image<Rgb16> levels(normal.Width(), normal.Height());
+  std::transform(
+      normal.begin(), normal.end(), levels.begin(), [&](const Vec3f& n) {
+        return Rgb16{to_level(n.x), to_level(n.y), to_level(n.z)};
+      });
+  return levels;
+}
+
+Image<float> ConfidencesOf(const Image<uint8_t>& levels) {
+  Image<float> confidences(levels.Width(), levels.Height());
+  std::transform(
+      levels.begin(), levels.end(), confidences.begin(), &ConfidenceOfLevel);
+  return confidences;
+}
+
+double StepFor(double depth) {
+  const double exact = depth / kMaxLevel;
+  const double digit = std::pow(10.0, std::floor(std::log10(exact)));
+  return digit * std::ceil(exact / digit);
+}
 
 std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
   std::vector<int> images;

@@ -6,11 +6,10 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/export/array_file.h"
-#include "colmap_tsar/export/map_levels.h"
-#include "colmap_tsar/export/picture_file.h"
+#include "colmap_tsar/export/value_files.h"
+#include "colmap_tsar/export/image_maps.h"
 #include "colmap_tsar/pipeline/confidence_level.h"
-#include "colmap_tsar/report/provenance_colors.h"
+#include "colmap_tsar/report/colors.h"
 
 #include <algorithm>
 #include <map>

@@ -3,9 +3,7 @@
 
 #include "colmap_tsar/export/nerfstudio_exporter.h"
 
-#include "colmap_tsar/export/array_file.h"
-#include "colmap_tsar/export/camera_json.h"
-#include "colmap_tsar/export/picture_file.h"
+#include "colmap_tsar/export/value_files.h"
 #include "colmap_tsar/export/scene_files.h"
 #include "colmap_tsar/store/json_file.h"
 

@@ -3,13 +3,30 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
 namespace tsar {
+
+// 4 x 4, a list for each row.
+nlohmann::ordered_json MatrixJson(const Eigen::Matrix4d& matrix);
+
+// World to camera: x right, y down, z forward.
+Eigen::Matrix4d WorldToCamera(const Camera& camera);
+// Its inverse, in which the translation is the camera's centre.
+Eigen::Matrix4d CameraToWorld(const Camera& camera);
+// The same for a camera's frame as OpenGL has it: x right, y up, z backward.
+Eigen::Matrix4d OpenGlCameraToWorld(const Camera& camera);
+
+// "model" (PINHOLE), "width", "height", "fx", "fy", "cx" and "cy".
+nlohmann::ordered_json IntrinsicsJson(const Camera& camera);
 
 // What the folders for trainers have in common: they hold all images of the
 // sparse model, under its names.

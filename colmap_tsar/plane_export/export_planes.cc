@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/plane_export/crease.h"
 #include "colmap_tsar/plane_export/plane_statistics.h"
-#include "colmap_tsar/plane_export/support_grid.h"
 #include "colmap_tsar/plane_export/support_mask.h"
 #include "colmap_tsar/plane_export/trace_polygons.h"
 #include "colmap_tsar/store/scene_model_file.h"

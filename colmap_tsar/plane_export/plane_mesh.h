@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/plane_export/exported_planes.h"
+#include "colmap_tsar/plane_export/plane_polygon.h"
 
 #include <array>
 #include <string>
@@ -12,6 +13,16 @@
 #include <Eigen/Core>
 
 namespace tsar {
+
+struct Triangulation {
+  Ring points;  // Of the outline, then of the holes.
+  // Counterclockwise; numbers of points.
+  std::vector<std::array<int, 3>> triangles;
+};
+
+// Covers a simple polygon (IsSimple) with triangles whose corners are its own:
+// holes are joined to the outline by cuts, then ears are cut off.
+Triangulation Triangulate(const PlanePolygon& polygon);
 
 // The polygons of a plane as triangles in the world frame, counterclockwise
 // where its normal points to the viewer.

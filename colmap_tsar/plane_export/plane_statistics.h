@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/plane_export/plane_coordinates.h"
+#include "colmap_tsar/plane_export/plane_polygon.h"
 #include "colmap_tsar/plane_export/plane_view.h"
 
 #include <cstdint>

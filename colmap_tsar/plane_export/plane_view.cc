@@ -8,13 +8,24 @@
 #include "colmap_tsar/import/formats/gray_png.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/require_size.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
 namespace tsar {
+
+Workspace OpenWorkspaceWithPlanes(const std::filesystem::path& root,
+                                  std::optional<MapType> type) {
+  Workspace workspace(root, type.value_or(MapType::kGeometric));
+  if (!type && FindPlaneViews(workspace).empty()) {
+    Workspace photometric(root, MapType::kPhotometric);
+    if (!FindPlaneViews(photometric).empty()) {
+      return photometric;
+    }
+  }
+  return workspace;
+}
 
 std::vector<int> FindPlaneViews(const Workspace& workspace) {
   std::vector<int> images;

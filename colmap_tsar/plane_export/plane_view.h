@@ -5,14 +5,22 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/plane_export/plane_coordinates.h"
+#include "colmap_tsar/plane_export/plane_polygon.h"
 #include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/workspace/map_paths.h"
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace tsar {
+
+// The workspace whose planes are asked for. type: of the maps; if not given:
+// geometric, or photometric where only those have planes. Errors as Workspace.
+Workspace OpenWorkspaceWithPlanes(const std::filesystem::path& root,
+                                  std::optional<MapType> type);
 
 // What one refined image tells about the planes of the scene.
 struct PlaneView {

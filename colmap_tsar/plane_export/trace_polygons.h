@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/plane_export/crease.h"
 #include "colmap_tsar/plane_export/plane_polygon.h"
-#include "colmap_tsar/plane_export/support_grid.h"
+#include "colmap_tsar/plane_export/support_mask.h"
 
 #include <cstdint>
 #include <vector>

@@ -5,17 +5,110 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/report/canvas.h"
-#include "colmap_tsar/report/depth_colors.h"
-#include "colmap_tsar/report/normal_colors.h"
-#include "colmap_tsar/report/provenance_colors.h"
+#include "colmap_tsar/report/colors.h"
+#include "colmap_tsar/report/pictures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 
+#include <opencv2/core/mat.hpp>
+#include <opencv2/imgproc.hpp>
+
 namespace tsar {
 namespace {
+
+// A picture that grows downwards while it is drawn. Positions are in pixels
+// from the upper left corner; what does not fit on the width is cut off.
+class Canvas {
+ public:
+  explicit Canvas(int width) : width_(width) {}
+
+  // Adds a white strip below all others and returns its upper edge.
+  int AddStrip(int height);
+
+  // All of what is drawn must lie on strips.
+  void Draw(const Image<Rgb>& image,
+            int x,
+            int y,
+            int width,
+            int height,
+            Scaling scaling);
+  void FillBox(int x, int y, int width, int height, const Rgb& color);
+  // y: the middle of the line of text. Only ASCII can be drawn; all else
+  // becomes '?'.
+  void Write(const std::string& text, int x, int y);
+
+  Image<Rgb> Picture() const;
+
+ private:
+  int width_;
+  cv::Mat pixels_;  // CV_8UC3, red first.
+};
+
+static_assert(sizeof(Rgb) == 3, "an Image<Rgb> is read as 8-bit triples");
+
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontScale = 0.5;
+// Half the height of a capital letter at that scale.
+constexpr int kHalfLetter = 5;
+
+int Canvas::AddStrip(int height) {
+  const int top = pixels_.rows;
+  const cv::Mat strip(height, width_, CV_8UC3, cv::Scalar::all(255));
+  if (pixels_.empty()) {
+    pixels_ = strip;
+  } else {
+    cv::vconcat(pixels_, strip, pixels_);
+  }
+  return top;
+}
+
+void Canvas::Draw(const Image<Rgb>& image,
+                  int x,
+                  int y,
+                  int width,
+                  int height,
+                  Scaling scaling) {
+  // OpenCV has no read-only matrices; this one is only read.
+  const cv::Mat source(
+      image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
+  cv::resize(source,
+             pixels_(cv::Rect(x, y, width, height)),
+             cv::Size(width, height),
+             0,
+             0,
+             scaling == Scaling::kAverage ? cv::INTER_AREA : cv::INTER_NEAREST);
+}
+
+void Canvas::FillBox(int x, int y, int width, int height, const Rgb& color) {
+  pixels_(cv::Rect(x, y, width, height)) =
+      cv::Scalar(color.r, color.g, color.b);
+}
+
+void Canvas::Write(const std::string& text, int x, int y) {
+  std::string shown = text;
+  std::replace_if(
+      shown.begin(),
+      shown.end(),
+      [](char c) { return c < ' ' || c > '~'; },
+      '?');
+  cv::putText(pixels_,
+              shown,
+              {x, y + kHalfLetter},
+              kFont,
+              kFontScale,
+              cv::Scalar::all(0),
+              1,
+              cv::LINE_AA);
+}
+
+Image<Rgb> Canvas::Picture() const {
+  Image<Rgb> picture(pixels_.cols, pixels_.rows);
+  cv::Mat target(pixels_.rows, pixels_.cols, CV_8UC3, picture.Data());
+  pixels_.copyTo(target);
+  return picture;
+}
 
 constexpr int kNumColumns = 6;
 constexpr int kGap = 8;

@@ -8,12 +8,8 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/pipeline/refine_image.h"
-#include "colmap_tsar/report/depth_colors.h"
-#include "colmap_tsar/report/label_colors.h"
-#include "colmap_tsar/report/normal_colors.h"
-#include "colmap_tsar/report/png.h"
-#include "colmap_tsar/report/provenance_colors.h"
-#include "colmap_tsar/report/value_colors.h"
+#include "colmap_tsar/report/colors.h"
+#include "colmap_tsar/report/pictures.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/pipeline/refine_observer.h"
-#include "colmap_tsar/report/depth_colors.h"
+#include "colmap_tsar/report/colors.h"
 #include "colmap_tsar/report/point_sample.h"
 #include "colmap_tsar/store/workspace.h"
 

@@ -4,13 +4,12 @@
 #include "colmap_tsar/report/page_data.h"
 
 #include "colmap_tsar/base/label_color.h"
-#include "colmap_tsar/report/depth_colors.h"
+#include "colmap_tsar/report/colors.h"
 #include "colmap_tsar/report/page_text.h"
-#include "colmap_tsar/report/provenance_colors.h"
-#include "colmap_tsar/report/value_colors.h"
+#include "colmap_tsar/store/originals.h"
+#include "colmap_tsar/workspace/map_paths.h"
 
 #include <cstdio>
-#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -161,6 +160,37 @@ std::string PageDataScript(const PageData& data) {
          EscapeScript(
              json.dump(1, ' ', false, Json::error_handler_t::replace)) +
          ";\n";
+}
+
+Gain<DepthEvaluation> EvaluateDepthGain(
+    const Workspace& workspace,
+    const std::filesystem::path& ground_truth_path,
+    const std::vector<double>& tolerances) {
+  DepthEvaluationOptions options;
+  options.input_type = ToString(workspace.Type());
+  options.ground_truth_path = ground_truth_path;
+  options.tolerances = tolerances;
+  Gain<DepthEvaluation> gain;
+  gain.after = EvaluateDepthMaps(workspace.Root(), options);
+  options.find_map = [&](const std::string& name) {
+    const int image = workspace.Model().IndexOf(name);
+    const MapType type = workspace.Type();
+    return image < 0 ? GetMapPaths(workspace.Root(), name, type).depth
+                     : FindOriginals(workspace.SourcePaths(image, type)).depth;
+  };
+  gain.before = EvaluateDepthMaps(workspace.Root(), options);
+  return gain;
+}
+
+Gain<CloudEvaluation> EvaluateCloudGain(
+    const std::filesystem::path& before_path,
+    const std::filesystem::path& after_path,
+    const std::filesystem::path& scans_path,
+    const std::vector<double>& tolerances) {
+  CloudEvaluationOptions options;
+  options.tolerances = tolerances;
+  return {EvaluateCloudFile(before_path, scans_path, options),
+          EvaluateCloudFile(after_path, scans_path, options)};
 }
 
 }  // namespace tsar

@@ -73,4 +73,14 @@ void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image) {
   file.Commit();
 }
 
+void WritePng(const ContainedPath& path, const Image<Rgb>& image) {
+  const cv::Mat rgb(
+      image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  AtomicFile file(path);
+  PutPicture(bgr, ".png", path, &file);
+  file.Commit();
+}
+
 }  // namespace tsar

@@ -5,11 +5,14 @@
 
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/report/scaling.h"
 
 #include <vector>
 
 namespace tsar {
+
+// How a raster is brought to another size: averaging for photos; picking for
+// maps, whose values must not be mixed.
+enum class Scaling { kAverage, kPick };
 
 // The picture with a long side of at most max_size pixels; never enlarged.
 Image<Rgb> FitPicture(const Image<Rgb>& picture, int max_size, Scaling scaling);
@@ -19,5 +22,9 @@ Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures);
 
 // For photos: as JPEG. Replaces the file in one step. Throws Error kIo.
 void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image);
+
+// Replaces the file in one step; the name should end in ".png". Throws Error
+// kIo.
+void WritePng(const ContainedPath& path, const Image<Rgb>& image);
 
 }  // namespace tsar

@@ -9,7 +9,6 @@
 #include "colmap_tsar/plane_export/export_planes.h"
 #include "colmap_tsar/report/page_data.h"
 #include "colmap_tsar/report/page_files.h"
-#include "colmap_tsar/report/page_folder.h"
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/plane_page.h"
 #include "colmap_tsar/report/workspace_comparison.h"
@@ -27,6 +26,15 @@
 
 namespace tsar {
 namespace {
+
+// The folder of a page.
+inline constexpr OutputFolderKind kPageFolder = {"report",
+                                                 "a report",
+                                                 "tsar_report",
+                                                 "report_path",
+                                                 "data/report.js",
+                                                 "data/files.txt",
+                                                 "unfinished_page"};
 
 namespace fs = std::filesystem;
 

@@ -9,7 +9,7 @@
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/mask_folder.h"
+#include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/photo.h"
 #include "colmap_tsar/workspace/workspace_model.h"
 

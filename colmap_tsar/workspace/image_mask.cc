@@ -140,6 +140,18 @@ class MaskFile {
 
 }  // namespace
 
+void RequireNoImageFolder(const std::filesystem::path& masks,
+                          const std::filesystem::path& images,
+                          const std::string& option) {
+  std::error_code error;
+  if (std::filesystem::equivalent(masks, images, error)) {
+    throw Error::File(ErrorCode::kBadOption,
+                      masks.string(),
+                      "is the folder of the images",
+                      "give that of their masks as " + option);
+  }
+}
+
 std::vector<fs::path> FindImageMasks(
     const fs::path& folder,
     const std::vector<std::string>& image_names,

@@ -14,6 +14,12 @@
 
 namespace tsar {
 
+// Throws Error, kBadOption, where a folder of masks is that of the images.
+// option: what names the folder.
+void RequireNoImageFolder(const std::filesystem::path& masks,
+                          const std::filesystem::path& images,
+                          const std::string& option);
+
 // Masks as COLMAP's mask_path takes them: that of the image sub/a.jpg is
 // sub/a.jpg.png in the folder of masks. Where an image is called sub/a.png and
 // there is no sub/a.png.png, its mask may have its own name. Pixels of value 0

@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/workspace/map_shape.h"
 
-#include "colmap_tsar/base/error.h"
-
 #include <cmath>
 
 namespace tsar {

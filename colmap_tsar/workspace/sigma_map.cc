@@ -6,9 +6,9 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/workspace/npy_header.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -16,24 +16,12 @@
 namespace tsar {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "sigma maps are little-endian and written as they are");
-
-constexpr size_t kHeaderSize = 128;
 // Of the larger halves, the first that is not finite.
 constexpr uint16_t kFirstNotFinite = 0x7c00;
 
-// Magic, version, length of the text, and the text, which is padded so that the
-// array begins at a multiple of 64 bytes.
-std::string MakeHeader(int width, int height) {
-  std::string header("\x93NUMPY\x01\x00", 8);
-  constexpr size_t kTextSize = kHeaderSize - 10;
-  header += static_cast<char>(kTextSize);
-  header += '\0';
-  header += "{'descr': '<f2', 'fortran_order': False, 'shape': (" +
-            std::to_string(height) + ", " + std::to_string(width) + "), }";
-  header.resize(kHeaderSize - 1, ' ');
-  return header + '\n';
+std::string HeaderOf(int width, int height) {
+  return NpyHeader("<f2",
+                   std::to_string(height) + ", " + std::to_string(width));
 }
 
 Error CorruptSigmaMap(const std::filesystem::path& path,
@@ -47,7 +35,7 @@ Error CorruptSigmaMap(const std::filesystem::path& path,
 }  // namespace
 
 void PutSigmaMap(const Image<uint16_t>& halves, AtomicFile* file) {
-  const std::string header = MakeHeader(halves.Width(), halves.Height());
+  const std::string header = HeaderOf(halves.Width(), halves.Height());
   std::ostream& stream = file->Stream();
   stream.write(header.data(), static_cast<std::streamsize>(header.size()));
   stream.write(
@@ -66,22 +54,23 @@ Image<float> ReadSigmaMap(const std::filesystem::path& path) {
   if (!file) {
     throw CorruptSigmaMap(path, file.Reason());
   }
-  std::string header(kHeaderSize, '\0');
-  file.read(header.data(), kHeaderSize);
+  std::string header(kNpyHeaderSize, '\0');
+  file.read(header.data(), kNpyHeaderSize);
   int width = 0;
   int height = 0;
   const size_t shape = header.find('(');
   // Nine digits are more than any file can have and fit an int.
   if (!file || shape == std::string::npos ||
       std::sscanf(header.c_str() + shape, "(%9d, %9d)", &height, &width) != 2 ||
-      width < 1 || height < 1 || header != MakeHeader(width, height)) {
+      width < 1 || height < 1 || header != HeaderOf(width, height)) {
     throw CorruptSigmaMap(path,
                           "it does not begin as an array of half floats with "
                           "two dimensions");
   }
-  const uintmax_t num_values = (file.Size() - kHeaderSize) / sizeof(uint16_t);
+  const uintmax_t num_values =
+      (file.Size() - kNpyHeaderSize) / sizeof(uint16_t);
   // A division, since the product of two hostile numbers may overflow.
-  if ((file.Size() - kHeaderSize) % sizeof(uint16_t) != 0 ||
+  if ((file.Size() - kNpyHeaderSize) % sizeof(uint16_t) != 0 ||
       num_values / static_cast<uintmax_t>(width) !=
           static_cast<uintmax_t>(height) ||
       num_values % static_cast<uintmax_t>(width) != 0) {

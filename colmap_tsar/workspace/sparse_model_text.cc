@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
-#include "colmap_tsar/workspace/sparse_model_fields.h"
 #include "colmap_tsar/workspace/sparse_model_files.h"
 
 #include <charconv>

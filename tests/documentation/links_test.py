@@ -55,10 +55,7 @@ for path in documents():
         if fragment:
             headings = re.findall(r"^#+ (.*)$", read(linked), re.MULTILINE)
             check(fragment[1:] in map(anchor, headings), f"{name} links to {target}{fragment}")
-    # What is quoted as misspelt stands behind "ERROR" or in that command.
     for option in set(re.findall(r"--(Tsar\w+\.\w+)", text)):
-        if name == "docs/troubleshooting.md" and option == "TsarRefine.num_thread":
-            continue
         check(option in options, f"{name} names --{option}")
     for command in set(re.findall(r"colmap(?:_tsar)? +(tsar_\w+)", text)):
         check(command in commands, f"{name} names {command}")

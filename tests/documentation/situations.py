@@ -157,15 +157,12 @@ def depth_alone_made_anew():
 
 
 SITUATIONS = {
-    "The path is wrong": lambda: None,
     "The folder is not a dense workspace":
         lambda: (os.mkdir("project"), os.rename("dense/sparse", "project/sparse")),
     "The sparse model lies elsewhere":
         lambda: (os.rename("dense/sparse", "model"), os.mkdir("dense/sparse"),
                  os.rename("model", "dense/sparse/1")),
     "The sparse model is not complete": lambda: os.remove("dense/sparse/points3D.txt"),
-    "The images are not undistorted": lambda: edit(
-        "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "OPENCV 640 480 0 0 0 0 "),
     "The images are panoramas": lambda: edit(
         "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "EQUIRECTANGULAR 640 480 "),
     "An image has an impossible name": lambda: edit(
@@ -176,38 +173,23 @@ SITUATIONS = {
     "The maps are of the other type": lambda: remove_maps("geometric"),
     "A map is cut off": truncate_a_map,
     "A map is of another shape": transpose_a_map,
-    "A map has no partner":
-        lambda: os.remove("dense/stereo/normal_maps/v003.jpg.geometric.bin"),
-    "An image is gone": lambda: os.remove("dense/images/v003.jpg"),
     "An image is damaged": cut_an_image,
-    "patch-match.cfg names an unknown image": lambda: edit(
-        "dense/stereo/patch-match.cfg", "v001.jpg", "v001.png"),
     "Another program works there": lock,
     "A file may not become as large": lambda: SmallFiles(1000),
-    "A name is misspelt": lambda: None,
-    "A value for experiments is misspelt": lambda: None,
-    "A value is wrong": lambda: None,
     "A value was forgotten": lambda: None,
     "The list of images names an unknown one": lambda: write("list.txt", "v000.jpg\nv001.png\n"),
     "The folder of masks holds none": lambda: write("masks/v000.png", png(8, 640, 480)),
     "A mask is of another size": lambda: write("masks/v000.jpg.png", png(8, 100, 80)),
     "A mask is no mask": lambda: write("masks/v000.jpg.png", png(16, 640, 480)),
-    "A project file has an unknown key": lambda: write(
-        "project.ini", "workspace_path=dense\n[TsarRefine]\nscene_plane=0\n"),
     "The originals are gone": lambda: write(
         "dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement"),
     "Restoring leaves maps as they are": depth_alone_made_anew,
-    "There is nothing to restore": lambda: None,
-    "The output folder is in use": lambda: write("refined/notes.txt", "mine\n"),
     "The report comes before the refinement": lambda: None,
     "The planes come before the refinement": lambda: None,
-    "The picture is there already": lambda: write("comparison.png", "mine\n"),
-    "The export folder holds other files": lambda: write("exported/notes.txt", "mine\n"),
     "Two images have the same name but for the extension": lambda: (
         edit("dense/sparse/images.txt", "v001.jpg", "v000.png"),
         edit("dense/stereo/patch-match.cfg", "v001.jpg", "v000.png")),
     "Something goes into the workspace's own folders": lambda: None,
-    "The debug pictures lie among other files": lambda: write("debug/notes.txt", "mine\n"),
     "tsar_stereo finds maps of COLMAP": lambda: None,
     "An image changed after tsar_stereo": photo_after_stereo,
     "tsar_import finds maps of COLMAP": depth_images_over_maps,

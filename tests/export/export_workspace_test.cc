@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/export/image_maps.h"
-#include "colmap_tsar/export/map_levels.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
 #include <filesystem>

@@ -4,7 +4,7 @@
 // Reads back what is exported as those read it who know the manifest alone.
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/import/formats/float_map.h"
 #include "colmap_tsar/import/formats/depth_image.h"
 
 #include <cstdlib>

@@ -3,13 +3,141 @@
 
 #include "colmap_tsar/matching/reprojection.cuh"
 
-#include <cmath>
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/matching/bilinear.cuh"
+#include "colmap_tsar/matching/plane_maps.h"
 
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tests/matching/gray_pairs.h"
+#include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
 namespace {
+
+TEST(SampleBilinear, InterpolatesAndRepeatsTheBorder) {
+  Image<float> gray(2, 2);
+  gray(1, 0) = 10.f;
+  gray(0, 1) = 20.f;
+  gray(1, 1) = 30.f;
+  const ImageView<const float> view = std::as_const(gray).View();
+  EXPECT_FLOAT_EQ(SampleBilinear(view, 0.5f, 0.f), 5.f);
+  EXPECT_FLOAT_EQ(SampleBilinear(view, 0.5f, 0.5f), 15.f);
+  EXPECT_FLOAT_EQ(SampleBilinear(view, 1.f, 1.f), 30.f);
+  EXPECT_FLOAT_EQ(SampleBilinear(view, -3.f, 9.f), 20.f);
+}
+
+float SamplePairs(const Image<GrayPair>& pairs, float x, float y) {
+  return SampleBilinear(pairs.View(), x, y) * kGrayUnit<GrayPair>;
+}
+
+TEST(SampleBilinear, OfPairsIsThatOfTheirGrayLevels) {
+  Philox random(7, 0, 0);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), {1, 7}, {7, 1}, {2, 2}, {40, 30}}) {
+    Image<float> drawn(width, height);
+    for (float& value : drawn) {
+      value = 255.f * random.NextFloat();
+    }
+    const Image<GrayPair> pairs = PairsOf(drawn);
+    const Image<float> gray = LevelsOf(pairs);
+    for (size_t i = 0; i < gray.NumPixels(); ++i) {
+      ASSERT_NEAR(gray.Data()[i], drawn.Data()[i], 0.002f);
+    }
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        ASSERT_EQ(SamplePairs(pairs, x, y), gray(x, y)) << x << ", " << y;
+      }
+    }
+    for (int i = 0; i < 300; ++i) {
+      const float x = random.NextFloat() * (width + 2.f) - 1.5f;
+      const float y = random.NextFloat() * (height + 2.f) - 1.5f;
+      ASSERT_NEAR(
+          SamplePairs(pairs, x, y), SampleBilinear(gray.View(), x, y), 1e-3f)
+          << x << ", " << y << " in " << width << " x " << height;
+    }
+  }
+}
+
+TEST(PairGray, PairsEachPixelWithItsRightNeighbour) {
+  const auto device = Device::CreateCpu(2);
+  Image<float> gray(5, 3);
+  for (size_t i = 0; i < gray.NumPixels(); ++i) {
+    gray.Data()[i] = 17.1f * static_cast<float>(i);
+  }
+  const DeviceImage<float> on_device(*device, gray);
+  const Image<GrayPair> pairs = PairGray(on_device.View(), *device).ToHost();
+  const Image<GrayPair> expected = PairsOf(gray);
+  for (size_t i = 0; i < gray.NumPixels(); ++i) {
+    EXPECT_EQ(pairs.Data()[i].word, expected.Data()[i].word);
+  }
+}
+
+constexpr int kCount = 10;
+
+// Every one of kCount positions must get what it gets alone.
+template <typename Element>
+void ExpectSameValues(const Image<Element>& gray,
+                      const float (&x)[kCount],
+                      const float (&y)[kCount]) {
+  float values[kCount];
+  SampleBilinearBySteps(gray.View(), x, y, values);
+  for (int i = 0; i < kCount; ++i) {
+    ASSERT_EQ(values[i], SampleBilinear(gray.View(), x[i], y[i]))
+        << x[i] << ", " << y[i] << " in " << gray.Width() << " x "
+        << gray.Height();
+  }
+}
+
+TEST(SampleBilinearBySteps, GivesTheSameBitsAsOneByOne) {
+  Philox random(1, 0, 0);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), {1, 7}, {7, 1}, {2, 2}, {40, 30}}) {
+    Image<float> gray(width, height);
+    for (float& value : gray) {
+      value = 255.f * random.NextFloat();
+    }
+    // Inside, as far as the last pixels, and all around.
+    for (const float margin : {-1.5f, 0.f, 1.f, 100.f}) {
+      for (int repetition = 0; repetition < 20; ++repetition) {
+        float x[kCount];
+        float y[kCount];
+        for (int i = 0; i < kCount; ++i) {
+          x[i] = random.NextFloat() * (width - 1 + 2.f * margin) - margin;
+          y[i] = random.NextFloat() * (height - 1 + 2.f * margin) - margin;
+        }
+        ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, x, y));
+        ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), x, y));
+      }
+    }
+  }
+}
+
+TEST(SampleBilinearBySteps, TakesAnyNumbers) {
+  Image<float> gray(6, 5);
+  Philox random(1, 0, 0);
+  for (float& value : gray) {
+    value = 255.f * random.NextFloat();
+  }
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float all[kCount] = {
+      nan, -nan, infinity, -infinity, 1e30f, -1e30f, -0.f, 1e-42f, 5.f, 4.f};
+  for (const float other : all) {
+    float others[kCount];
+    for (float& value : others) {
+      value = other;
+    }
+    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, all, others));
+    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, others, all));
+    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), all, others));
+    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), others, all));
+  }
+}
 
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
@@ -140,6 +268,70 @@ TEST_F(LookThroughSourceTest, SeesNothingBehindEitherCamera) {
   EXPECT_NEAR(seen_.point.z, 2.f, 1e-4f);
   depth_ = Image<float>(kWidth, kHeight, 5.f);
   EXPECT_FALSE(Look(opposite, {0.f, 0.f, 3.f}));
+}
+
+TEST_F(PatchMatchTest, MapsComeBackFromPlanes) {
+  TexturedPlane scene = BareScene(kTilt);
+  Image<float>& depth = scene.Depth();
+  depth(3, 4) = 0.f;
+  depth(5, 4) = 7.5f;
+  const DeviceImage<Plane> planes = TruePlanes(scene);
+  EXPECT_FALSE(planes.ToHost()(3, 4).Valid());
+  const PlaneMaps maps = MapsFromPlanes(intrinsics_, planes.View(), *device_);
+  const Image<float> found_depth = maps.depth.ToHost();
+  const Image<Vec3f> found_normal = maps.normal.ToHost();
+  const Vec3f normal = Normalized(kTilt);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (x == 3 && y == 4) {
+        EXPECT_EQ(found_depth(x, y), 0.f);
+        EXPECT_EQ(found_normal(x, y), Vec3f{});
+        continue;
+      }
+      ASSERT_NEAR(found_depth(x, y), depth(x, y), 1e-5f * depth(x, y));
+      ASSERT_EQ(found_normal(x, y), normal);
+    }
+  }
+}
+
+TEST_F(PatchMatchTest, MapsHaveNothingWhereThePlaneIsNotSeen) {
+  // A floor below the camera, of which pixels above the horizon see nothing.
+  Image<Plane> planes(kWidth, kHeight, {{0.f, -1.f, 0.f}, 1.5f});
+  const DeviceImage<Plane> on_device(*device_, planes);
+  const PlaneMaps maps =
+      MapsFromPlanes(intrinsics_, on_device.View(), *device_);
+  const Image<float> depth = maps.depth.ToHost();
+  const Image<Vec3f> normal = maps.normal.ToHost();
+  EXPECT_EQ(depth(10, kHeight / 2 - 5), 0.f);
+  EXPECT_EQ(normal(10, kHeight / 2 - 5), Vec3f{});
+  EXPECT_NEAR(depth(10, kHeight / 2 + 5), 1.5f / 0.05f, 1e-3f);
+  EXPECT_EQ(normal(10, kHeight / 2 + 5), (Vec3f{0.f, -1.f, 0.f}));
+}
+
+TEST_F(PatchMatchTest, ResizesPlanesByPlace) {
+  const DeviceImage<Plane> drawn = Draw();
+  const Image<Plane> planes = drawn.ToHost();
+  const auto resize =
+      [&](const DeviceImage<Plane>& from, int width, int height) {
+        return ResizePlanes(from.View(), width, height, *device_);
+      };
+  EXPECT_TRUE(SameBytes(resize(drawn, kWidth, kHeight).ToHost(), planes));
+  // Every pixel of a larger image of this size has its own there.
+  const DeviceImage<Plane> larger = resize(drawn, 2 * kWidth, 3 * kHeight);
+  EXPECT_TRUE(SameBytes(resize(larger, kWidth, kHeight).ToHost(), planes));
+  const Image<Plane> on_larger = larger.ToHost();
+  for (int y = 0; y < 3 * kHeight; ++y) {
+    for (int x = 0; x < 2 * kWidth; ++x) {
+      ASSERT_EQ(on_larger(x, y).normal, planes(x / 2, y / 3).normal);
+    }
+  }
+  // Sizes without a common divisor: the first and the last stay at the ends.
+  const Image<Plane> odd = resize(drawn, 41, 29).ToHost();
+  EXPECT_EQ(odd(0, 0).normal, planes(0, 0).normal);
+  EXPECT_EQ(odd(40, 28).normal, planes(kWidth - 1, kHeight - 1).normal);
+  EXPECT_EQ(odd(20, 14).normal, planes(kWidth / 2, kHeight / 2).normal);
+  EXPECT_EQ(resize(drawn, 1, 1).ToHost()(0, 0).normal,
+            planes(kWidth / 2, kHeight / 2).normal);
 }
 
 }  // namespace

@@ -4,9 +4,7 @@
 #include "colmap_tsar/report/comparison_picture.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/report/depth_colors.h"
-#include "colmap_tsar/report/normal_colors.h"
-#include "colmap_tsar/report/provenance_colors.h"
+#include "colmap_tsar/report/colors.h"
 
 #include <algorithm>
 

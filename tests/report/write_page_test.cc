@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/report/page_files.h"
-#include "colmap_tsar/report/value_colors.h"
+#include "colmap_tsar/report/colors.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/store/write_back.h"
 #include "colmap_tsar/workspace/map_io.h"

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/workspace/patch_match_config.h"
 
-#include "colmap_tsar/workspace/source_selection.h"
 
 #include <cmath>
 #include <numbers>

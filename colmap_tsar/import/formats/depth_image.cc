@@ -4,8 +4,7 @@
 #include "colmap_tsar/import/formats/depth_image.h"
 
 #include "colmap_tsar/base/picture_file.h"
-#include "colmap_tsar/import/formats/npy.h"
-#include "colmap_tsar/import/formats/pfm.h"
+#include "colmap_tsar/import/formats/array_files.h"
 #include "colmap_tsar/import/formats/picture_header.h"
 #include "colmap_tsar/workspace/png_chunks.h"
 #include "colmap_tsar/workspace/tiff_strips.h"

@@ -3,8 +3,11 @@
 
 #include "colmap_tsar/import/formats/float_map.h"
 
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace tsar {
@@ -25,6 +28,48 @@ void RequireChannels(const FloatMap& map,
 }
 
 }  // namespace
+
+static_assert(std::endian::native == std::endian::little,
+              "the files are little-endian and read as they are");
+
+std::vector<uint8_t> ReadFileBytes(const std::filesystem::path& path,
+                                   size_t max_num_bytes) {
+  InputFile file(path);
+  if (file.IsMissing()) {
+    throw Error::File(
+        ErrorCode::kNotFound, path.string(), "no such file", "check the path");
+  }
+  std::vector<uint8_t> bytes(std::min<size_t>(file.Size(), max_num_bytes));
+  file.read(reinterpret_cast<char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be read (" +
+                          (file.Reason().empty() ? std::string("reading failed")
+                                                 : file.Reason()) +
+                          ")",
+                      "check that it is a file and that you may read it");
+  }
+  return bytes;
+}
+
+std::span<const uint8_t> ByteReader::Take(size_t num_bytes) {
+  if (num_bytes > bytes_.size()) {
+    throw Corrupt("the file is shorter than its content says");
+  }
+  const std::span<const uint8_t> taken = bytes_.first(num_bytes);
+  bytes_ = bytes_.subspan(num_bytes);
+  return taken;
+}
+
+Error ByteReader::Corrupt(const std::string& what) const {
+  return Error::File(
+      ErrorCode::kCorrupt,
+      name_,
+      what,
+      "check " + OptionName("format") + ", or make the file again");
+}
 
 size_t RequireExactLength(const ByteReader& reader,
                           int64_t width,

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
-#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/import/formats/float_map.h"
 #include "colmap_tsar/import/formats/picture_header.h"
 #include "colmap_tsar/workspace/png_chunks.h"
 

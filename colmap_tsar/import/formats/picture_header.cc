@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/import/formats/picture_header.h"
 
-#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/import/formats/float_map.h"
 #include "colmap_tsar/workspace/png_chunks.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/import/formats/stored_camera.h"
 
-#include "colmap_tsar/import/formats/byte_reader.h"
+#include "colmap_tsar/import/formats/float_map.h"
 
 #include <cmath>
 #include <sstream>

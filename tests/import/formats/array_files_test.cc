@@ -1,8 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/npy.h"
-#include "colmap_tsar/import/formats/pfm.h"
+#include "colmap_tsar/import/formats/array_files.h"
 
 #include <bit>
 #include <limits>

@@ -1,9 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/apd_map.h"
-#include "colmap_tsar/import/formats/dmap.h"
-#include "colmap_tsar/import/formats/dmb.h"
+#include "colmap_tsar/import/formats/dense_maps.h"
 
 #include <limits>
 

@@ -3,12 +3,9 @@
 
 #include "tests/import/formats/format_readers.h"
 
-#include "colmap_tsar/import/formats/apd_map.h"
+#include "colmap_tsar/import/formats/dense_maps.h"
 #include "colmap_tsar/import/formats/depth_image.h"
-#include "colmap_tsar/import/formats/dmap.h"
-#include "colmap_tsar/import/formats/dmb.h"
-#include "colmap_tsar/import/formats/npy.h"
-#include "colmap_tsar/import/formats/pfm.h"
+#include "colmap_tsar/import/formats/array_files.h"
 
 #include "tests/support/test_workspace.h"
 #include <opencv2/imgcodecs.hpp>

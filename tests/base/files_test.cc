@@ -1,0 +1,254 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/picture_file.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "tests/support/test_workspace.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+std::string ReadAll(std::istream& stream) {
+  return std::string(std::istreambuf_iterator<char>(stream),
+                     std::istreambuf_iterator<char>());
+}
+
+class InputFileTest : public testing::Test {
+ protected:
+  void ExpectRefused(const std::filesystem::path& path,
+                     const std::string& reason) {
+    SCOPED_TRACE(path);
+    InputFile file(path);
+    EXPECT_FALSE(file);
+    EXPECT_NE(file.Reason().find(reason), std::string::npos) << file.Reason();
+    EXPECT_EQ(file.get(), InputFile::traits_type::eof());
+    // As parsers do, that know nothing of the stream's state.
+    ASSERT_TRUE(file.rdbuf());
+    EXPECT_EQ(file.rdbuf()->sgetc(), InputFile::traits_type::eof());
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "file";
+};
+
+TEST_F(InputFileTest, ReadsAsStreamsDo) {
+  WriteText(path_, "first\nsecond\n");
+  InputFile file(path_);
+  EXPECT_EQ(file.Size(), 13u);
+  EXPECT_EQ(file.Reason(), "");
+  std::string line;
+  ASSERT_TRUE(std::getline(file, line));
+  EXPECT_EQ(line, "first");
+  file.seekg(1);
+  char text[4];
+  ASSERT_TRUE(file.read(text, 4));
+  EXPECT_EQ(std::string(text, 4), "irst");
+  file.seekg(2, std::ios::cur);
+  EXPECT_EQ(ReadAll(file), "econd\n");
+}
+
+TEST_F(InputFileTest, OpensAnotherFile) {
+  WriteText(path_, "one");
+  WriteText(folder_.Path() / "other", "another");
+  InputFile file;
+  EXPECT_EQ(file.get(), InputFile::traits_type::eof());
+  file.Open(folder_.Path() / "missing");
+  EXPECT_FALSE(file);
+  EXPECT_TRUE(file.IsMissing());
+  file.Open(path_);
+  EXPECT_EQ(ReadAll(file), "one");
+  file.Open(folder_.Path() / "other");
+  EXPECT_EQ(ReadAll(file), "another");
+  EXPECT_FALSE(file.IsMissing());
+  EXPECT_EQ(file.Size(), 7u);
+}
+
+TEST_F(InputFileTest, FollowsLinksAndReadsEmptyFiles) {
+  WriteText(path_, "");
+  std::filesystem::create_symlink(path_, folder_.Path() / "link");
+  InputFile file(folder_.Path() / "link");
+  EXPECT_TRUE(file);
+  EXPECT_EQ(ReadAll(file), "");
+}
+
+// Without a writer, opening a FIFO to read from it waits.
+TEST_F(InputFileTest, WaitsForNoFifoAndReadsNoDevice) {
+  ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  ExpectRefused(path_, "FIFO");
+  ExpectRefused("/dev/zero", "device");
+  ExpectRefused(folder_.Path(), "folder");
+  ExpectRefused(folder_.Path() / "missing", "No such file");
+  ExpectRefused(path_ / "below", "Not a directory");
+  std::filesystem::create_symlink("/dev/zero", folder_.Path() / "link");
+  ExpectRefused(folder_.Path() / "link", "device");
+}
+
+// The system finds nothing at the first address of the memory of a process.
+TEST_F(InputFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
+  const auto expect_error = [](const auto& read) {
+    InputFile file("/proc/self/mem");
+    ASSERT_TRUE(file) << file.Reason();
+    try {
+      read(file);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.Code(), ErrorCode::kIo);
+      EXPECT_EQ(
+          std::string(error.what()).find("/proc/self/mem: cannot be read"), 0u)
+          << error.what();
+    }
+  };
+  expect_error([](InputFile& file) { file.get(); });
+  expect_error([](InputFile& file) { ReadAll(file); });
+  expect_error([](InputFile& file) {
+    std::string line;
+    std::getline(file, line);
+  });
+  expect_error([](InputFile& file) {
+    std::string large(size_t{1} << 20, ' ');
+    file.read(large.data(), static_cast<std::streamsize>(large.size()));
+  });
+  expect_error([](InputFile& file) {
+    int number = 0;
+    file >> number;
+  });
+}
+
+// A file that could not be read leaves nothing behind for the next one.
+TEST_F(InputFileTest, OpensAnotherFileAfterOneThatFails) {
+  InputFile file("/proc/self/mem");
+  EXPECT_THROW(file.get(), Error);
+  file.Open(folder_.Path() / "missing");
+  EXPECT_FALSE(file);
+  WriteText(path_, "one");
+  file.Open(path_);
+  EXPECT_EQ(ReadAll(file), "one");
+}
+
+namespace fs = std::filesystem;
+
+class PictureFileTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = fs::path(::testing::TempDir()) /
+            ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove(path_);
+  }
+  void TearDown() override { fs::remove(path_); }
+
+  fs::path path_;
+};
+
+TEST_F(PictureFileTest, PixelsAreThoseThatWereGiven) {
+  cv::Mat_<uint16_t> pixels(2, 3);
+  int value = 0;
+  for (uint16_t& pixel : pixels) {
+    pixel = static_cast<uint16_t>(value += 9999);
+  }
+  AtomicFile file(UserPath(path_));
+  PutPicture(pixels, ".png", path_, &file);
+  file.Commit();
+  const cv::Mat read = cv::imread(path_.string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(read.type(), CV_16UC1);
+  ASSERT_EQ(read.size(), pixels.size());
+  EXPECT_EQ(cv::norm(read, pixels, cv::NORM_INF), 0.);
+}
+
+TEST_F(PictureFileTest, NamesTheFileOfAFormatThatIsMissing) {
+  AtomicFile file(UserPath(path_));
+  try {
+    PutPicture(cv::Mat_<uint8_t>(2, 3, uint8_t{7}), ".abc", path_, &file);
+    FAIL() << "has written";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.Code(), ErrorCode::kIo);
+    EXPECT_THAT(error.what(), testing::StartsWith(path_.string()));
+    EXPECT_THAT(error.what(), testing::HasSubstr("encoded as abc"));
+  }
+}
+
+// OpenCV reports that an encoder had no memory as an assertion of its own. More
+// rows than JPEG can have fail in the encoder in the same way.
+TEST_F(PictureFileTest, AnEncoderThatFailsHadNoMemory) {
+  AtomicFile file(UserPath(path_));
+  EXPECT_THROW(
+      PutPicture(cv::Mat_<uint8_t>(70000, 1, uint8_t{7}), ".jpg", path_, &file),
+      std::bad_alloc);
+}
+
+// The fingerprints of all workspaces hang on it.
+TEST(ContentHashTest, IsXxh3) {
+  ContentHash hash;
+  EXPECT_EQ(hash.Value(), 0x2D06800538D394C2u);
+}
+
+TEST(ContentHashTest, DoesNotDependOnTheSplit) {
+  std::string bytes;
+  for (int i = 0; i < 200; ++i) {
+    bytes.push_back(static_cast<char>(i * 7));
+  }
+  ContentHash whole;
+  whole.Update(bytes.data(), bytes.size());
+  for (size_t step : {1u, 3u, 31u, 32u, 33u, 100u}) {
+    ContentHash parts;
+    for (size_t i = 0; i < bytes.size(); i += step) {
+      parts.Update(bytes.data() + i, std::min(step, bytes.size() - i));
+    }
+    EXPECT_EQ(parts.Value(), whole.Value()) << step;
+  }
+}
+
+TEST(ContentHashTest, NothingChangesNothing) {
+  ContentHash hash;
+  hash.Update(nullptr, 0);
+  EXPECT_EQ(hash.Value(), ContentHash().Value());
+  ContentHash expected;
+  for (ContentHash* either : {&hash, &expected}) {
+    either->Update("12345", 5);
+  }
+  // Also between two parts of a block.
+  hash.Update(nullptr, 0);
+  EXPECT_EQ(hash.Value(), expected.Value());
+  for (ContentHash* either : {&hash, &expected}) {
+    either->Update("6789", 4);
+  }
+  EXPECT_EQ(hash.Value(), expected.Value());
+}
+
+TEST(ContentHashTest, SeesEveryByteAndTheLength) {
+  const std::string bytes(77, '\0');
+  std::vector<uint64_t> values;
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    std::string changed = bytes;
+    changed[i] = 1;
+    ContentHash hash;
+    hash.Update(changed.data(), changed.size());
+    values.push_back(hash.Value());
+    ContentHash shorter;
+    shorter.Update(bytes.data(), i);
+    values.push_back(shorter.Value());
+  }
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(std::adjacent_find(values.begin(), values.end()), values.end());
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,287 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/segmentation/hough.h"
+#include "colmap_tsar/segmentation/roberts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+Rgb Gray(int level) {
+  const uint8_t value = static_cast<uint8_t>(level);
+  return {value, value, value};
+}
+
+Image<uint8_t> Detect(const Image<Rgb>& color) {
+  const auto device = Device::CreateCpu(2);
+  return DetectRobertsEdges(color.View(), 4.f, *device).ToHost();
+}
+
+// Two halves of these grey levels, side by side, that meet before column 5.
+Image<uint8_t> DetectStep(int left, int right) {
+  Image<Rgb> color(10, 6, Gray(left));
+  for (int y = 0; y < 6; ++y) {
+    for (int x = 5; x < 10; ++x) {
+      color(x, y) = Gray(right);
+    }
+  }
+  return Detect(color);
+}
+
+TEST(RobertsEdges, StepOfThreeGreyLevelsCountsOnBothDiagonals) {
+  // sqrt(3^2 + 3^2) = 4.2 is above 4, sqrt(2^2 + 2^2) = 2.8 is not, at every
+  // brightness.
+  for (const int level : {0, 100, 200, 250}) {
+    const Image<uint8_t> three = DetectStep(level, level + 3);
+    const Image<uint8_t> two = DetectStep(level, level + 2);
+    for (int y = 0; y < 5; ++y) {
+      for (int x = 0; x < 10; ++x) {
+        ASSERT_EQ(three(x, y), x == 4 ? 1 : 0) << level << ": " << x;
+        ASSERT_EQ(two(x, y), 0);
+      }
+    }
+  }
+}
+
+TEST(RobertsEdges, DoNotDependOnTheSign) {
+  const Image<uint8_t> up = DetectStep(100, 105);
+  const Image<uint8_t> down = DetectStep(105, 100);
+  for (int y = 0; y < 6; ++y) {
+    for (int x = 0; x < 10; ++x) {
+      ASSERT_EQ(up(x, y), down(x, y));
+    }
+  }
+  EXPECT_EQ(up(4, 2), 1);
+}
+
+TEST(RobertsEdges, IsolatedPixelCountsWhereADiagonalMeetsIt) {
+  for (const auto& [step, expected] : {std::pair(3, 0), std::pair(5, 1)}) {
+    Image<Rgb> color(7, 7, Gray(128));
+    color(3, 3) = Gray(128 + step);
+    const Image<uint8_t> edges = Detect(color);
+    for (int y = 0; y < 7; ++y) {
+      for (int x = 0; x < 7; ++x) {
+        const bool touches = x >= 2 && x <= 3 && y >= 2 && y <= 3;
+        ASSERT_EQ(edges(x, y), touches ? expected : 0) << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(RobertsEdges, DiagonalEdgeHasNoGaps) {
+  Image<Rgb> color(12, 12, Gray(100));
+  for (int y = 0; y < 12; ++y) {
+    for (int x = y + 1; x < 12; ++x) {
+      color(x, y) = Gray(105);
+    }
+  }
+  const Image<uint8_t> edges = Detect(color);
+  for (int i = 0; i < 11; ++i) {
+    EXPECT_EQ(edges(i, i), 1) << i;
+  }
+  EXPECT_EQ(edges(0, 6), 0);
+  EXPECT_EQ(edges(6, 0), 0);
+}
+
+TEST(RobertsEdges, PlainImageHasNone) {
+  for (const uint8_t edge : Detect(Image<Rgb>(9, 5, {10, 200, 30}))) {
+    ASSERT_EQ(edge, 0);
+  }
+  EXPECT_EQ(Detect(Image<Rgb>(1, 1, {10, 200, 30}))(0, 0), 0);
+}
+
+TEST(EdgesOfRoots, NeedLargerStepsTheBrighterItIs) {
+  // 2 (sqrt(a) - sqrt(b))^2 > 4: from 1 to 6, from 100 to 131, from 120 to 153.
+  const auto device = Device::CreateCpu(2);
+  for (const auto& [level, step] :
+       {std::pair(1, 5), std::pair(100, 31), std::pair(120, 33)}) {
+    for (const int more : {0, -1}) {
+      Image<Rgb> color(4, 3, Gray(level));
+      for (int y = 0; y < 3; ++y) {
+        color(2, y) = color(3, y) = Gray(level + step + more);
+      }
+      const Image<uint8_t> edges =
+          DetectEdgesOfRoots(color.View(), 4.f, *device).ToHost();
+      EXPECT_EQ(edges(1, 0), more == 0 ? 1 : 0) << level;
+      EXPECT_EQ(edges(0, 0), 0) << level;
+    }
+  }
+}
+
+// The edges and the segments through them.
+Image<uint8_t> Draw(const Image<uint8_t>& edges,
+                    const HoughOptions& options = {}) {
+  const auto device = Device::CreateCpu(2);
+  return DrawLineSegments(edges.View(), options, *device).ToHost();
+}
+
+int CountDrawn(const Image<uint8_t>& edges, const HoughOptions& options = {}) {
+  const Image<uint8_t> drawn = Draw(edges, options);
+  int count = 0;
+  for (size_t i = 0; i < edges.NumPixels(); ++i) {
+    EXPECT_TRUE(drawn.Data()[i] != 0 || edges.Data()[i] == 0);
+    count += drawn.Data()[i] != 0 && edges.Data()[i] == 0 ? 1 : 0;
+  }
+  return count;
+}
+
+// A horizontal line in row 40 with a gap of so many pixels after column 79, or
+// the same line downwards.
+Image<uint8_t> DrawLineWithGap(int gap, bool vertical) {
+  Image<uint8_t> edges(200, 200, 0);
+  for (int i = 20; i < 140 + gap; ++i) {
+    if (i < 80 || i >= 80 + gap) {
+      (vertical ? edges(40, i) : edges(i, 40)) = 1;
+    }
+  }
+  return edges;
+}
+
+TEST(LineSegments, CrossGapsUpToATenthOfTheirLength) {
+  for (const bool vertical : {false, true}) {
+    for (const auto& [gap, crossed] :
+         {std::pair(3, true), std::pair(5, true), std::pair(14, false)}) {
+      SCOPED_TRACE(gap);
+      const Image<uint8_t> drawn = Draw(DrawLineWithGap(gap, vertical));
+      for (int i = 20; i < 140 + gap; ++i) {
+        const bool in_gap = i >= 80 && i < 80 + gap;
+        ASSERT_EQ(vertical ? drawn(40, i) : drawn(i, 40),
+                  !in_gap || crossed ? 1 : 0)
+            << i;
+      }
+    }
+  }
+}
+
+TEST(LineSegments, CrossNoGapLongerThanTheLongest) {
+  HoughOptions options;
+  options.max_gap = 4;
+  EXPECT_EQ(Draw(DrawLineWithGap(4, false), options)(81, 40), 1);
+  EXPECT_EQ(Draw(DrawLineWithGap(5, false), options)(81, 40), 0);
+}
+
+// A horizontal row of so many pixels with a gap of one in its middle.
+Image<uint8_t> DrawShortLine(int length) {
+  Image<uint8_t> edges(400, 300, 0);
+  for (int i = 0; i < length; ++i) {
+    edges(100 + i, 50) = i == length / 2 ? 0 : 1;
+  }
+  return edges;
+}
+
+TEST(LineSegments, ShorterThanTheirLeastLengthAreDropped) {
+  // The shorter side of 300 pixels asks for a length of 10.
+  EXPECT_EQ(CountDrawn(DrawShortLine(10)), 0);
+  EXPECT_EQ(CountDrawn(DrawShortLine(14)), 1);
+}
+
+TEST(LineSegments, NeedTheirVotes) {
+  const Image<uint8_t> edges = DrawShortLine(13);
+  HoughOptions options;
+  options.min_votes = 13;
+  EXPECT_EQ(CountDrawn(edges, options), 0);
+  options.min_votes = 12;
+  EXPECT_EQ(CountDrawn(edges, options), 1);
+}
+
+TEST(LineSegments, FollowSlantedLines) {
+  for (const double angle : {0.2, 0.7854, 1.3, 2.0, 2.8}) {
+    Image<uint8_t> whole(160, 160, 0);
+    Image<uint8_t> edges(160, 160, 0);
+    for (double t = -60.0; t <= 60.0; t += 0.25) {
+      const int x = static_cast<int>(std::lround(80.0 + t * std::cos(angle)));
+      const int y = static_cast<int>(std::lround(80.0 + t * std::sin(angle)));
+      whole(x, y) = 1;
+      // Gaps of two or three pixels on both sides of the middle.
+      const int distance = std::abs(x - 80) + std::abs(y - 80);
+      edges(x, y) = distance >= 20 && distance <= 22 ? 0 : 1;
+    }
+    const Image<uint8_t> drawn = Draw(edges);
+    int num_missing = 0;
+    int num_closed = 0;
+    int num_wrong = 0;
+    for (int y = 0; y < 160; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        const double distance = std::abs((y - 80.0) * std::cos(angle) -
+                                         (x - 80.0) * std::sin(angle));
+        const bool missing = whole(x, y) && !edges(x, y);
+        num_missing += missing ? 1 : 0;
+        num_closed += missing && drawn(x, y) ? 1 : 0;
+        num_wrong += drawn(x, y) && distance > 2.0 ? 1 : 0;
+      }
+    }
+    EXPECT_GE(num_missing, 2) << angle;
+    EXPECT_GT(num_closed, 0.5 * num_missing) << angle;
+    EXPECT_EQ(num_wrong, 0) << angle;
+  }
+}
+
+TEST(LineSegments, HaveNoGapsInAnyDirection) {
+  // Lines of which every other pixel is missing.
+  for (const auto& [dx, dy] :
+       {std::pair(2, 0), std::pair(0, 2), std::pair(2, 2), std::pair(-2, 2)}) {
+    Image<uint8_t> edges(101, 101, 0);
+    for (int i = -20; i <= 20; ++i) {
+      edges(50 + i * dx, 50 + i * dy) = 1;
+    }
+    const Image<uint8_t> drawn = Draw(edges);
+    for (int i = -40; i <= 40; ++i) {
+      EXPECT_EQ(drawn(50 + i * dx / 2, 50 + i * dy / 2), 1)
+          << dx << ", " << dy << ": " << i;
+    }
+  }
+}
+
+TEST(LineSegments, OfNothingAreNone) {
+  EXPECT_EQ(CountDrawn(Image<uint8_t>(50, 40, 0)), 0);
+  EXPECT_EQ(CountDrawn(Image<uint8_t>(1, 1, 0)), 0);
+}
+
+TEST(LineSegments, CopeWithAnImageOfEdgesOnly) {
+  for (const auto& [width, height] : {std::pair(90, 70),
+                                      std::pair(1, 1),
+                                      std::pair(1, 60),
+                                      std::pair(60, 1),
+                                      std::pair(3001, 3)}) {
+    EXPECT_EQ(CountDrawn(Image<uint8_t>(width, height, 1)), 0);
+  }
+}
+
+TEST(LineSegments, DoNotDependOnTheNumberOfThreads) {
+  Image<uint8_t> edges(120, 90, 0);
+  Philox random(1, 0, 0);
+  for (uint8_t& edge : edges) {
+    edge = random.NextBelow(4) == 0 ? 1 : 0;
+  }
+  const Image<uint8_t> expected = Draw(edges);
+  EXPECT_GT(CountDrawn(edges), 0);
+  for (const int num_threads : {1, 3, 8}) {
+    const auto device = Device::CreateCpu(num_threads);
+    const Image<uint8_t> drawn =
+        DrawLineSegments(edges.View(), {}, *device).ToHost();
+    EXPECT_TRUE(std::equal(drawn.begin(), drawn.end(), expected.begin()));
+  }
+}
+
+TEST(LineSegments, OfAnyLengthOnRequest) {
+  // Five pixels with a gap of one; a thirtieth of the image's side are 6.7.
+  Image<uint8_t> edges(200, 200, 0);
+  for (const int x : {20, 21, 22, 24, 25}) {
+    edges(x, 40) = 1;
+  }
+  EXPECT_EQ(CountDrawn(edges), 0);
+  HoughOptions options;
+  options.min_length_share = 0.f;
+  EXPECT_EQ(CountDrawn(edges, options), 1);
+  EXPECT_EQ(Draw(edges, options)(23, 40), 1);
+}
+
+}  // namespace
+}  // namespace tsar

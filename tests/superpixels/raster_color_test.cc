@@ -1,0 +1,141 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/superpixels/cielab.h"
+#include "colmap_tsar/superpixels/reduce_color.h"
+
+#include <cstdlib>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+Vec3f Convert(const Rgb& color) {
+  const auto device = Device::CreateCpu(1);
+  return ConvertToLab(Image<Rgb>(1, 1, color).View(), *device).ToHost()(0, 0);
+}
+
+void ExpectLab(const Rgb& color, float l, float a, float b) {
+  const Vec3f lab = Convert(color);
+  EXPECT_NEAR(lab.x, l, 0.02f);
+  EXPECT_NEAR(lab.y, a, 0.02f);
+  EXPECT_NEAR(lab.z, b, 0.02f);
+}
+
+TEST(ConvertToLab, KnowsTheColorsOfTheTables) {
+  ExpectLab({0, 0, 0}, 0.f, 0.f, 0.f);
+  ExpectLab({255, 255, 255}, 100.f, 0.f, 0.f);
+  ExpectLab({128, 128, 128}, 53.59f, 0.f, 0.f);
+  ExpectLab({255, 0, 0}, 53.24f, 80.09f, 67.20f);
+  ExpectLab({0, 255, 0}, 87.74f, -86.18f, 83.18f);
+  ExpectLab({0, 0, 255}, 32.30f, 79.20f, -107.86f);
+}
+
+// OpenCV interpolates in a table, which is coarser than arithmetic.
+TEST(ConvertToLab, IsCloseToThatOfOpenCv) {
+  // Every fifth level of each channel, so that 0 and 255 are among them.
+  constexpr int kStep = 5;
+  constexpr int kNumLevels = 255 / kStep + 1;
+  Image<Rgb> color(kNumLevels * kNumLevels, kNumLevels);
+  for (int y = 0; y < color.Height(); ++y) {
+    for (int x = 0; x < color.Width(); ++x) {
+      color(x, y) = {static_cast<uint8_t>(x % kNumLevels * kStep),
+                     static_cast<uint8_t>(x / kNumLevels * kStep),
+                     static_cast<uint8_t>(y * kStep)};
+    }
+  }
+  const auto device = Device::CreateCpu(2);
+  const Image<Vec3f> lab = ConvertToLab(color.View(), *device).ToHost();
+  const cv::Mat rgb(color.Height(), color.Width(), CV_8UC3, color.Data());
+  cv::Mat expected;
+  rgb.convertTo(expected, CV_32FC3, 1.0 / 255.0);
+  cv::cvtColor(expected, expected, cv::COLOR_RGB2Lab);
+  for (int y = 0; y < color.Height(); ++y) {
+    for (int x = 0; x < color.Width(); ++x) {
+      const cv::Vec3f& other = expected.at<cv::Vec3f>(y, x);
+      ASSERT_NEAR(lab(x, y).x, other[0], 0.5f) << x << ", " << y;
+      ASSERT_NEAR(lab(x, y).y, other[1], 0.5f) << x << ", " << y;
+      ASSERT_NEAR(lab(x, y).z, other[2], 0.5f) << x << ", " << y;
+    }
+  }
+}
+
+Image<Rgb> DrawNoise(int width, int height) {
+  Image<Rgb> color(width, height);
+  Philox random(11, 0, 0);
+  for (Rgb& pixel : color) {
+    pixel = {static_cast<uint8_t>(random.NextBelow(256)),
+             static_cast<uint8_t>(random.NextBelow(256)),
+             static_cast<uint8_t>(random.NextBelow(256))};
+  }
+  return color;
+}
+
+Image<Rgb> Reduce(const Image<Rgb>& color, int width, int height) {
+  const auto device = Device::CreateCpu(2);
+  return ReduceColor(color.View(), {width, height}, *device).ToHost();
+}
+
+bool operator==(const Rgb& a, const Rgb& b) {
+  return a.r == b.r && a.g == b.g && a.b == b.b;
+}
+
+TEST(ReduceColor, TakesTheRoundedMean) {
+  Image<Rgb> color(4, 2, {0, 0, 0});
+  color(0, 0) = {255, 1, 4};
+  color(1, 1) = {255, 0, 4};
+  // The means are 127.5, 0.25 and 2.
+  const Image<Rgb> reduced = Reduce(color, 2, 1);
+  EXPECT_TRUE(reduced(0, 0) == (Rgb{128, 0, 2}));
+  EXPECT_TRUE(reduced(1, 0) == (Rgb{0, 0, 0}));
+}
+
+TEST(ReduceColor, CountsPixelsByTheAreaThatIsCovered) {
+  // Two of three: the middle pixel counts half on both sides.
+  Image<Rgb> color(3, 1);
+  color(0, 0) = {30, 0, 0};
+  color(1, 0) = {60, 0, 0};
+  color(2, 0) = {120, 0, 0};
+  const Image<Rgb> reduced = Reduce(color, 2, 1);
+  EXPECT_EQ(reduced(0, 0).r, 40);
+  EXPECT_EQ(reduced(1, 0).r, 100);
+}
+
+TEST(ReduceColor, LeavesAnImageOfTheSameSizeAsItIs) {
+  const Image<Rgb> color = DrawNoise(37, 13);
+  const Image<Rgb> reduced = Reduce(color, 37, 13);
+  for (size_t i = 0; i < color.NumPixels(); ++i) {
+    ASSERT_TRUE(reduced.Data()[i] == color.Data()[i]);
+  }
+}
+
+TEST(ReduceColor, IsThatOfOpenCv) {
+  const std::vector<std::pair<cv::Size, cv::Size>> sizes = {
+      {{200, 100}, {50, 25}},
+      {{131, 97}, {77, 57}},
+      {{97, 1}, {31, 1}},
+      {{1, 97}, {1, 31}},
+      {{65539, 3}, {777, 1}}};
+  for (const auto& [full, size] : sizes) {
+    const Image<Rgb> color = DrawNoise(full.width, full.height);
+    const Image<Rgb> reduced = Reduce(color, size.width, size.height);
+    const cv::Mat source(full, CV_8UC3, const_cast<Rgb*>(color.Data()));
+    cv::Mat expected;
+    cv::resize(source, expected, size, 0, 0, cv::INTER_AREA);
+    for (int y = 0; y < size.height; ++y) {
+      for (int x = 0; x < size.width; ++x) {
+        const cv::Vec3b& other = expected.at<cv::Vec3b>(y, x);
+        ASSERT_LE(std::abs(reduced(x, y).r - other[0]), 1) << full << x;
+        ASSERT_LE(std::abs(reduced(x, y).g - other[1]), 1) << full << x;
+        ASSERT_LE(std::abs(reduced(x, y).b - other[2]), 1) << full << x;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar
