@@ -14,9 +14,9 @@
 #include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/join_planes.h"
 #include "colmap_tsar/scene_planes/plane_lines.h"
+#include "colmap_tsar/scene_planes/plane_measurement.h"
 #include "colmap_tsar/scene_planes/scene_frames.h"
 #include "colmap_tsar/scene_planes/shared_lines.h"
-#include "colmap_tsar/scene_planes/view_measurements.h"
 
 #include <algorithm>
 #include <cstddef>
