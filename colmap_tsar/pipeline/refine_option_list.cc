@@ -254,11 +254,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        &options->adjust_planes,
        "In scenes of more than 32 images, where planes are found in parts of "
        "the scene, adjust the planes of all parts together."},
-      {"free_space",
-       &options->free_space,
-       "Reject planes in front of what other views saw, and prefer those that "
-       "other views confirm. For scenes whose poses are wrong by several "
-       "pixels; elsewhere it usually costs accuracy and completeness."},
       {"bounded_planes",
        &options->bounded_planes,
        "Leave holes where a plane was observed on one side only."},
@@ -332,7 +327,6 @@ const std::vector<RenamedOption>& RenamedRefineOptions() {
   static const std::vector<RenamedOption> renamed = {
       {"own_texture", "foreground_fattening"},
       {"regular_directions", "manhattan_frame"},
-      {"see_through", "free_space"},
       {"cost_of_none", "unlabelled_cost"},
       {"distrust_untextured", "distrust_unmatched"},
   };
