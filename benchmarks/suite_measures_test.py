@@ -301,8 +301,8 @@ def check_variants():
           "options of a variant")
     names = make_variants([], True, True, "")
     check(next(iter(names)) == "default" and "without filter" in names
-          and "with free_space" in names
-          and "without free_space" not in names
+          and "with distrust_unmatched" in names
+          and "without distrust_unmatched" not in names
           and names["confidence_weight 1"] == [
               "--TsarRefine.confidence_weight", "1"],
           "ablation and sensitivity")

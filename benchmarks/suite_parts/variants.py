@@ -15,7 +15,7 @@ SWITCHES = ("denoise", "filter", "filter_confidence",
             "pixel_borders", "photometric", "curved_surfaces", "cylinders",
             "off_plane_depths")
 # Off by default: the ablation switches each of them on.
-OPTIONAL_SWITCHES = ("distrust_unmatched", "free_space")
+OPTIONAL_SWITCHES = ("distrust_unmatched",)
 # The numbers of the method, with their defaults: each is halved and doubled.
 PARAMETERS = {"min_aggregated_score": 0.8, "confidence_weight": 0.7,
               "num_iterations": 4, "superpixel_size": 400,

@@ -61,15 +61,9 @@ struct LabelOptions {
   // How far that is, relative to the size of the area in which the plane was
   // observed.
   float extrapolation_reach = 0.6f;
-  // A plane this far in front of what another view saw for certain hides it.
-  // Without RefineOptions::free_space, neither that nor being confirmed by
-  // other views counts.
-  float min_contradiction = 1.5f;
-  float cost_of_contradiction = 1.f;
   // Within this share of the tolerance of what another view saw, a plane is
   // confirmed.
   float confirmation_share = 0.5f;
-  float gain_of_confirmation = 0.3f;
   // The gap between two planes at a border from which the border costs its full
   // weight.
   float full_gap = 3.f;

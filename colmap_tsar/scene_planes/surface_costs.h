@@ -79,13 +79,9 @@ class SurfaceCosts {
   // explains it alone.
   float ResidualOfNearest(int s, const std::vector<int>& planes) const;
 
-  // Of the samples and the votes of other views; see LabelOptions. residual: on
-  // the surface.
-  float Cost(const Superpixel& superpixel,
-             const CurvedSurface& surface,
-             float residual) const;
-  float Cost(const Superpixel& superpixel, const CurvedSurface& surface) const {
-    return Cost(superpixel, surface, Measure(superpixel, surface).residual);
+  // On a surface of this residual (MeasuredFit); see LabelOptions.
+  float Cost(const Superpixel& superpixel, float residual) const {
+    return superpixel.IsMeasured() ? superpixel.weight * residual : 0.f;
   }
 
   // With its plane or without any.

@@ -11,45 +11,27 @@
 #include <cstdint>
 
 // Votes of the other views on a surface of the reference: a view that measured
-// the same depth there confirms it, and one that saw through it, to a depth
-// that is as good as certain, contradicts it.
+// the same depth there confirms it.
 namespace tsar {
 
-// Gaps between a surface and what another view measured, in relative depths of
-// one pixel of disparity.
-struct VoteLimits {
-  float max_confirmed = 0.f;     // Below this on either side.
-  float min_contradicted = 0.f;  // The surface more than this in front.
-};
-
-// More views than these that say the same about a pixel change nothing.
+// More views than these change nothing.
 constexpr int kMaxVotes = 2;
 
-struct Votes {
-  int confirmed = 0;
-  int contradicted = 0;
-};
-
-// Adds the view's vote on a point in the reference camera's frame.
-TSAR_HD inline void AddVote(const ObservedSource& source,
-                            const Vec3f& point,
-                            const VoteLimits& limits,
-                            Votes* votes) {
+// Whether the source confirms a point in the reference camera's frame. max_gap:
+// between the point and what the source measured, in relative depths of one
+// pixel of disparity.
+TSAR_HD inline bool Confirms(const ObservedSource& source,
+                             const Vec3f& point,
+                             float max_gap) {
   SeenPoint seen;
   if (!FindInSource(source, point, &seen)) {
-    return;
+    return false;
   }
   const float measured = source.confident_depth(seen.column, seen.row);
-  if (!(measured > 0.f)) {
-    return;
-  }
-  const float gap = (seen.depth - measured) /
-                    (measured * source.resolution.RelativeDepthError(measured));
-  if (fabsf(gap) < limits.max_confirmed) {
-    ++votes->confirmed;
-  } else if (gap < -limits.min_contradicted) {
-    ++votes->contradicted;
-  }
+  return measured > 0.f &&
+         fabsf(seen.depth - measured) /
+                 (measured * source.resolution.RelativeDepthError(measured)) <
+             max_gap;
 }
 
 // Which of a superpixel's pixels are asked about: evenly spaced ones.
@@ -78,10 +60,9 @@ inline constexpr VoteSampling kPlaneSampling{9, 1};
 // It bends, so that one pixel does not tell of all of a small superpixel.
 inline constexpr VoteSampling kCurvedSampling{64, 6};
 
-// The votes on one superpixel. No pixel counts for more than kMaxVotes of a
-// kind.
+// The votes on one superpixel. No pixel counts for more than kMaxVotes.
 struct SuperpixelVotes {
-  Votes votes;
+  int num_confirmed = 0;
   int num_tests = 0;
   int num_impossible = 0;  // Tests where the surface has no depth.
 };
@@ -90,38 +71,13 @@ struct SuperpixelVotes {
 TSAR_HD inline void AddVotes(const ObservedSource* sources,
                              int num_sources,
                              const Vec3f& point,
-                             const VoteLimits& limits,
+                             float max_gap,
                              SuperpixelVotes* sum) {
-  Votes votes;
-  for (int j = 0; j < num_sources; ++j) {
-    AddVote(sources[j], point, limits, &votes);
+  int num_confirmed = 0;
+  for (int j = 0; j < num_sources && num_confirmed < kMaxVotes; ++j) {
+    num_confirmed += Confirms(sources[j], point, max_gap) ? 1 : 0;
   }
-  sum->votes.confirmed +=
-      votes.confirmed < kMaxVotes ? votes.confirmed : kMaxVotes;
-  sum->votes.contradicted +=
-      votes.contradicted < kMaxVotes ? votes.contradicted : kMaxVotes;
-}
-
-// bool point_at(int number, Vec3f* point): the surface's point at one of the
-// superpixel's pixels, false where it has none.
-template <typename PointAt>
-TSAR_HD SuperpixelVotes CollectVotes(int num_pixels,
-                                     const VoteSampling& sampling,
-                                     const ObservedSource* sources,
-                                     int num_sources,
-                                     const VoteLimits& limits,
-                                     const PointAt& point_at) {
-  SuperpixelVotes sum;
-  sum.num_tests = sampling.NumTests(num_pixels);
-  for (int i = 0; i < sum.num_tests && num_pixels > 0; ++i) {
-    Vec3f point;
-    if (!point_at(VoteSampling::Pixel(i, sum.num_tests, num_pixels), &point)) {
-      ++sum.num_impossible;
-      continue;
-    }
-    AddVotes(sources, num_sources, point, limits, &sum);
-  }
-  return sum;
+  sum->num_confirmed += num_confirmed;
 }
 
 }  // namespace tsar

@@ -53,7 +53,6 @@ class RefineOptions:
     foreground_fattening: bool
     manhattan_frame: bool
     adjust_planes: bool
-    free_space: bool
     bounded_planes: bool
     bounding_creases: bool
     curved_surfaces: bool
@@ -115,7 +114,6 @@ class RefineOptions:
         foreground_fattening: bool = True,
         manhattan_frame: bool = True,
         adjust_planes: bool = True,
-        free_space: bool = False,
         bounded_planes: bool = True,
         bounding_creases: bool = True,
         curved_surfaces: bool = True,
@@ -178,7 +176,6 @@ class RefineOptions:
         foreground_fattening: bool = True,
         manhattan_frame: bool = True,
         adjust_planes: bool = True,
-        free_space: bool = False,
         bounded_planes: bool = True,
         bounding_creases: bool = True,
         curved_surfaces: bool = True,
@@ -241,7 +238,6 @@ class RefineOptions:
         foreground_fattening: bool = True,
         manhattan_frame: bool = True,
         adjust_planes: bool = True,
-        free_space: bool = False,
         bounded_planes: bool = True,
         bounding_creases: bool = True,
         curved_surfaces: bool = True,
@@ -303,7 +299,6 @@ class RefineOptions:
         foreground_fattening: bool = True,
         manhattan_frame: bool = True,
         adjust_planes: bool = True,
-        free_space: bool = False,
         bounded_planes: bool = True,
         bounding_creases: bool = True,
         curved_surfaces: bool = True,

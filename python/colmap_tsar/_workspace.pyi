@@ -96,7 +96,6 @@ class Workspace(collections.abc.Mapping[str, colmap_tsar.WorkspaceImage]):
         foreground_fattening: bool = True,
         manhattan_frame: bool = True,
         adjust_planes: bool = True,
-        free_space: bool = False,
         bounded_planes: bool = True,
         bounding_creases: bool = True,
         curved_surfaces: bool = True,
