@@ -8,28 +8,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 namespace tsar {
 namespace {
 
-// In radians and sizes of the scene; without any evidence variances are far
-// larger.
-constexpr double kUnknownVariance = 0.25;
 // How far lengths of normals and the columns of rotations may be off.
 constexpr double kUnitTolerance = 1e-6;
 constexpr double kMinSigma = 1e-9;
 
-void Require(bool condition, const char* kind, size_t index, const char* what) {
+void Require(bool condition, const char* what) {
   if (!condition) {
-    throw std::invalid_argument("AdjustPlanes: " + std::string(kind) + " " +
-                                std::to_string(index) + " " + what);
+    throw std::invalid_argument("AdjustPlanes: " + std::string(what));
   }
 }
 
@@ -37,70 +33,50 @@ bool IsIndex(int index, size_t size) {
   return index >= 0 && static_cast<size_t>(index) < size;
 }
 
+bool IsPositive(double value) { return std::isfinite(value) && value > 0.0; }
+
 void CheckAdjustment(const PlaneAdjustment& adjustment,
                      const AdjustPlanesOptions& options) {
   const size_t num_planes = adjustment.planes.size();
-  for (size_t i = 0; i < num_planes; ++i) {
-    const WorldPlane& plane = adjustment.planes[i];
+  for (const WorldPlane& plane : adjustment.planes) {
     Require(std::isfinite(plane.offset) &&
                 std::abs(plane.normal.norm() - 1.0) < kUnitTolerance,
-            "plane",
-            i,
-            "is not finite, or its normal not of unit length");
+            "a plane is not finite, or its normal not of unit length");
   }
-  for (size_t i = 0; i < adjustment.frames.size(); ++i) {
-    const Eigen::Matrix3d& frame = adjustment.frames[i];
-    Require(
-        frame.determinant() > 0.0 &&
-            (frame.transpose() * frame - Eigen::Matrix3d::Identity()).norm() <
-                kUnitTolerance,
-        "frame",
-        i,
-        "is no rotation");
+  for (const Eigen::Matrix3d& frame : adjustment.frames) {
+    Require(frame.determinant() > 0.0 && frame.isUnitary(kUnitTolerance),
+            "a frame is no rotation");
   }
-  const size_t num_axes = adjustment.axes.size();
-  Require(num_axes == 0 || num_axes == num_planes,
-          "the list of axes, of size",
-          num_axes,
-          "has not one for each plane");
-  for (size_t i = 0; i < num_axes; ++i) {
-    const FrameColumn& axis = adjustment.axes[i];
+  Require(adjustment.axes.empty() || adjustment.axes.size() == num_planes,
+          "the list of axes has not one for each plane");
+  for (const FrameColumn& axis : adjustment.axes) {
     Require(
         axis.frame == -1 || (IsIndex(axis.frame, adjustment.frames.size()) &&
                              IsIndex(axis.column, 3)),
-        "the axis of plane",
-        i,
-        "names no column of a frame");
+        "an axis is no column of a frame");
   }
-  for (size_t i = 0; i < adjustment.angles.size(); ++i) {
-    const PlaneAnglePrior& angle = adjustment.angles[i];
+  for (const PlaneAnglePrior& angle : adjustment.angles) {
     Require(IsIndex(angle.first, num_planes) &&
                 IsIndex(angle.second, num_planes) &&
-                angle.first != angle.second && angle.sigma > kMinSigma &&
-                std::isfinite(angle.sigma),
-            "angle",
-            i,
-            "is not of two planes, or its sigma out of range");
+                angle.first != angle.second,
+            "an angle is not of two planes");
+    Require(IsPositive(angle.sigma) && angle.sigma >= kMinSigma,
+            "the sigma of an angle is out of range");
   }
-  if (options.max_rounds < 1 || !(options.loss_scale > 0.0) ||
-      !std::isfinite(options.loss_scale)) {
-    throw std::invalid_argument(
-        "AdjustPlanes: max_rounds has to be 1 at least, loss_scale above 0");
-  }
+  Require(options.max_rounds >= 1 && IsPositive(options.loss_scale),
+          "max_rounds has to be 1 at least, loss_scale above 0");
 }
 
 void CheckMeasurements(const std::vector<PlaneMeasurement>& measurements,
                        size_t num_planes) {
-  for (size_t i = 0; i < measurements.size(); ++i) {
-    const PlaneMeasurement& measurement = measurements[i];
-    Require(IsIndex(measurement.plane, num_planes) &&
-                measurement.center.allFinite() &&
-                measurement.form.allFinite() && measurement.foot.allFinite() &&
+  for (const PlaneMeasurement& measurement : measurements) {
+    Require(IsIndex(measurement.plane, num_planes),
+            "a measurement is of no plane");
+    Require(measurement.center.allFinite() && measurement.form.allFinite() &&
+                measurement.foot.allFinite() &&
                 std::isfinite(measurement.information) &&
                 measurement.information >= 0.0,
-            "measurement",
-            i,
-            "is of no plane, not finite, or its information below 0");
+            "a measurement is not finite, or its information below 0");
   }
 }
 
@@ -119,32 +95,9 @@ struct SceneExtent {
   double size = 1.0;  // Above 0.
 };
 
-// The median of the places, and of their distances from there, so that few that
-// are far away do not matter. A size of 0 where all are one place.
-SceneExtent ExtentOf(const std::vector<Eigen::Vector3d>& places) {
-  SceneExtent extent;
-  std::vector<double> values(places.size());
-  for (int i = 0; i < 3; ++i) {
-    std::transform(places.begin(),
-                   places.end(),
-                   values.begin(),
-                   [&](const Eigen::Vector3d& place) { return place[i]; });
-    extent.middle[i] = Median(&values);
-  }
-  double sum = 0.0;
-  for (size_t k = 0; k < places.size(); ++k) {
-    values[k] = (places[k] - extent.middle).norm();
-    sum += values[k];
-  }
-  extent.size = Median(&values);
-  if (!(extent.size > 0.0)) {
-    extent.size = sum / static_cast<double>(places.size());
-  }
-  return extent;
-}
-
-// Amid the places where planes were measured and from where; or, where there
-// are none, amid the planes' points that are nearest to the origin.
+// The median of the places where planes were measured and from where, and of
+// their distances from there, so that few that are far away do not matter; or,
+// where there are none, of the planes' points that are nearest to the origin.
 SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
                      const std::vector<PlaneMeasurement>& measurements) {
   std::vector<Eigen::Vector3d> places;
@@ -160,15 +113,22 @@ SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
     }
   }
   SceneExtent extent;
-  if (!places.empty()) {
-    extent = ExtentOf(places);
+  if (places.empty()) {
+    return extent;
   }
-  if (!std::isfinite(extent.size)) {
-    throw std::invalid_argument("AdjustPlanes: lengths are too large");
+  std::vector<double> values(places.size());
+  for (int i = 0; i < 3; ++i) {
+    for (size_t k = 0; k < places.size(); ++k) {
+      values[k] = places[k][i];
+    }
+    extent.middle[i] = Median(&values);
   }
-  if (!(extent.size > 0.0)) {
-    extent.size = 1.0;
+  for (size_t k = 0; k < places.size(); ++k) {
+    values[k] = (places[k] - extent.middle).norm();
   }
+  const double size = Median(&values);
+  Require(std::isfinite(size), "lengths are too large");
+  extent.size = size > 0.0 ? size : 1.0;
   return extent;
 }
 
@@ -192,36 +152,49 @@ std::vector<Eigen::Vector3d> Middles(
   return sums;
 }
 
-// Whether anything is known of the plane beside where it was.
-bool SetCovariance(const PlaneKnowledge& knowledge,
-                   double size,
-                   AdjustedPlane* plane) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      knowledge.covariance.topLeftCorner<2, 2>());
-  Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();
-  basis.topLeftCorner<2, 2>() = solver.eigenvectors();
-  if (basis.determinant() < 0.0) {
-    basis.col(1) = -basis.col(1);
+// 3 degrees, and 0.5.
+constexpr double kSinMaxAngle = 0.0523;
+constexpr double kSigma = 0.00873;
+// A plane leans on so many others, of so many of its component.
+constexpr int kMaxPartners = 3;
+constexpr size_t kMaxTried = 30;
+
+std::optional<PlaneAnglePrior> FindPrior(const std::vector<ModelPlane>& planes,
+                                         int first,
+                                         int second) {
+  const Eigen::Vector3d& a = planes[static_cast<size_t>(first)].plane.normal;
+  const Eigen::Vector3d& b = planes[static_cast<size_t>(second)].plane.normal;
+  if (std::abs(a.dot(b)) < kSinMaxAngle) {
+    return PlaneAnglePrior{
+        PlaneAnglePrior::Kind::kOrthogonal, first, second, kSigma};
   }
-  plane->axis_s =
-      basis(0, 0) * knowledge.axis_s + basis(1, 0) * knowledge.axis_t;
-  plane->axis_t =
-      basis(0, 1) * knowledge.axis_s + basis(1, 1) * knowledge.axis_t;
-  const Eigen::Vector3d units(1.0, 1.0, size);
-  const Eigen::Matrix3d principal =
-      basis.transpose() * knowledge.covariance * basis;
-  plane->covariance = units.asDiagonal() * principal * units.asDiagonal();
-  bool is_known = false;
-  for (int i = 0; i < 3; ++i) {
-    if (principal(i, i) < kUnknownVariance) {
-      is_known = true;
-    } else {
-      plane->covariance.row(i).setZero();
-      plane->covariance.col(i).setZero();
-      plane->covariance(i, i) = std::numeric_limits<double>::infinity();
-    }
+  if (a.cross(b).norm() < kSinMaxAngle) {
+    return PlaneAnglePrior{
+        PlaneAnglePrior::Kind::kParallel, first, second, kSigma};
   }
-  return is_known;
+  return std::nullopt;
+}
+
+// Beyond what rounding leaves.
+bool IsAlongAxis(const ModelPlane& plane,
+                 const std::vector<Eigen::Matrix3d>& frames) {
+  return plane.frame >= 0 && frames[static_cast<size_t>(plane.frame)]
+                                     .col(plane.axis)
+                                     .cross(plane.plane.normal)
+                                     .norm() < 1e-9;
+}
+
+// What is known of the adjusted plane, for one that is a little beside it.
+void SetKnowledge(const AdjustedPlane& from, ModelPlane* plane) {
+  plane->covariance = from.covariance;
+  // Otherwise the middle is not amid what was measured.
+  if (!std::isfinite(from.covariance(2, 2))) {
+    return;
+  }
+  const Eigen::Vector3d& normal = plane->plane.normal;
+  plane->center = from.center - plane->plane.Height(from.center) * normal;
+  plane->axis_s = (from.axis_s - from.axis_s.dot(normal) * normal).normalized();
+  plane->axis_t = normal.cross(plane->axis_s);
 }
 
 }  // namespace
@@ -248,20 +221,71 @@ AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
     moves = SolvePlanes(&problem);
     ++result.num_rounds;
   }
-  const std::vector<PlaneKnowledge> knowledge = ComputeKnowledge(problem);
+  result.planes = DescribePlanes(problem);
   for (size_t p = 0; p < num_planes; ++p) {
-    AdjustedPlane plane;
-    plane.plane = problem.at.planes[p];
-    plane.center = knowledge[p].center;
-    const bool is_known = SetCovariance(knowledge[p], extent.size, &plane);
-    if (!is_known &&
+    AdjustedPlane& plane = result.planes[p];
+    if (plane.covariance.diagonal().array().isInf().all() &&
         (adjustment.axes.empty() || adjustment.axes[p].frame < 0)) {
       plane.plane = adjustment.planes[p];
     }
-    result.planes.push_back(plane);
   }
   result.frames = problem.at.frames;
   return result;
+}
+
+std::vector<PlaneAnglePrior> FindAnglePriors(
+    const std::vector<ModelPlane>& planes) {
+  std::map<int, std::vector<int>> tried;  // By component.
+  std::vector<PlaneAnglePrior> priors;
+  for (int p = 0; p < static_cast<int>(planes.size()); ++p) {
+    const ModelPlane& plane = planes[static_cast<size_t>(p)];
+    std::vector<int>& before = tried[plane.component];
+    int num_partners = 0;
+    for (size_t i = 0;
+         i < before.size() && num_partners < kMaxPartners && plane.axis < 0;
+         ++i) {
+      if (const auto prior = FindPrior(planes, before[i], p)) {
+        priors.push_back(*prior);
+        ++num_partners;
+      }
+    }
+    if (before.size() < kMaxTried) {
+      before.push_back(p);
+    }
+  }
+  return priors;
+}
+
+void AdjustModel(const MeasurePlanes& measure,
+                 const std::vector<bool>& may_move,
+                 SceneModel* model) {
+  PlaneAdjustment adjustment;
+  for (size_t p = 0; p < model->planes.size(); ++p) {
+    ModelPlane& plane = model->planes[p];
+    if (!may_move[p] && !IsAlongAxis(plane, model->frames)) {
+      plane.frame = plane.axis = -1;
+    }
+    adjustment.planes.push_back(plane.plane);
+    adjustment.axes.push_back({plane.frame, plane.axis});
+  }
+  adjustment.frames = model->frames;
+  adjustment.angles = FindAnglePriors(model->planes);
+  AdjustPlanesOptions options;
+  if (std::find(may_move.begin(), may_move.end(), true) == may_move.end()) {
+    options.max_rounds = 1;  // Planes have to be measured once only.
+  }
+  const AdjustedPlanes adjusted = AdjustPlanes(adjustment, measure, options);
+  for (size_t p = 0; p < model->planes.size(); ++p) {
+    ModelPlane& plane = model->planes[p];
+    if (may_move[p]) {
+      plane.plane = adjusted.planes[p].plane;
+      if (plane.frame >= 0) {
+        const auto frame = static_cast<size_t>(plane.frame);
+        model->frames[frame] = adjusted.frames[frame];
+      }
+    }
+    SetKnowledge(adjusted.planes[p], &plane);
+  }
 }
 
 }  // namespace tsar

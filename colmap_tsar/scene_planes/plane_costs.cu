@@ -7,8 +7,8 @@
 #include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/direction_sectors.h"
-#include "colmap_tsar/scene_planes/superpixel_rays.h"
-#include "colmap_tsar/scene_planes/visibility_votes.h"
+#include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <algorithm>
 #include <cmath>

@@ -27,16 +27,7 @@ struct PlaneProblem {
 // planes of a frame come to lie along it. False where nothing moves.
 bool SolvePlanes(PlaneProblem* problem);
 
-// How well a plane is known: the covariance of its turns about axis_s and
-// axis_t (unit vectors, a right-handed basis with the normal) through the
-// centre, in radians, and of its shift, in sizes of the scene. Variances are
-// about 1000 where nothing is known.
-struct PlaneKnowledge {
-  Eigen::Vector3d center;
-  Eigen::Vector3d axis_s;
-  Eigen::Vector3d axis_t;
-  Eigen::Matrix3d covariance;
-};
-std::vector<PlaneKnowledge> ComputeKnowledge(const PlaneProblem& problem);
+// The planes where they are, and how well they are known there.
+std::vector<AdjustedPlane> DescribePlanes(const PlaneProblem& problem);
 
 }  // namespace tsar

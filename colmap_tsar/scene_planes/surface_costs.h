@@ -10,8 +10,8 @@
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/observed_source.h"
 #include "colmap_tsar/scene_planes/surface_samples.h"
-#include "colmap_tsar/scene_planes/visibility_votes.h"
 
 #include <cmath>
 #include <cstddef>

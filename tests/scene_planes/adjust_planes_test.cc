@@ -130,7 +130,7 @@ TEST_F(LeaningWallTest, SoftPriorDecidesWhereEvidenceIsWeak) {
             0.2 * alone);
   // A wall at the back, whose normal points the other way.
   const Patch back = {
-      At(0.0, 0.0, -1.0), At(2.0, 0.0, 0.0), At(0.0, -1.0, 0.0)};
+      At(0.0, 0.0, -5.0), At(2.0, 0.0, 0.0), At(0.0, -1.0, 0.0)};
   adjustment_.planes.push_back(back.Plane());
   Append(ObserveByAll(2, back, {}), &observations_);
   adjustment_.angles = {{PlaneAnglePrior::Kind::kParallel, 0, 2, 0.01}};
