@@ -10,13 +10,13 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/stage_options.h"
-#include "colmap_tsar/scene_planes/adjust_model.h"
+#include "colmap_tsar/scene_planes/adjust_planes.h"
 #include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/join_planes.h"
+#include "colmap_tsar/scene_planes/manhattan_frame.h"
 #include "colmap_tsar/scene_planes/plane_lines.h"
-#include "colmap_tsar/scene_planes/scene_frames.h"
+#include "colmap_tsar/scene_planes/plane_measurement.h"
 #include "colmap_tsar/scene_planes/shared_lines.h"
-#include "colmap_tsar/scene_planes/view_measurements.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/controllers/scene_cylinders.h"
 
-#include "colmap_tsar/scene_planes/cylinder_evidence.h"
 #include "colmap_tsar/scene_planes/find_cylinders.h"
 #include "colmap_tsar/scene_planes/outline_edges.h"
+#include "colmap_tsar/scene_planes/seen_cylinders.h"
 
 #include <mutex>
 #include <optional>

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/model_cylinder.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <cstddef>

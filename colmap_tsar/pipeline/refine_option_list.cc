@@ -269,11 +269,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "In scenes of more than 32 images, where planes are found in parts "
            "of the scene, adjust the planes of all parts together.",
        .paper = 0},
-      {TSAR_FIELD(free_space),
-       .description = "Reject planes in front of what other views saw, and "
-                      "prefer those that other views confirm. For scenes whose "
-                      "poses are wrong by several pixels; elsewhere it usually "
-                      "costs accuracy and completeness."},
       {TSAR_FIELD(bounded_planes),
        .description =
            "Leave holes where a plane was observed on one side only."},

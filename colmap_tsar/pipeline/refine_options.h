@@ -65,7 +65,6 @@ struct RefineOptions {
   bool foreground_fattening = true;
   bool manhattan_frame = true;
   bool adjust_planes = true;
-  bool free_space = false;
   bool bounded_planes = true;
   bool bounding_creases = true;
   bool curved_surfaces = true;

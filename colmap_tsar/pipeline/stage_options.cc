@@ -133,10 +133,6 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.measuring.max_weight = scene.discovery.max_weight;
   scene.labels.tolerance = static_cast<float>(tolerance);
   scene.labels.unlabelled_cost = static_cast<float>(options.unlabelled_cost);
-  if (!options.free_space) {
-    scene.labels.cost_of_contradiction = 0.f;
-    scene.labels.gain_of_confirmation = 0.f;
-  }
   if (!options.bounded_planes) {
     scene.labels.extrapolation_uncertainty = 0.f;
   }

@@ -3,213 +3,198 @@
 
 #include "colmap_tsar/scene_planes/adjust_planes.h"
 
-#include "colmap_tsar/scene_planes/check_adjustment.h"
-#include "colmap_tsar/scene_planes/local_unit.h"
-#include "colmap_tsar/scene_planes/plane_parameters.h"
-#include "colmap_tsar/scene_planes/plane_residuals.h"
-#include "colmap_tsar/scene_planes/selected_inverse.h"
-#include "colmap_tsar/scene_planes/solve_planes.h"
+#include "colmap_tsar/scene_planes/plane_problem.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <memory>
-#include <utility>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 namespace tsar {
 namespace {
 
-// Radians, and shares of the scene's size: what moves by less stands still.
-constexpr double kStandstill = 1e-9;
-// In these units; without any evidence variances are far larger.
-constexpr double kUnknownVariance = 0.25;
+// How far lengths of normals and the columns of rotations may be off.
+constexpr double kUnitTolerance = 1e-6;
+constexpr double kMinSigma = 1e-9;
 
-// The same in local lengths. Lists of measurements are long: they are taken one
-// at a time.
-PlaneAdjustment ToLocal(PlaneAdjustment adjustment, const LocalUnit& unit) {
-  for (WorldPlane& plane : adjustment.planes) {
-    plane = unit.ToLocal(plane);
+void Require(bool condition, const char* what) {
+  if (!condition) {
+    throw std::invalid_argument("AdjustPlanes: " + std::string(what));
   }
-  for (PointOnPlane& point : adjustment.points) {
-    point.point = unit.ToLocal(point.point);
-    point.sigma /= unit.size;
-  }
-  for (PlaneCrease& crease : adjustment.creases) {
-    crease.center = unit.ToLocal(crease.center);
-  }
-  return adjustment;
 }
 
-double LossWeight(double residual, double loss_scale) {
-  return 1.0 / (1.0 + std::pow(residual / loss_scale, 2));
+bool IsIndex(int index, size_t size) {
+  return index >= 0 && static_cast<size_t>(index) < size;
 }
 
-// Inverse depth of a plane; not finite where it passes through the centre.
-double InverseDepth(const WorldPlane& plane,
-                    const Eigen::Vector3d& center,
-                    const Eigen::Vector3d& ray) {
-  return -plane.normal.dot(ray) / plane.Height(center);
+bool IsPositive(double value) { return std::isfinite(value) && value > 0.0; }
+
+void CheckAdjustment(const PlaneAdjustment& adjustment,
+                     const AdjustPlanesOptions& options) {
+  const size_t num_planes = adjustment.planes.size();
+  for (const WorldPlane& plane : adjustment.planes) {
+    Require(std::isfinite(plane.offset) &&
+                std::abs(plane.normal.norm() - 1.0) < kUnitTolerance,
+            "a plane is not finite, or its normal not of unit length");
+  }
+  for (const Eigen::Matrix3d& frame : adjustment.frames) {
+    Require(frame.determinant() > 0.0 && frame.isUnitary(kUnitTolerance),
+            "a frame is no rotation");
+  }
+  Require(adjustment.axes.empty() || adjustment.axes.size() == num_planes,
+          "the list of axes has not one for each plane");
+  for (const FrameColumn& axis : adjustment.axes) {
+    Require(
+        axis.frame == -1 || (IsIndex(axis.frame, adjustment.frames.size()) &&
+                             IsIndex(axis.column, 3)),
+        "an axis is no column of a frame");
+  }
+  for (const PlaneAnglePrior& angle : adjustment.angles) {
+    Require(IsIndex(angle.first, num_planes) &&
+                IsIndex(angle.second, num_planes) &&
+                angle.first != angle.second,
+            "an angle is not of two planes");
+    Require(IsPositive(angle.sigma) && angle.sigma >= kMinSigma,
+            "the sigma of an angle is out of range");
+  }
+  Require(options.max_rounds >= 1 && IsPositive(options.loss_scale),
+          "max_rounds has to be 1 at least, loss_scale above 0");
 }
 
-// Where what is known of each plane is known best: about there its errors of
-// direction and of place are nearly independent.
-std::vector<Eigen::Vector3d> Middles(
-    const PlaneAdjustment& local,
-    const std::vector<PlaneMeasurement>& measurements,
-    const LocalUnit& unit,
-    double loss_scale) {
-  const size_t num_planes = local.planes.size();
-  std::vector<Eigen::Vector3d> sums(num_planes, Eigen::Vector3d::Zero());
-  std::vector<double> weights(num_planes, 0.0);
-  const auto add = [&](int p, const Eigen::Vector3d& point, double weight) {
-    sums[p] += weight * point;
-    weights[p] += weight;
-  };
+void CheckMeasurements(const std::vector<PlaneMeasurement>& measurements,
+                       size_t num_planes) {
   for (const PlaneMeasurement& measurement : measurements) {
-    add(measurement.plane,
-        unit.ToLocal(measurement.foot),
-        measurement.information * unit.size * unit.size);
+    Require(IsIndex(measurement.plane, num_planes),
+            "a measurement is of no plane");
+    Require(measurement.center.allFinite() && measurement.form.allFinite() &&
+                measurement.foot.allFinite() &&
+                std::isfinite(measurement.information) &&
+                measurement.information >= 0.0,
+            "a measurement is not finite, or its information below 0");
   }
-  for (const PointOnPlane& point : local.points) {
-    const double height = local.planes[point.plane].Height(point.point);
-    add(point.plane,
-        point.point,
-        LossWeight(height / point.sigma, loss_scale) /
-            (point.sigma * point.sigma));
-  }
-  const std::vector<double> measured = weights;
-  for (const PlaneCrease& crease : local.creases) {
-    for (const int p : {crease.first, crease.second}) {
-      for (const Eigen::Vector3d& ray : crease.rays) {
-        const Eigen::Vector3d step =
-            ray / InverseDepth(local.planes[p], crease.center, ray);
-        if (!(measured[p] > 0.0) && step.norm() < 1e6) {
-          add(p, crease.center + step, 1.0);
-        }
-      }
+}
+
+// The upper one of two; leaves the values in another order.
+double Median(std::vector<double>* values) {
+  const auto middle =
+      values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+// Where a scene is, and how large: thresholds must depend neither on the origin
+// nor on the unit of length.
+struct SceneExtent {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  double size = 1.0;  // Above 0.
+};
+
+// The median of the places where planes were measured and from where, and of
+// their distances from there, so that few that are far away do not matter; or,
+// where there are none, of the planes' points that are nearest to the origin.
+SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
+                     const std::vector<PlaneMeasurement>& measurements) {
+  std::vector<Eigen::Vector3d> places;
+  for (const PlaneMeasurement& measurement : measurements) {
+    if (measurement.information > 0.0) {
+      places.push_back(measurement.center);
+      places.push_back(measurement.foot);
     }
   }
+  if (places.empty()) {
+    for (const WorldPlane& plane : planes) {
+      places.emplace_back(-plane.offset * plane.normal);
+    }
+  }
+  SceneExtent extent;
+  if (places.empty()) {
+    return extent;
+  }
+  std::vector<double> values(places.size());
+  for (int i = 0; i < 3; ++i) {
+    for (size_t k = 0; k < places.size(); ++k) {
+      values[k] = places[k][i];
+    }
+    extent.middle[i] = Median(&values);
+  }
+  for (size_t k = 0; k < places.size(); ++k) {
+    values[k] = (places[k] - extent.middle).norm();
+  }
+  const double size = Median(&values);
+  Require(std::isfinite(size), "lengths are too large");
+  extent.size = size > 0.0 ? size : 1.0;
+  return extent;
+}
+
+// Where each plane is known best: amid what was measured of it.
+std::vector<Eigen::Vector3d> Middles(
+    const std::vector<PlaneMeasurement>& measurements,
+    const SceneExtent& extent,
+    size_t num_planes) {
+  std::vector<Eigen::Vector3d> sums(num_planes, Eigen::Vector3d::Zero());
+  std::vector<double> weights(num_planes, 0.0);
+  for (const PlaneMeasurement& measurement : measurements) {
+    const auto p = static_cast<size_t>(measurement.plane);
+    sums[p] += measurement.information * (measurement.foot - extent.middle);
+    weights[p] += measurement.information;
+  }
   for (size_t p = 0; p < num_planes; ++p) {
-    sums[p] = weights[p] > 0.0 ? Eigen::Vector3d(sums[p] / weights[p])
-                               : Eigen::Vector3d::Zero();
+    sums[p] = weights[p] > 0.0
+                  ? Eigen::Vector3d(extent.middle + sums[p] / weights[p])
+                  : extent.middle;
   }
   return sums;
 }
 
-PlaneResiduals Residuals(const PlaneAdjustment& local,
-                         const std::vector<PlaneMeasurement>& measurements,
-                         const LocalUnit& unit) {
-  PlaneResiduals residuals;
-  for (const PlaneMeasurement& measurement : measurements) {
-    if (measurement.information > 0.0) {
-      residuals.push_back(
-          std::make_unique<MeasurementResidual>(unit.ToLocal(measurement)));
-    }
+// 3 degrees, and 0.5.
+constexpr double kSinMaxAngle = 0.0523;
+constexpr double kSigma = 0.00873;
+// A plane leans on so many others, of so many of its component.
+constexpr int kMaxPartners = 3;
+constexpr size_t kMaxTried = 30;
+
+std::optional<PlaneAnglePrior> FindPrior(const std::vector<ModelPlane>& planes,
+                                         int first,
+                                         int second) {
+  const Eigen::Vector3d& a = planes[static_cast<size_t>(first)].plane.normal;
+  const Eigen::Vector3d& b = planes[static_cast<size_t>(second)].plane.normal;
+  if (std::abs(a.dot(b)) < kSinMaxAngle) {
+    return PlaneAnglePrior{
+        PlaneAnglePrior::Kind::kOrthogonal, first, second, kSigma};
   }
-  for (const PointOnPlane& point : local.points) {
-    residuals.push_back(
-        std::make_unique<PointResidual>(point.plane, point.point, point.sigma));
+  if (a.cross(b).norm() < kSinMaxAngle) {
+    return PlaneAnglePrior{
+        PlaneAnglePrior::Kind::kParallel, first, second, kSigma};
   }
-  for (const PlaneCrease& crease : local.creases) {
-    double inverse_depth = 0.0;
-    for (const int p : {crease.first, crease.second}) {
-      for (const Eigen::Vector3d& ray : crease.rays) {
-        inverse_depth +=
-            0.25 * std::abs(InverseDepth(local.planes[p], crease.center, ray));
-      }
-    }
-    // Planes seen from their edge have no depth there.
-    if (std::isfinite(inverse_depth) && inverse_depth > 0.0) {
-      residuals.push_back(std::make_unique<CreaseResidual>(
-          crease.first,
-          crease.second,
-          crease.center,
-          crease.rays,
-          crease.relative_sigma * inverse_depth));
-    }
-  }
-  for (const PlaneAnglePrior& angle : local.angles) {
-    if (angle.kind == PlaneAnglePrior::Kind::kOrthogonal) {
-      residuals.push_back(std::make_unique<OrthogonalResidual>(
-          angle.first, angle.second, angle.sigma));
-    } else {
-      const double cosine = local.planes[angle.first].normal.dot(
-          local.planes[angle.second].normal);
-      residuals.push_back(std::make_unique<ParallelResidual>(
-          angle.first, angle.second, cosine < 0.0 ? -1.0 : 1.0, angle.sigma));
-    }
-  }
-  return residuals;
+  return std::nullopt;
 }
 
-PlaneParameters Parameters(const PlaneAdjustment& local,
-                           const std::vector<Eigen::Vector3d>& middles) {
-  std::vector<int> frame(local.planes.size(), -1);
-  std::vector<int> column(local.planes.size(), -1);
-  for (size_t p = 0; p < local.axes.size(); ++p) {
-    frame[p] = local.axes[p].frame;
-    column[p] = local.axes[p].column;
-  }
-  return {local.planes, middles, frame, column, local.frames};
+// Beyond what rounding leaves.
+bool IsAlongAxis(const ModelPlane& plane,
+                 const std::vector<Eigen::Matrix3d>& frames) {
+  return plane.frame >= 0 && frames[static_cast<size_t>(plane.frame)]
+                                     .col(plane.axis)
+                                     .cross(plane.plane.normal)
+                                     .norm() < 1e-9;
 }
 
-// Of the turns about a plane's two axes and of its shift.
-Eigen::Matrix3d LocalCovariance(const Eigen::SparseMatrix<double>& inverse,
-                                const PlaneParameters& parameters,
-                                int p) {
-  const PlaneParameters::Plane& at = parameters.At(p);
-  const int own = parameters.OwnBlock(p).begin;
-  if (at.frame < 0) {
-    return Eigen::Matrix3d(inverse.block(own, own, 3, 3));
+// What is known of the adjusted plane, for one that is a little beside it.
+void SetKnowledge(const AdjustedPlane& from, ModelPlane* plane) {
+  plane->covariance = from.covariance;
+  // Otherwise the middle is not amid what was measured.
+  if (!std::isfinite(from.covariance(2, 2))) {
+    return;
   }
-  const int turn = parameters.FrameBlock(at.frame).begin;
-  Eigen::Matrix4d covariance;
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 4; ++k) {
-      covariance(i, k) =
-          inverse.coeff(i < 3 ? turn + i : own, k < 3 ? turn + k : own);
-    }
-  }
-  Eigen::Matrix<double, 3, 4> by_turn_and_shift;
-  by_turn_and_shift.setZero();
-  by_turn_and_shift.row(0).head<3>() = at.axis_s;
-  by_turn_and_shift.row(1).head<3>() = at.axis_t;
-  by_turn_and_shift(2, 3) = 1.0;
-  return by_turn_and_shift * covariance * by_turn_and_shift.transpose();
-}
-
-// Whether anything is known of the plane beside where it was.
-bool SetCovariance(const PlaneParameters::Plane& at,
-                   const Eigen::Matrix3d& local,
-                   double size,
-                   AdjustedPlane* plane) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      local.topLeftCorner<2, 2>());
-  Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();
-  basis.topLeftCorner<2, 2>() = solver.eigenvectors();
-  if (basis.determinant() < 0.0) {
-    basis.col(1) = -basis.col(1);
-  }
-  plane->axis_s = basis(0, 0) * at.axis_s + basis(1, 0) * at.axis_t;
-  plane->axis_t = basis(0, 1) * at.axis_s + basis(1, 1) * at.axis_t;
-  const Eigen::Vector3d units(1.0, 1.0, size);
-  const Eigen::Matrix3d principal = basis.transpose() * local * basis;
-  plane->covariance = units.asDiagonal() * principal * units.asDiagonal();
-  bool is_known = false;
-  for (int i = 0; i < 3; ++i) {
-    if (principal(i, i) < kUnknownVariance) {
-      is_known = true;
-    } else {
-      plane->covariance.row(i).setZero();
-      plane->covariance.col(i).setZero();
-      plane->covariance(i, i) = std::numeric_limits<double>::infinity();
-    }
-  }
-  return is_known;
+  const Eigen::Vector3d& normal = plane->plane.normal;
+  plane->center = from.center - plane->plane.Height(from.center) * normal;
+  plane->axis_s = (from.axis_s - from.axis_s.dot(normal) * normal).normalized();
+  plane->axis_t = normal.cross(plane->axis_s);
 }
 
 }  // namespace
@@ -218,54 +203,89 @@ AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
                             const MeasurePlanes& measure,
                             const AdjustPlanesOptions& options) {
   CheckAdjustment(adjustment, options);
-  const int num_planes = static_cast<int>(adjustment.planes.size());
+  const size_t num_planes = adjustment.planes.size();
   AdjustedPlanes result;
-  std::vector<WorldPlane> planes = adjustment.planes;
-  std::vector<PlaneMeasurement> measurements;
-  LocalUnit unit;
-  PlaneAdjustment local;
-  std::vector<Eigen::Vector3d> middles;
-  bool stands_still = false;
-  while (!stands_still && result.num_rounds < options.max_rounds) {
-    measurements = measure(planes);
-    CheckMeasurements(measurements, num_planes);
+  PlaneProblem problem;
+  problem.at = adjustment;
+  problem.loss_scale = options.loss_scale;
+  SceneExtent extent;
+  bool moves = true;
+  while (moves && result.num_rounds < options.max_rounds) {
+    problem.measurements = measure(problem.at.planes);
+    CheckMeasurements(problem.measurements, num_planes);
     if (result.num_rounds == 0) {
-      unit = LocalUnitOf(adjustment, measurements);
-      local = ToLocal(adjustment, unit);
+      extent = ExtentOf(adjustment.planes, problem.measurements);
+      problem.size = extent.size;
     }
-    middles = Middles(local, measurements, unit, options.loss_scale);
-    const PlaneParameters parameters = Parameters(local, middles);
-    const std::vector<double> values = SolvePlanes(
-        parameters, Residuals(local, measurements, unit), options.loss_scale);
-    const PlaneParameters moved = parameters.MovedBy(values, middles);
-    stands_still = std::all_of(values.begin(), values.end(), [](double value) {
-      return std::abs(value) < kStandstill;
-    });
-    for (int p = 0; p < num_planes; ++p) {
-      local.planes[p] = moved.ToWorldPlane(p);
-      planes[p] = unit.ToWorld(local.planes[p]);
-    }
-    local.frames = moved.Frames();
+    problem.middles = Middles(problem.measurements, extent, num_planes);
+    moves = SolvePlanes(&problem);
     ++result.num_rounds;
   }
-
-  const PlaneParameters parameters = Parameters(local, middles);
-  const Eigen::SparseMatrix<double> inverse = SelectedInverse(PlaneInformation(
-      parameters, Residuals(local, measurements, unit), options.loss_scale));
-  for (int p = 0; p < num_planes; ++p) {
-    const PlaneParameters::Plane& at = parameters.At(p);
-    AdjustedPlane plane;
-    plane.plane = planes[p];
-    plane.center = unit.ToWorld(at.point);
-    const bool is_known = SetCovariance(
-        at, LocalCovariance(inverse, parameters, p), unit.size, &plane);
-    if (!is_known && at.frame < 0) {
+  result.planes = DescribePlanes(problem);
+  for (size_t p = 0; p < num_planes; ++p) {
+    AdjustedPlane& plane = result.planes[p];
+    if (plane.covariance.diagonal().array().isInf().all() &&
+        (adjustment.axes.empty() || adjustment.axes[p].frame < 0)) {
       plane.plane = adjustment.planes[p];
     }
-    result.planes.push_back(plane);
   }
-  result.frames = local.frames;
+  result.frames = problem.at.frames;
   return result;
+}
+
+std::vector<PlaneAnglePrior> FindAnglePriors(
+    const std::vector<ModelPlane>& planes) {
+  std::map<int, std::vector<int>> tried;  // By component.
+  std::vector<PlaneAnglePrior> priors;
+  for (int p = 0; p < static_cast<int>(planes.size()); ++p) {
+    const ModelPlane& plane = planes[static_cast<size_t>(p)];
+    std::vector<int>& before = tried[plane.component];
+    int num_partners = 0;
+    for (size_t i = 0;
+         i < before.size() && num_partners < kMaxPartners && plane.axis < 0;
+         ++i) {
+      if (const auto prior = FindPrior(planes, before[i], p)) {
+        priors.push_back(*prior);
+        ++num_partners;
+      }
+    }
+    if (before.size() < kMaxTried) {
+      before.push_back(p);
+    }
+  }
+  return priors;
+}
+
+void AdjustModel(const MeasurePlanes& measure,
+                 const std::vector<bool>& may_move,
+                 SceneModel* model) {
+  PlaneAdjustment adjustment;
+  for (size_t p = 0; p < model->planes.size(); ++p) {
+    ModelPlane& plane = model->planes[p];
+    if (!may_move[p] && !IsAlongAxis(plane, model->frames)) {
+      plane.frame = plane.axis = -1;
+    }
+    adjustment.planes.push_back(plane.plane);
+    adjustment.axes.push_back({plane.frame, plane.axis});
+  }
+  adjustment.frames = model->frames;
+  adjustment.angles = FindAnglePriors(model->planes);
+  AdjustPlanesOptions options;
+  if (std::find(may_move.begin(), may_move.end(), true) == may_move.end()) {
+    options.max_rounds = 1;  // Planes have to be measured once only.
+  }
+  const AdjustedPlanes adjusted = AdjustPlanes(adjustment, measure, options);
+  for (size_t p = 0; p < model->planes.size(); ++p) {
+    ModelPlane& plane = model->planes[p];
+    if (may_move[p]) {
+      plane.plane = adjusted.planes[p].plane;
+      if (plane.frame >= 0) {
+        const auto frame = static_cast<size_t>(plane.frame);
+        model->frames[frame] = adjusted.frames[frame];
+      }
+    }
+    SetKnowledge(adjusted.planes[p], &plane);
+  }
 }
 
 }  // namespace tsar

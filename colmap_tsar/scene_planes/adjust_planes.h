@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/plane_measurement.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
 
-#include <array>
 #include <functional>
 #include <vector>
 
@@ -14,33 +14,13 @@
 
 namespace tsar {
 
-// A sparse point that lies on a plane.
-struct PointOnPlane {
-  int plane = -1;
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  double sigma = 0.0;  // Of its distance from the plane; above 0.
-};
-
-// An image segment along which two planes meet: they have the same depth there.
-struct PlaneCrease {
-  int first = -1;
-  int second = -1;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // Of the camera.
-  // Through the end points of the segment, of any length.
-  std::array<Eigen::Vector3d, 2> rays = {Eigen::Vector3d::Zero(),
-                                         Eigen::Vector3d::Zero()};
-  // Of the difference of the planes' inverse depths, as a share of these; above
-  // 0.
-  double relative_sigma = 0.0;
-};
-
 // Two planes that are probably parallel, or orthogonal.
 struct PlaneAnglePrior {
   enum class Kind { kParallel, kOrthogonal };
   Kind kind = Kind::kParallel;
   int first = -1;
   int second = -1;
-  double sigma = 0.0;  // Of the angle, in radians; above 0.
+  double sigma = 0.0;  // Standard deviation of the angle, in radians.
 };
 
 // Puts a plane into a Manhattan frame: its normal is exactly a column of the
@@ -56,8 +36,6 @@ struct PlaneAdjustment {
   std::vector<WorldPlane> planes;       // Of unit normals.
   std::vector<Eigen::Matrix3d> frames;  // Rotations.
   std::vector<FrameColumn> axes;        // One per plane, or none at all.
-  std::vector<PointOnPlane> points;
-  std::vector<PlaneCrease> creases;
   std::vector<PlaneAnglePrior> angles;
 };
 
@@ -70,8 +48,8 @@ struct AdjustPlanesOptions {
   // Planes are measured anew, with the weights that observations have at their
   // new places, and adjusted again, this often at most.
   int max_rounds = 3;
-  // Where the loss of points, creases and angles turns from squares to
-  // logarithms, in their expected errors.
+  // The error at which the loss of angles turns from squares to logarithms, in
+  // their standard deviations.
   double loss_scale = 1.0;
 };
 
@@ -96,28 +74,44 @@ struct AdjustedPlanes {
   int num_rounds = 0;
 };
 
-// Finds the planes and the rotations of the frames that agree best with
-// everything at once, by nonlinear least squares (Ceres): what views measured,
-// points, creases and angles, of which each counts by its expected error and
-// the last three with Cauchy's loss.
+// Finds the planes and the rotations of the frames that agree best with what
+// views measured and with the angles, each by its expected error and the angles
+// with Cauchy's loss, by nonlinear least squares (Ceres).
 //
-// Nothing turns or moves in a way that nothing tells of: directions known to no
-// better than half a radian and places known to no better than half of the
-// scene's size stay as they were, and their variances are infinite. A plane of
-// which all is unknown is returned unchanged, to the bit, unless it lies in a
-// frame: then its normal is the frame's.
+// Directions known to no better than half a radian and places known to no
+// better than half of the scene's size are unknown: a weak prior keeps them
+// where they are, and their variances are infinite. A plane of which everything
+// is unknown is returned unchanged, to the bit, unless it lies in a frame: then
+// its normal is the frame's.
 //
 // The same input gives the same bits; one thread. Neither the place of the
 // origin nor the unit of length matters beyond rounding. Time and memory grow
 // with the number of planes and measurements, as long as each plane shares
-// creases and angles with few others. Prints nothing.
+// angles with few others. Prints nothing.
 //
-// Throws std::invalid_argument where a number is not finite or out of range, a
-// normal has not unit length, a frame is no rotation, an index names no plane
-// or frame, or a pair is twice the same plane; this also goes for what
-// `measure` returns.
+// Throws std::invalid_argument where a number is not finite or out of range (a
+// sigma below 1e-9 radians, too), a normal has not unit length, a frame is no
+// rotation, an index names no plane or frame, or a pair is twice the same
+// plane; this also goes for what `measure` returns.
 AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
                             const MeasurePlanes& measure,
                             const AdjustPlanesOptions& options = {});
+
+// What is probably true of planes that people built: each plane that lies in no
+// Manhattan frame (ModelPlane::axis) is as good as parallel or orthogonal to
+// the planes of its component that have most support, where it is within 3
+// degrees of that. To so few of them that the number of priors grows with that
+// of the planes. planes: by falling support.
+std::vector<PlaneAnglePrior> FindAnglePriors(
+    const std::vector<ModelPlane>& planes);
+
+// Adjusts the planes and frames of a scene together (AdjustPlanes), with the
+// priors of FindAnglePriors, and sets how well each plane is known. Of each
+// component all planes may move, or none (may_move): then they and their frames
+// stay as they are, and planes that do not lie exactly along their axis lose
+// it. Planes of which nothing is known stay, too. model: without labels.
+void AdjustModel(const MeasurePlanes& measure,
+                 const std::vector<bool>& may_move,
+                 SceneModel* model);
 
 }  // namespace tsar

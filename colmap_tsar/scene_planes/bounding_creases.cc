@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/scene_planes/bounding_creases.h"
 
-#include "colmap_tsar/scene_planes/plane_axis.h"
+#include "colmap_tsar/scene_planes/plane_lines.h"
 
 #include <algorithm>
 #include <cmath>

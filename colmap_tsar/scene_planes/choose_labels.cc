@@ -3,20 +3,97 @@
 
 #include "colmap_tsar/scene_planes/choose_labels.h"
 
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/scene_planes/border_costs.h"
 #include "colmap_tsar/scene_planes/label_graph.h"
-#include "colmap_tsar/scene_planes/superpixel_rays.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace tsar {
+
 namespace {
+
+// What a border between two superpixels costs for each pair of labels, of which
+// the last one is 'none'. Keeps references to the evidence and the
+// planes.
+class BorderCosts {
+ public:
+  // full_gap: see LabelOptions.
+  BorderCosts(const ViewEvidence& evidence,
+              const Intrinsics& intrinsics,
+              const DepthResolution& resolution,
+              const std::vector<Plane>& planes,
+              float full_gap);
+
+  // edge: the number of the border in the evidence.
+  float operator()(int edge, int a, int b) const;
+
+ private:
+  const std::vector<SuperpixelBorder>& borders_;
+  DepthResolution resolution_;
+  const std::vector<Plane>& planes_;
+  float full_gap_;
+  // Of the pixels of each border. Depths along them are computed when they are
+  // asked for: most planes are too dear for both superpixels.
+  std::vector<Vec3f> rays_;
+};
+
+BorderCosts::BorderCosts(const ViewEvidence& evidence,
+                         const Intrinsics& intrinsics,
+                         const DepthResolution& resolution,
+                         const std::vector<Plane>& planes,
+                         float full_gap)
+    : borders_(evidence.borders),
+      resolution_(resolution),
+      planes_(planes),
+      full_gap_(full_gap) {
+  rays_.reserve(borders_.size() *
+                static_cast<size_t>(SuperpixelBorder::kNumPixels));
+  for (const SuperpixelBorder& border : borders_) {
+    for (const int pixel : border.pixels) {
+      rays_.push_back(
+          intrinsics.Ray(pixel % evidence.width, pixel / evidence.width));
+    }
+  }
+}
+
+float BorderCosts::operator()(int edge, int a, int b) const {
+  if (a == b) {
+    return 0.f;
+  }
+  const float weight = borders_[static_cast<size_t>(edge)].weight;
+  if (static_cast<size_t>(std::max(a, b)) == planes_.size()) {
+    return weight;
+  }
+  const Plane& first = planes_[static_cast<size_t>(a)];
+  const Plane& second = planes_[static_cast<size_t>(b)];
+  const Vec3f* rays =
+      rays_.data() + static_cast<size_t>(edge) * SuperpixelBorder::kNumPixels;
+  float sum = 0.f;
+  for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
+    const float first_depth = first.Depth(rays[i]);
+    const float second_depth = second.Depth(rays[i]);
+    const float nearer = std::min(first_depth, second_depth);
+    if (!(nearer > 0.f)) {
+      sum += 1.f;
+      continue;
+    }
+    const float gap = std::abs(first_depth - second_depth) /
+                      (nearer * resolution_.RelativeDepthError(nearer));
+    sum += std::min(gap / full_gap_, 1.f);
+  }
+  return weight * sum / SuperpixelBorder::kNumPixels;
+}
 
 // of_labels: what each label would cost the superpixel, the last one being
 // none; chosen: one of them.

@@ -18,8 +18,6 @@ namespace tsar {
 // sum of the costs of
 // - observations that do not lie on their plane;
 // - planes where they are not known well enough, or were not observed around;
-// - planes in front of what other views saw through them, less where other
-//   views confirm them (with RefineOptions::free_space);
 // - planes that are not those that other views were labelled with;
 // - neighbours with different planes, in proportion to the gap between these
 //   along the border, unless an edge of the image runs there: where two planes

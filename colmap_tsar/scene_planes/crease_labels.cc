@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/scene_planes/crease_labels.h"
 
-#include "colmap_tsar/scene_planes/superpixel_rays.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <algorithm>
 #include <cmath>

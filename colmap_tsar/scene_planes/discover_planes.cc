@@ -5,13 +5,11 @@
 
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/planes/fit_plane.h"
-#include "colmap_tsar/scene_planes/lazy_greedy_selection.h"
 #include "colmap_tsar/scene_planes/manhattan_frame.h"
 #include "colmap_tsar/scene_planes/merge_planes.h"
 #include "colmap_tsar/scene_planes/plane_ranking.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
 #include "colmap_tsar/scene_planes/superpixel_observations.h"
-#include "colmap_tsar/scene_planes/superpixel_plane_fitter.h"
 
 #include <algorithm>
 #include <cstdint>

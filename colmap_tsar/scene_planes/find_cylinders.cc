@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/scene_planes/find_cylinders.h"
 
-#include "colmap_tsar/scene_planes/axis_circle.h"
+#include "colmap_tsar/scene_planes/axis_camera.h"
 #include "colmap_tsar/scene_planes/common_heights.h"
 
 #include <algorithm>

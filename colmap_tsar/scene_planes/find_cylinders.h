@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/scene_planes/axis_camera.h"
-#include "colmap_tsar/scene_planes/model_cylinder.h"
-#include "colmap_tsar/scene_planes/outline_pairs.h"
+#include "colmap_tsar/scene_planes/outline_edges.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <cstddef>
 #include <vector>

@@ -149,7 +149,7 @@ std::vector<int> SurfaceGrower::Connected(
             : costs_.Measure(superpixel, fitted.surface).residual;
     return residual <= costs_.Options().max_residual_of_superpixel &&
            IsKnown(fitted, costs_, superpixel) &&
-           costs_.Cost(superpixel, fitted.surface, residual) <=
+           costs_.Cost(superpixel, residual) <=
                costs_.PresentCost(s) +
                    costs_.Options().growth_slack * superpixel.weight;
   };
@@ -206,8 +206,7 @@ std::vector<float> SurfaceGrower::CostsOn(
   const auto& [members, trial] = tried;
   std::vector<float> costs;
   for (size_t i = 0; i < members.size(); ++i) {
-    costs.push_back(costs_.Cost(
-        costs_.At(members[i]), trial.fitted->surface, trial.residuals[i]));
+    costs.push_back(costs_.Cost(costs_.At(members[i]), trial.residuals[i]));
   }
   return costs;
 }
@@ -311,8 +310,7 @@ void SurfaceGrower::FillBetween(GrownSurface* surface) const {
           (costs_.LabelOf(t) < 0 ? !costs_.OpposesRegion(t, fitted.surface)
                                  : replaced.count(costs_.LabelOf(t)) > 0) &&
           IsSurrounded(costs_.MiddleOf(t), middles) &&
-          IsKnown(fitted, costs_, costs_.At(t)) &&
-          costs_.Cost(costs_.At(t), fitted.surface) <= costs_.PresentCost(t)) {
+          IsKnown(fitted, costs_, costs_.At(t))) {
         members.push_back(t);
       }
     }

@@ -4,11 +4,45 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/measured_planes.h"
+#include "colmap_tsar/planes/depth_observation.h"
+#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/plane_support.h"
+#include "colmap_tsar/scene_planes/scene_model.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace tsar {
+
+// A plane with a sample of what was measured of it, so that it can be compared
+// with others without the evidence of all its views. World frame.
+struct MeasuredScenePlane {
+  ScenePlane found;
+  // Of the observations of its superpixels, whether they lie on it or not.
+  // Their expected error is the tolerance about planes, and the weights are in
+  // pixels of full confidence; together they weigh what all observations do.
+  std::vector<DepthObservation> observations;
+  // One for each superpixel that measured it, with errors that are independent
+  // of each other; together they weigh what all of these do.
+  std::vector<DepthObservation> superpixels;
+};
+
+// No plane keeps more of either.
+inline constexpr size_t kMaxPlaneSamples = 300;
+
+// Leaves at most kMaxPlaneSamples, evenly spaced, which together weigh as much.
+void ThinOut(std::vector<DepthObservation>* samples);
+
+// Of the planes that were discovered in these views with these options.
+std::vector<MeasuredScenePlane> MeasureScenePlanes(
+    const std::vector<ObservedView>& views,
+    const DiscoveredPlanes& discovered,
+    const DiscoverPlanesOptions& discovery,
+    const PlaneSupportOptions& support);
+
+// Without its component and frame.
+ModelPlane ToModelPlane(const MeasuredScenePlane& measured);
 
 // The planes that were discovered in some of a scene's views.
 struct PlaneBlock {

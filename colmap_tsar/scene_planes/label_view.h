@@ -5,12 +5,50 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/scene_planes/label_graph.h"
-#include "colmap_tsar/scene_planes/label_quality.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace tsar {
+
+// A number from kMin to kMax in 255 equal steps: the labels of all views of a
+// scene are in memory at once.
+template <int kMin, int kMax>
+class ByteOf {
+ public:
+  static_assert(kMin <= 0 && kMax > kMin);
+
+  ByteOf() : ByteOf(0.f) {}
+  // Rounds, and clamps what lies outside.
+  explicit ByteOf(float value)
+      : level_(static_cast<uint8_t>(std::lround(
+            (std::clamp(value, float{kMin}, float{kMax}) - kMin) * kScale))) {}
+
+  float Value() const { return level_ / kScale + kMin; }
+
+  friend bool operator==(const ByteOf&, const ByteOf&) = default;
+
+ private:
+  static constexpr float kScale = 255.f / (kMax - kMin);
+  uint8_t level_;
+};
+
+// How well the plane that a superpixel was labelled with is borne out there.
+struct LabelQuality {
+  // What PlaneCost says of the superpixel on this plane.
+  ByteOf<0, 1> explained;
+  ByteOf<0, 1> strength;
+  ByteOf<0, 1> confirmed;
+  ByteOf<0, 1> uncertainty;
+  // How much more the next best plane, or none, would cost, neighbours left
+  // aside, in pixels of full confidence for each pixel of the superpixel;
+  // negative where the neighbours decided.
+  ByteOf<-1, 2> margin;
+
+  friend bool operator==(const LabelQuality&, const LabelQuality&) = default;
+};
 
 // How much the labels of other views count. Costs are in pixels of the raster
 // for each view of full weight, gaps in relative depths of one pixel of
@@ -61,15 +99,9 @@ struct LabelOptions {
   // How far that is, relative to the size of the area in which the plane was
   // observed.
   float extrapolation_reach = 0.6f;
-  // A plane this far in front of what another view saw for certain hides it.
-  // Without RefineOptions::free_space, neither that nor being confirmed by
-  // other views counts.
-  float min_contradiction = 1.5f;
-  float cost_of_contradiction = 1.f;
   // Within this share of the tolerance of what another view saw, a plane is
   // confirmed.
   float confirmation_share = 0.5f;
-  float gain_of_confirmation = 0.3f;
   // The gap between two planes at a border from which the border costs its full
   // weight.
   float full_gap = 3.f;

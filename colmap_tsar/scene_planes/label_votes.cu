@@ -7,7 +7,7 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/planes/world_plane.h"
-#include "colmap_tsar/scene_planes/visibility_votes.h"
+#include "colmap_tsar/scene_planes/observed_source.h"
 
 #include <cmath>
 #include <cstddef>

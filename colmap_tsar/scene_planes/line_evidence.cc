@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/scene_planes/line_evidence.h"
 
-#include "colmap_tsar/scene_planes/plane_axis.h"
-#include "colmap_tsar/scene_planes/superpixel_rays.h"
+#include "colmap_tsar/scene_planes/plane_lines.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <algorithm>
 #include <cmath>

@@ -20,6 +20,9 @@
 namespace tsar {
 namespace {
 
+// Fits work on evenly spaced observations where there are more.
+constexpr size_t kMaxFittedObservations = 2000;
+
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
 // The share of its support that the smaller of two planes may lose for the sake
@@ -276,6 +279,34 @@ class PlaneMerger {
 };
 
 }  // namespace
+
+double SuperpixelPlaneFitter::LossScale() const {
+  return kCauchyShare * tolerance_;
+}
+
+FitSamples SuperpixelPlaneFitter::Sample(
+    const std::vector<int>& members) const {
+  return Sample(members, kMaxFittedObservations);
+}
+
+FitSamples SuperpixelPlaneFitter::Sample(const std::vector<int>& members,
+                                         size_t max_samples) const {
+  FitSamples samples;
+  observations_->Sample(
+      members, max_samples, [&](const DepthObservation& sample) {
+        samples.Add(sample);
+      });
+  return samples;
+}
+
+WorldPlane SuperpixelPlaneFitter::Fit(const WorldPlane& initial,
+                                      const FitSamples& samples) const {
+  return FitPlane(initial, samples, LossScale());
+}
+
+ScoredPlane SuperpixelPlaneFitter::ScoreOne(const WorldPlane& plane) const {
+  return std::move(Score({plane})[0]);
+}
 
 double MaxMergeLoss(double min_gain, double support_a, double support_b) {
   return std::max(min_gain, kMaxMergeShare * std::min(support_a, support_b));

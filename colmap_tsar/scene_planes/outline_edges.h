@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/scene_planes/axis_camera.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace tsar {
@@ -32,5 +33,33 @@ bool IsInRaster(const Camera& camera,
                 const AxisCamera& axis_camera,
                 double column,
                 double row);
+
+// Two straight edges parallel to an axis with nothing as strong between them,
+// in the image of an AxisCamera: perhaps the outlines of a column or a pipe.
+// Outlines are its occluding contours, at which it turns away from the camera:
+// other lines of its surface in each view.
+struct OutlinePair {
+  float left = 0.f;  // Columns.
+  float right = 0.f;
+  std::vector<int> rows;  // In which both are seen, in ascending order.
+};
+
+// In pixels.
+struct OutlinePairOptions {
+  float min_width = 10.f;
+  float max_width = 400.f;
+  size_t min_rows = 20;
+  // How far an edge may be from the pair's in a row that counts.
+  float tolerance = 1.5f;
+  // Edges between the two of a pair have less than this share of the strength
+  // of the weaker one.
+  float max_between = 0.6f;
+};
+
+// edges: see FindEdgesAcross. Of pairs that share edges, those that are seen in
+// most rows come first.
+std::vector<OutlinePair> FindOutlinePairs(
+    const std::vector<std::vector<AcrossEdge>>& edges,
+    const OutlinePairOptions& options);
 
 }  // namespace tsar

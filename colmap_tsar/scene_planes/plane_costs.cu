@@ -7,8 +7,8 @@
 #include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/direction_sectors.h"
-#include "colmap_tsar/scene_planes/superpixel_rays.h"
-#include "colmap_tsar/scene_planes/visibility_votes.h"
+#include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +77,7 @@ struct CostKernel {
   const ObservedSource* sources;
   int num_sources;
   VoteSampling sampling;
-  VoteLimits limits;
+  float max_confirmed_gap;
   int raster_width;
   Intrinsics intrinsics;
   DepthResolution resolution;
@@ -166,30 +166,25 @@ struct CostKernel {
     if (num_pixels == 0) {
       return;
     }
-    const SuperpixelVotes sum =
-        CollectVotes(num_pixels,
-                     sampling,
-                     sources,
-                     num_sources,
-                     limits,
-                     [&](int number, Vec3f* point) {
-                       const int pixel = pixels.Pixel(superpixel, number);
-                       const Vec3f ray = intrinsics.Ray(pixel % raster_width,
-                                                        pixel / raster_width);
-                       const float depth = plane.Depth(ray);
-                       *point = ray * depth;
-                       return IsPossible(depth);
-                     });
+    SuperpixelVotes sum;
+    sum.num_tests = sampling.NumTests(num_pixels);
+    for (int i = 0; i < sum.num_tests; ++i) {
+      const int pixel = pixels.Pixel(
+          superpixel, VoteSampling::Pixel(i, sum.num_tests, num_pixels));
+      const Vec3f ray =
+          intrinsics.Ray(pixel % raster_width, pixel / raster_width);
+      const float depth = plane.Depth(ray);
+      if (!IsPossible(depth)) {
+        ++sum.num_impossible;
+        continue;
+      }
+      AddVotes(sources, num_sources, ray * depth, max_confirmed_gap, &sum);
+    }
     const float pixels_per_test =
         static_cast<float>(num_pixels) / sum.num_tests;
-    const float pixels_per_vote = pixels_per_test / kMaxVotes;
-    result->cost +=
-        kCostOfImpossible * pixels_per_test * sum.num_impossible +
-        options.cost_of_contradiction * pixels_per_vote *
-            sum.votes.contradicted -
-        options.gain_of_confirmation * pixels_per_vote * sum.votes.confirmed;
+    result->cost += kCostOfImpossible * pixels_per_test * sum.num_impossible;
     result->confirmed =
-        static_cast<float>(sum.votes.confirmed) / (sum.num_tests * kMaxVotes);
+        static_cast<float>(sum.num_confirmed) / (sum.num_tests * kMaxVotes);
   }
 
   // How little is known about the plane's depth there, from 0 to 1.
@@ -327,8 +322,7 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                          inputs.Sources(),
                          inputs.NumSources(),
                          kPlaneSampling,
-                         {options.confirmation_share * options.tolerance,
-                          options.min_contradiction},
+                         options.confirmation_share * options.tolerance,
                          evidence.width,
                          intrinsics,
                          evidence.resolution,

@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene_planes/plane_lines.h"
 
 #include "colmap_tsar/base/gray_level.h"
-#include "colmap_tsar/scene_planes/plane_axis.h"
 
 #include <algorithm>
 #include <cmath>

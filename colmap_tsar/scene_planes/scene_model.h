@@ -5,14 +5,29 @@
 
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/model_cylinder.h"
 
 #include <map>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace tsar {
+
+// A frame of the plane across an axis, in the world: heights are along it.
+struct AxisFrame {
+  // Unit vectors at right angles.
+  Eigen::Vector3d along = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d across = Eigen::Vector3d::UnitX();
+
+  Eigen::Vector3d Third() const { return along.cross(across); }
+  Eigen::Vector2d Across(const Eigen::Vector3d& world) const {
+    return {across.dot(world), Third().dot(world)};
+  }
+  bool operator==(const AxisFrame& other) const {
+    return along == other.along && across == other.across;
+  }
+};
 
 // A plane of the scene, shared by all views that see it. World frame, units of
 // the sparse model.
@@ -39,6 +54,21 @@ struct ModelPlane {
   // which its normal lies exactly, or -1.
   int frame = -1;
   int axis = -1;
+};
+
+// A column or a pipe of the scene, which is known by its outlines
+// (OutlinePair): a straight circular cylinder along an axis of a Manhattan
+// frame. World frame, units of the sparse model.
+struct ModelCylinder {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // On its axis.
+  AxisFrame frame;  // Along the cylinder, and across it.
+  double radius = 1.0;
+  // The part of it that was seen: from where to where along its axis, as of
+  // `point`.
+  double min_height = 0.0;
+  double max_height = 0.0;
+  // Of the shifts along frame.across and frame.Third(), and of the radius.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
 // The planes, columns and pipes of a whole scene, and what every view shows of

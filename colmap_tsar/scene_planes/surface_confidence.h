@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/scene_planes/label_quality.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 
 namespace tsar {

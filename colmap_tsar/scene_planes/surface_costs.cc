@@ -219,21 +219,6 @@ const std::vector<float>& SurfaceCosts::FindShares(int s, int plane) const {
   return known.back().shares;
 }
 
-float SurfaceCosts::Cost(const Superpixel& superpixel,
-                         const CurvedSurface& surface,
-                         float residual) const {
-  const LabelOptions& labels = options_.labels;
-  const SuperpixelVotes sum = AskSources(superpixel, surface);
-  const float pixels_per_vote = static_cast<float>(superpixel.num_pixels) /
-                                static_cast<float>(sum.num_tests * kMaxVotes);
-  const float seen =
-      labels.cost_of_contradiction *
-          static_cast<float>(sum.votes.contradicted) -
-      labels.gain_of_confirmation * static_cast<float>(sum.votes.confirmed);
-  return (superpixel.IsMeasured() ? superpixel.weight * residual : 0.f) +
-         seen * pixels_per_vote;
-}
-
 float SurfaceCosts::PresentCost(int s) const {
   float& cost = present_costs_[static_cast<size_t>(s)];
   if (!std::isnan(cost)) {
@@ -248,16 +233,15 @@ float SurfaceCosts::PresentCost(int s) const {
                             superpixel.weight,
                         0.f);
   } else {
-    cost = Cost(superpixel, PlaneSurface(LabelOf(s)), superpixel.residual);
+    cost = Cost(superpixel, superpixel.residual);
   }
   return cost;
 }
 
 SuperpixelVotes SurfaceCosts::AskSources(const Superpixel& superpixel,
                                          const CurvedSurface& surface) const {
-  const VoteLimits limits = {
-      options_.labels.confirmation_share * options_.labels.tolerance,
-      options_.labels.min_contradiction};
+  const float max_gap =
+      options_.labels.confirmation_share * options_.labels.tolerance;
   SuperpixelVotes sum;
   sum.num_tests = kCurvedSampling.NumTests(superpixel.num_pixels);
   ForParts(superpixel.tests, [&](const SampleRange& part, float* depths) {
@@ -272,7 +256,7 @@ SuperpixelVotes SurfaceCosts::AskSources(const Superpixel& superpixel,
       AddVotes(sources_.data(),
                static_cast<int>(sources_.size()),
                ray * depths[i],
-               limits,
+               max_gap,
                &sum);
     }
   });
@@ -300,7 +284,7 @@ LabelEvidence SurfaceCosts::EvidenceOf(const Superpixel& superpixel,
   if (superpixel.IsMeasured() && Measure(superpixel, surface).residual < 1.f) {
     return LabelEvidence::kMeasured;
   }
-  return AskSources(superpixel, surface).votes.confirmed > 0
+  return AskSources(superpixel, surface).num_confirmed > 0
              ? LabelEvidence::kCarried
              : LabelEvidence::kGuessed;
 }

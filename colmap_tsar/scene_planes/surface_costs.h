@@ -10,8 +10,8 @@
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/observed_source.h"
 #include "colmap_tsar/scene_planes/surface_samples.h"
-#include "colmap_tsar/scene_planes/visibility_votes.h"
 
 #include <cmath>
 #include <cstddef>
@@ -79,13 +79,9 @@ class SurfaceCosts {
   // explains it alone.
   float ResidualOfNearest(int s, const std::vector<int>& planes) const;
 
-  // Of the samples and the votes of other views; see LabelOptions. residual: on
-  // the surface.
-  float Cost(const Superpixel& superpixel,
-             const CurvedSurface& surface,
-             float residual) const;
-  float Cost(const Superpixel& superpixel, const CurvedSurface& surface) const {
-    return Cost(superpixel, surface, Measure(superpixel, surface).residual);
+  // On a surface of this residual (MeasuredFit); see LabelOptions.
+  float Cost(const Superpixel& superpixel, float residual) const {
+    return superpixel.IsMeasured() ? superpixel.weight * residual : 0.f;
   }
 
   // With its plane or without any.

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
+#include "colmap_tsar/base/vector.h"
 
 #include <cstdint>
 #include <vector>
@@ -89,5 +90,13 @@ struct ViewEvidence {
 
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };
+
+// Of each superpixel of the evidence, the number of its pixels,
+std::vector<float> CountPixels(const ViewEvidence& evidence);
+
+// and the ray of their middle, in the camera's frame. intrinsics: of the
+// raster.
+std::vector<Vec3f> MiddleRays(const ViewEvidence& evidence,
+                              const Intrinsics& intrinsics);
 
 }  // namespace tsar

@@ -61,19 +61,6 @@ TEST_F(CurvedSurfacesTest, FillsWhatMeasurementsSurround) {
   EXPECT_EQ(view.evidence[0], LabelEvidence::kMeasured);
 }
 
-TEST_F(CurvedSurfacesTest, DoesNotHideWhatOtherViewsSawThroughIt) {
-  Measure([](const Vec3f& ray) { return Round(10.f, ray, false); });
-  Clear(6, 4, 9, 7);
-  source_depth_ = 6.f;
-  const int inside = 5 * kNumColumns + 7;
-  // What was measured outweighs one view.
-  const CurvedView view = Find();
-  EXPECT_GE(view.labels[0], 0);
-  EXPECT_EQ(view.labels[inside], -1);
-  options_.labels.cost_of_contradiction = 0.f;
-  EXPECT_GE(Find().labels[inside], 0);
-}
-
 TEST_F(CurvedSurfacesTest, OtherViewsCarryWhatTheySawToo) {
   const Shape shape = [](const Vec3f& ray) { return Round(40.f, ray, false); };
   Measure(shape);

@@ -13,25 +13,6 @@
 namespace tsar {
 namespace {
 
-TEST_F(DiscoverPlanesTest, FindsThePlanesOfARoomFromTiltedDuplicates) {
-  const SyntheticRoom room;
-  ExpectSurfaces(room, Discover(room));
-}
-
-TEST_F(DiscoverPlanesTest, AssignsEachSuperpixelToItsPlane) {
-  const SyntheticRoom room;
-  int num_on_surface[3] = {};
-  for (const std::vector<int>& of_view : room.seen) {
-    for (const int surface : of_view) {
-      if (surface >= 0) {
-        ++num_on_surface[surface];
-      }
-    }
-  }
-  ASSERT_GT(*std::min_element(num_on_surface, num_on_surface + 3), 30);
-  ExpectAssigned(room, Discover(room));
-}
-
 TEST_F(DiscoverPlanesTest, SupportIsTheSumOfTheScores) {
   const SyntheticRoom room;
   const DiscoveredPlanes found = Discover(room);

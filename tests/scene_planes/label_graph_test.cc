@@ -244,27 +244,6 @@ TEST(LabelGraphTest, ComesNearTheLeastEnergyWhateverTheCosts) {
   EXPECT_LT(excess, 0.5 * excess_of_initial);
 }
 
-TEST(LabelGraphTest, CutsAChainAtItsCheapEdge) {
-  constexpr int kNumNodes = 40;
-  constexpr int kCheapEdge = 26;
-  LabelGraph graph;
-  graph.num_nodes = kNumNodes;
-  graph.num_labels = 3;
-  graph.unary.assign(kNumNodes * 3, 1.f);
-  graph.unary[0 * 3 + 2] = -50.f;
-  graph.unary[(kNumNodes - 1) * 3 + 1] = -50.f;
-  for (int node = 0; node + 1 < kNumNodes; ++node) {
-    graph.edges.push_back({node, node + 1});
-  }
-  graph.pairwise = [](int edge, int a, int b) {
-    return a == b ? 0.f : edge == kCheapEdge ? 0.5f : 2.f;
-  };
-  const Labels labels = MinimizeByExpansion(graph, {});
-  for (int node = 0; node < kNumNodes; ++node) {
-    EXPECT_EQ(labels[node], node <= kCheapEdge ? 2 : 1) << node;
-  }
-}
-
 TEST(LabelGraphTest, TellsTheFirstNodeOfAnEdgeFromTheSecond) {
   LabelGraph graph;
   graph.num_nodes = 2;
@@ -360,34 +339,6 @@ TEST(LabelGraphTest, KeepsLabelsThatAreAsGood) {
   graph.pairwise = [](int, int, int) { return 0.3f; };
   const Labels initial = {2, 0, 1, 2};
   EXPECT_EQ(MinimizeByExpansion(graph, {}, initial), initial);
-}
-
-TEST(LabelGraphTest, NodesWithoutEdgesTakeTheirCheapestLabel) {
-  Philox random(7, 0, 0);
-  const LabelGraph graph = DrawNodes(30, 5, &random);
-  const Labels cheapest = MinimizeByExpansion(graph, {.max_sweeps = 0});
-  const Labels labels = MinimizeByExpansion(graph, {}, Labels(30, 4));
-  EXPECT_EQ(Energy(graph, labels), Energy(graph, cheapest));
-}
-
-TEST(LabelGraphTest, PartsOfAGraphDoNotTouchEachOther) {
-  Philox random(8, 0, 0);
-  LabelGraph graph = DrawNodes(12, 2, &random);
-  for (int node = 0; node + 1 < 12; ++node) {
-    if (node != 5) {
-      graph.edges.push_back({node, node + 1});
-    }
-  }
-  graph.pairwise = [](int, int a, int b) { return a == b ? 0.f : 1.25f; };
-  const Labels labels = MinimizeByExpansion(graph, {});
-  for (int label = 0; label < 2; ++label) {
-    LabelGraph forced = graph;
-    forced.unary[11 * 2 + label] = -1000.f;
-    const Labels of_forced = MinimizeByExpansion(forced, {});
-    EXPECT_EQ(of_forced[11], label);
-    EXPECT_TRUE(
-        std::equal(labels.begin(), labels.begin() + 6, of_forced.begin()));
-  }
 }
 
 TEST(LabelGraphTest, WorksOnTheSmallestGraphs) {

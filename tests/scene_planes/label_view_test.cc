@@ -266,6 +266,35 @@ TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
+TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
+  Measure(WallAt(3.f), 0, 2);
+  DrawEdgeLeftOf(6);
+  // Column 3 of the reference.
+  AddSource([](int x, int) { return x >= 4 && x < 13 ? 3.f : 0.f; });
+  const LabeledView view = Label({WallAt(3.f)});
+  ExpectColumns(view, {0, 0, 0, 0, 0, 0, -1, -1});
+  ExpectEvidence(view,
+                 {LabelEvidence::kMeasured,
+                  LabelEvidence::kMeasured,
+                  LabelEvidence::kMeasured,
+                  LabelEvidence::kCarried,
+                  LabelEvidence::kGuessed,
+                  LabelEvidence::kGuessed,
+                  LabelEvidence::kNone,
+                  LabelEvidence::kNone});
+}
+
+TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
+  DrawEdgesEverywhere();
+  options_.uncertainty_cost = 0.f;
+  Measure(WallAt(5.f), 0, 2);
+  // From half the nearest depth to twice the farthest.
+  ExpectColumns(Label({WallAt(9.9f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
+  ExpectColumns(Label({WallAt(2.6f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
+  ExpectColumns(Label({WallAt(10.1f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+  ExpectColumns(Label({WallAt(2.4f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+}
+
 TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
   options_.unlabelled_cost = 0.01f;
   Measure(WallAt(3.f), 0, 2);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/scene_planes/adjust_planes_fixture.h"
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -30,16 +31,6 @@ bool IsUnknown(const Eigen::Matrix3d& covariance) {
   Eigen::Matrix3d finite = covariance;
   finite.diagonal().setZero();
   return finite.isZero(0.0) && covariance.diagonal().array().isInf().all();
-}
-
-// The segment in which wall and floor meet, as the camera sees it.
-PlaneCrease Crease() {
-  return {
-      0,
-      1,
-      kCenter,
-      {Vector3d(-1.5, -1.5, 5.0) - kCenter, Vector3d(1.0, -1.5, 5.0) - kCenter},
-      0.002};
 }
 
 TEST(AdjustPlanesUnknown, Nothing) {
@@ -67,11 +58,10 @@ TEST(AdjustPlanesUnknown, UnmeasuredPlanesStay) {
   }
 }
 
-TEST(AdjustPlanesUnknown, TwoUnmeasuredPlanesThatMeetStay) {
+TEST(AdjustPlanesUnknown, TwoUnmeasuredPlanesStayWhateverTheirAngle) {
   PlaneAdjustment adjustment;
   adjustment.planes = {kWall.Plane(),
                        Displaced(kFloor.Plane(), kFloor.middle, 3.0, 0.1)};
-  adjustment.creases = {Crease()};
   adjustment.angles = {{PlaneAnglePrior::Kind::kOrthogonal, 0, 1, 0.01}};
   const AdjustedPlanes adjusted = AdjustPlanes(adjustment, MeasureNothing);
   for (int p = 0; p < 2; ++p) {
@@ -101,88 +91,52 @@ TEST(AdjustPlanesUnknown, PlaneMeasuredOnALineTurnsNotAboutIt) {
   EXPECT_EQ(plane.covariance(0, 1), 0.0);
 }
 
-TEST(AdjustPlanesUnknown, CreasePlacesAnUnmeasuredPlane) {
-  // The floor lies 0.4 too low; nothing but where it meets the wall tells.
+TEST(AdjustPlanesUnknown, PlaneThroughTheCameraThatMeasuredItStays) {
   PlaneAdjustment adjustment;
-  adjustment.planes = {kWall.Plane(),
-                       PlaneThrough(Vector3d::UnitY(), {0.0, -1.9, 0.0})};
-  adjustment.creases = {Crease()};
-  const Observations observations = {{0, ObservePatch(kWall, kCenter, 10)},
-                                     {0, ObservePatch(kWall, {1, 1, 0}, 10)}};
-  for (const bool framed : {false, true}) {
-    if (framed) {
-      adjustment.frames = {Eigen::Matrix3d::Identity()};
-      adjustment.axes = {{0, 2}, {0, 1}};
-    }
-    const AdjustedPlane floor =
-        AdjustPlanes(adjustment, Measure(observations)).planes[1];
-    EXPECT_NEAR(floor.plane.Height({-0.25, -1.5, 5.0}), 0.0, 0.01) << framed;
-    EXPECT_LT(std::sqrt(floor.covariance(2, 2)), 0.02) << framed;
-    if (framed) {
-      EXPECT_LT(AngleBetween(floor.plane, kFloor.Plane()), 0.2);
-      EXPECT_LT(floor.covariance.trace(), 1e-2);
-    } else {
-      // About the crease.
-      EXPECT_TRUE(std::isinf(floor.covariance(1, 1)));
-    }
+  adjustment.planes = {PlaneThrough(Vector3d::UnitY(), kCenter)};
+  const Observations observations = {{0, ObservePatch(kWall, kCenter, 10)}};
+  const MeasurePlanes elsewhere = [&](const std::vector<WorldPlane>&) {
+    return Measure(observations)({kWall.Plane()});
+  };
+  for (const MeasurePlanes& measure : {Measure(observations), elsewhere}) {
+    const AdjustedPlanes adjusted = AdjustPlanes(adjustment, measure);
+    ExpectSame(adjusted.planes[0].plane, adjustment.planes[0]);
+    EXPECT_TRUE(IsUnknown(adjusted.planes[0].covariance));
   }
 }
 
-TEST(AdjustPlanesUnknown, PlaneThroughACameraIsLeftOut) {
-  PlaneAdjustment adjustment;
-  adjustment.planes = {PlaneThrough(Vector3d::UnitY(), kCenter),
-                       PlaneThrough(Vector3d::UnitZ(), kCenter)};
-  adjustment.creases = {Crease()};
-  const Observations observations = {{0, ObservePatch(kWall, kCenter, 10)}};
-  const AdjustedPlanes adjusted =
-      AdjustPlanes(adjustment, Measure(observations));
-  ExpectSame(adjusted.planes[0].plane, adjustment.planes[0]);
-  EXPECT_TRUE(IsUnknown(adjusted.planes[0].covariance));
-}
-
-// A wall and a floor with all that there is to know of them.
+// A wall that is free, and a floor and another wall in a frame.
 struct Corner {
   explicit Corner(double scale = 1.0,
-                  const Vector3d& origin = Vector3d::Zero()) {
-    const auto moved = [&](const Vector3d& point) {
-      return Vector3d(scale * point + origin);
-    };
+                  const Vector3d& origin = Vector3d::Zero(),
+                  bool has_noise = true) {
     Philox random(5, 6, 7);
-    for (const Vector3d& center : {Vector3d(0, 0, 0), Vector3d(1, 1, 0)}) {
-      observations.emplace_back(0, ObservePatch(kWall, center, 8, {}, &random));
-      observations.emplace_back(1,
-                                ObservePatch(kFloor, center, 8, {}, &random));
+    const Patch side = {{3.0, 0.0, 2.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    const Patch patches[] = {kWall, kFloor, side};
+    for (int p = 0; p < 3; ++p) {
+      for (const Vector3d& center : {Vector3d(0, 0, 0), Vector3d(1, 1, 0)}) {
+        observations.emplace_back(
+            p,
+            ObservePatch(
+                patches[p], center, 8, {}, has_noise ? &random : nullptr));
+      }
+      const WorldPlane plane =
+          Displaced(patches[p].Plane(), patches[p].middle, 1.0, 0.1);
+      adjustment.planes.push_back(
+          {plane.normal, scale * plane.offset - plane.normal.dot(origin)});
     }
     for (auto& [plane, of_view] : observations) {
       for (DepthObservation& observation : of_view) {
-        observation.center = moved(observation.center);
+        observation.center = scale * observation.center + origin;
         observation.depth *= scale;
         observation.sigma *= scale;
       }
     }
-    for (const WorldPlane& plane :
-         {Displaced(kWall.Plane(), kWall.middle, 1.0, 0.1),
-          Displaced(kFloor.Plane(), kFloor.middle, 1.0, 0.1),
-          PlaneThrough(Vector3d::UnitX(), {3.0, 0.0, 0.0})}) {
-      adjustment.planes.push_back(
-          {plane.normal, scale * plane.offset - plane.normal.dot(origin)});
-    }
-    for (int i = 0; i < 9; ++i) {
-      adjustment.points.push_back(
-          {0,
-           moved({i % 3 - 1.0, i / 3 - 1.0, 5.0 + 0.01 * (i % 2)}),
-           0.02 * scale});
-      adjustment.points.push_back(
-          {2,
-           moved({3.0 + 0.01 * (i % 2), i / 3 - 1.0, i % 3 + 1.0}),
-           0.02 * scale});
-    }
-    adjustment.creases = {Crease()};
-    adjustment.creases[0].center = moved(kCenter);
     adjustment.frames = {
         Eigen::AngleAxisd(0.01, Vector3d::UnitX()).toRotationMatrix()};
     adjustment.axes = {{-1, -1}, {0, 1}, {0, 0}};
-    adjustment.angles = {{PlaneAnglePrior::Kind::kOrthogonal, 0, 1, 0.01}};
+    adjustment.angles = {{PlaneAnglePrior::Kind::kOrthogonal, 0, 1, 0.01},
+                         {PlaneAnglePrior::Kind::kOrthogonal, 1, 2, 0.01}};
   }
 
   AdjustedPlanes Adjust() const {
@@ -193,7 +147,84 @@ struct Corner {
   Observations observations;
 };
 
-TEST(AdjustPlanesUnits, SameInputGivesSameBits) {
+// The errors of everything, squared, where the planes are turned and moved by
+// numbers: the turn of the frame, the turn of the wall and the three shifts.
+double CostOf(const AdjustedPlanes& at,
+              const PlaneAdjustment& adjustment,
+              const std::vector<PlaneMeasurement>& measurements,
+              const Eigen::Matrix<double, 8, 1>& numbers) {
+  WorldPlane moved[3];
+  for (int p = 0; p < 3; ++p) {
+    const AdjustedPlane& plane = at.planes[p];
+    Vector3d turn = numbers.head<3>();
+    if (p == 0) {
+      turn = numbers[3] * plane.axis_s + numbers[4] * plane.axis_t;
+    }
+    Vector3d normal = plane.plane.normal;
+    if (turn.norm() > 0.0) {
+      normal = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * normal;
+    }
+    moved[p] = {normal, -normal.dot(plane.center) - numbers[5 + p]};
+  }
+  double cost = 0.0;
+  for (const PlaneMeasurement& measurement : measurements) {
+    const WorldPlane& plane = moved[measurement.plane];
+    const Vector3d q = plane.normal / plane.Height(measurement.center);
+    cost += q.homogeneous().dot(measurement.form * q.homogeneous());
+  }
+  for (const PlaneAnglePrior& angle : adjustment.angles) {
+    const double cosine =
+        moved[angle.first].normal.dot(moved[angle.second].normal);
+    cost += std::pow(cosine / angle.sigma, 2);
+  }
+  return cost;
+}
+
+// Without noise it is twice the inverse of the second derivatives of the cost,
+// which differences tell.
+TEST(AdjustPlanes, CovarianceIsTheInverseCurvatureOfTheCost) {
+  using Numbers = Eigen::Matrix<double, 8, 1>;
+  const Corner corner(1.0, Vector3d::Zero(), /*has_noise=*/false);
+  const MeasurePlanes measure = Measure(corner.observations);
+  const AdjustedPlanes adjusted = AdjustPlanes(corner.adjustment, measure);
+  std::vector<WorldPlane> planes;
+  for (const AdjustedPlane& plane : adjusted.planes) {
+    planes.push_back(plane.plane);
+  }
+  const std::vector<PlaneMeasurement> measurements = measure(planes);
+  constexpr double kStep = 1e-4;
+  const auto cost = [&](int i, double a, int k, double b) {
+    const Numbers numbers = a * Numbers::Unit(i) + b * Numbers::Unit(k);
+    return CostOf(adjusted, corner.adjustment, measurements, kStep * numbers);
+  };
+  Eigen::Matrix<double, 8, 8> curvature;
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 8; ++k) {
+      curvature(i, k) = (cost(i, 1, k, 1) - cost(i, 1, k, -1) -
+                         cost(i, -1, k, 1) + cost(i, -1, k, -1)) /
+                        (4.0 * kStep * kStep);
+    }
+  }
+  const Eigen::Matrix<double, 8, 8> covariance = 2.0 * curvature.inverse();
+  for (int p = 0; p < 3; ++p) {
+    Eigen::Matrix<double, 3, 8> by_numbers =
+        Eigen::Matrix<double, 3, 8>::Zero();
+    if (p == 0) {
+      by_numbers(0, 3) = by_numbers(1, 4) = 1.0;
+    } else {
+      by_numbers.block<1, 3>(0, 0) = adjusted.planes[p].axis_s.transpose();
+      by_numbers.block<1, 3>(1, 0) = adjusted.planes[p].axis_t.transpose();
+    }
+    by_numbers(2, 5 + p) = 1.0;
+    const Eigen::Matrix3d expected =
+        by_numbers * covariance * by_numbers.transpose();
+    EXPECT_TRUE(adjusted.planes[p].covariance.isApprox(expected, 1e-3))
+        << adjusted.planes[p].covariance << "\n\n"
+        << expected;
+  }
+}
+
+TEST(AdjustPlanesChecks, SameInputGivesSameBits) {
   const AdjustedPlanes a = Corner().Adjust();
   const AdjustedPlanes b = Corner().Adjust();
   for (int p = 0; p < 3; ++p) {
@@ -205,60 +236,43 @@ TEST(AdjustPlanesUnits, SameInputGivesSameBits) {
   EXPECT_EQ(a.frames[0], b.frames[0]);
 }
 
-TEST(AdjustPlanesUnits, OnePointFarAwayDoesNotMatter) {
-  const AdjustedPlanes a = Corner().Adjust();
-  Corner corner;
-  corner.adjustment.points.push_back({0, {1e12, 1e12, 1e12}, 0.02});
-  const AdjustedPlanes b = corner.Adjust();
-  for (int p = 0; p < 3; ++p) {
-    EXPECT_LT(SquaredError(b.planes[p], a.planes[p].plane), 0.01);
-    EXPECT_TRUE(b.planes[p].covariance.isApprox(a.planes[p].covariance, 0.01));
-  }
-}
-
-TEST(AdjustPlanesUnits, PrintsNothing) {
+TEST(AdjustPlanesChecks, PrintsNothing) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   Corner corner;
   corner.Adjust();
   // Where no step is possible, too.
   corner.adjustment.planes[0] = PlaneThrough(Vector3d::UnitZ(), {0, 0, 1e-9});
-  corner.adjustment.points[0].sigma = 1e-250;
-  try {
-    corner.Adjust();
-  } catch (const std::invalid_argument&) {
-  }
+  corner.Adjust();
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(AdjustPlanesUnits, UnitOfLengthDoesNotMatter) {
+TEST(AdjustPlanes, NeitherUnitNorOriginMatters) {
   const AdjustedPlanes a = Corner().Adjust();
-  for (const double scale : {1.0 / 1024.0, 1024.0}) {
-    const AdjustedPlanes b = Corner(scale).Adjust();
-    const Vector3d units(1.0, 1.0, 1.0 / scale);
+  const struct {
+    double scale;
+    Vector3d origin;
+    double tolerance;
+  } kChanges[] = {{1.0 / 1024.0, Vector3d::Zero(), 1e-8},
+                  {1024.0, Vector3d::Zero(), 1e-8},
+                  {1.0, {3e5, -5e6, 2e5}, 1e-4}};
+  for (const auto& change : kChanges) {
+    const AdjustedPlanes b = Corner(change.scale, change.origin).Adjust();
+    const Vector3d units(1.0, 1.0, 1.0 / change.scale);
     for (int p = 0; p < 3; ++p) {
-      EXPECT_LT((a.planes[p].plane.normal - b.planes[p].plane.normal).norm(),
-                1e-12);
-      EXPECT_NEAR(
-          a.planes[p].plane.offset, b.planes[p].plane.offset / scale, 1e-12);
+      const AdjustedPlane& plane = b.planes[p];
+      EXPECT_LT((a.planes[p].plane.normal - plane.plane.normal).norm(),
+                0.01 * change.tolerance);
+      const Vector3d center = change.scale * a.planes[p].center + change.origin;
+      EXPECT_NEAR(plane.plane.Height(center) / change.scale,
+                  0.0,
+                  0.01 * change.tolerance);
       const Eigen::Matrix3d covariance =
-          units.asDiagonal() * b.planes[p].covariance * units.asDiagonal();
-      EXPECT_TRUE(covariance.isApprox(a.planes[p].covariance, 1e-8)) << p;
+          units.asDiagonal() * plane.covariance * units.asDiagonal();
+      EXPECT_TRUE(covariance.isApprox(a.planes[p].covariance, change.tolerance))
+          << p;
     }
-  }
-}
-
-TEST(AdjustPlanesUnits, PlaceOfTheOriginDoesNotMatter) {
-  const AdjustedPlanes a = Corner().Adjust();
-  const Vector3d origin(3e5, -5e6, 2e5);
-  const AdjustedPlanes b = Corner(1.0, origin).Adjust();
-  for (int p = 0; p < 3; ++p) {
-    EXPECT_LT((a.planes[p].plane.normal - b.planes[p].plane.normal).norm(),
-              1e-6);
-    EXPECT_NEAR(
-        b.planes[p].plane.Height(a.planes[p].center + origin), 0.0, 1e-6);
-    EXPECT_TRUE(b.planes[p].covariance.isApprox(a.planes[p].covariance, 1e-4));
   }
 }
 
@@ -275,13 +289,6 @@ TEST(AdjustPlanesChecks, RefusesWhatIsNotFiniteOrOutOfRange) {
       [](Corner* c) { c->adjustment.axes.pop_back(); },
       [](Corner* c) { c->adjustment.axes[1].frame = 1; },
       [](Corner* c) { c->adjustment.axes[1].column = 3; },
-      [](Corner* c) { c->adjustment.points[2].plane = 3; },
-      [](Corner* c) { c->adjustment.points[2].point.z() = kNan; },
-      [](Corner* c) { c->adjustment.points[2].sigma = 0.0; },
-      [](Corner* c) { c->adjustment.creases[0].second = 0; },
-      [](Corner* c) { c->adjustment.creases[0].second = -1; },
-      [](Corner* c) { c->adjustment.creases[0].rays[1].x() = kNan; },
-      [](Corner* c) { c->adjustment.creases[0].relative_sigma = kInfinity; },
       [](Corner* c) { c->adjustment.angles[0].first = 7; },
       [](Corner* c) { c->adjustment.angles[0].sigma = -1.0; },
       [](Corner* c) { c->observations[1].second[3].depth = kNan; },
