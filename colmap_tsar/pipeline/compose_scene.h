@@ -82,7 +82,4 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        Device& device);
 
-// Beside `own`.
-int64_t ComposeSceneWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

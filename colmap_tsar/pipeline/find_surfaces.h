@@ -47,11 +47,4 @@ Surfaces FindSurfaces(const ViewData& reference,
                       StageTimer* timer,
                       StageObserver* observer);
 
-// Together with the views, beside their sources.
-int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels,
-                                 int num_sources);
-// Bytes of what it returns.
-int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels);
-
 }  // namespace tsar

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/pipeline/raster_color.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/noise/denoise.h"
 #include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/gray.h"
@@ -26,15 +25,6 @@ DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
   const DeviceImage<float> gray = ComputeGray(noisy, device);
   return Denoise(
       noisy, gray.View(), EstimateNoise(gray.View(), device), {}, device);
-}
-
-int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise) {
-  const int64_t reduced = BytesOf<Rgb>(num_raster_pixels);
-  const int64_t gray = BytesOf<float>(num_raster_pixels);
-  return denoise ? reduced + gray +
-                       std::max(EstimateNoiseWorkingBytes(num_raster_pixels),
-                                DenoiseWorkingBytes(num_raster_pixels))
-                 : reduced;
 }
 
 }  // namespace tsar

@@ -17,6 +17,4 @@ DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  bool denoise,
                                  Device& device);
 
-int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise);
-
 }  // namespace tsar

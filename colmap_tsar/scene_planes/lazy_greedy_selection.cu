@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene_planes/lazy_greedy_selection.h"
 
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -105,16 +104,6 @@ void LazyGreedySelection::UpdateGains(const std::vector<int>& candidates) {
   for (size_t i = 0; i < candidates.size(); ++i) {
     gains_[candidates[i]] = gains[i];
   }
-}
-
-int64_t LazyGreedySelection::WorkingBytes(int64_t num_candidates,
-                                          int64_t num_superpixels,
-                                          int num_views) {
-  const int64_t best = BytesOf<float>(num_superpixels);
-  const int64_t batch = BytesOf<int>(kGainBatch) + BytesOf<float>(kGainBatch);
-  return PlaneScorer::ScoreWorkingBytes(
-             num_candidates, num_superpixels, num_views) +
-         best + batch;
 }
 
 }  // namespace tsar

@@ -34,10 +34,6 @@ class LazyGreedySelection {
   // that of the call before. Of equal candidates the first wins.
   Choice Next(const std::vector<float>& best);
 
-  static int64_t WorkingBytes(int64_t num_candidates,
-                              int64_t num_superpixels,
-                              int num_views);
-
  private:
   void UpdateGains(const std::vector<int>& candidates);
 

@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene_planes/plane_scores.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -191,24 +190,6 @@ Buffer<float> PlaneScorer::Score(const std::vector<WorldPlane>& planes) const {
                           static_cast<int>(planes.size()),
                           scores.Data()});
   return scores;
-}
-
-int64_t PlaneScorer::WorkingBytes(int64_t num_superpixels,
-                                  int64_t num_observations) {
-  // The last block of each superpixel may hold a single observation.
-  const int64_t max_blocks =
-      num_observations / ObservationBlock::kSize + num_superpixels;
-  return BytesOf<ObservationBlock>(max_blocks) +
-         BytesOf<Ball>(num_superpixels) + BytesOf<int>(num_superpixels) +
-         BytesOf<int>(num_superpixels + 1);
-}
-
-int64_t PlaneScorer::ScoreWorkingBytes(int64_t num_planes,
-                                       int64_t num_superpixels,
-                                       int num_views) {
-  return BytesOf<Vec3f>(num_planes) + BytesOf<float>(num_planes) +
-         BytesOf<float>(num_planes * num_views) +
-         BytesOf<float>(num_planes * num_superpixels);
 }
 
 ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
