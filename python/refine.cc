@@ -99,6 +99,9 @@ py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
     const WorkspaceLock lock(workspace_path);
     result = Restore(workspace_path, ParseRestoreConflicts(conflicts));
   }
+  // Those are for the user to decide about as well.
+  result.conflicts.insert(
+      result.conflicts.end(), result.lost.begin(), result.lost.end());
   return ToRestorationDict(result, result.num_restored);
 }
 

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -42,6 +43,11 @@ void WriteSceneModel(const ContainedPath& path,
 // views.
 SceneModel ReadSceneModel(const std::filesystem::path& path,
                           SceneModelParts parts = SceneModelParts::kAll);
+
+// The fingerprint of a file's planes, with or without labels; nothing where
+// there is no file or its planes are damaged.
+std::optional<uint64_t> ReadScenePlanesFingerprint(
+    const std::filesystem::path& path);
 
 // The options hash of a file, from its header alone: whether the model may be
 // used. Nothing where there is no file, or none with an intact header, of this
