@@ -167,8 +167,7 @@ bool ImageCatalogue::WasRefinedOtherwise(size_t index) {
   const std::optional<ImageRecord> record =
       ReadRecord(workspace_.Paths(image, workspace_.Type()).record);
   return record && record->status == ImageStatus::kDone &&
-         !IsDone(
-             workspace_, image, options_hash_, InputsOf(image, planes_));
+         !IsDone(workspace_, image, options_hash_, InputsOf(image, planes_));
 }
 
 bool ImageCatalogue::IsNeeded(size_t index) {

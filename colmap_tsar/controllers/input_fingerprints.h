@@ -40,9 +40,9 @@ class InputFingerprints {
   // sources the references have: of what the planes of the scene are found in.
   const std::string& StateOfScene();
 
-  // What a reference's result is made from: OfView(), "sources" (which they are)
-  // and "scene": StateOfScene(). There are no names in it, since these need not
-  // be UTF-8.
+  // What a reference's result is made from: OfView(), "sources" (which they
+  // are) and "scene": StateOfScene(). There are no names in it, since these
+  // need not be UTF-8.
   InputState OfResult(int reference);
 
   // What differs between the recorded state of a result and that of today, such

@@ -222,9 +222,9 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                            : 0);
   // Observations by the cells of planes; no cell is without one.
   const PlaneSupportOptions support;
-  const int64_t num_cells =
-      std::min(size.num_views * size.num_observations,
-               int64_t{support.num_cells} * support.num_cells * size.num_planes);
+  const int64_t num_cells = std::min(
+      size.num_views * size.num_observations,
+      int64_t{support.num_cells} * support.num_cells * size.num_planes);
   return pixels + (size.num_views - 1) * of_source +
          64 * (size.num_superpixels + size.num_planes) +
          24 * size.num_observations + 16 * num_cells +

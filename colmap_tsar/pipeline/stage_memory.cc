@@ -102,10 +102,9 @@ int64_t LabelViewWorkingBytes(const RefineOptions& options,
   size.num_views = num_views;
   size.num_pixels = MaxRasterPixels(num_pixels);
   size.num_superpixels = NumSuperpixels(options, num_pixels);
-  size.num_observations =
-      std::min(size.num_pixels,
-               size.num_superpixels *
-                   EvidenceOptions().max_observations_per_superpixel);
+  size.num_observations = std::min(
+      size.num_pixels,
+      size.num_superpixels * EvidenceOptions().max_observations_per_superpixel);
   // As many as one view can have, and as many more by its sources.
   size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
   return LabelInModelWorkingBytes(

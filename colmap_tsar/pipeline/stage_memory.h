@@ -10,10 +10,10 @@
 namespace tsar {
 
 // What an image takes of memory on its way through the stages, in bytes: linear
-// in the pixels of its map, those of its raster and its superpixels. Each number
-// holds for maps of any shape with num_pixels pixels. The factors were measured;
-// tests/pipeline/stage_memory_test.cc runs the stages on a device that counts,
-// and fails where a number is too small or far too large.
+// in the pixels of its map, those of its raster and its superpixels. Each
+// number holds for maps of any shape with num_pixels pixels. The factors were
+// measured; tests/pipeline/stage_memory_test.cc runs the stages on a device
+// that counts, and fails where a number is too small or far too large.
 
 // Of the device's memory, beside the sources that were uploaded
 // (UploadedViewBytes).

@@ -64,14 +64,13 @@ void RequireOriginal(const Map& map,
                      Scrutiny scrutiny) {
   if (state && state != MapState::kOriginal &&
       !IsOriginal(map.stored, map.original, scrutiny)) {
-    throw Error::File(ErrorCode::kMismatch,
-                      map.stored.string(),
-                      "this is not the original of " + map.current.string() +
-                          " that was kept here",
-                      "put that one back here, or decide by " +
-                          OptionName("restore") + " 1 with " +
-                          OptionName("restore_conflicts") +
-                          " original or keep");
+    throw Error::File(
+        ErrorCode::kMismatch,
+        map.stored.string(),
+        "this is not the original of " + map.current.string() +
+            " that was kept here",
+        "put that one back here, or decide by " + OptionName("restore") +
+            " 1 with " + OptionName("restore_conflicts") + " original or keep");
   }
 }
 

@@ -36,7 +36,7 @@ void WriteSceneModel(const ContainedPath& path,
                      const SceneModel& model,
                      SceneModelParts parts = SceneModelParts::kAll);
 
-// What is returned keeps the promises of SceneModel (scene_model_check.h).
+// What is returned keeps the promises of SceneModel.
 // Error kNotFound, kIo, or kCorrupt where the file is damaged, not of this
 // format's version, or breaks such a promise. The file's length is checked
 // before memory is allocated. A file that was written without labels has no

@@ -193,9 +193,8 @@ void WriteBack::KeepOriginals() {
         *original = DescribeMap(stored);
       }
     };
-    describe(originals.depth_state,
-             paths_.original_depth,
-             &record_.original_depth);
+    describe(
+        originals.depth_state, paths_.original_depth, &record_.original_depth);
     describe(originals.normal_state,
              paths_.original_normal,
              &record_.original_normal);

@@ -72,11 +72,9 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWithoutThePlanesOfTheScene) {
   MakeSyntheticWorkspace(other);
   RemoveDepths(other, 3);
   Refine(Options(other));
-  const std::string of_other_scene =
-      ReadText(other / "stereo/tsar/planes.bin");
+  const std::string of_other_scene = ReadText(other / "stereo/tsar/planes.bin");
   ASSERT_NE(of_other_scene, bytes);
-  for (const std::string& content :
-       {std::string(), damaged, of_other_scene}) {
+  for (const std::string& content : {std::string(), damaged, of_other_scene}) {
     EXPECT_EQ(Refine().num_refined, 0);
     WriteText(planes, content);
     testing::internal::CaptureStderr();

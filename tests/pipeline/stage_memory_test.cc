@@ -284,10 +284,10 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
         for_neighbours + evidence.region_planes.NumPixels() * sizeof(uint16_t) +
         evidence.is_measured.size() +
         // Hardly a depth of this scene is confirmed and not trusted.
-        std::min<size_t>(
-            evidence.superpixels.NumPixels(),
-            static_cast<size_t>(evidence.NumSuperpixels() *
-                                EvidenceOptions().max_confirmed_per_superpixel)) *
+        std::min<size_t>(evidence.superpixels.NumPixels(),
+                         static_cast<size_t>(
+                             evidence.NumSuperpixels() *
+                             EvidenceOptions().max_confirmed_per_superpixel)) *
             sizeof(RayDepth) +
         2 * evidence.confirmed_pixels.size() * sizeof(int) +
         evidence.borders.size() * sizeof(SuperpixelBorder) +

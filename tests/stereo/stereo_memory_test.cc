@@ -103,11 +103,11 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
           EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
         };
         expect_planned(false, matched.photometric);
-        expect_planned(true,
-                       std::max({matched.photometric,
-                                 matched.geometric,
-                                 options.planar_prior ? matched.under_prior
-                                                      : 0}));
+        expect_planned(
+            true,
+            std::max({matched.photometric,
+                      matched.geometric,
+                      options.planar_prior ? matched.under_prior : 0}));
       }
     }
   }

@@ -4,7 +4,6 @@
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/restore.h"
 
-
 #include "tests/store/write_back_testing.h"
 #include "tests/support/write_refined.h"
 

@@ -46,8 +46,7 @@ TEST_F(WrittenMapTest, ComesBackFromItsText) {
   EXPECT_EQ(read.hash, map_.hash);
   EXPECT_EQ(read.time, map_.time);
   EXPECT_EQ(read.samples, map_.samples);
-  for (const char* text :
-       {"", "12:", "@12:", "xyz@12:", "12@:", "12@12:xyz"}) {
+  for (const char* text : {"", "12:", "@12:", "xyz@12:", "12@:", "12@12:xyz"}) {
     EXPECT_ANY_THROW(WrittenMapFromText(text)) << text;
   }
 }
