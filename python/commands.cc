@@ -162,8 +162,16 @@ py::dict Refine(const py::dict& options, const py::tuple& listeners) {
 
 py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
                           const std::string& conflicts) {
+  const auto restore = [](const std::filesystem::path& path,
+                          RestoreConflicts choice) {
+    RestoreResult result = Restore(path, choice);
+    // Those are for the user to decide about as well.
+    result.conflicts.insert(
+        result.conflicts.end(), result.lost.begin(), result.lost.end());
+    return result;
+  };
   return Undone(
-      workspace_path, conflicts, &Restore, [](const RestoreResult& result) {
+      workspace_path, conflicts, restore, [](const RestoreResult& result) {
         return result.num_restored;
       });
 }

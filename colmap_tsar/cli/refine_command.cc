@@ -188,6 +188,7 @@ int RestoreWorkspace(const RefineCommand& command) {
               << " to these maps again.\n";
   }
   ReportRestored(result.kept, result.superseded, result.conflicts);
+  RequireNoneLost(result.lost);
   return 0;
 }
 

@@ -28,6 +28,14 @@ void PrintList(const std::string& title,
   }
 }
 
+// "a.bin and 2 more"; at least one.
+std::string FirstAndNumber(const std::vector<std::filesystem::path>& paths) {
+  return paths.front().string() +
+         (paths.size() == 1
+              ? std::string()
+              : " and " + std::to_string(paths.size() - 1) + " more");
+}
+
 }  // namespace
 
 DeviceOptions DeviceArguments::Parse() const {
@@ -110,15 +118,23 @@ void ReportRestored(const std::vector<std::filesystem::path>& kept,
   std::cout << std::flush;
   throw Error(
       ErrorCode::kMismatch,
-      conflicts.front().string() +
-          (conflicts.size() == 1
-               ? std::string()
-               : " and " + std::to_string(conflicts.size() - 1) + " more") +
-          ": depth and normals are not of one source, and nothing "
-          "tells whether they or the originals that are kept should "
-          "stay; give --restore_conflicts original to put the "
-          "originals back (what is there moves to "
+      FirstAndNumber(conflicts) +
+          ": depth and normals are not of one source, or an original was "
+          "changed where it is kept, and nothing tells whether these maps or "
+          "those that are kept should stay; give --restore_conflicts original "
+          "to put the originals back (what is there moves to "
           "stereo/tsar/superseded), or keep to leave what is there");
+}
+
+void RequireNoneLost(const std::vector<std::filesystem::path>& lost) {
+  PrintList("Left these refined maps, whose originals are gone:", lost);
+  if (!lost.empty()) {
+    std::cout << std::flush;
+    throw Error(ErrorCode::kMismatch,
+                FirstAndNumber(lost) +
+                    ": this map has been refined, and its original is gone; "
+                    "run patch_match_stereo again for this image");
+  }
 }
 
 }  // namespace tsar

@@ -54,4 +54,7 @@ void ReportRestored(const std::vector<std::filesystem::path>& kept,
                     const std::vector<std::filesystem::path>& superseded,
                     const std::vector<std::filesystem::path>& conflicts);
 
+// Throws Error kMismatch where refined maps have lost their originals.
+void RequireNoneLost(const std::vector<std::filesystem::path>& lost);
+
 }  // namespace tsar

@@ -67,12 +67,15 @@ ImageCatalogue::ImageCatalogue(const Workspace& workspace,
                                std::vector<bool> has_maps,
                                std::string options_hash,
                                InputFingerprints& inputs,
+                               std::string planes,
                                bool reuses_results,
                                bool distrust_unmatched)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_hash_(std::move(options_hash)),
       inputs_(inputs),
+      planes_(std::move(planes)),
+      used_planes_(planes_),
       reuses_results_(reuses_results),
       distrust_unmatched_(distrust_unmatched),
       is_listed_(workspace.Problems().size(), true),
@@ -138,11 +141,17 @@ bool ImageCatalogue::CanRefine(size_t index) const {
   return HasMaps(Reference(index)) && !Sources(index).empty();
 }
 
+InputState ImageCatalogue::InputsOf(int image, const std::string& planes) {
+  InputState inputs = inputs_.OfResult(image);
+  inputs["planes"] = planes;
+  return inputs;
+}
+
 bool ImageCatalogue::HasBeenRefined(size_t index) {
   std::call_once(is_done_flags_[index], [&] {
     const int image = Reference(index);
     // Before anything of it is read, also where nothing is reused.
-    const InputState inputs = inputs_.OfResult(image);
+    const InputState inputs = InputsOf(image, planes_);
     is_done_[index] =
         reuses_results_ && IsDone(workspace_, image, options_hash_, inputs);
   });
@@ -158,7 +167,7 @@ bool ImageCatalogue::WasRefinedOtherwise(size_t index) {
   const std::optional<ImageRecord> record =
       ReadRecord(workspace_.Paths(image, workspace_.Type()).record);
   return record && record->status == ImageStatus::kDone &&
-         !IsDone(workspace_, image, options_hash_, inputs_.OfResult(image));
+         !IsDone(workspace_, image, options_hash_, InputsOf(image, planes_));
 }
 
 bool ImageCatalogue::IsNeeded(size_t index) {
@@ -189,13 +198,13 @@ void ImageCatalogue::WarnOfChanges(size_t index) {
       record->options_hash != options_hash_) {
     return;
   }
-  const std::string reason =
-      record->inputs.empty() || record->version != TSAR_VERSION
-          ? "it was refined by another version"
-          : inputs_.ChangesOfResult(image, record->inputs);
-  if (!reason.empty()) {
-    Warn(Name(image) + ": refined again, since " + reason);
+  std::string reason = record->version != TSAR_VERSION
+                           ? "it was refined by another version"
+                           : inputs_.ChangesOfResult(image, record->inputs);
+  if (reason.empty()) {
+    reason = "some of what was written for it is missing or has changed";
   }
+  Warn(Name(image) + ": refined again, since " + reason);
 }
 
 ViewCache::View ImageCatalogue::Load(int image) {
@@ -277,7 +286,7 @@ void ImageCatalogue::WriteRefined(size_t index,
   CountPixels(maps, &report->counts);
   ImageRecord record;
   record.options_hash = options_hash_;
-  record.inputs = inputs_.OfResult(image);
+  record.inputs = InputsOf(image, used_planes_);
   record.counts = report->counts;
   record.seconds = report->seconds;
   const Stopwatch writing;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-#include "colmap_tsar/controllers/image_report.h"
 #include "colmap_tsar/controllers/input_fingerprints.h"
+#include "colmap_tsar/controllers/pipeline_outcome.h"
 #include "colmap_tsar/controllers/view_cache.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/store/workspace.h"
@@ -14,6 +14,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -27,12 +28,15 @@ class ImageCatalogue {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // options_hash: of the options that the images are refined with.
+  // planes: what stands for the planes of the scene as they are, where images
+  // share them; those that were refined with others are refined again.
   // reuses_results: whether images that were refined before the run stay so.
   // distrust_unmatched: see RefineOptions.
   ImageCatalogue(const Workspace& workspace,
                  std::vector<bool> has_maps,
                  std::string options_hash,
                  InputFingerprints& inputs,
+                 std::string planes,
                  bool reuses_results,
                  bool distrust_unmatched);
 
@@ -74,6 +78,10 @@ class ImageCatalogue {
   // Warns where it is to be refined again because of what it depends on.
   void WarnOfChanges(size_t index);
 
+  // Whether images share the planes of the scene, those that are refined from
+  // now on have these.
+  void UsePlanes(std::string planes) { used_planes_ = std::move(planes); }
+
   // Reads a view while nobody renames its files.
   ViewCache::View Load(int image);
   // At the size at which it is judged.
@@ -97,12 +105,16 @@ class ImageCatalogue {
     return workspace_.Problems()[index];
   }
   // See RefineOptions::distrust_unmatched.
+  // See InputFingerprints::OfResult; with what stands for the planes.
+  InputState InputsOf(int image, const std::string& planes);
   void DropUnmatchedDepths(size_t index, ViewData* view);
 
   const Workspace& workspace_;
   const std::vector<bool> has_maps_;
   const std::string options_hash_;
   InputFingerprints& inputs_;
+  const std::string planes_;
+  std::string used_planes_;
   const bool reuses_results_;
   const bool distrust_unmatched_;
   std::vector<bool> is_listed_;  // By image of the run.

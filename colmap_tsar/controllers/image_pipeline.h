@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/controllers/bounded_queue.h"
-#include "colmap_tsar/controllers/image_report.h"
 #include "colmap_tsar/controllers/image_tasks.h"
 #include "colmap_tsar/controllers/pipeline_outcome.h"
 #include "colmap_tsar/controllers/view_cache.h"

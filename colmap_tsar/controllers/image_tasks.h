@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/controllers/image_report.h"
+#include "colmap_tsar/controllers/pipeline_outcome.h"
 #include "colmap_tsar/controllers/view_cache.h"
 
 #include <cstddef>

@@ -13,8 +13,6 @@
 namespace tsar {
 namespace {
 
-constexpr size_t kMaxNamed = 3;
-
 constexpr const char* kCamera = "camera";
 constexpr const char* kPhoto = "photo";
 constexpr const char* kMask = "mask";
@@ -24,10 +22,6 @@ constexpr const char* kSources = "sources";
 constexpr const char* kScene = "scene";
 // The state of the maps where there is nothing to refine.
 constexpr const char* kNoMaps = "none";
-
-std::string NeighbourKey(size_t place) {
-  return "neighbour " + std::to_string(place);
-}
 
 std::string Get(const InputState& state, const std::string& key) {
   const auto found = state.find(key);
@@ -57,26 +51,10 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
   return changes;
 }
 
-// "a.png", "a.png and b.png", "a.png, b.png, c.png and 7 more".
-std::string ListNames(std::vector<std::string> names) {
-  if (names.size() > kMaxNamed + 1) {
-    const size_t num_more = names.size() - kMaxNamed;
-    names.resize(kMaxNamed);
-    names.push_back(std::to_string(num_more) + " more");
-  }
-  std::string text = names.front();
-  for (size_t i = 1; i < names.size(); ++i) {
-    text += (i + 1 < names.size() ? ", " : " and ") + names[i];
-  }
-  return text;
-}
-
 }  // namespace
 
-InputFingerprints::InputFingerprints(const Workspace& workspace,
-                                     bool with_evidence)
+InputFingerprints::InputFingerprints(const Workspace& workspace)
     : workspace_(workspace),
-      with_evidence_(with_evidence),
       problems_(workspace.Model().images.size()),
       source_lists_(workspace.Model().images.size()),
       views_(workspace.Model().images.size()),
@@ -124,13 +102,7 @@ const std::string& InputFingerprints::StateOfScene() {
 InputState InputFingerprints::OfResult(int reference) {
   InputState state = OfView(reference);
   state[kSources] = source_lists_[static_cast<size_t>(reference)];
-  const std::vector<int>& sources = Problem(reference)->sources;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    state[NeighbourKey(i)] = StateOfView(sources[i]);
-  }
-  if (with_evidence_) {
-    state[kScene] = StateOfScene();
-  }
+  state[kScene] = StateOfScene();
   return state;
 }
 
@@ -139,22 +111,7 @@ std::string InputFingerprints::ChangesOfResult(int reference,
   const InputState now = OfResult(reference);
   std::vector<ChangedInput> changes = ChangesOfView(recorded, now);
   if (Differ(recorded, now, kSources)) {
-    // What was recorded of neighbours is of others then.
     changes.push_back({"its list of sources", false});
-    return DescribeChanges(changes);
-  }
-  std::vector<std::string> neighbours;
-  const std::vector<int>& sources = Problem(reference)->sources;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    if (Differ(recorded, now, NeighbourKey(i))) {
-      neighbours.push_back(Name(sources[i]));
-    }
-  }
-  if (!neighbours.empty()) {
-    const bool is_plural = neighbours.size() > 1;
-    changes.push_back({(is_plural ? "its neighbours " : "its neighbour ") +
-                           ListNames(std::move(neighbours)),
-                       is_plural});
   }
   // Whatever is close is reason enough.
   if (changes.empty() && Differ(recorded, now, kScene)) {

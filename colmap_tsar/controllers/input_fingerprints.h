@@ -18,9 +18,8 @@ namespace tsar {
 // times, which links and renaming keep. Can be used from several threads.
 class InputFingerprints {
  public:
-  // workspace must outlive this object. with_evidence: whether results depend
-  // on the planes of the scene, and thus on all views.
-  InputFingerprints(const Workspace& workspace, bool with_evidence);
+  // workspace must outlive this object.
+  explicit InputFingerprints(const Workspace& workspace);
 
   // Null where the image is no reference.
   const StereoProblem* Problem(int image) const {
@@ -42,13 +41,13 @@ class InputFingerprints {
   const std::string& StateOfScene();
 
   // What a reference's result is made from: OfView(), "sources" (which they
-  // are), for the source in place N "neighbour N" and, with evidence, "scene":
-  // StateOfScene(). There are no names in it, since these need not be UTF-8.
+  // are) and "scene": StateOfScene(). There are no names in it, since these
+  // need not be UTF-8.
   InputState OfResult(int reference);
 
   // What differs between the recorded state of a result and that of today, such
-  // as "its photo and its neighbours a.png and b.png have changed"; empty where
-  // nothing does.
+  // as "its photo and its maps have changed" or "other images of the scene have
+  // changed"; empty where nothing does.
   std::string ChangesOfResult(int reference, const InputState& recorded);
 
   // For a run beside others that are changing the maps of references: from now
@@ -70,7 +69,6 @@ class InputFingerprints {
   const std::string& Name(int image) const;
 
   const Workspace& workspace_;
-  const bool with_evidence_;
   // By image.
   std::vector<const StereoProblem*> problems_;
   std::vector<std::string> source_lists_;

@@ -72,17 +72,16 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
       RefinedMapsBytes(num_pixels) +
       std::max(kEncodingBytesPerPixel * num_pixels, ReadMaskBytes(overview));
   if (!NeedsEvidence(options)) {
-    plan.work = RefineImageWorkingBytes(options, num_pixels, num_sources);
+    plan.work = RefineImageWorkingBytes(options, num_pixels);
     return plan;
   }
   const int64_t num_judged_pixels = NumJudgedPixels(overview);
   plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
   plan.label_work = LabelViewWorkingBytes(options, num_pixels, num_sources + 1);
   plan.work = std::max(
-      {MeasureImageWorkingBytes(options, num_judged_pixels, num_sources),
+      {MeasureImageWorkingBytes(options, num_judged_pixels),
        plan.label_work,
-       ComposeImageWorkingBytes(
-           options, num_pixels, num_judged_pixels, num_sources)});
+       ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
   plan.result =
       std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
   plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);

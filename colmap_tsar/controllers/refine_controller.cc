@@ -7,13 +7,11 @@
 #include "colmap_tsar/controllers/compose_task.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/listed_images.h"
-#include "colmap_tsar/controllers/manifest_account.h"
 #include "colmap_tsar/controllers/memory_plan.h"
 #include "colmap_tsar/controllers/model_pass.h"
-#include "colmap_tsar/controllers/observe_task.h"
 #include "colmap_tsar/controllers/open_workspace.h"
-#include "colmap_tsar/controllers/shard_account.h"
-#include "colmap_tsar/controllers/single_view_task.h"
+#include "colmap_tsar/controllers/refine_task.h"
+#include "colmap_tsar/controllers/run_account.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 #include "colmap_tsar/store/output_workspace.h"
 
@@ -85,7 +83,7 @@ RunSummary RefineController::Run() {
     OpenOutput();
   }
   const std::string options_hash = HashRefineOptions(refine_options_);
-  InputFingerprints inputs(workspace_, NeedsEvidence(refine_options_));
+  InputFingerprints inputs(workspace_);
   // Those that are with workers, and those whose scenes are found ahead.
   const size_t num_scenes =
       devices_.workers.size() +
@@ -102,6 +100,9 @@ RunSummary RefineController::Run() {
                            overview_.has_maps,
                            options_hash,
                            inputs,
+                           NeedsEvidence(refine_options_)
+                               ? model.PlanesFingerprint()
+                               : std::string(),
                            /*reuses_results=*/observer_ == nullptr,
                            refine_options_.distrust_unmatched);
   RefineListedImages(workspace_,
@@ -204,6 +205,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   account.BeforeComposing();
   if (run.HasScenePlanes()) {
     progress_.BeginPass();
+    run.catalogue.UsePlanes(run.model.PlanesFingerprint());
     ComposeTask compose(inputs,
                         workspace_,
                         run.evidence,

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/image_name_hash.h"
 #include "colmap_tsar/base/stopwatch.h"
-#include "colmap_tsar/controllers/evidence_store.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
 
 #include <utility>
 
@@ -112,6 +112,62 @@ void RefineMapsTask::Write(size_t index,
   }
   AddStageSeconds(result.seconds, &report->seconds);
   images_.WriteRefined(index, std::move(result.maps), report);
+}
+
+ImageReport ObserveTask::Begin(size_t index) {
+  ImageReport report;
+  if (images_.CanRefine(index)) {
+    images_.WarnOfChanges(index);
+  }
+  // What keeps an image from being refined is found out, and reported, in the
+  // second pass.
+  if (!(has_model_ ? images_.IsNeeded(index) : images_.IsAnyNeeded()) ||
+      (images_.ReusesResults() &&
+       evidence_.IsCurrent(images_.Reference(index))) ||
+      !images_.CanRefine(index)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  }
+  return report;
+}
+
+RefineResult ObserveTask::Compute(size_t index,
+                                  size_t worker,
+                                  ViewCache::Lease* views,
+                                  ImageReport* /*report*/) {
+  if (!HasDepth(views->Get(images_.Reference(index)).depth)) {
+    return {};
+  }
+  return RunSingleView(index, worker, views, &MeasureImage);
+}
+
+void ObserveTask::Write(size_t index,
+                        RefineResult result,
+                        ImageReport* report) {
+  if (result.measured) {
+    try {
+      MakeEvidence(options_, *Device::CreateCpu(1), &result);
+    } catch (const Error& error) {
+      throw WithPlace(error, index, "the CPU");
+    }
+    evidence_.Write(images_.Reference(index), *result.evidence);
+  }
+  images_.AddSeconds(index, report->seconds);
+  images_.AddSeconds(index, result.seconds);
+  report->outcome = ImageReport::Outcome::kDone;
+}
+
+ImageReport SingleViewTask::Begin(size_t index) {
+  ImageReport report = RefineMapsTask::Begin(index);
+  if (report.outcome == ImageReport::Outcome::kNotDone) {
+    images_.WarnOfChanges(index);
+  }
+  return report;
+}
+
+RefineResult SingleViewTask::RefineMaps(size_t index,
+                                        size_t worker,
+                                        ViewCache::Lease* views) {
+  return RunSingleView(index, worker, views, &RefineImage);
 }
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/image_catalogue.h"
 #include "colmap_tsar/controllers/image_tasks.h"
 #include "colmap_tsar/controllers/refine_devices.h"
@@ -91,6 +92,51 @@ class RefineMapsTask : public RefineTask {
  private:
   // Of the size of this map.
   RefinedMaps EmptyMaps(const Image<float>& depth) const;
+};
+
+// The first of two passes: what each image observes goes to the store. Left
+// out, unless everything is to be done anew, are images whose evidence is there
+// already; and those that nobody needs because they and all whose sources they
+// are have been refined.
+class ObserveTask : public RefineTask {
+ public:
+  // evidence must outlive this object. has_model: whether the planes of the
+  // scene are known already, so that only images that are to be refined and
+  // their sources have to be observed.
+  ObserveTask(const RefineTaskInputs& inputs,
+              EvidenceStore& evidence,
+              bool has_model)
+      : RefineTask(inputs), evidence_(evidence), has_model_(has_model) {}
+
+  ImageReport Begin(size_t index) override;
+  std::vector<int> Views(size_t index) const override {
+    return images_.SourcesAndReference(index);
+  }
+  RefineResult Compute(size_t index,
+                       size_t worker,
+                       ViewCache::Lease* views,
+                       ImageReport* report) override;
+  void Write(size_t index, RefineResult result, ImageReport* report) override;
+
+ private:
+  EvidenceStore& evidence_;
+  const bool has_model_;
+};
+
+// Refines each image by itself, in one pass, without planes of the scene.
+class SingleViewTask : public RefineMapsTask {
+ public:
+  using RefineMapsTask::RefineMapsTask;
+
+  ImageReport Begin(size_t index) override;
+  std::vector<int> Views(size_t index) const override {
+    return images_.SourcesAndReference(index);
+  }
+
+ protected:
+  RefineResult RefineMaps(size_t index,
+                          size_t worker,
+                          ViewCache::Lease* views) override;
 };
 
 }  // namespace tsar

@@ -5,9 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/controllers/merge_shards.h"
-#include "colmap_tsar/controllers/model_shards.h"
 #include "colmap_tsar/controllers/refine_controller.h"
+#include "colmap_tsar/controllers/shard_passes.h"
 
 #include <string>
 

@@ -11,8 +11,11 @@
 #include "colmap_tsar/controllers/refine_devices.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/controllers/scene_model_store.h"
+#include "colmap_tsar/controllers/shard_entries.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/store/count_masks.h"
+#include "colmap_tsar/store/manifest.h"
+#include "colmap_tsar/store/shard_record.h"
 #include "colmap_tsar/store/workspace.h"
 
 #include <algorithm>
@@ -77,5 +80,45 @@ std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
 // Throws the first failure or, where images are left to be done, kInterrupted,
 // which tells how many of num_wanted are done.
 void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted);
+
+// The account of a run over all images: stereo/tsar/manifest.json. When
+// everything is done, what only an unfinished run needs is removed, and output
+// workspaces made of this one get their links again.
+class ManifestAccount : public RunAccount {
+ public:
+  // run must outlive this object.
+  explicit ManifestAccount(const RefineRun& run) : run_(run) {}
+
+  void Begin() override;
+  void End(const PipelineOutcome& outcome) override;
+
+ private:
+  Manifest Build() const;
+  void MarkFailures(const PipelineOutcome& outcome, Manifest* manifest) const;
+
+  const RefineRun& run_;
+};
+
+// The account of a shard in one pass: its ShardRecord. A pass begins only where
+// the records of other shards are of the same work and, to compose, all of them
+// have been observed.
+class ShardAccount : public RunAccount {
+ public:
+  // run must outlive this object.
+  explicit ShardAccount(const RefineRun& run) : run_(run) {}
+
+  void Begin() override;
+  void BeforeObserving() override;
+  void BeforeComposing() override;
+  void End(const PipelineOutcome& outcome) override;
+
+ private:
+  bool IsObserving() const { return run_.options.pass == RefinePass::kObserve; }
+  ShardRecord::State ObservedState(size_t index) const;
+
+  const RefineRun& run_;
+  ShardRecord record_;
+  ObservedShards observed_;  // Of all shards, where this pass composes.
+};
 
 }  // namespace tsar

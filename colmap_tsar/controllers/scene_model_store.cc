@@ -11,6 +11,8 @@
 #include "colmap_tsar/store/scene_model_file.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace tsar {
@@ -57,6 +59,12 @@ SceneModel SceneModelStore::Read() const {
         "run " + OptionName("pass") + " model first");
   }
   return ReadSceneModel(path);
+}
+
+std::string SceneModelStore::PlanesFingerprint() const {
+  const std::optional<uint64_t> planes =
+      ReadScenePlanesFingerprint(GetSceneModelPath(workspace_.Root()));
+  return planes ? std::to_string(*planes) : "";
 }
 
 void SceneModelStore::DropLabels(const Workspace& workspace) {

@@ -31,6 +31,9 @@ class SceneModelStore {
   // Throws kNotFound where none is current.
   SceneModel Read() const;
 
+  // Stands for the planes alone; empty where there are none that can be read.
+  std::string PlanesFingerprint() const;
+
   // Removes the labels, at the end of a complete run, and what tells of which
   // files they were made: the same maps then give the same bytes.
   static void DropLabels(const Workspace& workspace);

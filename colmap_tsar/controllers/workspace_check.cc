@@ -4,16 +4,13 @@
 #include "colmap_tsar/controllers/workspace_check.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/originals.h"
-#include "colmap_tsar/store/record.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/photo.h"
 #include "colmap_tsar/workspace/photo_error.h"
-#include "colmap_tsar/workspace/written_map.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -245,17 +242,6 @@ void RequireMapsOfTheirOwn(const Workspace& workspace,
   }
 }
 
-// By their times alone.
-bool AreAsWritten(const MapPaths& paths) {
-  const std::optional<ImageRecord> record = ReadRecord(paths.record);
-  const auto is_as_written = [](const std::filesystem::path& path,
-                                const std::vector<WrittenMap>& written) {
-    return !written.empty() && TimeOf(path) == written.front().time;
-  };
-  return record && is_as_written(paths.depth, record->written_depth) &&
-         is_as_written(paths.normal, record->written_normal);
-}
-
 }  // namespace
 
 bool HasAnyMap(const Workspace& workspace, MapType type) {
@@ -273,8 +259,7 @@ void CheckOriginals(const Workspace& workspace) {
   for (const int image : ImagesOfProblems(workspace)) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.SourcePaths(image, type);
-      if ((Exists(paths.original_depth) || Exists(paths.original_normal)) &&
-          !AreAsWritten(paths)) {
+      if (Exists(paths.original_depth) || Exists(paths.original_normal)) {
         FindOriginals(paths, Scrutiny::kTimeAndSamples);
       }
     }

@@ -4,7 +4,6 @@
 #include "colmap_tsar/device/pixel_groups.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <vector>
 
@@ -17,11 +16,6 @@
 
 namespace tsar {
 namespace {
-
-// Of CUB's sort: a second copy of keys and pixels, and counters for each tile
-// of some thousand pixels and each digit.
-constexpr int64_t kScratchBytesPerPixel = 9;
-constexpr int64_t kFixedScratchBytes = 1 << 16;
 
 // A sort by counting: pixels of no group count as one more label.
 PixelGroups GroupPixelsOnCpu(ImageView<const int> labels,
@@ -137,16 +131,6 @@ PixelGroups GroupPixels(ImageView<const int> labels,
   }
 #endif
   return GroupPixelsOnCpu(labels, num_labels, device);
-}
-
-int64_t GroupPixelsWorkingBytes(int64_t num_pixels, int64_t num_labels) {
-  return PixelGroupsBytes(num_pixels, num_labels) +
-         2 * BytesOf<uint32_t>(num_pixels) + BytesOf<int>(num_pixels) +
-         num_pixels * kScratchBytesPerPixel + kFixedScratchBytes;
-}
-
-int64_t PixelGroupsBytes(int64_t num_pixels, int64_t num_labels) {
-  return BytesOf<int>(num_labels + 1) + BytesOf<int>(num_pixels);
 }
 
 }  // namespace tsar

@@ -39,8 +39,5 @@ struct PixelGroups {
 PixelGroups GroupPixels(ImageView<const int> labels,
                         int num_labels,
                         Device& device);
-int64_t GroupPixelsWorkingBytes(int64_t num_pixels, int64_t num_labels);
-// Bytes of what it returns.
-int64_t PixelGroupsBytes(int64_t num_pixels, int64_t num_labels);
 
 }  // namespace tsar

@@ -4,7 +4,6 @@
 #include "colmap_tsar/device/scan.h"
 
 #include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #ifdef __CUDACC__
 #include <cub/device/device_scan.cuh>
@@ -12,10 +11,6 @@
 
 namespace tsar {
 namespace {
-
-// More than CUB keeps for each tile of some thousand values.
-constexpr int64_t kFixedScratchBytes = 1 << 13;
-constexpr int64_t kValuesPerScratchByte = 64;
 
 #ifdef __CUDACC__
 
@@ -70,11 +65,6 @@ Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device) {
   }
 #endif
   return ExclusiveSumOnCpu(values, count, device);
-}
-
-int64_t ExclusiveSumWorkingBytes(int64_t count) {
-  return BytesOf<int>(count + 1) + count / kValuesPerScratchByte +
-         kFixedScratchBytes;
 }
 
 }  // namespace tsar

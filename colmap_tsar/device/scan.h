@@ -15,6 +15,5 @@ namespace tsar {
 // one is the sum of all.
 // values: count elements in the device's memory.
 Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device);
-int64_t ExclusiveSumWorkingBytes(int64_t count);
 
 }  // namespace tsar

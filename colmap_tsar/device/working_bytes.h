@@ -3,12 +3,6 @@
 
 #pragma once
 
-// Every stage says by a function ...WorkingBytes() how many bytes of the
-// device's memory it holds at a time at most: its result and all that it needs
-// on the way, but not its inputs. The function stands beside the stage, so that
-// a run can be planned without knowing what the stages allocate. A stage that
-// allocates nothing but a raster as its result needs none.
-
 #include <cstdint>
 
 namespace tsar {

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 
@@ -135,14 +134,6 @@ DeviceImage<float> ComputeDiscontinuity(ImageView<const float> depth,
                                score.View()});
   }
   return score;
-}
-
-int64_t ComputeDiscontinuityWorkingBytes(int64_t num_pixels) {
-  // Of the first layer; half only where the map is one pixel wide.
-  const int64_t max_blocks = num_pixels / 2 + 1;
-  const int64_t disparity = BytesOf<float>(max_blocks);
-  const int64_t labels_and_sizes = 2 * BytesOf<int>(max_blocks);
-  return BytesOf<float>(num_pixels) + disparity + labels_and_sizes;
 }
 
 }  // namespace tsar

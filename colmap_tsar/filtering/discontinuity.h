@@ -29,6 +29,4 @@ DeviceImage<float> ComputeDiscontinuity(ImageView<const float> depth,
                                         const DiscontinuityOptions& options,
                                         Device& device);
 
-int64_t ComputeDiscontinuityWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/pixel_costs.cuh"
 #include "colmap_tsar/matching/plane_sampling.cuh"
@@ -345,12 +344,6 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
     }
   }
   return hypotheses;
-}
-
-int64_t RunPatchMatchWorkingBytes(int64_t num_pixels, int num_sources) {
-  const int64_t costs = BytesOf<float>(num_pixels);
-  const int64_t weights = BytesOf<uint8_t>(num_pixels * num_sources);
-  return costs + weights;
 }
 
 }  // namespace tsar

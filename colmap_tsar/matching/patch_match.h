@@ -75,7 +75,4 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               const PatchMatchOptions& options,
                               Device& device);
 
-// Beside the planes that it is given.
-int64_t RunPatchMatchWorkingBytes(int64_t num_pixels, int num_sources);
-
 }  // namespace tsar

@@ -4,7 +4,6 @@
 #include "colmap_tsar/noise/denoise.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/noise/denoise_kernels.cuh"
 
 #include <algorithm>
@@ -42,10 +41,6 @@ DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
     DenoiseBands(denoising, device);
   }
   return denoised;
-}
-
-int64_t DenoiseWorkingBytes(int64_t num_pixels) {
-  return BytesOf<Rgb>(num_pixels);
 }
 
 }  // namespace tsar

@@ -29,6 +29,4 @@ DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
                          const DenoiseOptions& options,
                          Device& device);
 
-int64_t DenoiseWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

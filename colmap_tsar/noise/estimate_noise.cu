@@ -4,7 +4,6 @@
 #include "colmap_tsar/noise/estimate_noise.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 
@@ -76,10 +75,6 @@ NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device) {
               BlockKernel{gray, blocks.View()});
   const Image<BlockStatistics> on_host = blocks.ToHost();
   return FitNoiseCurve({on_host.begin(), on_host.end()}, kDegreesOfFreedom);
-}
-
-int64_t EstimateNoiseWorkingBytes(int64_t num_pixels) {
-  return BytesOf<BlockStatistics>(num_pixels / (kBlock * kBlock) + 1);
 }
 
 }  // namespace tsar

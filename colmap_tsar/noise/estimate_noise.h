@@ -17,6 +17,4 @@ namespace tsar {
 // where it exceeds that of differences by far, it is that of a smooth texture.
 NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device);
 
-int64_t EstimateNoiseWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

@@ -6,7 +6,6 @@
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <cmath>
@@ -220,12 +219,6 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                     composed.provenance.View(),
                                     confidence.View()});
   return confidence;
-}
-
-int64_t ComposeSceneWorkingBytes(int64_t num_pixels) {
-  const int64_t provenance_and_own_depth = 2 * BytesOf<uint8_t>(num_pixels);
-  const int64_t blobs_and_sizes = 2 * BytesOf<int>(num_pixels);
-  return provenance_and_own_depth + blobs_and_sizes;
 }
 
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,

@@ -85,9 +85,6 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        Device& device);
 
-// Beside `own`.
-int64_t ComposeSceneWorkingBytes(int64_t num_pixels);
-
 // The depth of the plane that a raster has at a pixel of the map; 0 where it
 // has none.
 TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {

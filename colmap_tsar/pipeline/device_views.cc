@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/scoped_synchronization.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/noise/denoise.h"
 #include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/gray.h"
@@ -89,27 +88,6 @@ int64_t MaxRasterPixels(int64_t num_pixels) {
   return std::min(num_pixels, int64_t{kMaxRasterSide} * kMaxRasterSide);
 }
 
-int64_t DeviceReferenceWorkingBytes(int64_t num_pixels) {
-  return BytesOf<Rgb>(num_pixels) + BytesOf<float>(num_pixels) +
-         BytesOf<Vec3f>(num_pixels);
-}
-
-int64_t DeviceViewsWorkingBytes(int64_t num_pixels, int num_sources) {
-  const int64_t gray = BytesOf<float>(num_pixels);
-  return DeviceViewsBytesWithoutSources(num_pixels) + gray +
-         BytesOf<SourceView>(num_sources);
-}
-
-int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels) {
-  return DeviceReferenceWorkingBytes(num_pixels) +
-         BytesOf<Rgb>(MaxRasterPixels(num_pixels));
-}
-
-int64_t MakeDeviceViewsWorkingBytes(int64_t num_pixels, bool denoise) {
-  return DeviceReferenceWorkingBytes(num_pixels) +
-         MakeRasterColorWorkingBytes(MaxRasterPixels(num_pixels), denoise);
-}
-
 DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  const ReducedRaster& raster,
                                  bool denoise,
@@ -122,15 +100,6 @@ DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
   const DeviceImage<float> gray = ComputeGray(noisy, device);
   return Denoise(
       noisy, gray.View(), EstimateNoise(gray.View(), device), {}, device);
-}
-
-int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise) {
-  const int64_t reduced = BytesOf<Rgb>(num_raster_pixels);
-  const int64_t gray = BytesOf<float>(num_raster_pixels);
-  return denoise ? reduced + gray +
-                       std::max(EstimateNoiseWorkingBytes(num_raster_pixels),
-                                DenoiseWorkingBytes(num_raster_pixels))
-                 : reduced;
 }
 
 }  // namespace tsar

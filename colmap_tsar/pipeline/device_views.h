@@ -110,21 +110,11 @@ class DeviceViews {
 // Pixels of the raster of a map of this many.
 int64_t MaxRasterPixels(int64_t num_pixels);
 
-int64_t DeviceReferenceWorkingBytes(int64_t num_pixels);
-// Beside the sources, which others hold, too (UploadedViewBytes). The second
-// one: after ReleaseSources().
-int64_t DeviceViewsWorkingBytes(int64_t num_pixels, int num_sources);
-int64_t DeviceViewsBytesWithoutSources(int64_t num_pixels);
-// While they are made, before what matching needs.
-int64_t MakeDeviceViewsWorkingBytes(int64_t num_pixels, bool denoise);
-
 // The image that superpixels, regions, textures and borders are found in:
 // reduced to the raster and, if denoise says so, without its noise.
 DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  const ReducedRaster& raster,
                                  bool denoise,
                                  Device& device);
-
-int64_t MakeRasterColorWorkingBytes(int64_t num_raster_pixels, bool denoise);
 
 }  // namespace tsar

@@ -66,12 +66,4 @@ void ShowMaps(StageObserver* observer, const RefinedMaps& maps) {
   observer->Show(RefineStage::kConfidence, maps.confidence);
 }
 
-int64_t FillHolesWorkingBytes(const RefineOptions& options,
-                              int64_t num_pixels) {
-  // The size of the window does not matter.
-  return HasFilter(options) ? InterpolateHolesWorkingBytes(
-                                  num_pixels, FilterOptions(options, 1, 1))
-                            : 0;
-}
-
 }  // namespace tsar

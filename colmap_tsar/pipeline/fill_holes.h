@@ -28,6 +28,4 @@ void Download(const ComposedMap& composed,
 // Shows the result to an observer where there is one.
 void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
 
-int64_t FillHolesWorkingBytes(const RefineOptions& options, int64_t num_pixels);
-
 }  // namespace tsar

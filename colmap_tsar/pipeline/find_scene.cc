@@ -210,12 +210,23 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
 
 int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters) {
-  const int64_t costs =
-      rasters.confident_depth ? ComputePlaneCostsWorkingBytes(size, {}) : 0;
-  const int64_t votes =
-      rasters.superpixels ? ComputeLabelVotesWorkingBytes(size) : 0;
-  return std::max(MakeLabelInputsWorkingBytes(size, rasters),
-                  LabelInputsBytes(size, rasters) + std::max(costs, votes));
+  // The pixels of each superpixel and their rays, and what sorting them takes.
+  const int64_t pixels = 20 * size.num_pixels + (1 << 16);
+  const int64_t num_costs = size.num_superpixels * size.num_planes;
+  const int64_t of_source =
+      256 + (rasters.confident_depth ? 4 * size.num_pixels : 0) +
+      (rasters.superpixels ? 2 * size.num_pixels + 8 * size.num_superpixels +
+                                 16 * size.num_planes
+                           : 0);
+  // Observations by the cells of planes; no cell is without one.
+  const PlaneSupportOptions support;
+  const int64_t num_cells = std::min(
+      size.num_views * size.num_observations,
+      int64_t{support.num_cells} * support.num_cells * size.num_planes);
+  return pixels + (size.num_views - 1) * of_source +
+         64 * (size.num_superpixels + size.num_planes) +
+         24 * size.num_observations + 16 * num_cells +
+         num_costs * static_cast<int64_t>(sizeof(PlaneCost) + sizeof(float));
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/pipeline/find_surfaces.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/score_hypotheses.h"
@@ -159,91 +158,6 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
   return pixel_planes;
 }
 
-// Beside the regions' labels, with the result.
-int64_t RegionPlanesWorkingBytes(const RefineOptions& options,
-                                 int64_t num_raster_pixels) {
-  // Rasters of other shapes are longer.
-  const double min_scale =
-      std::sqrt(static_cast<double>(num_raster_pixels)) / kMaxRasterSide;
-  const int64_t num_regions =
-      MaxRegions(num_raster_pixels, MinRegionSize(options, min_scale));
-  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
-  return samples +
-         std::max(
-             FitRegionPlanesWorkingBytes(
-                 num_raster_pixels,
-                 num_regions,
-                 MakeRegionPlaneOptions(options, min_scale, 0)),
-             RegionPlanesBytes(num_raster_pixels, num_regions) +
-                 std::max(AssignRegionPlanesWorkingBytes(num_raster_pixels),
-                          options.max_boundary_gap > 0.0
-                              ? RejectByBoundaryWorkingBytes(num_raster_pixels,
-                                                             num_regions)
-                              : 0));
-}
-
-int64_t SegmentingBytes(const RefineOptions& options,
-                        int64_t num_raster_pixels) {
-  const int64_t edges = BytesOf<uint8_t>(num_raster_pixels);
-  const int64_t labels = BytesOf<int>(num_raster_pixels);
-  return std::max(
-      {edges + DrawLineSegmentsWorkingBytes(num_raster_pixels, kMaxRasterSide),
-       2 * edges + FindRegionsWorkingBytes(num_raster_pixels),
-       labels + RegionPlanesWorkingBytes(options, num_raster_pixels)});
-}
-
-// The score, the trust and the confirmations.
-int64_t RatingBytes(const RefineOptions& options, int64_t num_pixels) {
-  return BytesOf<float>(num_pixels) + BytesOf<uint8_t>(num_pixels) +
-         ConfirmationsBytes(options, num_pixels);
-}
-
-// What RefineTrust() adds to that for good.
-int64_t SuperpixelBytes(const RefineOptions& options,
-                        int64_t num_raster_pixels) {
-  const int64_t num_superpixels =
-      MaxSuperpixels(num_raster_pixels, options.superpixel_size);
-  return options.refine
-             ? BytesOf<int>(num_raster_pixels) + BytesOf<Plane>(num_superpixels)
-             : 0;
-}
-
-// What spreading and filling add to that for good.
-int64_t SpreadAndFilledBytes(const RefineOptions& options, int64_t num_pixels) {
-  const int64_t map = BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
-  return (options.refine && options.spread_medians ? map : 0) +
-         (options.fill_before_regions ? BytesOf<uint8_t>(num_pixels) : 0);
-}
-
-// Beside the map that is filled and its provenance.
-int64_t FillingBytes(const RefineOptions& options, int64_t num_pixels) {
-  if (!options.fill_before_regions) {
-    return 0;
-  }
-  return SuperpixelBytes(options, MaxRasterPixels(num_pixels)) +
-         std::max(BytesOf<Plane>(MaxRasterPixels(num_pixels)),
-                  FillHolesWorkingBytes(options, num_pixels));
-}
-
-int64_t RefineTrustWorkingBytes(const RefineOptions& options,
-                                int64_t num_pixels) {
-  if (!options.refine) {
-    return 0;
-  }
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  SlicOptions slic;
-  slic.superpixel_size = options.superpixel_size;
-  const int64_t score = BytesOf<float>(num_raster_pixels);
-  const int64_t labels = BytesOf<int>(num_raster_pixels);
-  return std::max(
-      score + ComputeSuperpixelsWorkingBytes(num_raster_pixels, slic),
-      labels + RefineByCorrelationWorkingBytes(
-                   num_pixels,
-                   num_raster_pixels,
-                   MaxSuperpixels(num_raster_pixels, options.superpixel_size),
-                   MakeCorrelationOptions(options, 0)));
-}
-
 }  // namespace
 
 Surfaces FindSurfaces(const ViewData& reference,
@@ -305,33 +219,6 @@ Surfaces FindSurfaces(const ViewData& reference,
                          observer);
   }
   return surfaces;
-}
-
-int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels,
-                                 int num_sources) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  const int64_t segmenting =
-      options.segment ? SuperpixelBytes(options, num_raster_pixels) +
-                            SegmentingBytes(options, num_raster_pixels)
-                      : 0;
-  return std::max(DeviceViewsWorkingBytes(num_pixels, num_sources) +
-                      std::max(ScoreHypothesesWorkingBytes(options, num_pixels),
-                               RatingBytes(options, num_pixels)),
-                  DeviceViewsBytesWithoutSources(num_pixels) +
-                      RatingBytes(options, num_pixels) +
-                      std::max(RefineTrustWorkingBytes(options, num_pixels),
-                               SpreadAndFilledBytes(options, num_pixels) +
-                                   std::max(FillingBytes(options, num_pixels),
-                                            segmenting)));
-}
-
-int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  return RatingBytes(options, num_pixels) +
-         SuperpixelBytes(options, num_raster_pixels) +
-         SpreadAndFilledBytes(options, num_pixels) +
-         (options.segment ? BytesOf<Plane>(num_raster_pixels) : 0);
 }
 
 ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,

@@ -47,13 +47,6 @@ Surfaces FindSurfaces(const ViewData& reference,
                       StageTimer* timer,
                       StageObserver* observer);
 
-// Together with the views, beside their sources.
-int64_t FindSurfacesWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels,
-                                 int num_sources);
-// Bytes of what it returns.
-int64_t SurfacesBytes(const RefineOptions& options, int64_t num_pixels);
-
 // The map of one view alone: its trusted depths and the planes of its
 // superpixels and regions (may be empty). Takes the hypotheses of the views, or
 // Surfaces::spread where it is there: the planes of superpixels are in it

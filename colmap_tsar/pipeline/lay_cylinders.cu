@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 #include "colmap_tsar/scene_planes/surface_confidence.h"
@@ -179,11 +178,6 @@ void SetSigmaOfCylinders(const LaidCylinders& laid,
                                        sigma->View(),
                                        options.on_cylinder});
   }
-}
-
-int64_t LaidCylindersBytes(int64_t num_pixels) {
-  return BytesOf<uint8_t>(num_pixels) +
-         BytesOf<SeenCylinder>(int64_t{kMaxCylinders});
 }
 
 }  // namespace tsar

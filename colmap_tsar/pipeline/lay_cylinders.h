@@ -52,7 +52,4 @@ void SetSigmaOfCylinders(const LaidCylinders& laid,
                          DeviceImage<uint16_t>* sigma,
                          Device& device);
 
-// Beside the map.
-int64_t LaidCylindersBytes(int64_t num_pixels);
-
 }  // namespace tsar

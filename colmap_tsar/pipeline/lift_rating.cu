@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/square_hypothesis.h"
@@ -163,19 +162,6 @@ DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
                      view.MapIntrinsics(),
                      evidence.resolution,
                      device);
-}
-
-int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels) {
-  const int64_t lifted = BytesOf<uint8_t>(num_pixels);
-  if (num_judged_pixels == num_pixels) {
-    return lifted;
-  }
-  const int64_t judged = BytesOf<float>(num_judged_pixels) +
-                         BytesOf<Vec3f>(num_judged_pixels) +
-                         BytesOf<uint8_t>(num_judged_pixels);
-  // What the reduction uploads takes as much, and is gone when ratings are
-  // lifted.
-  return lifted + judged;
 }
 
 DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,

@@ -45,10 +45,6 @@ DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
                                  const DeviceReference& view,
                                  Device& device);
 
-// With the result and what is uploaded for it. num_judged_pixels: of the
-// reduced map, or all where it is not reduced.
-int64_t LiftRatingsWorkingBytes(int64_t num_pixels, int64_t num_judged_pixels);
-
 // The MeasurementRating of each pixel. trusted: other than 0 where its depth is
 // trusted. confirmations: its Confirmation; may be empty.
 DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/noise/estimate_noise.h"
 #include "colmap_tsar/pipeline/gray.h"
 
@@ -179,14 +178,6 @@ void RestoreDetail(
              options,
              &composed->map.depth,
              device);
-}
-
-int64_t RestoreDetailWorkingBytes(int64_t num_pixels, int num_sources) {
-  const int64_t gray = BytesOf<float>(num_pixels);
-  const int64_t offsets = 2 * BytesOf<float>(num_pixels);
-  const int64_t masks = 2 * BytesOf<uint8_t>(num_pixels);
-  return BytesOf<SourceView>(num_sources) + gray +
-         std::max(EstimateNoiseWorkingBytes(num_pixels), offsets + masks);
 }
 
 }  // namespace tsar

@@ -28,7 +28,4 @@ void RestoreDetail(
     ComposedMap* composed,
     Device& device);
 
-// Beside the sources and the composed map.
-int64_t RestoreDetailWorkingBytes(int64_t num_pixels, int num_sources);
-
 }  // namespace tsar

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/pipeline/score_hypotheses.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/filtering/confidence.h"
 #include "colmap_tsar/filtering/confirmation.h"
 #include "colmap_tsar/filtering/discontinuity.h"
@@ -86,35 +85,6 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
                                  reliability,
                                  device);
   return result;
-}
-
-int64_t ScoreHypothesesWorkingBytes(const RefineOptions& options,
-                                    int64_t num_pixels) {
-  const int64_t one_image = BytesOf<float>(num_pixels);
-  // Three costs and the confidence; exported costs take the place of others.
-  const int64_t matching = options.filter_confidence ? 4 * one_image : 0;
-  const int64_t confidence = options.filter_confidence ? one_image : 0;
-  const int64_t agreement =
-      options.view_agreement ? BytesOf<uint8_t>(num_pixels) : 0;
-  const int64_t confirmations = ConfirmationsBytes(options, num_pixels);
-  const int64_t candidates_and_noise =
-      confirmations > 0
-          ? BytesOf<uint8_t>(num_pixels) + EstimateNoiseWorkingBytes(num_pixels)
-          : 0;
-  const int64_t layers = options.filter_discontinuity
-                             ? ComputeDiscontinuityWorkingBytes(num_pixels)
-                             : 0;
-  const int64_t discontinuity = options.filter_discontinuity ? one_image : 0;
-  return std::max(
-      matching,
-      confidence + agreement + confirmations +
-          std::max({candidates_and_noise, layers, discontinuity + one_image}));
-}
-
-int64_t ConfirmationsBytes(const RefineOptions& options, int64_t num_pixels) {
-  return options.view_agreement && options.confirmed_depths
-             ? BytesOf<uint8_t>(num_pixels)
-             : 0;
 }
 
 }  // namespace tsar

@@ -30,10 +30,4 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
                                  StageTimer* timer,
                                  StageObserver* observer);
 
-// With the result, beside the views.
-int64_t ScoreHypothesesWorkingBytes(const RefineOptions& options,
-                                    int64_t num_pixels);
-// Of HypothesisScores::confirmations.
-int64_t ConfirmationsBytes(const RefineOptions& options, int64_t num_pixels);
-
 }  // namespace tsar

@@ -3,24 +3,12 @@
 
 #include "colmap_tsar/pipeline/stage_memory.h"
 
-#include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/find_scene.h"
-#include "colmap_tsar/pipeline/find_surfaces.h"
-#include "colmap_tsar/pipeline/lay_cylinders.h"
-#include "colmap_tsar/pipeline/lift_rating.h"
-#include "colmap_tsar/pipeline/photometric_detail.h"
-#include "colmap_tsar/pipeline/stage_options.h"
-#include "colmap_tsar/scene_planes/choose_labels.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/label_inputs.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
-#include "colmap_tsar/scene_planes/refine_borders.h"
-#include "colmap_tsar/superpixels/slic.h"
 
 #include <algorithm>
 
@@ -40,132 +28,46 @@ int64_t NumSuperpixels(const RefineOptions& options, int64_t num_pixels) {
   return MaxRasterPixels(num_pixels) * 3 / 2 / options.superpixel_size + 1;
 }
 
-DiscoverySize SizeOfDiscovery(const RefineOptions& options,
-                              int64_t num_pixels,
-                              int num_views) {
-  DiscoverySize size;
-  size.num_views = num_views;
-  size.num_superpixels = num_views * NumSuperpixels(options, num_pixels);
-  size.num_observations =
-      num_views * MaxObservations(MaxRasterPixels(num_pixels),
-                                  NumSuperpixels(options, num_pixels),
-                                  {});
-  size.num_candidates =
-      int64_t{num_views} *
-      (kCandidatesOfRegions + DiscoverPlanesOptions().max_planes);
-  return size;
+// Of the tables of scores of all planes for all superpixels.
+int64_t ScoresBytes(int64_t num_superpixels,
+                    int64_t num_candidates,
+                    size_t max_scores) {
+  return static_cast<int64_t>(sizeof(float)) *
+         std::min(num_superpixels * num_candidates,
+                  static_cast<int64_t>(max_scores));
 }
 
-LabelingSize SizeOfLabeling(const RefineOptions& options,
-                            int64_t num_pixels,
-                            int num_views) {
-  LabelingSize size;
-  size.num_views = num_views;
-  size.num_pixels = MaxRasterPixels(num_pixels);
-  size.num_superpixels = NumSuperpixels(options, num_pixels);
-  size.num_observations =
-      MaxObservations(size.num_pixels, size.num_superpixels, {});
-  // As many as one view can have, and as many more by its sources.
-  size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
-  return size;
-}
-
-// The confidence of a composed map and, before it is downloaded, the sigma of
-// its depths; the provenance is there by then.
-int64_t ConfidenceBytes(const RefineOptions& options, int64_t num_pixels) {
-  return BytesOf<float>(num_pixels) +
-         (options.sigma_maps ? BytesOf<uint16_t>(num_pixels) : 0);
+// The stages up to the surfaces of one view.
+int64_t SingleViewBytes(const RefineOptions& options,
+                        int64_t bytes_per_pixel,
+                        int64_t num_pixels) {
+  // The accumulator in which lines are looked for is as large for small maps.
+  constexpr int64_t kFixed = 720000;
+  return kFixed + bytes_per_pixel * num_pixels +
+         57 * MaxRasterPixels(num_pixels) +
+         230 * NumSuperpixels(options, num_pixels);
 }
 
 }  // namespace
 
 int64_t RefineImageWorkingBytes(const RefineOptions& options,
-                                int64_t num_pixels,
-                                int num_sources) {
-  const int64_t plane_image = options.superpixel_planes && options.refine
-                                  ? BytesOf<Plane>(MaxRasterPixels(num_pixels))
-                                  : 0;
-  const int64_t provenance = BytesOf<uint8_t>(num_pixels);
-  // With fill_before_regions, FindSurfaces() does these.
-  const int64_t filling = options.fill_before_regions
-                              ? 0
-                              : plane_image + provenance +
-                                    FillHolesWorkingBytes(options, num_pixels);
-  const int64_t rating =
-      (options.fill_before_regions ? 0 : plane_image + provenance) +
-      ConfidenceBytes(options, num_pixels);
-  const int64_t composing = DeviceViewsBytesWithoutSources(num_pixels) +
-                            SurfacesBytes(options, num_pixels) +
-                            std::max(filling, rating);
-  return std::max({MakeDeviceViewsWorkingBytes(num_pixels, options.denoise),
-                   FindSurfacesWorkingBytes(options, num_pixels, num_sources),
-                   composing});
+                                int64_t num_pixels) {
+  const bool has_more_maps =
+      options.fill_before_regions || options.spread_medians;
+  return SingleViewBytes(options, has_more_maps ? 73 : 44, num_pixels);
 }
 
 int64_t MeasureImageWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels,
-                                 int num_sources) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  const int64_t gray = BytesOf<float>(num_raster_pixels);
-  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
-  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
-  const int64_t downloading =
-      DeviceViewsBytesWithoutSources(num_pixels) +
-      SurfacesBytes(MeasuringOptions(options), num_pixels) + gray +
-      std::max(samples, ratings);
-  return std::max({MakeDeviceViewsWorkingBytes(num_pixels, options.denoise),
-                   FindSurfacesWorkingBytes(
-                       MeasuringOptions(options), num_pixels, num_sources),
-                   downloading});
+                                 int64_t num_pixels) {
+  return SingleViewBytes(options, 44, num_pixels);
 }
 
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
-                                 int64_t num_judged_pixels,
-                                 int num_sources) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_judged_pixels);
-  const int64_t num_superpixels =
-      MaxSuperpixels(num_raster_pixels, options.superpixel_size);
-  // Each superpixel of a curved surface has a plane.
-  const int64_t num_planes =
-      num_superpixels + DiscoverPlanesOptions().max_planes;
-  const int64_t superpixels = BytesOf<uint16_t>(num_raster_pixels);
-  const int64_t color = BytesOf<Rgb>(num_raster_pixels);
-  const int64_t lab = BytesOf<Vec3f>(num_raster_pixels);
-  const int64_t borders =
-      options.pixel_borders
-          ? superpixels + lab +
-                std::max(color,
-                         RefineBordersWorkingBytes(
-                             num_raster_pixels, num_superpixels, num_planes))
-          : 0;
-  const int64_t planes_of_scene_and_regions =
-      2 * BytesOf<Plane>(num_raster_pixels);
-  const int64_t of_superpixel = BytesOf<ComposedSuperpixel>(num_superpixels);
-  const int64_t provenance = BytesOf<uint8_t>(num_pixels);
-  const int64_t plane_maps = BytesOf<uint16_t>(num_raster_pixels + num_pixels);
-  // Of a map that is judged as it is.
-  const int64_t confidence_and_detail =
-      options.photometric
-          ? BytesOf<float>(num_judged_pixels) +
-                BytesOf<uint16_t>(num_raster_pixels) +
-                RestoreDetailWorkingBytes(
-                    num_judged_pixels,
-                    std::min(num_sources, kMaxPhotometricSources))
-          : 0;
-  const int64_t cylinders =
-      options.cylinders ? LaidCylindersBytes(num_pixels) : 0;
-  const int64_t composing =
-      planes_of_scene_and_regions + superpixels + of_superpixel + cylinders +
-      std::max(ComposeSceneWorkingBytes(num_pixels),
-               provenance +
-                   std::max({FillHolesWorkingBytes(options, num_pixels),
-                             ConfidenceBytes(options, num_pixels) + plane_maps,
-                             confidence_and_detail}));
-  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
-  return DeviceReferenceWorkingBytes(num_pixels) +
-         std::max(LiftRatingsWorkingBytes(num_pixels, num_judged_pixels),
-                  ratings + std::max(borders, composing));
+                                 int64_t num_judged_pixels) {
+  constexpr int64_t kFixed = 90000;
+  return kFixed + 40 * num_pixels + 37 * MaxRasterPixels(num_judged_pixels) +
+         120 * NumSuperpixels(options, num_judged_pixels);
 }
 
 int64_t MakeEvidenceMainBytes(const RefineOptions& options,
@@ -173,77 +75,65 @@ int64_t MakeEvidenceMainBytes(const RefineOptions& options,
   const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
   const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
   // Each superpixel that has a plane is a candidate.
-  DiscoverySize size = SizeOfDiscovery(options, num_pixels, 1);
-  size.num_candidates = num_superpixels + kCandidatesOfRegions;
-  const int64_t fattening_weights =
-      options.foreground_fattening ? BytesOf<float>(num_raster_pixels) : 0;
-  return std::max(
-      options.foreground_fattening
-          ? ForegroundFatteningMainBytes(num_raster_pixels)
-          : 0,
-      fattening_weights +
-          std::max(
-              GatherEvidenceMainBytes(num_raster_pixels, num_superpixels, {}),
-              EvidenceBytes(num_raster_pixels, num_superpixels, {}) +
-                  DiscoverPlanesWorkingBytes(size, {}) +
-                  DiscoverPlanesMainBytes(size, {})));
+  return std::max(45 * num_raster_pixels,
+                  30 * num_raster_pixels + 2000 * num_superpixels +
+                      ScoresBytes(num_superpixels,
+                                  num_superpixels + kCandidatesOfRegions,
+                                  DiscoverPlanesOptions().max_scores));
 }
 
 int64_t ModelBlockMainBytes(const RefineOptions& options,
                             int64_t num_pixels,
                             int num_views) {
-  const DiscoverPlanesOptions discovery = BlockDiscoveryOptions({}, num_views);
-  const DiscoverySize size = SizeOfDiscovery(options, num_pixels, num_views);
-  return DiscoverPlanesWorkingBytes(size, discovery) +
-         DiscoverPlanesMainBytes(size, discovery);
+  const int64_t num_superpixels =
+      num_views * NumSuperpixels(options, num_pixels);
+  const int64_t num_candidates =
+      int64_t{num_views} *
+      (kCandidatesOfRegions + DiscoverPlanesOptions().max_planes);
+  // The observations, and the scores of the planes that were chosen.
+  return num_superpixels * (2200 + 160 * num_views) +
+         ScoresBytes(num_superpixels, num_candidates, kMaxBlockScores);
 }
 
 int64_t LabelViewWorkingBytes(const RefineOptions& options,
                               int64_t num_pixels,
                               int num_views) {
+  LabelingSize size;
+  size.num_views = num_views;
+  size.num_pixels = MaxRasterPixels(num_pixels);
+  size.num_superpixels = NumSuperpixels(options, num_pixels);
+  size.num_observations = std::min(
+      size.num_pixels,
+      size.num_superpixels * EvidenceOptions().max_observations_per_superpixel);
+  // As many as one view can have, and as many more by its sources.
+  size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
   return LabelInModelWorkingBytes(
-      SizeOfLabeling(options, num_pixels, num_views),
-      {/*confident_depth=*/true, /*superpixels=*/true});
+      size, {/*confident_depth=*/true, /*superpixels=*/true});
 }
 
 int64_t LabelViewMainBytes(const RefineOptions& options,
                            int64_t num_pixels,
                            int num_views) {
-  const LabelingSize size = SizeOfLabeling(options, num_pixels, num_views);
-  const int64_t num_costs = size.num_superpixels * size.num_planes;
-  return BytesOf<PlaneCost>(num_costs) + BytesOf<float>(num_costs) +
-         std::max(LabelViewWorkingBytes(options, num_pixels, num_views),
-                  ChooseLabelsMainBytes(size.num_superpixels, size.num_planes));
+  const int64_t num_costs = NumSuperpixels(options, num_pixels) * 2 *
+                            DiscoverPlanesOptions().max_planes;
+  return num_costs * static_cast<int64_t>(sizeof(PlaneCost) + sizeof(float)) +
+         LabelViewWorkingBytes(options, num_pixels, num_views);
 }
 
 int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  const int64_t superpixels =
-      BytesOf<int>(num_raster_pixels) +
-      BytesOf<Plane>(NumSuperpixels(options, num_pixels));
-  // The trusted ones and the confirmed ones.
-  const int64_t samples = 2 * BytesOf<RayDepth>(num_raster_pixels);
-  const int64_t region_planes = BytesOf<Plane>(num_raster_pixels);
-  const int64_t color = BytesOf<Rgb>(num_raster_pixels);
-  const int64_t gray_texture_contrast = 3 * BytesOf<float>(num_raster_pixels);
-  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
-  return superpixels + samples + region_planes + color + gray_texture_contrast +
-         ratings;
+  return num_pixels + 59 * MaxRasterPixels(num_pixels) +
+         16 * NumSuperpixels(options, num_pixels);
 }
 
 int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
-  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
-  const int64_t color = BytesOf<Rgb>(num_raster_pixels);
-  const int64_t ratings = BytesOf<uint8_t>(num_pixels);
-  return EvidenceBytes(
-             num_raster_pixels, NumSuperpixels(options, num_pixels), {}) +
-         color + ratings;
+  return num_pixels + 11 * MaxRasterPixels(num_pixels) +
+         800 * NumSuperpixels(options, num_pixels);
 }
 
 int64_t NeighbourEvidenceBytes(const RefineOptions& options,
                                int64_t num_pixels) {
-  return EvidenceForNeighboursBytes(
-      MaxRasterPixels(num_pixels), NumSuperpixels(options, num_pixels), {});
+  return 6 * MaxRasterPixels(num_pixels) +
+         530 * NumSuperpixels(options, num_pixels);
 }
 
 }  // namespace tsar

@@ -9,23 +9,23 @@
 
 namespace tsar {
 
-// What an image takes of memory on its way through the stages, in bytes; each
-// number holds for maps of any shape with num_pixels pixels.
+// What an image takes of memory on its way through the stages, in bytes: linear
+// in the pixels of its map, those of its raster and its superpixels. Each
+// number holds for maps of any shape with num_pixels pixels. The factors were
+// measured; tests/pipeline/stage_memory_test.cc runs the stages on a device
+// that counts, and fails where a number is too small or far too large.
 
 // Of the device's memory, beside the sources that were uploaded
 // (UploadedViewBytes).
 int64_t RefineImageWorkingBytes(const RefineOptions& options,
-                                int64_t num_pixels,
-                                int num_sources);
+                                int64_t num_pixels);
 int64_t MeasureImageWorkingBytes(const RefineOptions& options,
-                                 int64_t num_pixels,
-                                 int num_sources);
+                                 int64_t num_pixels);
 // num_judged_pixels: of the map that the evidence was made of, num_pixels where
 // it was not reduced.
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
-                                 int64_t num_judged_pixels,
-                                 int num_sources);
+                                 int64_t num_judged_pixels);
 // num_views: the one that is labelled, and its sources.
 int64_t LabelViewWorkingBytes(const RefineOptions& options,
                               int64_t num_pixels,

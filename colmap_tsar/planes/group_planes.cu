@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/device/scan.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 
@@ -291,17 +290,6 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
       num_groups,
       RefitKernel{grouped, scores.Data(), resolution, options, results.Data()});
   return results;
-}
-
-int64_t FitGroupPlanesWorkingBytes(int64_t num_pixels,
-                                   int64_t num_groups,
-                                   const GroupPlaneOptions& options) {
-  const int64_t marks = BytesOf<int>(num_pixels);
-  const int64_t gathered = BytesOf<RayDepth>(num_pixels);
-  const int64_t scores = BytesOf<int>(num_groups * options.num_hypotheses);
-  const int64_t results = BytesOf<GroupPlane>(num_groups);
-  return marks + ExclusiveSumWorkingBytes(num_pixels) + gathered + scores +
-         results;
 }
 
 }  // namespace tsar

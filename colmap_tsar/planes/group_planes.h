@@ -82,8 +82,5 @@ Buffer<GroupPlane> FitGroupPlanes(const PixelGroups& groups,
                                   const DepthResolution& resolution,
                                   const GroupPlaneOptions& options,
                                   Device& device);
-int64_t FitGroupPlanesWorkingBytes(int64_t num_pixels,
-                                   int64_t num_groups,
-                                   const GroupPlaneOptions& options);
 
 }  // namespace tsar

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/label_graph.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
@@ -184,19 +183,6 @@ LabeledView ChooseLabels(const ObservedView& view,
                              : LabelEvidence::kGuessed;
   }
   return result;
-}
-
-int64_t ChooseLabelsMainBytes(int64_t num_superpixels, int num_planes) {
-  constexpr int64_t kBordersPerSuperpixel = 3;
-  const int64_t costs = BytesOf<float>(num_superpixels * (num_planes + 1));
-  const int64_t rays_at_borders = BytesOf<Vec3f>(
-      kBordersPerSuperpixel * num_superpixels * SuperpixelBorder::kNumPixels);
-  // The graph's tables, and the network of a move in which all take part: two
-  // arcs for each border and each superpixel, in lists of 16 numbers each.
-  constexpr int64_t kArcsPerSuperpixel = 2 * (kBordersPerSuperpixel + 1);
-  const int64_t network =
-      BytesOf<int64_t>(16 * kArcsPerSuperpixel * num_superpixels);
-  return costs + rays_at_borders + network;
 }
 
 }  // namespace tsar

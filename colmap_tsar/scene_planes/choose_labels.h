@@ -31,8 +31,4 @@ LabeledView ChooseLabels(const ObservedView& view,
                          const Image<float>& votes,
                          const LabelOptions& options);
 
-// Of main memory. The view has about as many borders as a planar graph of its
-// superpixels can have.
-int64_t ChooseLabelsMainBytes(int64_t num_superpixels, int num_planes);
-
 }  // namespace tsar

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene_planes/discover_planes.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/planes/fit_plane.h"
 #include "colmap_tsar/scene_planes/manhattan_frame.h"
 #include "colmap_tsar/scene_planes/merge_planes.h"
@@ -261,42 +260,6 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
     }
   }
   return result;
-}
-
-int64_t DiscoverPlanesWorkingBytes(const DiscoverySize& size,
-                                   const DiscoverPlanesOptions& options) {
-  const int64_t max_candidates = static_cast<int64_t>(options.max_scores) /
-                                 std::max<int64_t>(1, size.num_superpixels);
-  // A plane that was chosen is scored while the candidates' scores are there,
-  // all planes after that.
-  const int64_t choosing =
-      LazyGreedySelection::WorkingBytes(
-          std::min(size.num_candidates, max_candidates),
-          size.num_superpixels,
-          size.num_views) +
-      PlaneScorer::ScoreWorkingBytes(1, size.num_superpixels, size.num_views);
-  const int64_t fitting = PlaneScorer::ScoreWorkingBytes(
-      std::max(options.max_planes, kMaxJointFits),
-      size.num_superpixels,
-      size.num_views);
-  return PlaneScorer::WorkingBytes(size.num_superpixels,
-                                   size.num_observations) +
-         std::max(choosing, fitting);
-}
-
-int64_t DiscoverPlanesMainBytes(const DiscoverySize& size,
-                                const DiscoverPlanesOptions& options) {
-  // Where an observation is found, and its superpixel's best three planes.
-  constexpr int64_t kTableBytes = 64;
-  // The planes, their fits and, on the way, the rows of scores; and as many
-  // joint fits of two planes each.
-  constexpr int64_t kScoresPerPlane = 5;
-  const int64_t before_upload =
-      PlaneScorer::WorkingBytes(size.num_superpixels, size.num_observations);
-  const int64_t scores =
-      BytesOf<float>(kScoresPerPlane * options.max_planes + kMaxJointFits) *
-      size.num_superpixels;
-  return kTableBytes * size.num_superpixels + std::max(before_upload, scores);
 }
 
 }  // namespace tsar

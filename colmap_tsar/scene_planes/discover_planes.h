@@ -97,18 +97,4 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 const DiscoverPlanesOptions& options,
                                 Device& device);
 
-// The evidence in which planes are looked for, all views together.
-struct DiscoverySize {
-  int num_views = 1;
-  int64_t num_superpixels = 0;
-  int64_t num_observations = 0;
-  int64_t num_candidates = 0;
-};
-
-int64_t DiscoverPlanesWorkingBytes(const DiscoverySize& size,
-                                   const DiscoverPlanesOptions& options);
-// What it takes of main memory beside that, where it also runs on the CPU.
-int64_t DiscoverPlanesMainBytes(const DiscoverySize& size,
-                                const DiscoverPlanesOptions& options);
-
 }  // namespace tsar

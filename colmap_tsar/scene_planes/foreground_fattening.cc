@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 
-#include "colmap_tsar/device/working_bytes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -122,13 +120,6 @@ Image<float> ComputeFatteningWeight(const Image<float>& gray,
     }
   }
   return own;
-}
-
-int64_t ForegroundFatteningMainBytes(int64_t num_pixels) {
-  // The two ranges, the texture, the most texture around each pixel, and the
-  // result; before the last two, lists of contrasts that have room to grow.
-  constexpr int64_t kNumImages = 5;
-  return kNumImages * BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

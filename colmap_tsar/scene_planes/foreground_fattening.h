@@ -29,7 +29,4 @@ Image<float> ComputeFatteningWeight(const Image<float>& gray,
                                     int num_superpixels,
                                     int patch_radius);
 
-// Main memory that it takes at a time at most, with the result.
-int64_t ForegroundFatteningMainBytes(int64_t num_pixels);
-
 }  // namespace tsar

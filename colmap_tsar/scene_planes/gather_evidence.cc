@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/observe_pixels.h"
 
 #include <algorithm>
@@ -259,56 +258,6 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                std::back_inserter(evidence.candidates),
                [](const Plane& plane) { return plane.Valid(); });
   return evidence;
-}
-
-int64_t GatherEvidenceMainBytes(int64_t num_pixels,
-                                int64_t num_superpixels,
-                                const EvidenceOptions& options) {
-  // The observations, the list of those of each superpixel, which may have room
-  // for as many more, and the pixels along the borders. What it takes to make
-  // the observations, three numbers per superpixel, is less than the lists.
-  const int64_t observations = BytesOf<Observation>(num_pixels);
-  const int64_t lists = 3 * BytesOf<int>(num_pixels);
-  return observations + lists +
-         EvidenceBytes(num_pixels, num_superpixels, options);
-}
-
-int64_t EvidenceBytes(int64_t num_pixels,
-                      int64_t num_superpixels,
-                      const EvidenceOptions& options) {
-  // Superpixels have six neighbours, each border of which counts once.
-  constexpr int64_t kBordersPerSuperpixel = 3;
-  return EvidenceForNeighboursBytes(num_pixels, num_superpixels, options) +
-         BytesOf<uint8_t>(
-             MaxObservations(num_pixels, num_superpixels, options)) +
-         BytesOf<RayDepth>(MaxConfirmed(num_pixels, num_superpixels, options)) +
-         2 * BytesOf<int>(num_superpixels) + BytesOf<uint16_t>(num_pixels) +
-         BytesOf<SuperpixelBorder>(kBordersPerSuperpixel * num_superpixels);
-}
-
-int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
-                                   int64_t num_superpixels,
-                                   const EvidenceOptions& options) {
-  const int64_t superpixels = BytesOf<uint16_t>(num_pixels);
-  const int64_t confident_depth = BytesOf<float>(num_pixels);
-  const int64_t weights_and_first = 2 * BytesOf<float>(num_superpixels);
-  return superpixels + confident_depth + weights_and_first +
-         BytesOf<Observation>(
-             MaxObservations(num_pixels, num_superpixels, options));
-}
-
-int64_t MaxConfirmed(int64_t num_pixels,
-                     int64_t num_superpixels,
-                     const EvidenceOptions& options) {
-  return std::min(num_pixels,
-                  num_superpixels * options.max_confirmed_per_superpixel);
-}
-
-int64_t MaxObservations(int64_t num_pixels,
-                        int64_t num_superpixels,
-                        const EvidenceOptions& options) {
-  return std::min(num_pixels,
-                  num_superpixels * options.max_observations_per_superpixel);
 }
 
 }  // namespace tsar

@@ -57,24 +57,4 @@ struct EvidenceInputs {
 ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
                             const EvidenceOptions& options);
 
-// Main memory that it takes at a time at most, with the result.
-int64_t GatherEvidenceMainBytes(int64_t num_pixels,
-                                int64_t num_superpixels,
-                                const EvidenceOptions& options);
-// Of the evidence without `color` and `ratings`, and of what neighbours need of
-// it.
-int64_t EvidenceBytes(int64_t num_pixels,
-                      int64_t num_superpixels,
-                      const EvidenceOptions& options);
-int64_t EvidenceForNeighboursBytes(int64_t num_pixels,
-                                   int64_t num_superpixels,
-                                   const EvidenceOptions& options);
-// The sums over all superpixels.
-int64_t MaxConfirmed(int64_t num_pixels,
-                     int64_t num_superpixels,
-                     const EvidenceOptions& options);
-int64_t MaxObservations(int64_t num_pixels,
-                        int64_t num_superpixels,
-                        const EvidenceOptions& options);
-
 }  // namespace tsar

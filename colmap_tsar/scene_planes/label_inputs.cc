@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene_planes/label_inputs.h"
 
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -62,24 +61,6 @@ LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
                  static_cast<int64_t>(evidence.observations.size()));
   }
   return size;
-}
-
-int64_t MakeLabelInputsWorkingBytes(const LabelingSize& size,
-                                    const LabelInputs::Rasters& rasters) {
-  const int64_t grouping =
-      BytesOf<int>(size.num_pixels) +
-      GroupPixelsWorkingBytes(size.num_pixels, size.num_superpixels);
-  return std::max(grouping, LabelInputsBytes(size, rasters));
-}
-
-int64_t LabelInputsBytes(const LabelingSize& size,
-                         const LabelInputs::Rasters& rasters) {
-  const int64_t of_source =
-      BytesOf<ObservedSource>(1) +
-      (rasters.confident_depth ? BytesOf<float>(size.num_pixels) : 0) +
-      (rasters.superpixels ? BytesOf<uint16_t>(size.num_pixels) : 0);
-  return PixelGroupsBytes(size.num_pixels, size.num_superpixels) +
-         (size.num_views - 1) * of_source;
 }
 
 }  // namespace tsar

@@ -56,10 +56,4 @@ struct LabelingSize {
 LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
                                  int num_planes);
 
-// While it is made, and once it is there.
-int64_t MakeLabelInputsWorkingBytes(const LabelingSize& size,
-                                    const LabelInputs::Rasters& rasters);
-int64_t LabelInputsBytes(const LabelingSize& size,
-                         const LabelInputs::Rasters& rasters);
-
 }  // namespace tsar

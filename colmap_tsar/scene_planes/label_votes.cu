@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
 
@@ -172,14 +171,6 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                               views[0].camera.GetIntrinsics(),
                               votes.View()});
   return votes.ToHost();
-}
-
-int64_t ComputeLabelVotesWorkingBytes(const LabelingSize& size) {
-  const int64_t of_source = BytesOf<SourceLabels>(1) +
-                            BytesOf<SourceLabel>(size.num_superpixels) +
-                            BytesOf<Plane>(size.num_planes);
-  return (size.num_views - 1) * of_source + BytesOf<Plane>(size.num_planes) +
-         BytesOf<float>(size.num_superpixels * size.num_planes);
 }
 
 }  // namespace tsar

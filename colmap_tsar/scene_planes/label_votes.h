@@ -27,6 +27,5 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<VotingLabels>& labels,
                                const LabelVoteOptions& options,
                                Device& device);
-int64_t ComputeLabelVotesWorkingBytes(const LabelingSize& size);
 
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/direction_sectors.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
@@ -338,20 +337,6 @@ float UnlabelledCost(float weight,
                      const LabelOptions& options) {
   return options.cost_of_unexplained * weight +
          options.unlabelled_cost * std::max(num_pixels - weight, 0.f);
-}
-
-int64_t ComputePlaneCostsWorkingBytes(const LabelingSize& size,
-                                      const PlaneSupportOptions& support) {
-  // No cell is without an observation.
-  const int64_t max_cells = std::min(
-      size.num_views * size.num_observations,
-      int64_t{support.num_cells} * support.num_cells * size.num_planes);
-  return BytesOf<SuperpixelData>(size.num_superpixels) +
-         BytesOf<PlaneData>(size.num_planes) + BytesOf<PlanePoint>(max_cells) +
-         BytesOf<Observation>(size.num_observations) +
-         BytesOf<uint8_t>(size.num_observations) +
-         BytesOf<RayDepth>(size.num_pixels) +
-         BytesOf<PlaneCost>(size.num_superpixels * size.num_planes);
 }
 
 }  // namespace tsar

@@ -45,7 +45,4 @@ float UnlabelledCost(float weight,
                      float num_pixels,
                      const LabelOptions& options);
 
-int64_t ComputePlaneCostsWorkingBytes(const LabelingSize& size,
-                                      const PlaneSupportOptions& support);
-
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -223,24 +222,6 @@ Buffer<float> PlaneScorer::Score(const std::vector<WorldPlane>& planes) const {
   return scores;
 }
 
-int64_t PlaneScorer::WorkingBytes(int64_t num_superpixels,
-                                  int64_t num_observations) {
-  // The last block of each superpixel may hold a single observation.
-  const int64_t max_blocks =
-      num_observations / ObservationBlock::kSize + num_superpixels;
-  return BytesOf<ObservationBlock>(max_blocks) +
-         BytesOf<Ball>(num_superpixels) + BytesOf<int>(num_superpixels) +
-         BytesOf<int>(num_superpixels + 1);
-}
-
-int64_t PlaneScorer::ScoreWorkingBytes(int64_t num_planes,
-                                       int64_t num_superpixels,
-                                       int num_views) {
-  return BytesOf<Vec3f>(num_planes) + BytesOf<float>(num_planes) +
-         BytesOf<float>(num_planes * num_views) +
-         BytesOf<float>(num_planes * num_superpixels);
-}
-
 ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
     : plane(plane), scores(std::move(scores)) {
   for (size_t k = 0; k < this->scores.size(); ++k) {
@@ -334,16 +315,6 @@ void LazyGreedySelection::UpdateGains(const std::vector<int>& candidates) {
   for (size_t i = 0; i < candidates.size(); ++i) {
     gains_[candidates[i]] = gains[i];
   }
-}
-
-int64_t LazyGreedySelection::WorkingBytes(int64_t num_candidates,
-                                          int64_t num_superpixels,
-                                          int num_views) {
-  const int64_t best = BytesOf<float>(num_superpixels);
-  const int64_t batch = BytesOf<int>(kGainBatch) + BytesOf<float>(kGainBatch);
-  return PlaneScorer::ScoreWorkingBytes(
-             num_candidates, num_superpixels, num_views) +
-         best + batch;
 }
 
 }  // namespace tsar

@@ -48,14 +48,6 @@ class PlaneScorer {
   // A row of scores per plane.
   Buffer<float> Score(const std::vector<WorldPlane>& planes) const;
 
-  // Of a scorer for this many superpixels and observations of all views, and
-  // of a call of Score().
-  static int64_t WorkingBytes(int64_t num_superpixels,
-                              int64_t num_observations);
-  static int64_t ScoreWorkingBytes(int64_t num_planes,
-                                   int64_t num_superpixels,
-                                   int num_views);
-
  private:
   std::vector<Eigen::Vector3d> centers_;  // Of the cameras.
   int num_superpixels_;
@@ -102,10 +94,6 @@ class LazyGreedySelection {
   // best: the score of each superpixel's best plane so far; none may be below
   // that of the call before. Of equal candidates the first wins.
   Choice Next(const std::vector<float>& best);
-
-  static int64_t WorkingBytes(int64_t num_candidates,
-                              int64_t num_superpixels,
-                              int num_views);
 
  private:
   void UpdateGains(const std::vector<int>& candidates);

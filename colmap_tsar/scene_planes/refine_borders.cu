@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene_planes/refine_borders.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 #include "colmap_tsar/superpixels/samples.h"
 
@@ -334,18 +333,6 @@ void DistrustFattened(ImageView<const uint8_t> fattened,
                       Device& device) {
   ParallelFor(
       device, ratings.width, ratings.height, DistrustKernel{fattened, ratings});
-}
-
-int64_t RefineBordersWorkingBytes(int64_t num_pixels,
-                                  int64_t num_superpixels,
-                                  int64_t num_planes) {
-  const int64_t labels_and_planes =
-      BytesOf<int>(num_superpixels) + BytesOf<Plane>(num_planes);
-  const int64_t measured = BytesOf<float>(num_pixels);
-  const int64_t marks = BytesOf<uint8_t>(num_pixels);
-  const int64_t refined_and_previous = 2 * BytesOf<uint16_t>(num_pixels);
-  const int64_t ballots = BytesOf<Ballot>(num_pixels);
-  return labels_and_planes + measured + marks + refined_and_previous + ballots;
 }
 
 }  // namespace tsar

@@ -79,8 +79,4 @@ void DistrustFattened(ImageView<const uint8_t> fattened,
                       ImageView<uint8_t> ratings,
                       Device& device);
 
-int64_t RefineBordersWorkingBytes(int64_t num_pixels,
-                                  int64_t num_superpixels,
-                                  int64_t num_planes);
-
 }  // namespace tsar

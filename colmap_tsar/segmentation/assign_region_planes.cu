@@ -4,7 +4,6 @@
 #include "colmap_tsar/segmentation/assign_region_planes.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 namespace tsar {
 namespace {
@@ -185,14 +184,6 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                    options.max_extrapolation * options.max_extrapolation,
                    result.View()});
   return result;
-}
-
-int64_t AssignRegionPlanesWorkingBytes(int64_t num_pixels) {
-  // Of any shape, the last block of each row or column may be a part of one:
-  // only a raster one pixel wide has as many as that.
-  const int64_t max_blocks = num_pixels / kBlockSize + 1;
-  return BytesOf<BlockVotes>(max_blocks) + BytesOf<int>(max_blocks) +
-         BytesOf<Plane>(num_pixels);
 }
 
 }  // namespace tsar

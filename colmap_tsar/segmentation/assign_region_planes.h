@@ -20,6 +20,4 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                       const RegionPlaneOptions& options,
                                       Device& device);
 
-int64_t AssignRegionPlanesWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

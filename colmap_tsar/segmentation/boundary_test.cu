@@ -85,9 +85,4 @@ void RejectByBoundary(const Regions& regions,
                                      planes->planes.Data()});
 }
 
-int64_t RejectByBoundaryWorkingBytes(int64_t num_pixels, int64_t num_regions) {
-  return std::max(GroupPixelsWorkingBytes(num_pixels, num_regions),
-                  PixelGroupsBytes(num_pixels, num_regions));
-}
-
 }  // namespace tsar

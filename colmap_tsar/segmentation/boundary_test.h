@@ -24,7 +24,4 @@ void RejectByBoundary(const Regions& regions,
                       Device& device,
                       RegionPlanes* planes);
 
-// Beside the planes.
-int64_t RejectByBoundaryWorkingBytes(int64_t num_pixels, int64_t num_regions);
-
 }  // namespace tsar

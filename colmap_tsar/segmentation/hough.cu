@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -260,18 +259,6 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                  options.min_length_share * std::min(edges.width, edges.height),
                  drawn.View()});
   return drawn;
-}
-
-int64_t DrawLineSegmentsWorkingBytes(int64_t num_pixels, int longest_side) {
-  const int64_t is_edge = BytesOf<int>(num_pixels);
-  const int64_t pixels = BytesOf<Pixel>(num_pixels);  // All are edges at most.
-  const int64_t votes =
-      BytesOf<int>(int64_t{kNumAngles} *
-                   Accumulator::NumDistances(longest_side, longest_side));
-  const int64_t lines = BytesOf<int>(num_pixels);
-  const int64_t drawn = BytesOf<uint8_t>(num_pixels);
-  return is_edge + ExclusiveSumWorkingBytes(num_pixels) + pixels +
-         BytesOf<Direction>(kNumAngles) + votes + lines + drawn;
 }
 
 }  // namespace tsar

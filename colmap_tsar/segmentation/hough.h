@@ -32,7 +32,4 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                                       const HoughOptions& options,
                                       Device& device);
 
-// longest_side: of the image, or more.
-int64_t DrawLineSegmentsWorkingBytes(int64_t num_pixels, int longest_side);
-
 }  // namespace tsar

@@ -6,7 +6,6 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/segmentation/weighted_sum.h"
 
 #include <algorithm>
@@ -254,29 +253,6 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                                     remaining.View()});
   }
   return result;
-}
-
-int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
-                                    int64_t num_regions,
-                                    const RegionPlaneOptions& options) {
-  const int64_t core_and_rim = 2 * BytesOf<int>(num_pixels);
-  const int64_t groups = PixelGroupsBytes(num_pixels, num_regions);
-  const int64_t states = 2 * BytesOf<RegionState>(num_regions);
-  const int64_t remaining = BytesOf<RayDepth>(num_pixels);
-  const int64_t core_fits = BytesOf<GroupPlane>(num_regions);
-  const int64_t fitting =
-      2 * groups + states + remaining + core_fits +
-      FitGroupPlanesWorkingBytes(num_pixels, num_regions, options.ransac);
-  const int64_t grouping =
-      groups + GroupPixelsWorkingBytes(num_pixels, num_regions);
-  return RegionPlanesBytes(num_pixels, num_regions) +
-         std::max(GrowLabelsWorkingBytes(num_pixels),
-                  core_and_rim + std::max(grouping, fitting));
-}
-
-int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions) {
-  return BytesOf<int>(num_pixels) +
-         BytesOf<SupportedPlane>(num_regions * kMaxPlanesPerRegion);
 }
 
 }  // namespace tsar

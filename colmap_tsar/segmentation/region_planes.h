@@ -67,10 +67,4 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                              const RegionPlaneOptions& options,
                              Device& device);
 
-int64_t FitRegionPlanesWorkingBytes(int64_t num_pixels,
-                                    int64_t num_regions,
-                                    const RegionPlaneOptions& options);
-// Bytes of what it returns.
-int64_t RegionPlanesBytes(int64_t num_pixels, int64_t num_regions);
-
 }  // namespace tsar

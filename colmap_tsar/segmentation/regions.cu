@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <algorithm>
 #include <utility>
@@ -134,18 +133,8 @@ DeviceImage<int> ShrinkLabels(ImageView<const int> labels,
   return Repeat<ShrinkKernel>(labels, num_steps, device);
 }
 
-int64_t FindRegionsWorkingBytes(int64_t num_pixels) {
-  const int64_t labels_and_sizes = 2 * BytesOf<int>(num_pixels);
-  const int64_t is_large = BytesOf<int>(num_pixels);
-  return labels_and_sizes + is_large + ExclusiveSumWorkingBytes(num_pixels);
-}
-
 int64_t MaxRegions(int64_t num_pixels, int min_size) {
   return num_pixels / std::max(1, min_size);
-}
-
-int64_t GrowLabelsWorkingBytes(int64_t num_pixels) {
-  return 2 * BytesOf<int>(num_pixels);
 }
 
 }  // namespace tsar

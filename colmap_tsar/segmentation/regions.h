@@ -36,10 +36,7 @@ DeviceImage<int> ShrinkLabels(ImageView<const int> labels,
                               int num_steps,
                               Device& device);
 
-int64_t FindRegionsWorkingBytes(int64_t num_pixels);
 // How many it can find.
 int64_t MaxRegions(int64_t num_pixels, int min_size);
-// Bytes for GrowLabels as well as for ShrinkLabels.
-int64_t GrowLabelsWorkingBytes(int64_t num_pixels);
 
 }  // namespace tsar

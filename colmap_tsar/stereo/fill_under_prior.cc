@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/stereo/fill_under_prior.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/stereo/stereo_views.h"
 #include "colmap_tsar/stereo/update_maps.h"
@@ -110,16 +109,6 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
       std::min(filter.min_num_consistent, kMinNumConsistent);
   FilterMaps(inputs, filter, options.smooth_normals, device, &maps);
   return Merge(reference, maps.depth.ToHost(), maps.normal.ToHost());
-}
-
-int64_t MatchUnderPriorWorkingBytes(int64_t num_pixels, int num_sources) {
-  const int64_t prior =
-      BytesOf<Plane>(num_pixels) + BytesOf<uint8_t>(num_pixels);
-  const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
-  return StereoViewsBytes(num_pixels, 1, num_sources) +
-         num_sources * BytesOf<float>(num_pixels) + prior +
-         std::max(UpdateMapsWorkingBytes(num_pixels, num_sources),
-                  PlaneMapsBytes(num_pixels) + smoothed_normals);
 }
 
 }  // namespace tsar

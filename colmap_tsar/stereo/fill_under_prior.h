@@ -45,7 +45,4 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
                            const StereoOptions& options,
                            Device& device);
 
-// As for MatchImageGeometrically.
-int64_t MatchUnderPriorWorkingBytes(int64_t num_pixels, int num_sources);
-
 }  // namespace tsar

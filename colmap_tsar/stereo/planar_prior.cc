@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/stereo/planar_prior.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/filter_hypotheses.h"
 
 #include <algorithm>
@@ -183,10 +182,6 @@ Image<Plane> FindPlanarPrior(const ReferenceView& reference,
   return TriangulatePlanes(
       FilterHypotheses(reference, sources, {}, reliable, device).ToHost(),
       reference.intrinsics);
-}
-
-int64_t FindPlanarPriorWorkingBytes(int64_t num_pixels) {
-  return BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

@@ -32,7 +32,4 @@ Image<Plane> FindPlanarPrior(const ReferenceView& reference,
                              float window_radius,
                              Device& device);
 
-// Of the device's memory.
-int64_t FindPlanarPriorWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

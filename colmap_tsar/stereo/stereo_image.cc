@@ -77,10 +77,6 @@ Image<uint8_t> HolesOf(const Image<float>& depth) {
   return holes;
 }
 
-int64_t MatchingCostsBytes(int64_t num_pixels) {
-  return 3 * BytesOf<float>(num_pixels);
-}
-
 }  // namespace
 
 StereoMaps MatchImage(const ViewData& reference,
@@ -162,36 +158,8 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   return host;
 }
 
-int64_t MatchImageWorkingBytes(const StereoOptions& options,
-                               int64_t num_pixels,
-                               int num_sources) {
-  const int64_t views =
-      StereoViewsBytes(num_pixels, options.num_levels, num_sources);
-  const int64_t color = BytesOf<Rgb>(num_pixels);
-  const int64_t planes = BytesOf<Plane>(num_pixels);
-  const int64_t smaller_planes = BytesOf<Plane>(num_pixels / 4);
-  return views +
-         std::max({color,
-                   planes + smaller_planes,
-                   planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
-                   planes + PlaneMapsBytes(num_pixels) +
-                       MatchingCostsBytes(num_pixels)});
-}
-
-int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
-                                            int num_sources) {
-  const int64_t smoothed_normals = BytesOf<Vec3f>(num_pixels);
-  return StereoViewsBytes(num_pixels, 1, num_sources) +
-         num_sources * BytesOf<float>(num_pixels) +
-         std::max(UpdateMapsWorkingBytes(num_pixels, num_sources),
-                  PlaneMapsBytes(num_pixels) +
-                      std::max({smoothed_normals,
-                                MatchingCostsBytes(num_pixels),
-                                FindPlanarPriorWorkingBytes(num_pixels)}));
-}
-
 int64_t StereoMapsBytes(int64_t num_pixels) {
-  return PlaneMapsBytes(num_pixels) + 2 * BytesOf<float>(num_pixels);
+  return BytesOf<Vec3f>(num_pixels) + 3 * BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

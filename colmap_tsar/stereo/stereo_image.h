@@ -48,13 +48,6 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const StereoOptions& options,
                                    Device& device);
 
-// num_pixels: of the largest image, if the maps have its size; sources count as
-// large. Of the device's memory, with the sources.
-int64_t MatchImageWorkingBytes(const StereoOptions& options,
-                               int64_t num_pixels,
-                               int num_sources);
-int64_t MatchImageGeometricallyWorkingBytes(int64_t num_pixels,
-                                            int num_sources);
 // Bytes of main memory.
 int64_t StereoMapsBytes(int64_t num_pixels);
 

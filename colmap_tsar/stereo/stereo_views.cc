@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/stereo/stereo_views.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/pipeline/gray.h"
 
 #include <utility>
@@ -34,15 +33,6 @@ std::vector<DeviceImage<float>> MakePyramid(const Image<Rgb>& color,
     grays.push_back(HalveGray(std::as_const(grays.back()).View(), device));
   }
   return grays;
-}
-
-int64_t PyramidBytes(int64_t num_pixels, int num_levels) {
-  // Each level holds a quarter of the pixels of the one before, or less.
-  int64_t num_bytes = 0;
-  for (int level = 0; level < num_levels; ++level) {
-    num_bytes += BytesOf<float>(num_pixels >> (2 * level));
-  }
-  return num_bytes;
 }
 
 }  // namespace
@@ -85,12 +75,6 @@ Buffer<SourceView> StereoViews::Sources(int level) const {
          has_depth ? source.depth.View() : ImageView<const float>{}});
   }
   return Buffer<SourceView>(device_, views);
-}
-
-int64_t StereoViewsBytes(int64_t num_pixels, int num_levels, int num_sources) {
-  static_assert(sizeof(GrayPair) == sizeof(float));
-  return (num_sources + 1) * PyramidBytes(num_pixels, num_levels) +
-         BytesOf<SourceView>(num_sources);
 }
 
 PatchMatchOptions SearchOptions(const StereoOptions& options,

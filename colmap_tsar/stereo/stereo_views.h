@@ -44,10 +44,6 @@ class StereoViews {
   std::vector<Source> sources_;
 };
 
-// Without the depths of the sources. While they are made, they take less beside
-// this than matching does.
-int64_t StereoViewsBytes(int64_t num_pixels, int num_levels, int num_sources);
-
 PatchMatchOptions SearchOptions(const StereoOptions& options,
                                 const DepthInterval& range);
 

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/stereo/update_maps.h"
 
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/matching/smooth_normals.h"
 
 #include <algorithm>
@@ -57,20 +56,6 @@ void FilterMaps(const PatchMatchInputs& inputs,
                                  {},
                                  device);
   }
-}
-
-int64_t UpdateMapsWorkingBytes(int64_t num_pixels, int num_sources) {
-  const int64_t maps = PlaneMapsBytes(num_pixels);
-  const int64_t planes = BytesOf<Plane>(num_pixels);
-  const int64_t found = planes + BytesOf<float>(num_pixels);
-  // Maps go in and come out.
-  return maps +
-         std::max(planes + RunPatchMatchWorkingBytes(num_pixels, num_sources),
-                  found + maps);
-}
-
-int64_t PlaneMapsBytes(int64_t num_pixels) {
-  return BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
 }
 
 }  // namespace tsar

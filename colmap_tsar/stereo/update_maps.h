@@ -35,8 +35,4 @@ void FilterMaps(const PatchMatchInputs& inputs,
                 Device& device,
                 PlaneMaps* maps);
 
-// Of the device's memory, beside the inputs. With the result.
-int64_t UpdateMapsWorkingBytes(int64_t num_pixels, int num_sources);
-int64_t PlaneMapsBytes(int64_t num_pixels);
-
 }  // namespace tsar

@@ -133,12 +133,19 @@ MapState InspectMap(const fs::path& current,
 
 MapState InspectMapWithoutOriginal(const fs::path& current,
                                    const std::vector<WrittenMap>* written,
-                                   std::optional<uint64_t> original_hash,
+                                   const std::optional<WrittenMap>& original,
                                    Scrutiny scrutiny) {
-  if (original_hash && IsFile(current) && HashFile(current) == original_hash) {
+  if (original && IsFile(current) && IsAnyOf(current, {*original}, scrutiny)) {
     return MapState::kOriginal;
   }
   return InspectMap(current, {}, written, scrutiny);
+}
+
+bool IsOriginal(const fs::path& stored,
+                const std::optional<WrittenMap>& original,
+                Scrutiny scrutiny) {
+  return IsFile(stored) && (original ? IsAnyOf(stored, {*original}, scrutiny)
+                                     : SizeIfComplete(stored).has_value());
 }
 
 MapOwner FindOwner(std::optional<MapState> depth,

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/workspace/written_map.h"
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -33,14 +32,19 @@ MapState InspectMap(const std::filesystem::path& current,
                     Scrutiny scrutiny = Scrutiny::kContent);
 
 // What stands under the name of a map of which no original is stored.
-// original_hash: the original's fingerprint; nothing where no record tells.
-// Where the map has the original's bytes it is the original, also if this
-// program has come to the same ones: a restoration that was interrupted has put
-// it there.
+// original: what was remembered of it; nothing where no record tells. Where the
+// map has the original's bytes it is the original, also if this program has
+// come to the same ones: a restoration that was interrupted has put it there.
 MapState InspectMapWithoutOriginal(const std::filesystem::path& current,
                                    const std::vector<WrittenMap>* written,
-                                   std::optional<uint64_t> original_hash,
+                                   const std::optional<WrittenMap>& original,
                                    Scrutiny scrutiny = Scrutiny::kContent);
+
+// Whether what is kept at `stored` is the original that the record tells of
+// or, where none does, at least a complete map.
+bool IsOriginal(const std::filesystem::path& stored,
+                const std::optional<WrittenMap>& original,
+                Scrutiny scrutiny = Scrutiny::kContent);
 
 // Whose the maps of an image are, since depth and normals always come from one
 // source.

@@ -23,7 +23,7 @@ struct Map {
   const std::filesystem::path& current;
   const std::filesystem::path& stored;
   const std::vector<WrittenMap>* written;
-  std::optional<uint64_t> original_hash;
+  std::optional<WrittenMap> original;  // As the record remembers it.
 };
 
 // Of a map of which nothing is stored.
@@ -32,7 +32,7 @@ OriginalState FindInPlace(const Map& map, Scrutiny scrutiny) {
     return OriginalState::kMissing;
   }
   const MapState state = InspectMapWithoutOriginal(
-      map.current, map.written, map.original_hash, scrutiny);
+      map.current, map.written, map.original, scrutiny);
   if (state == MapState::kWritten || state == MapState::kEdited) {
     throw Error::File(ErrorCode::kMismatch,
                       map.current.string(),
@@ -54,6 +54,23 @@ void RequireUnedited(const Map& map, std::optional<MapState> state) {
         "put the originals back first with " + OptionName("restore") +
             " 1, which keeps the edited "
             "maps in stereo/tsar/superseded");
+  }
+}
+
+// A map that is itself what is stored may be newer than the record: a run that
+// was killed has just kept it.
+void RequireOriginal(const Map& map,
+                     std::optional<MapState> state,
+                     Scrutiny scrutiny) {
+  if (state && state != MapState::kOriginal &&
+      !IsOriginal(map.stored, map.original, scrutiny)) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        map.stored.string(),
+        "this is not the original of " + map.current.string() +
+            " that was kept here",
+        "put that one back here, or decide by " + OptionName("restore") +
+            " 1 with " + OptionName("restore_conflicts") + " original or keep");
   }
 }
 
@@ -90,11 +107,11 @@ OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
   const Map depth = {paths.depth,
                      paths.original_depth,
                      record ? &record->written_depth : nullptr,
-                     record ? record->original_depth_hash : std::nullopt};
+                     record ? record->original_depth : std::nullopt};
   const Map normal = {paths.normal,
                       paths.original_normal,
                       record ? &record->written_normal : nullptr,
-                      record ? record->original_normal_hash : std::nullopt};
+                      record ? record->original_normal : std::nullopt};
   const bool has_depth = Exists(depth.stored);
   const bool has_normal = Exists(normal.stored);
   OriginalMaps maps;
@@ -106,6 +123,8 @@ OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
     };
     const std::optional<MapState> depth_state = inspect(depth, has_depth);
     const std::optional<MapState> normal_state = inspect(normal, has_normal);
+    RequireOriginal(depth, depth_state, scrutiny);
+    RequireOriginal(normal, normal_state, scrutiny);
     const MapOwner owner = FindOwner(depth_state, normal_state);
     if (owner == MapOwner::kUndecided) {
       const bool is_depth_foreign =
@@ -136,13 +155,13 @@ OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
 }
 
 void RequireNoStrayResults(const MapPaths& paths) {
-  for (const ContainedPath* result : ResultFiles(paths)) {
-    if (IsFile(*result) && !Exists(paths.record) &&
+  for (const ResultFile& result : ResultFiles(paths)) {
+    if (IsFile(*result.path) && !Exists(paths.record) &&
         !Exists(paths.original_depth) && !Exists(paths.original_normal)) {
       throw Error::File(
           ErrorCode::kMismatch,
           paths.depth.string(),
-          "this map has been refined, as " + result->string() +
+          "this map has been refined, as " + result.path->string() +
               " tells, and stereo/tsar, which held the original, is gone",
           "run patch_match_stereo again and delete " + ListResultFolders() +
               "; delete these alone where the depth and normal maps are the "

@@ -28,9 +28,9 @@ struct OriginalMaps {
 };
 
 // Looks at both maps of an image. Throws Error kMismatch where an original is
-// lost, where refined maps were edited (they are no originals), and where
-// nothing tells whose the maps in place are; what to do then depends on the
-// user, who is told.
+// lost or was changed where it is kept, where refined maps were edited (they
+// are no originals), and where nothing tells whose the maps in place are; what
+// to do then depends on the user, who is told.
 OriginalMaps FindOriginals(const MapPaths& paths,
                            Scrutiny scrutiny = Scrutiny::kContent);
 

@@ -10,8 +10,6 @@
 #include "colmap_tsar/store/json_file.h"
 
 #include <array>
-#include <cinttypes>
-#include <cstdio>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -27,25 +25,20 @@ constexpr std::array kStatusNames = {
     std::pair(ImageStatus::kFailed, "failed"),
 };
 
-Error CorruptRecord(const std::filesystem::path& path) {
+Error CorruptRecord(const std::filesystem::path& path,
+                    const std::string& what = "not a record of this program") {
   return Error::File(ErrorCode::kCorrupt,
                      path.string(),
-                     "not a record of this program",
+                     what,
                      "put the originals back with " + OptionName("restore") +
                          " 1 and start again");
 }
 
-// As text, because JSON numbers are only exact up to 53 bits in many programs.
-// Zero stands for none.
-std::string ToHex(std::optional<uint64_t> hash) {
-  char text[17];
-  std::snprintf(text, sizeof(text), "%016" PRIx64, hash.value_or(0));
-  return text;
-}
-
-std::optional<uint64_t> FromHex(const std::string& text) {
-  const uint64_t value = std::stoull(text, nullptr, 16);
-  return value == 0 ? std::nullopt : std::optional(value);
+// See GetMapPaths. Names that are not UTF-8 are not in records as they are.
+bool IsRecordOf(const ImageRecord& record, const std::filesystem::path& path) {
+  const std::string end = "/" + record.image + "." + record.type + ".json";
+  return end.find("\xEF\xBF\xBD") != std::string::npos ||
+         path.generic_string().ends_with(end);
 }
 
 nlohmann::json ToJson(const std::vector<WrittenMap>& maps) {
@@ -62,6 +55,32 @@ std::vector<WrittenMap> WrittenFromJson(const nlohmann::json& list) {
     maps.push_back(WrittenMapFromText(entry.get<std::string>()));
   }
   return maps;
+}
+
+std::string OriginalToText(const std::optional<WrittenMap>& map) {
+  return map ? ToText(*map) : "";
+}
+
+std::optional<WrittenMap> OriginalFromJson(const nlohmann::json& json) {
+  const std::string text = json.get<std::string>();
+  return text.empty() ? std::nullopt : std::optional(WrittenMapFromText(text));
+}
+
+nlohmann::json ToJson(const std::map<std::string, WrittenMap>& files) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const auto& [name, file] : files) {
+    json[name] = ToText(file);
+  }
+  return json;
+}
+
+std::map<std::string, WrittenMap> ResultsFromJson(const nlohmann::json& json) {
+  std::map<std::string, WrittenMap> files;
+  for (const auto& [name, text] :
+       json.get<std::map<std::string, std::string>>()) {
+    files[name] = WrittenMapFromText(text);
+  }
+  return files;
 }
 
 }  // namespace
@@ -90,17 +109,19 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.status =
         EnumValue(kStatusNames, json.at("status").get<std::string>());
     record.options_hash = json.at("options_hash").get<std::string>();
-    record.inputs = json.value("inputs", record.inputs);
+    record.inputs = json.at("inputs").get<std::map<std::string, std::string>>();
     record.written_depth = WrittenFromJson(json.at("written_depth"));
     record.written_normal = WrittenFromJson(json.at("written_normal"));
-    record.has_sigma = json.value("has_sigma", record.has_sigma);
-    record.original_depth_hash =
-        FromHex(json.at("original_depth_hash").get<std::string>());
-    record.original_normal_hash =
-        FromHex(json.at("original_normal_hash").get<std::string>());
+    record.results = ResultsFromJson(json.at("results"));
+    record.original_depth = OriginalFromJson(json.at("original_depth"));
+    record.original_normal = OriginalFromJson(json.at("original_normal"));
     record.counts = json.at("counts").get<std::map<std::string, int64_t>>();
     record.seconds = json.at("seconds").get<std::map<std::string, double>>();
     record.note = json.at("note").get<std::string>();
+    // That of another image would have its refined maps taken for originals.
+    if (!IsRecordOf(record, path)) {
+      throw CorruptRecord(path, "the record of another image");
+    }
     return record;
   } catch (const nlohmann::json::exception&) {
     throw CorruptRecord(path);
@@ -120,9 +141,9 @@ void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
       {"inputs", record.inputs},
       {"written_depth", ToJson(record.written_depth)},
       {"written_normal", ToJson(record.written_normal)},
-      {"has_sigma", record.has_sigma},
-      {"original_depth_hash", ToHex(record.original_depth_hash)},
-      {"original_normal_hash", ToHex(record.original_normal_hash)},
+      {"results", ToJson(record.results)},
+      {"original_depth", OriginalToText(record.original_depth)},
+      {"original_normal", OriginalToText(record.original_normal)},
       {"counts", record.counts},
       {"seconds", record.seconds},
       {"note", record.note},

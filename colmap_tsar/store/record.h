@@ -34,25 +34,26 @@ struct ImageRecord {
   std::string type;
   ImageStatus status = ImageStatus::kPending;
   std::string options_hash;
-  // What the maps were made from, as fingerprints by the names of its parts;
-  // empty in records of versions that did not note it.
+  // What the maps were made from, as fingerprints by the names of its parts.
   std::map<std::string, std::string> inputs;
   // The maps of this program that may be in place, the latest first. More than
   // one only while maps are being replaced.
   std::vector<WrittenMap> written_depth;
   std::vector<WrittenMap> written_normal;
-  bool has_sigma = false;  // Whether a sigma map belongs to the maps.
-  // Fingerprints of the originals that the maps were made from: they tell that
-  // a map is an original which was put back. Nothing in output workspaces, and
-  // in records of versions that did not note them.
-  std::optional<uint64_t> original_depth_hash;
-  std::optional<uint64_t> original_normal_hash;
+  // The files that belong to the maps, by the names of ResultFiles().
+  std::map<std::string, WrittenMap> results;
+  // The originals that the maps were made from: by them an original that was
+  // put back is known, and one that was changed where it is kept. Nothing in
+  // output workspaces.
+  std::optional<WrittenMap> original_depth;
+  std::optional<WrittenMap> original_normal;
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;
   std::string note;
 };
 
-// Nothing where there is no such file; Error kCorrupt where it is not a record.
+// Nothing where there is no such file; Error kCorrupt where it is not a record,
+// or that of another image.
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
 
 // In one step; creates the folder.

@@ -18,7 +18,6 @@
 #include "colmap_tsar/workspace/map_paths.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <optional>
 #include <set>
 #include <vector>
@@ -59,11 +58,19 @@ class ImageRestorer {
                        record_ ? &record_->written_depth : nullptr)),
         normal_(Inspect(paths.normal,
                         paths.original_normal,
-                        record_ ? &record_->written_normal : nullptr)) {}
+                        record_ ? &record_->written_normal : nullptr)),
+        is_changed_(
+            IsChanged(depth_,
+                      paths.original_depth,
+                      record_ ? record_->original_depth : std::nullopt) ||
+            IsChanged(normal_,
+                      paths.original_normal,
+                      record_ ? record_->original_normal : std::nullopt)) {}
 
   void Run() {
     if (record_ && IsAnyRefinedWithoutOriginal()) {
       // Without its record, a refined map would count as an original.
+      result_->lost.push_back(paths_.depth.Path());
       return;
     }
     if (!depth_ && !normal_) {
@@ -72,23 +79,13 @@ class ImageRestorer {
       RemoveFile(paths_.record);
       return;
     }
-    switch (FindOwner(depth_, normal_)) {
-      case MapOwner::kThisProgram:
-        PutBack();
-        return;
-      case MapOwner::kOtherProgram:
-        if (conflicts_ == RestoreConflicts::kOriginal) {
-          PutBack();
-        } else {
-          Keep();
-        }
-        return;
-      case MapOwner::kUndecided:
-        break;
-    }
-    if (!record_ || conflicts_ == RestoreConflicts::kOriginal) {
+    const MapOwner owner = FindOwner(depth_, normal_);
+    const bool is_own = owner == MapOwner::kThisProgram ||
+                        (owner == MapOwner::kUndecided && !record_);
+    if (conflicts_ == RestoreConflicts::kOriginal || (is_own && !is_changed_)) {
       PutBack();
-    } else if (conflicts_ == RestoreConflicts::kKeep) {
+    } else if (conflicts_ == RestoreConflicts::kKeep ||
+               (owner == MapOwner::kOtherProgram && !is_changed_)) {
       Keep();
     } else {
       result_->conflicts.push_back(paths_.depth.Path());
@@ -115,29 +112,30 @@ class ImageRestorer {
                : std::nullopt;
   }
 
+  // Whether what is stored is not the original, see FindOriginals().
+  static bool IsChanged(std::optional<MapState> state,
+                        const ContainedPath& stored,
+                        const std::optional<WrittenMap>& original) {
+    return state && state != MapState::kOriginal &&
+           !IsOriginal(stored, original);
+  }
+
   bool IsAnyRefinedWithoutOriginal() const {
     return (!depth_ && IsRefined(paths_.depth,
                                  record_->written_depth,
-                                 record_->original_depth_hash)) ||
+                                 record_->original_depth)) ||
            (!normal_ && IsRefined(paths_.normal,
                                   record_->written_normal,
-                                  record_->original_normal_hash));
+                                  record_->original_normal));
   }
 
   // Of a map of which no original is stored.
   static bool IsRefined(const ContainedPath& current,
                         const std::vector<WrittenMap>& written,
-                        std::optional<uint64_t> original_hash) {
+                        const std::optional<WrittenMap>& original) {
     const MapState state =
-        InspectMapWithoutOriginal(current, &written, original_hash);
-    const bool is_refined =
-        state == MapState::kWritten || state == MapState::kEdited;
-    if (is_refined) {
-      Warn(current.string() +
-           ": this map has been refined, and its original is gone; it is left "
-           "as it is");
-    }
-    return is_refined;
+        InspectMapWithoutOriginal(current, &written, original);
+    return state == MapState::kWritten || state == MapState::kEdited;
   }
 
   void PutBack() {
@@ -155,8 +153,9 @@ class ImageRestorer {
       return;
     }
     CreateFolders(current.Parent());
-    if (state != MapState::kMissing && state != MapState::kWritten &&
-        state != MapState::kOriginal) {
+    const bool is_own =
+        state == MapState::kWritten || state == MapState::kOriginal;
+    if (state != MapState::kMissing && (!is_own || is_changed_)) {
       result_->superseded.push_back(Supersede(current, current).Path());
     }
     RenameFile(stored, current);
@@ -174,6 +173,7 @@ class ImageRestorer {
   const std::optional<ImageRecord> record_;
   const std::optional<MapState> depth_;
   const std::optional<MapState> normal_;
+  const bool is_changed_;
 };
 
 // What lies directly in stereo/tsar and is of runs: not the lock, nor what they

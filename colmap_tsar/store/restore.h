@@ -12,7 +12,8 @@
 namespace tsar {
 
 // What to do with an image where nothing tells whose the maps in place are,
-// such as where one of depth and normals alone was written anew.
+// such as where one of depth and normals alone was written anew, or where an
+// original was changed where it is kept.
 enum class RestoreConflicts {
   kReport,    // Change nothing, and say so.
   kKeep,      // Leave what is there; the original stays where it is kept.
@@ -35,6 +36,8 @@ struct RestoreResult {
   std::vector<std::filesystem::path> kept;
   // Conflicts that were reported alone.
   std::vector<std::filesystem::path> conflicts;
+  // Refined maps of which an original is gone, and which stay.
+  std::vector<std::filesystem::path> lost;
   // Where the maps are now that stood in the way of originals.
   std::vector<std::filesystem::path> superseded;
   // Output workspaces whose links to originals were made again.

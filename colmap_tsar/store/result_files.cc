@@ -7,17 +7,16 @@
 
 namespace tsar {
 
-std::array<const ContainedPath*, 5> ResultFiles(const MapPaths& paths) {
-  return {&paths.confidence,
-          &paths.former_confidence,
-          &paths.sigma,
-          &paths.provenance,
-          &paths.planes};
+std::array<ResultFile, 4> ResultFiles(const MapPaths& paths) {
+  return {{{"confidence", &paths.confidence},
+           {"provenance", &paths.provenance},
+           {"planes", &paths.planes},
+           {"sigma", &paths.sigma}}};
 }
 
 void RemoveResults(const MapPaths& paths) {
-  for (const ContainedPath* path : ResultFiles(paths)) {
-    RemoveFile(*path);
+  for (const ResultFile& file : ResultFiles(paths)) {
+    RemoveFile(*file.path);
   }
 }
 

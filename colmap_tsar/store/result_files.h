@@ -14,9 +14,13 @@ namespace tsar {
 inline constexpr std::array<const char*, 4> kResultFolders = {
     "confidence_maps", "sigma_maps", "provenance_maps", "plane_maps"};
 
-// These files of one image, there or not, also those of earlier versions. The
-// pointers are into the argument.
-std::array<const ContainedPath*, 5> ResultFiles(const MapPaths& paths);
+struct ResultFile {
+  const char* name;  // Of what it holds.
+  const ContainedPath* path;
+};
+
+// These files of one image, there or not. The pointers are into the argument.
+std::array<ResultFile, 4> ResultFiles(const MapPaths& paths);
 
 // Removes them.
 void RemoveResults(const MapPaths& paths);

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -35,13 +36,18 @@ void WriteSceneModel(const ContainedPath& path,
                      const SceneModel& model,
                      SceneModelParts parts = SceneModelParts::kAll);
 
-// What is returned keeps the promises of SceneModel (scene_model_check.h).
+// What is returned keeps the promises of SceneModel.
 // Error kNotFound, kIo, or kCorrupt where the file is damaged, not of this
 // format's version, or breaks such a promise. The file's length is checked
 // before memory is allocated. A file that was written without labels has no
 // views.
 SceneModel ReadSceneModel(const std::filesystem::path& path,
                           SceneModelParts parts = SceneModelParts::kAll);
+
+// The fingerprint of a file's planes, with or without labels; nothing where
+// there is no file or its planes are damaged.
+std::optional<uint64_t> ReadScenePlanesFingerprint(
+    const std::filesystem::path& path);
 
 // The options hash of a file, from its header alone: whether the model may be
 // used. Nothing where there is no file, or none with an intact header, of this

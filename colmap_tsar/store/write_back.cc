@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/base/warning.h"
@@ -143,12 +144,14 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   if (has_planes_) {
     add_file(paths_.planes);
   }
-  record_.has_sigma = !maps.sigma.Empty();
-  if (record_.has_sigma) {
+  has_sigma_ = !maps.sigma.Empty();
+  if (has_sigma_) {
     add_file(paths_.sigma);
   }
   // An earlier refinement may still be in place until the files are renamed.
   const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
+  record_.original_depth = earlier.original_depth;
+  record_.original_normal = earlier.original_normal;
   record_.written_depth = earlier.written_depth;
   record_.written_normal = earlier.written_normal;
   record_.written_depth.insert(record_.written_depth.begin(),
@@ -160,7 +163,7 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   if (has_planes_) {
     PutPng(maps.planes, paths_.planes, &files_[4]);
   }
-  if (record_.has_sigma) {
+  if (has_sigma_) {
     PutSigmaMap(maps.sigma, &files_.back());
   }
   for (AtomicFile& file : files_) {
@@ -182,8 +185,19 @@ void WriteBack::KeepOriginals() {
       FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
   if (!workspace_.IsOutput()) {
     KeepBoth(originals, paths_);
-    record_.original_depth_hash = HashFile(originals.depth);
-    record_.original_normal_hash = HashFile(originals.normal);
+    // One that was stored before is known already.
+    const auto describe = [](OriginalState state,
+                             const ContainedPath& stored,
+                             std::optional<WrittenMap>* original) {
+      if (state != OriginalState::kStored || !*original) {
+        *original = DescribeMap(stored);
+      }
+    };
+    describe(
+        originals.depth_state, paths_.original_depth, &record_.original_depth);
+    describe(originals.normal_state,
+             paths_.original_normal,
+             &record_.original_normal);
   }
 }
 
@@ -197,19 +211,24 @@ void WriteBack::RenameFiles() {
   if (!has_planes_) {
     RemoveFile(paths_.planes);
   }
-  if (!record_.has_sigma) {
+  if (!has_sigma_) {
     RemoveFile(paths_.sigma);
   }
   for (AtomicFile& file : files_) {
     file.Commit();
   }
-  RemoveFile(paths_.former_confidence);
 }
 
 void WriteBack::RecordDone() {
   record_.status = ImageStatus::kDone;
   record_.written_depth.resize(1);
   record_.written_normal.resize(1);
+  for (const ResultFile& file : ResultFiles(paths_)) {
+    if (IsFile(*file.path)) {
+      record_.results[file.name] = {
+          HashFile(*file.path), TimeOf(*file.path), {}};
+    }
+  }
   WriteRecord(paths_.record, record_);
 }
 
@@ -228,7 +247,6 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   RemoveResults(paths);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
-  record.has_sigma = false;
   record.written_depth.clear();
   record.written_normal.clear();
   WriteRecord(paths.record, record);
@@ -258,13 +276,18 @@ bool IsDone(const Workspace& workspace,
     return false;
   }
   // The inputs tell of the originals, also of those in another workspace.
-  return IsFile(paths.depth) && IsFile(paths.normal) &&
-         IsFile(paths.confidence) && IsFile(paths.provenance) &&
-         (!record->has_sigma || IsFile(paths.sigma)) &&
-         IsAnyOf(
-             paths.depth, record->written_depth, Scrutiny::kTimeAndSamples) &&
-         IsAnyOf(
-             paths.normal, record->written_normal, Scrutiny::kTimeAndSamples);
+  const auto is_there = [](const ContainedPath& path,
+                           const std::vector<WrittenMap>& written) {
+    return IsFile(path) && IsAnyOf(path, written, Scrutiny::kTimeAndSamples);
+  };
+  const auto results = ResultFiles(paths);
+  return is_there(paths.depth, record->written_depth) &&
+         is_there(paths.normal, record->written_normal) &&
+         std::all_of(results.begin(), results.end(), [&](const auto& file) {
+           const auto written = record->results.find(file.name);
+           return written == record->results.end() ||
+                  is_there(*file.path, {written->second});
+         });
 }
 
 }  // namespace tsar

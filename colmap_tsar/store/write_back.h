@@ -25,7 +25,7 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record);
 void StoreOriginals(const Workspace& workspace, int image);
 
 // Whether the image was refined with the same options from the same inputs (see
-// ImageRecord) and the files are still what was written then. Images that were
+// ImageRecord) and all files are still what was written then. Images that were
 // kept are not done: what they lacked may have come.
 bool IsDone(const Workspace& workspace,
             int image,
@@ -62,6 +62,7 @@ class WriteBack {
   std::vector<AtomicFile> files_;
   // Of the files, those that not every refinement has.
   bool has_planes_ = false;
+  bool has_sigma_ = false;
 };
 
 }  // namespace tsar

@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/weighted_median.h"
 
 #include <algorithm>
@@ -74,10 +73,6 @@ class BilateralKernelTable {
   }
 
   const BilateralKernel& Taps() const { return taps_; }
-
-  static int64_t WorkingBytes(const WeightedMedianOptions& options) {
-    return BytesOf<float>(NumColors(options.color_sigma));
-  }
 
  private:
   static int NumColors(float sigma) {

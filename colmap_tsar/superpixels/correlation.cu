@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/spread_round.h"
 #include "colmap_tsar/superpixels/trust.h"
 
@@ -208,46 +207,6 @@ DeviceImage<uint8_t> InterpolateHoles(ImageView<const Rgb> color,
     options.radius *= 2.f;
   }
   return interpolated;
-}
-
-int64_t RefineByCorrelationWorkingBytes(int64_t num_pixels,
-                                        int64_t num_raster_pixels,
-                                        int64_t num_superpixels,
-                                        const CorrelationOptions& options) {
-  const WeightedMedianOptions sigmas = SigmasOf(options);
-  const int64_t map = BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
-  const int64_t estimate =
-      options.spread_medians
-          ? map +
-                SpreadRoundWorkingBytes(
-                    num_pixels, options.use_weighted_median ? &sigmas : nullptr)
-          : BytesOf<InverseDepthPlane>(num_pixels);
-  const int64_t filter = options.use_weighted_median && !options.spread_medians
-                             ? GateByWeightedMedianWorkingBytes(sigmas)
-                             : 0;
-  if (!options.use_superpixel_planes) {
-    return estimate + filter;
-  }
-  const int64_t planes = BytesOf<Plane>(num_raster_pixels);
-  // The samples are there together with each of these two. From the second
-  // round on, the planes of the round before are, too.
-  const int64_t fits =
-      BytesOf<Plane>(num_superpixels) +
-      std::max(FitSuperpixelPlanesWorkingBytes(
-                   num_raster_pixels, num_superpixels, options.planes),
-               planes);
-  const int64_t samples = BytesOf<RayDepth>(num_raster_pixels);
-  return std::max(
-      GroupPixelsWorkingBytes(num_raster_pixels, num_superpixels),
-      PixelGroupsBytes(num_raster_pixels, num_superpixels) + estimate +
-          std::max(samples + fits,
-                   BytesOf<Plane>(num_superpixels) + planes + filter));
-}
-
-int64_t InterpolateHolesWorkingBytes(int64_t num_pixels,
-                                     const WeightedMedianOptions& options) {
-  const int64_t filled_and_holes = 2 * BytesOf<uint8_t>(num_pixels);
-  return filled_and_holes + WeightedMedianWorkingBytes(num_pixels, options);
 }
 
 }  // namespace tsar

@@ -76,12 +76,4 @@ DeviceImage<uint8_t> InterpolateHoles(ImageView<const Rgb> color,
                                       DepthNormalImages* map,
                                       Device& device);
 
-// Beside `reliable`. num_pixels: of the map.
-int64_t RefineByCorrelationWorkingBytes(int64_t num_pixels,
-                                        int64_t num_raster_pixels,
-                                        int64_t num_superpixels,
-                                        const CorrelationOptions& options);
-int64_t InterpolateHolesWorkingBytes(int64_t num_pixels,
-                                     const WeightedMedianOptions& options);
-
 }  // namespace tsar

@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/scan.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <cstdint>
 #include <utility>
@@ -141,14 +140,6 @@ int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device) {
   int num_segments = 0;
   device.CopyToHost(&num_segments, names.Data() + count, sizeof(int));
   return num_segments;
-}
-
-int64_t MergeFragmentsWorkingBytes(int64_t num_pixels) {
-  const int64_t roots_and_sizes = 2 * BytesOf<int>(num_pixels);
-  const int64_t choices = BytesOf<uint64_t>(num_pixels);
-  const int64_t is_root = BytesOf<int>(num_pixels);
-  return roots_and_sizes + choices + is_root +
-         ExclusiveSumWorkingBytes(num_pixels);
 }
 
 }  // namespace tsar

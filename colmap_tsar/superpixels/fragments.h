@@ -16,6 +16,4 @@ namespace tsar {
 // Returns the count.
 int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
 
-int64_t MergeFragmentsWorkingBytes(int64_t num_pixels);
-
 }  // namespace tsar

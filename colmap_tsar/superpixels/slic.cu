@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/cielab.h"
 #include "colmap_tsar/superpixels/fragments.h"
 
@@ -243,21 +242,6 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
       MergeFragments(labels, MinSize(options.superpixel_size), device);
   superpixels.labels = std::move(labels);
   return superpixels;
-}
-
-int64_t ComputeSuperpixelsWorkingBytes(int64_t num_pixels,
-                                       const SlicOptions& options) {
-  // A side is rounded to one and a half of its superpixels at most.
-  const int64_t max_clusters =
-      MaxSuperpixels(num_pixels, options.superpixel_size);
-  const int64_t clusters =
-      BytesOf<Cluster>(max_clusters) + BytesOf<ClusterSum>(max_clusters);
-  return BytesOf<Vec3f>(num_pixels) + clusters + BytesOf<int>(num_pixels) +
-         MergeFragmentsWorkingBytes(num_pixels);
-}
-
-int64_t MaxSuperpixels(int64_t num_pixels, int superpixel_size) {
-  return num_pixels / std::max(1, MinSize(superpixel_size)) + 1;
 }
 
 }  // namespace tsar

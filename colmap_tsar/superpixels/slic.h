@@ -35,10 +35,4 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                const SlicOptions& options,
                                Device& device);
 
-// For images no narrower than half a superpixel.
-int64_t ComputeSuperpixelsWorkingBytes(int64_t num_pixels,
-                                       const SlicOptions& options);
-// How many there can be.
-int64_t MaxSuperpixels(int64_t num_pixels, int superpixel_size);
-
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 #include <cmath>
 
@@ -97,15 +96,6 @@ void SpreadRound(const PlaneRaster& planes,
                          map->depth.View(),
                          map->normal.View(),
                          trusted});
-}
-
-int64_t SpreadRoundWorkingBytes(int64_t num_pixels,
-                                const WeightedMedianOptions* filter) {
-  const int64_t estimate =
-      BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels);
-  return estimate + (filter != nullptr
-                         ? WeightedMedianWorkingBytes(num_pixels, *filter)
-                         : 0);
 }
 
 }  // namespace tsar

@@ -28,8 +28,4 @@ void SpreadRound(const PlaneRaster& planes,
                  ImageView<uint8_t> trusted,
                  Device& device);
 
-// Beside the map.
-int64_t SpreadRoundWorkingBytes(int64_t num_pixels,
-                                const WeightedMedianOptions* filter);
-
 }  // namespace tsar

@@ -4,7 +4,6 @@
 #include "colmap_tsar/superpixels/superpixel_planes.h"
 
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/device/working_bytes.h"
 
 namespace tsar {
 namespace {
@@ -114,15 +113,6 @@ Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
   SuperpixelPlaneOptions tight = options;
   tight.ransac.tolerance.pixels = 0.f;
   return fit(tight, 0.f, members.Data());
-}
-
-int64_t FitSuperpixelPlanesWorkingBytes(int64_t num_pixels,
-                                        int64_t num_superpixels,
-                                        const SuperpixelPlaneOptions& options) {
-  return FitGroupPlanesWorkingBytes(
-             num_pixels, num_superpixels, options.ransac) +
-         BytesOf<Plane>(num_superpixels) +
-         (options.loose_tolerance > 0.f ? BytesOf<Plane>(num_superpixels) : 0);
 }
 
 }  // namespace tsar

@@ -35,8 +35,4 @@ Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                   const SuperpixelPlaneOptions& options,
                                   Device& device);
 
-int64_t FitSuperpixelPlanesWorkingBytes(int64_t num_pixels,
-                                        int64_t num_superpixels,
-                                        const SuperpixelPlaneOptions& options);
-
 }  // namespace tsar

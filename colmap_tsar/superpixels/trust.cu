@@ -134,8 +134,4 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                   estimate, color, intrinsics, table.Taps(), gate, trusted});
 }
 
-int64_t GateByWeightedMedianWorkingBytes(const WeightedMedianOptions& options) {
-  return BilateralKernelTable::WorkingBytes(options);
-}
-
 }  // namespace tsar

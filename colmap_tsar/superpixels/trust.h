@@ -65,6 +65,4 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                           ImageView<uint8_t> trusted,
                           Device& device);
 
-int64_t GateByWeightedMedianWorkingBytes(const WeightedMedianOptions& options);
-
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/superpixels/bilateral_kernel.cuh"
 
 #include <cfloat>
@@ -183,12 +182,6 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                    output.depth.View(),
                                    output.normal.View()});
   return output;
-}
-
-int64_t WeightedMedianWorkingBytes(int64_t num_pixels,
-                                   const WeightedMedianOptions& options) {
-  return BytesOf<float>(num_pixels) + BytesOf<Vec3f>(num_pixels) +
-         BilateralKernelTable::WorkingBytes(options);
 }
 
 }  // namespace tsar

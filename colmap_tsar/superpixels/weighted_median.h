@@ -63,7 +63,4 @@ DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                        const WeightedMedianOptions& options,
                                        Device& device);
 
-int64_t WeightedMedianWorkingBytes(int64_t num_pixels,
-                                   const WeightedMedianOptions& options);
-
 }  // namespace tsar

@@ -18,7 +18,6 @@ MapPaths GetMapPaths(const std::filesystem::path& root,
   paths.normal = stereo / "normal_maps" / (key + ".bin");
   paths.cost = stereo / "cost_maps" / (key + ".bin");
   paths.confidence = stereo / "confidence_maps" / (key + ".png");
-  paths.former_confidence = stereo / "confidence_maps" / (key + ".bin");
   paths.sigma = stereo / "sigma_maps" / (key + ".npy");
   paths.provenance = stereo / "provenance_maps" / (key + ".png");
   paths.planes = stereo / "plane_maps" / (key + ".png");

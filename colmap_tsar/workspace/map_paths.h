@@ -22,8 +22,6 @@ struct MapPaths {
   ContainedPath normal;
   ContainedPath cost;
   ContainedPath confidence;
-  // In the format of depth maps, as earlier versions wrote it.
-  ContainedPath former_confidence;
   ContainedPath sigma;
   ContainedPath provenance;
   ContainedPath planes;  // Which plane of the scene a pixel lies on.

@@ -13,6 +13,7 @@
 #include <charconv>
 #include <cinttypes>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -20,9 +21,6 @@ namespace tsar {
 namespace {
 
 constexpr size_t kDigits = 8;  // Of a sample.
-
-// Before a fingerprint; the first records held others, without it.
-const std::string kHashPrefix = std::string(kContentHashName) + "-";
 
 template <typename T>
 T FromDigits(const std::string& text, int base) {
@@ -39,11 +37,11 @@ T FromDigits(const std::string& text, int base) {
 // samples as they are.
 bool HasTimeAndSamples(const std::filesystem::path& path,
                        const WrittenMap& map) {
-  if (map.time == 0 || map.samples.empty() || TimeOf(path) != map.time) {
+  if (map.time == 0 || TimeOf(path) != map.time) {
     return false;
   }
   try {
-    return ReadSamples(path) == map.samples;
+    return map.samples.empty() || ReadSamples(path) == map.samples;
   } catch (const Error& error) {
     if (error.Code() == ErrorCode::kCorrupt) {
       return false;
@@ -55,14 +53,10 @@ bool HasTimeAndSamples(const std::filesystem::path& path,
 }  // namespace
 
 std::string ToText(const WrittenMap& map) {
-  std::string all;
   char text[64];
-  if (map.hash) {
-    std::snprintf(text, sizeof(text), "%016" PRIx64, *map.hash);
-    all = kHashPrefix + text;
-  }
-  std::snprintf(text, sizeof(text), "@%" PRId64 ":", map.time);
-  all += text;
+  std::snprintf(
+      text, sizeof(text), "%016" PRIx64 "@%" PRId64 ":", map.hash, map.time);
+  std::string all = text;
   for (const uint32_t sample : map.samples) {
     std::snprintf(text, sizeof(text), "%08" PRIx32, sample);
     all += text;
@@ -77,12 +71,7 @@ WrittenMap WrittenMapFromText(const std::string& text) {
     throw std::invalid_argument(text);
   }
   WrittenMap map;
-  if (text.starts_with(kHashPrefix)) {
-    map.hash = FromDigits<uint64_t>(
-        text.substr(kHashPrefix.size(), at - kHashPrefix.size()), 16);
-  } else if (at > 0) {
-    FromDigits<uint64_t>(text.substr(0, at), 16);
-  }
+  map.hash = FromDigits<uint64_t>(text.substr(0, at), 16);
   map.time = FromDigits<int64_t>(text.substr(at + 1, colon - at - 1), 10);
   for (size_t i = colon + 1; i < text.size(); i += kDigits) {
     map.samples.push_back(FromDigits<uint32_t>(text.substr(i, kDigits), 16));
@@ -112,17 +101,18 @@ std::vector<uint32_t> ReadSamples(const std::filesystem::path& path) {
   return samples;
 }
 
+WrittenMap DescribeMap(const std::filesystem::path& path) {
+  return {HashFile(path), TimeOf(path), ReadSamples(path)};
+}
+
 bool IsAnyOf(const std::filesystem::path& path,
              const std::vector<WrittenMap>& maps,
              Scrutiny scrutiny) {
   // Hashing reads the whole file.
   std::optional<uint64_t> hash;
   return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
-    if (!map.hash || scrutiny == Scrutiny::kTimeAndSamples) {
-      const bool is_same = HasTimeAndSamples(path, map);
-      if (is_same || !map.hash) {
-        return is_same;
-      }
+    if (scrutiny == Scrutiny::kTimeAndSamples && HasTimeAndSamples(path, map)) {
+      return true;
     }
     if (!hash) {
       hash = HashFile(path);

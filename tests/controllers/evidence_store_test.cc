@@ -46,7 +46,7 @@ class EvidenceStoreTest : public testing::Test {
                  const std::string& options = kOptions,
                  MapType type = MapType::kGeometric) const {
     const Workspace workspace = Open(type);
-    InputFingerprints inputs(workspace, true);
+    InputFingerprints inputs(workspace);
     EvidenceStore store(workspace, inputs, options, 4);
     const bool is_current = store.IsCurrent(image);
     EXPECT_EQ(store.Get(image) != nullptr, is_current);
@@ -54,7 +54,7 @@ class EvidenceStoreTest : public testing::Test {
   }
   void Write(int image) const {
     const Workspace workspace = Open();
-    InputFingerprints inputs(workspace, true);
+    InputFingerprints inputs(workspace);
     EvidenceStore(workspace, inputs, kOptions, 4)
         .Write(image, EvidenceOf(image));
   }
@@ -77,7 +77,7 @@ class EvidenceStoreTest : public testing::Test {
 
 TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   const Workspace workspace = Open();
-  InputFingerprints inputs(workspace, true);
+  InputFingerprints inputs(workspace);
   EvidenceStore store(workspace, inputs, kOptions, 4);
   EXPECT_FALSE(store.IsCurrent(1));
   EXPECT_EQ(store.Get(1), nullptr);
@@ -168,7 +168,7 @@ TEST_F(EvidenceStoreTest, DamagedFilesAreNotCurrent) {
 
 TEST_F(EvidenceStoreTest, KeepsThoseUsedLast) {
   const Workspace workspace = Open();
-  InputFingerprints inputs(workspace, true);
+  InputFingerprints inputs(workspace);
   EvidenceStore store(workspace, inputs, kOptions, 2);
   std::vector<EvidenceStore::Evidence> first;
   for (const int image : {0, 1, 2}) {
@@ -207,7 +207,7 @@ TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
 
 TEST_F(EvidenceStoreTest, ManyThreadsGetWhatTheyAskFor) {
   const Workspace workspace = Open();
-  InputFingerprints inputs(workspace, true);
+  InputFingerprints inputs(workspace);
   EvidenceStore store(workspace, inputs, kOptions, 2);
   for (const int image : {0, 2}) {
     store.Write(image, EvidenceOf(image));
@@ -238,7 +238,7 @@ TEST_F(EvidenceStoreTest, ManyThreadsGetWhatTheyAskFor) {
 TEST_F(EvidenceStoreTest, ExpectedEvidenceMustBeThereAndCurrent) {
   const Workspace workspace = Open();
   Write(1);
-  InputFingerprints inputs(workspace, true);
+  InputFingerprints inputs(workspace);
   EvidenceStore store(workspace, inputs, kOptions, 4);
   store.Expect({1});
   EXPECT_TRUE(store.IsCurrent(1));
@@ -247,7 +247,7 @@ TEST_F(EvidenceStoreTest, ExpectedEvidenceMustBeThereAndCurrent) {
   EXPECT_EQ(store.Get(0), nullptr);
 
   const auto expect_refusal = [&](int image) {
-    InputFingerprints of_files(workspace, true);
+    InputFingerprints of_files(workspace);
     EvidenceStore expecting(workspace, of_files, kOptions, 4);
     expecting.Expect({1, 2});
     ExpectError(ErrorCode::kMismatch, {".geometric.bin", "observe"}, [&] {
@@ -266,14 +266,14 @@ TEST_F(EvidenceStoreTest, ExpectedViewsCountWhateverTheirMapsAre) {
   Write(1);
   std::map<int, InputState> views;
   {
-    InputFingerprints inputs(workspace, true);
+    InputFingerprints inputs(workspace);
     for (const int image : {0, 1, 2}) {
       views[image] = inputs.OfView(image);
     }
   }
   Touch(workspace.DepthPath(1, MapType::kGeometric));
   EXPECT_FALSE(IsCurrent(1));
-  InputFingerprints inputs(workspace, true);
+  InputFingerprints inputs(workspace);
   inputs.Expect(views, {0});
   EvidenceStore store(workspace, inputs, kOptions, 4);
   store.Expect({1});

@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <csignal>
 
 #include "tests/controllers/refine_workspace_fixture.h"
 #include <nlohmann/json.hpp>
@@ -14,7 +13,7 @@ namespace tsar {
 namespace {
 
 TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
-  // The third alone depends on the last.
+  // All images are of one scene, whether they share its planes or not.
   WriteText(root_ / "stereo/patch-match.cfg",
             "v0.png\nv1.png\nv1.png\nv0.png\nleft/v2.png\nv3.png\n");
   for (const bool scene_planes : {true, false}) {
@@ -28,26 +27,19 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
       return std::pair(summary.num_refined, warnings);
     };
     EXPECT_EQ(refine_again(), std::pair(0, std::string()));
-    const std::filesystem::path photo = root_ / "images/v3.png";
+    const std::filesystem::path photo = root_ / "images/v1.png";
     std::filesystem::last_write_time(
         photo,
         std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
     const auto [num_refined, warnings] = refine_again();
-    EXPECT_THAT(warnings,
-                testing::HasSubstr("left/v2.png: refined again, since its "
-                                   "neighbour v3.png has changed\n"));
-    if (scene_planes) {
-      // All images have the planes of one scene.
-      EXPECT_EQ(num_refined, 3);
-      EXPECT_THAT(warnings,
-                  testing::HasSubstr("v0.png: refined again, since other "
-                                     "images of the scene have changed\n"));
-      continue;
-    }
-    EXPECT_EQ(num_refined, 1);
-    // One line, of one image.
-    EXPECT_EQ(warnings.find("refined again"), warnings.rfind("refined again"));
-    EXPECT_EQ(refine_again(), std::pair(0, std::string()));
+    EXPECT_EQ(num_refined, 3);
+    EXPECT_THAT(
+        warnings,
+        testing::AllOf(testing::HasSubstr("v1.png: refined again, since its "
+                                          "photo has changed\n"),
+                       testing::HasSubstr("left/v2.png: refined again, since "
+                                          "other images of the scene have "
+                                          "changed\n")));
   }
 }
 
@@ -66,6 +58,33 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWhereTheMapsOfTheInputAreNew) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               testing::HasSubstr("v3.png: refined again, since its maps have "
                                  "changed\n"));
+}
+
+// Maps tell the numbers of these planes, which readers look up.
+TEST_F(RefineWorkspaceTest, RefinesAgainWithoutThePlanesOfTheScene) {
+  Refine();
+  const Tree expected = MapsOf(root_);
+  const std::filesystem::path planes = root_ / "stereo/tsar/planes.bin";
+  const std::string bytes = ReadText(planes);
+  std::string damaged = bytes;
+  damaged[damaged.size() / 2] ^= 1;
+  const std::filesystem::path other = folder_.Path() / "other";
+  MakeSyntheticWorkspace(other);
+  RemoveDepths(other, 3);
+  Refine(Options(other));
+  const std::string of_other_scene = ReadText(other / "stereo/tsar/planes.bin");
+  ASSERT_NE(of_other_scene, bytes);
+  for (const std::string& content : {std::string(), damaged, of_other_scene}) {
+    EXPECT_EQ(Refine().num_refined, 0);
+    WriteText(planes, content);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(Refine().num_refined, 4);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                testing::HasSubstr("v0.png: refined again, since some of what "
+                                   "was written for it is missing"));
+    EXPECT_TRUE(ReadText(planes) == bytes);
+    ExpectSameFiles(expected, MapsOf(root_));
+  }
 }
 
 // What cannot be refined any more is not as it was refined.
@@ -161,9 +180,8 @@ TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
   WriteText(root_ / "images/v3.png", image);
   RefineOptions options;
   options.scene_planes = false;
-  const RunSummary summary = Refine(Options(root_), options);
-  EXPECT_EQ(summary.num_skipped, 2);
-  EXPECT_EQ(summary.num_refined, 1);
+  // Of another time than before, so that all images are of another scene.
+  EXPECT_EQ(Refine(Options(root_), options).num_refined, 3);
   EXPECT_EQ(Refine().num_refined, 3);
 }
 
@@ -237,44 +255,6 @@ TEST_F(RefineWorkspaceTest, GoesOnWhereAllThatIsMissingIsTheSecondPass) {
     return false;
   });
   ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
-}
-
-TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruptionOfTheFirstPass) {
-  ExpectError(ErrorCode::kInterrupted, {"0 of 4", "same command"}, [&] {
-    Refine(Options(root_), {}, [&] {
-      return std::filesystem::exists(Evidence(root_, 1));
-    });
-  });
-  EXPECT_FALSE(std::filesystem::exists(Evidence(root_, 3)));
-  EXPECT_EQ(Refine().num_refined, 4);
-  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
-}
-
-using RefineWorkspaceDeathTest = RefineWorkspaceTest;
-
-TEST_F(RefineWorkspaceDeathTest, GoesOnAfterBeingKilledInEitherPass) {
-  const Tree expected = RefinedInOneGo();
-  for (const std::filesystem::path& file :
-       {Evidence(root_, 1), Paths(1).record.Path()}) {
-    std::filesystem::remove_all(root_);
-    MakeSyntheticWorkspace(root_);
-    EXPECT_EXIT(Refine(Options(root_),
-                       {},
-                       [&] {
-                         if (std::filesystem::exists(file)) {
-                           std::raise(SIGKILL);
-                         }
-                         return false;
-                       }),
-                testing::KilledBySignal(SIGKILL),
-                "");
-    EXPECT_TRUE(HasEvidence());
-    const RunSummary summary = Refine();
-    EXPECT_EQ(summary.num_refined + summary.num_skipped, 4);
-    EXPECT_EQ(summary.num_skipped > 0, file == Paths(1).record);
-    EXPECT_FALSE(HasEvidence());
-    ExpectSameFiles(expected, MapsOf(root_));
-  }
 }
 
 TEST_F(RefineWorkspaceTest, EvidenceOfOtherOptionsIsNotUsed) {

@@ -177,7 +177,7 @@ TEST_F(RefineMaskedTest, RefinesAgainWhereMasksHaveChanged) {
   Refine();
   EXPECT_FALSE(Manifest()["runtime"].contains("masks"));
   const std::string changed =
-      "v1.png: refined again, since its mask and its neighbour";
+      "v1.png: refined again, since its mask has changed";
   const auto has_warning = testing::HasSubstr(changed);
   // Given, changed, and no longer given; all images have the planes of one
   // scene.
@@ -190,8 +190,9 @@ TEST_F(RefineMaskedTest, RefinesAgainWhereMasksHaveChanged) {
       WarningsOf(Masked(), 4),
       testing::AllOf(testing::HasSubstr("v1.png: refined again, since its mask "
                                         "has changed\n"),
-                     testing::HasSubstr("v0.png: refined again, since its "
-                                        "neighbour v1.png has changed\n")));
+                     testing::HasSubstr("v0.png: refined again, since other "
+                                        "images of the scene have "
+                                        "changed\n")));
   WriteMasks(&IsMasked);
   Refine(Masked());
   ExpectSameFiles(MapsOf(root_), masked);

@@ -140,7 +140,7 @@ TEST_F(RefineModelTest, TheNumberOfThreadsDoesNotMatter) {
 
 TEST_F(RefineModelTest, WarnsOfPlanesThatPlaneMapsCannotName) {
   const Workspace workspace(root_, MapType::kGeometric);
-  InputFingerprints inputs(workspace, /*with_evidence=*/true);
+  InputFingerprints inputs(workspace);
   const SceneModelStore store(workspace, inputs, "options");
   SceneModel model;
   model.planes.assign(size_t{kMaxPlanesOfMap},

@@ -212,32 +212,6 @@ TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
   EXPECT_FALSE(HasShards());
 }
 
-TEST_F(RefineShardTest, GoesOnAfterAnInterruption) {
-  const auto stop_at = [&](const std::filesystem::path& file,
-                           const std::string& pass) {
-    ExpectError(ErrorCode::kInterrupted, {" of 4", "same command"}, [&] {
-      Refine(Options(root_, pass, "0/1"), {}, [&] {
-        return std::filesystem::exists(file);
-      });
-    });
-  };
-  stop_at(Evidence(1), "observe");
-  ExpectRefusal(ErrorCode::kNotFound, {"1 shards, 0 has"}, "compose", "0/1");
-  EXPECT_LT(Run("observe").num_observed, 4);
-  ExpectError(ErrorCode::kInterrupted, {"planes of the scene"}, [&] {
-    Refine(Options(root_, "model"), {}, [] { return true; });
-  });
-  EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar/planes.bin"));
-  Run("model");
-  stop_at(Paths(1).record, "compose");
-  ExpectRefusal(ErrorCode::kNotFound, {"1 shards, 0 has"}, "merge");
-  const RunSummary summary = Run("compose");
-  EXPECT_EQ(summary.num_skipped + summary.num_refined, 4);
-  EXPECT_GT(summary.num_skipped, 0);
-  Run("merge");
-  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
-}
-
 TEST_F(RefineShardTest, SaysThatAnotherMachineHadBegun) {
   Run("observe", "0/2");
   const auto warnings_for = [&](const std::string& host, bool is_complete) {
@@ -267,34 +241,6 @@ TEST_F(RefineShardTest, WholeRunsTakeOverWhatShardsLeft) {
   EXPECT_GT(Run("all").num_skipped, 0);
   EXPECT_FALSE(HasShards());
   EXPECT_TRUE(ResultOf(root_) == ResultOf(whole));
-}
-
-TEST_F(RefineShardTest, RestoresAtEveryPoint) {
-  const Tree before = ReadTree(root_);
-  RefineOptions by_themselves;
-  by_themselves.scene_planes = false;
-  for (const RefineOptions& refine : {RefineOptions(), by_themselves}) {
-    const std::function<void()> steps[] = {
-        [&] { Run("observe", "0/2", refine); },
-        [&] { Run("observe", "1/2", refine); },
-        [&] { Run("model", "", refine); },
-        [&] { Run("compose", "1/2", refine); },
-        [&] { Run("compose", "0/2", refine); },
-        [&] { Run("merge", "", refine); }};
-    Redraw();
-    for (const std::function<void()>& step : steps) {
-      step();
-      const std::filesystem::path copy = folder_.Path() / "copy";
-      std::filesystem::copy(
-          root_, copy, std::filesystem::copy_options::recursive);
-      {
-        const WorkspaceLock lock(copy);
-        Restore(copy);
-      }
-      EXPECT_TRUE(ReadTree(copy) == before);
-      std::filesystem::remove_all(copy);
-    }
-  }
 }
 
 TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {

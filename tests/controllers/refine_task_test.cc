@@ -7,8 +7,6 @@
 #include "colmap_tsar/controllers/compose_task.h"
 #include "colmap_tsar/controllers/image_pipeline.h"
 #include "colmap_tsar/controllers/model_pass.h"
-#include "colmap_tsar/controllers/observe_task.h"
-#include "colmap_tsar/controllers/single_view_task.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_option_list.h"
 
@@ -67,12 +65,13 @@ class RefineTaskTest : public testing::Test {
     workers.push_back({"GPU 3 (Card)", std::move(device), &views});
     RefineOptions options;
     options.scene_planes = scene_planes;
-    InputFingerprints inputs(workspace, scene_planes);
+    InputFingerprints inputs(workspace);
     EvidenceStore evidence(workspace, inputs, HashRefineOptions(options), 4);
     ImageCatalogue images(workspace,
                           std::vector<bool>(4, true),
                           HashRefineOptions(options),
                           inputs,
+                          /*planes=*/"",
                           /*reuses_results=*/true,
                           options.distrust_unmatched);
     const RefineTaskInputs task_inputs = {images, options, workers};

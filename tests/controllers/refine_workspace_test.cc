@@ -58,13 +58,6 @@ TEST_F(RefineWorkspaceTest, FillsTheBareWallAndKeepsTheOriginals) {
   EXPECT_GT(num_right, num_bare / 2);
 }
 
-TEST_F(RefineWorkspaceTest, RestoreGivesTheSameBytes) {
-  const Tree before = ReadTree(root_);
-  Refine();
-  EXPECT_EQ(Restore(root_).num_restored, 4);
-  ExpectSameFiles(before, ReadTree(root_));
-}
-
 TEST_F(RefineWorkspaceTest, RestoreRemovesWhatARunLeftThatChangedNoMap) {
   const Tree before = ReadTree(root_);
   Observe(Options(root_));

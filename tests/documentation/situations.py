@@ -151,7 +151,7 @@ def depth_alone_made_anew():
     write(f"dense/stereo/tsar/records/{name}.json", json.dumps({
         "version": "0.1.0", "image": "v000.jpg", "type": "geometric", "status": "done",
         "options_hash": "", "inputs": {}, "written_depth": ["0@0:"], "written_normal": ["0@0:"],
-        "original_depth_hash": "0", "original_normal_hash": "0", "counts": {}, "seconds": {},
+        "results": {}, "original_depth": "", "original_normal": "", "counts": {}, "seconds": {},
         "note": ""}))
     write(f"dense/stereo/depth_maps/{name}.bin", b"1&1&1&" + struct.pack("<f", 1.0))
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "tests/controllers/counting_device.h"
 #include "tests/noise/drawn_noise.h"
 #include <gtest/gtest.h>
 
@@ -56,20 +55,6 @@ TEST(MakeRasterColor, OnlyReducesWithoutTheSwitch) {
       MakeRasterColor(wall.View(), kRaster, false, *device).ToHost();
   for (size_t i = 0; i < expected.NumPixels(); ++i) {
     ASSERT_EQ(reduced.Data()[i].g, expected.Data()[i].g);
-  }
-}
-
-TEST(MakeRasterColor, TakesTheMemoryThatItSays) {
-  const Image<Rgb> wall = DrawNoisyWall();
-  const int64_t num_raster_pixels = int64_t{kRaster.width} * kRaster.height;
-  for (const bool denoise : {false, true}) {
-    CountingDevice device("", SIZE_MAX, 2);
-    MakeRasterColor(wall.View(), kRaster, denoise, device);
-    const auto taken = static_cast<int64_t>(device.PeakMemory());
-    const int64_t planned =
-        MakeRasterColorWorkingBytes(num_raster_pixels, denoise);
-    EXPECT_GE(planned, taken) << denoise;
-    EXPECT_LE(planned, taken + taken / 20) << denoise;
   }
 }
 

@@ -158,6 +158,24 @@ for changes in itertools.product(CHANGES, repeat=2):
             check(after[f"stereo/tsar/original/{kind}/{MAP}"] == original, what)
     num_cases += 1
 
+# An original that is kept was changed, or is gone: the whole refined map stays.
+for name, content in (("changed", b"1&1&1&\0\0\0\0"), ("empty", b""), ("gone", None)):
+    copy(start.refined, work)
+    kept = os.path.join(work, "stereo", "tsar", "original", "depth_maps", MAP)
+    if content is None:
+        os.remove(kept)
+    else:
+        synthetic_workspace.write(kept, content)
+    before = read_tree(work)
+    for command in (["tsar_refine", work, "--TsarRefine.superpixel_size", 300],
+                    ["tsar_refine", work, "--restore", 1]):
+        program.fails_with_one_line(*command, texts=[MAP])
+        after = read_tree(work)
+        for path in before:
+            if MAP in path:
+                check(after.get(path) == before[path], f"{command}, {name}: {path} changed")
+    num_cases += 1
+
 # stereo/tsar deleted by hand: what is left are refined maps, not originals.
 copy(start.refined, work)
 shutil.rmtree(os.path.join(work, "stereo", "tsar"))

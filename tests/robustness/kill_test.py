@@ -51,7 +51,8 @@ def leave_normals_unchanged(name):
     with open(path, encoding="utf-8") as file:
         record = json.load(file)
     written = record["written_normal"][0]
-    record["written_normal"] = [f"xxh3-{record['original_normal_hash']}{written[written.index('@'):]}"]
+    original = record["original_normal"]
+    record["written_normal"] = [original[:original.index("@")] + written[written.index("@"):]]
     synthetic_workspace.write(path, json.dumps(record).encode())
 
 

@@ -89,35 +89,25 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
       for (const size_t num_sources : {size_t{1}, size_t{4}, size_t{40}}) {
         SCOPED_TRACE(num_sources);
         const Matched matched = Match(drawn, num_sources, options);
-        const int num = static_cast<int>(num_sources);
-        const int64_t photometric =
-            MatchImageWorkingBytes(options, num_pixels, num);
-        EXPECT_GE(photometric, matched.photometric);
-        EXPECT_LE(photometric, 1.1 * matched.photometric);
-        const int64_t geometric =
-            MatchImageGeometricallyWorkingBytes(num_pixels, num);
-        EXPECT_GE(geometric, matched.geometric);
-        EXPECT_LE(geometric, 1.1 * matched.geometric);
-        const int64_t under_prior =
-            MatchUnderPriorWorkingBytes(num_pixels, num);
-        EXPECT_GE(under_prior, matched.under_prior);
-        EXPECT_LE(under_prior, 1.1 * matched.under_prior);
-        RecordProperty(
-            std::to_string(width) + "_" + std::to_string(num_levels) + "_" +
-                std::to_string(num_sources),
-            std::to_string(100 * photometric / matched.photometric) + " % " +
-                std::to_string(100 * geometric / matched.geometric) + " %");
-
         WorkspaceOverview overview;
         overview.max_num_pixels = num_pixels;
         overview.max_num_image_pixels = num_pixels;
-        overview.max_num_sources = num;
-        const MemoryPlan plan = PlanStereo(options, overview);
-        EXPECT_EQ(DeviceBytes(plan, 1),
-                  std::max({photometric,
-                            geometric,
-                            options.planar_prior ? under_prior : 0}));
-        EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
+        overview.max_num_sources = static_cast<int>(num_sources);
+        const auto expect_planned = [&](bool geom_consistency,
+                                        int64_t at_a_time) {
+          StereoOptions planned = options;
+          planned.geom_consistency = geom_consistency;
+          const MemoryPlan plan = PlanStereo(planned, overview);
+          EXPECT_GE(DeviceBytes(plan, 1), at_a_time);
+          EXPECT_LE(DeviceBytes(plan, 1), 1.5 * at_a_time);
+          EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
+        };
+        expect_planned(false, matched.photometric);
+        expect_planned(
+            true,
+            std::max({matched.photometric,
+                      matched.geometric,
+                      options.planar_prior ? matched.under_prior : 0}));
       }
     }
   }

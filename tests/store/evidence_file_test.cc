@@ -28,12 +28,6 @@ TEST_F(EvidenceFileTest, LiesInTheFolderOfThisProgram) {
       "dense/stereo/tsar/evidence/left/1.jpg.photometric.bin");
 }
 
-TEST_F(EvidenceFileTest, ReadsWhatWasWritten) {
-  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
-  ExpectSame(ReadEvidence(path_), evidence_);
-  EXPECT_EQ(ReadEvidenceHash(path_), kOptionsHash);
-}
-
 TEST_F(EvidenceFileTest, WritesTheDocumentedBytes) {
   WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   EXPECT_EQ(ReadText(path_), FileBytes(HeaderFields(evidence_), evidence_));
@@ -86,17 +80,6 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
                          0.f};
   WriteEvidence(UserPath(path_), kOptionsHash, evidence);
   ExpectSame(ReadEvidence(path_), evidence);
-}
-
-TEST_F(EvidenceFileTest, ReplacesAnOlderFile) {
-  WriteEvidence(UserPath(path_), "old", evidence_);
-  ViewEvidence evidence = evidence_;
-  evidence.ratings = Image<uint8_t>(2, 1, 9);
-  WriteEvidence(UserPath(path_), kOptionsHash, evidence);
-  ExpectSame(ReadEvidence(path_), evidence);
-  EXPECT_EQ(ReadEvidenceHash(path_), kOptionsHash);
-  const std::filesystem::directory_iterator entries(path_.parent_path());
-  EXPECT_EQ(std::distance(begin(entries), end(entries)), 1);
 }
 
 TEST_F(EvidenceFileTest, NamesMissingFiles) {

@@ -4,8 +4,6 @@
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/restore.h"
 
-#include <regex>
-
 #include "tests/store/write_back_testing.h"
 #include "tests/support/write_refined.h"
 
@@ -55,17 +53,6 @@ class InterruptedRestoreTest : public WriteBackTest {
     std::filesystem::rename(Paths().original_normal.Path(),
                             Paths().normal.Path());
   }
-  // Makes the record one of the time before the originals' fingerprints.
-  void ForgetOriginals() const {
-    const std::string text = ReadText(Paths().record);
-    const std::string old = std::regex_replace(
-        text,
-        std::regex("(original_(depth|normal)_hash\": \")[0-9a-f]{16}"),
-        "$010000000000000000");
-    ASSERT_NE(text, old);
-    WriteText(Paths().record, old);
-  }
-
   bool HasOriginals() const {
     return ReadText(Paths().depth) == original_depth_ &&
            ReadText(Paths().normal) == original_normal_;
@@ -120,37 +107,19 @@ TEST_F(InterruptedRestoreTest, LeavesOriginalsThatCanBeRefined) {
   ExpectToFinish(1);
 }
 
-// The next refinement is made from the same originals, and tells so.
-TEST_F(InterruptedRestoreTest, KnowsTheOriginalsOfALaterRefinement) {
-  Begin({.depth = false, .normal = false});
-  Refine({.depth = false, .normal = true});
-  ASSERT_EQ(ReadText(Paths().normal), original_normal_);
-  PutBackNormal();
-  ExpectToFinish(1);
-}
-
 // What is not the original by its bytes is none, whatever the other map is.
 TEST_F(InterruptedRestoreTest, LeavesRefinedMapsWhoseOriginalIsGone) {
   Begin({.depth = false, .normal = true});
   const std::string refined = ReadText(Paths().depth);
   std::filesystem::remove(Paths().original_depth.Path());
-  EXPECT_EQ(Restore(root_).num_restored, 0);
+  const RestoreResult result = Restore(root_);
+  EXPECT_EQ(result.num_restored, 0);
+  EXPECT_THAT(result.lost, testing::ElementsAre(Paths().depth.Path()));
   EXPECT_EQ(ReadText(Paths().depth), refined);
   EXPECT_TRUE(std::filesystem::exists(Paths().record.Path()));
   ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
     FindOriginals(Paths());
   });
-}
-
-TEST_F(InterruptedRestoreTest, TakesNoMapForTheOriginalWithoutItsFingerprint) {
-  Begin({.depth = false, .normal = true});
-  ForgetOriginals();
-  EXPECT_FALSE(ReadRecord(Paths().record)->original_normal_hash);
-  PutBackNormal();
-  const std::string refined = ReadText(Paths().depth);
-  EXPECT_EQ(Restore(root_).num_restored, 0);
-  EXPECT_EQ(ReadText(Paths().depth), refined);
-  EXPECT_EQ(ReadText(Paths().original_depth), original_depth_);
 }
 
 }  // namespace

@@ -196,34 +196,6 @@ TEST_F(OutputFolderTest, TakesAnEmptyFolderAndASeparatorAtTheEnd) {
   EXPECT_EQ(ReadText(path_ / kReport.known_file), "new");
 }
 
-TEST_F(OutputFolderTest, TakesUpWhatAKilledProgramLeft) {
-  const fs::path temporary = path_.string() + ".tsar_tmp";
-  const std::string marker = kReport.unfinished_file;
-  for (const std::string& name : {marker, marker + ".tsar_tmp"}) {
-    WriteText(temporary / name, "");
-    if (name == marker) {
-      WriteText(temporary / "images/half.png", "");
-    }
-    fs::remove_all(path_);
-    WritePageWith("new");
-    EXPECT_FALSE(fs::exists(path_ / "images"));
-    EXPECT_FALSE(fs::exists(path_ / kReport.unfinished_file));
-    EXPECT_EQ(NumEntries(), 1u);
-  }
-  fs::create_directories(temporary);
-  WritePageWith("newer", true);
-  EXPECT_EQ(NumEntries(), 1u);
-  // Between the two folders' exchange and the end, both have the marker.
-  for (const std::string& name : {marker, marker + ".tsar_tmp"}) {
-    WriteText(path_ / name, "");
-    fs::copy(path_, temporary, fs::copy_options::recursive);
-    WriteText(temporary / marker, "");
-    WritePageWith("newest", true);
-    EXPECT_FALSE(fs::exists(path_ / name));
-    EXPECT_EQ(NumEntries(), 1u);
-  }
-}
-
 TEST_F(OutputFolderTest, NeverTouchesOthersFoldersBesideIt) {
   WritePageWith("old");
   const fs::path temporary = path_.string() + ".tsar_tmp";

@@ -13,7 +13,6 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <regex>
 
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
@@ -57,15 +56,6 @@ class RestoreTest : public testing::Test {
     return GetSupersededFolder(root_) / kind / "a.png.geometric.bin";
   }
 
-  // Makes the record one of the time before the fingerprints of today.
-  void MakeRecordOld() const {
-    const std::string text = ReadText(Paths().record);
-    const std::string old = std::regex_replace(
-        text, std::regex("xxh3-[0-9a-f]{16}@"), "0123456789abcdef@");
-    ASSERT_NE(text, old);
-    WriteText(Paths().record, old);
-  }
-
   // Another time than that of the refinement.
   static void Write(const std::filesystem::path& path,
                     const std::string& bytes) {
@@ -102,8 +92,6 @@ class RestoreTest : public testing::Test {
     Write(path, bytes);
   }
 
-  void ExpectToLoseNothing(bool has_old_record);
-
   bool HasOriginals() const {
     return ReadText(Paths().depth) == original_depth_ &&
            ReadText(Paths().normal) == original_normal_;
@@ -121,7 +109,7 @@ class RestoreTest : public testing::Test {
 
 // Whatever happened to the refined maps: no original is lost, nor what somebody
 // else wrote, and depth and normals are of one source.
-void RestoreTest::ExpectToLoseNothing(bool has_old_record) {
+TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
   const std::vector<Fate> fates = {
       Fate::kLeft, Fate::kMasked, Fate::kCut, Fate::kAnew, Fate::kDeleted};
   for (const Fate depth : fates) {
@@ -129,9 +117,6 @@ void RestoreTest::ExpectToLoseNothing(bool has_old_record) {
       SCOPED_TRACE(testing::Message() << static_cast<int>(depth) << " and "
                                       << static_cast<int>(normal));
       Begin();
-      if (has_old_record) {
-        MakeRecordOld();
-      }
       Suffer(depth, Paths().depth);
       Suffer(normal, Paths().normal);
       const bool has_depth = depth != Fate::kDeleted;
@@ -189,48 +174,79 @@ void RestoreTest::ExpectToLoseNothing(bool has_old_record) {
   }
 }
 
-TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
-  ExpectToLoseNothing(/*has_old_record=*/false);
+// An original that is kept and is not what was kept: nothing is put in the
+// place of the refined map, which is whole, until the user decides.
+TEST_F(RestoreTest, OriginalsThatWereChangedAreAConflict) {
+  const std::map<std::string, std::function<void(std::string*)>> changes = {
+      {"emptied", [](std::string* bytes) { bytes->clear(); }},
+      {"cut", [](std::string* bytes) { bytes->resize(bytes->size() / 2); }},
+      {"altered", [](std::string* bytes) { bytes->back() ^= 1; }},
+      {"another image's",
+       [this](std::string* bytes) {
+         *bytes = ReadText(GetMapPaths(root_, "c.png", kType).depth);
+       }},
+  };
+  for (const auto& [name, change] : changes) {
+    SCOPED_TRACE(name);
+    Begin();
+    const std::string refined = ReadText(Paths().depth);
+    std::string bytes = original_depth_;
+    change(&bytes);
+    ASSERT_NE(bytes, original_depth_);
+    WriteText(Paths().original_depth, bytes);
+    ExpectError(ErrorCode::kMismatch,
+                {Paths().original_depth.string(), "restore_conflicts"},
+                [&] { FindOriginals(Paths(), Scrutiny::kTimeAndSamples); });
+    RestoreResult result = Restore(root_);
+    EXPECT_EQ(result.num_restored, 0);
+    EXPECT_THAT(result.conflicts, testing::ElementsAre(Paths().depth.Path()));
+    EXPECT_EQ(ReadText(Paths().depth), refined);
+    EXPECT_TRUE(std::filesystem::exists(Paths().record));
+    EXPECT_TRUE(std::filesystem::exists(Paths().confidence));
+    // On demand it comes back, and the refined map is superseded.
+    result = Restore(root_, RestoreConflicts::kOriginal);
+    EXPECT_EQ(result.num_restored, 1);
+    EXPECT_EQ(ReadText(Paths().depth), bytes);
+    EXPECT_EQ(ReadText(Superseded("depth_maps")), refined);
+  }
 }
 
-TEST_F(RestoreTest, LosesNothingByARecordWithOldFingerprints) {
-  ExpectToLoseNothing(/*has_old_record=*/true);
+// Without a record there is no telling what was kept, but for what is no map.
+TEST_F(RestoreTest, OriginalsWithoutARecordAreCompleteMaps) {
+  std::filesystem::remove(Paths().record);
+  WriteText(Paths().original_depth, original_depth_.substr(0, 20));
+  const std::string refined = ReadText(Paths().depth);
+  EXPECT_EQ(Restore(root_).conflicts.size(), 1u);
+  EXPECT_EQ(ReadText(Paths().depth), refined);
 }
 
-TEST_F(RestoreTest, KnowsMapsOfRecordsWithOldFingerprints) {
-  MakeRecordOld();
-  EXPECT_FALSE(IsDone(Workspace(root_, kType), 0, "other options", {}));
-  EXPECT_EQ(FindOriginals(Paths()).depth_state, OriginalState::kStored);
-  EXPECT_EQ(FindOriginals(Paths()).depth, Paths().original_depth.Path());
-  Refine();
-  EXPECT_TRUE(KeepsOriginals());
-  MakeRecordOld();
-  const RestoreResult result = Restore(root_);
-  EXPECT_EQ(result.num_restored, 1);
-  EXPECT_TRUE(result.superseded.empty());
+TEST_F(RestoreTest, ARecordOfAnotherImageIsNone) {
+  WriteRefined(Workspace(root_, kType), 2, MakeRefinedMaps(7.f), {});
+  WriteText(Paths().record,
+            ReadText(GetMapPaths(root_, "c.png", kType).record));
+  ExpectError(ErrorCode::kCorrupt,
+              {Paths().record.string(), "another image"},
+              [&] { FindOriginals(Paths()); });
+  EXPECT_EQ(Restore(root_).num_restored, 2);
   EXPECT_TRUE(HasOriginals());
 }
 
-// An original that is lost is not replaced by a refined map.
-TEST_F(RestoreTest, KnowsRefinedMapsOfOldRecordsWithoutTheirOriginals) {
-  MakeRecordOld();
-  std::filesystem::remove(Paths().original_depth);
-  std::filesystem::remove(Paths().original_normal);
-  ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
-    FindOriginals(Paths());
-  });
-  // Copied without their times, they are known by their values.
-  for (const ContainedPath& map : {Paths().depth, Paths().normal}) {
-    std::filesystem::last_write_time(
-        map, std::filesystem::last_write_time(map) + std::chrono::seconds(9));
-  }
-  ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
-    FindOriginals(Paths());
-  });
-  Restore(root_);
-  ExpectError(ErrorCode::kMismatch, {Paths().depth.string(), "is gone"}, [&] {
-    FindOriginals(Paths());
-  });
+// By it, the refined maps are of another program.
+TEST_F(RestoreTest, ARecordOfAnotherSceneIsAConflict) {
+  const std::filesystem::path other = folder_.Path() / "other";
+  MakeTestWorkspace(other);
+  WriteTestMaps(other, "a.png", kType, 9.f);
+  WriteRefined(Workspace(other, kType), 0, MakeRefinedMaps(7.f), {});
+  WriteText(Paths().record,
+            ReadText(GetMapPaths(other, "a.png", kType).record));
+  const std::string refined = ReadText(Paths().depth);
+  ExpectError(ErrorCode::kMismatch,
+              {Paths().original_depth.string(), "restore_conflicts"},
+              [&] { FindOriginals(Paths()); });
+  EXPECT_THAT(Restore(root_).conflicts,
+              testing::ElementsAre(Paths().depth.Path()));
+  EXPECT_EQ(ReadText(Paths().depth), refined);
+  EXPECT_TRUE(KeepsOriginals());
 }
 
 TEST_F(RestoreTest, ConflictsAreDecidedByTheUser) {
@@ -311,11 +327,11 @@ TEST_F(RestoreTest, OriginalsThatAreGoneLeaveTraces) {
   RequireNoStrayResults(Paths());
   // Each of them tells it alone, and lies in one of the folders to delete.
   const MapPaths paths = Paths();
-  for (const ContainedPath* result : ResultFiles(paths)) {
-    std::filesystem::create_directories(result->Path().parent_path());
-    WriteText(*result, "of a refinement");
+  for (const ResultFile& result : ResultFiles(paths)) {
+    std::filesystem::create_directories(result.path->Path().parent_path());
+    WriteText(*result.path, "of a refinement");
     ExpectError(ErrorCode::kMismatch,
-                {result->string(),
+                {result.path->string(),
                  "stereo/confidence_maps, stereo/sigma_maps, "
                  "stereo/provenance_maps and stereo/plane_maps"},
                 [&] { RequireNoStrayResults(paths); });

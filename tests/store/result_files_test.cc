@@ -51,48 +51,40 @@ TEST_F(WriteBackTest, WritesSigmaWhereItIsAskedFor) {
   EXPECT_EQ(Snapshot(root_), clean);
 }
 
-// A workspace that was refined by a version with another format of confidence
-// maps.
-class ResultFilesTest : public WriteBackTest {
- protected:
-  void RefineByEarlierVersion() {
-    WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-    const MapPaths paths = Paths();
-    std::filesystem::remove(paths.confidence);
-    WriteDepthMap(paths.former_confidence, Image<float>(4, 3, 0.5f));
+// What is missing, damaged or another scene's is made again.
+TEST_F(WriteBackTest, IsDoneWithAllItsFilesAlone) {
+  RefinedMaps maps = MakeRefinedMaps(42.f);
+  maps.planes = Image<uint16_t>(4, 3, 7);
+  maps.sigma = Image<uint16_t>(4, 3, 1);
+  RefinedMaps others = maps;
+  others.confidence = Image<float>(4, 3, 0.25f);
+  others.provenance = Image<uint8_t>(4, 3, 1);
+  others.planes = Image<uint16_t>(4, 3, 8);
+  others.sigma = Image<uint16_t>(4, 3, 2);
+  WriteRefined(workspace(), 1, others, Record());
+  const MapPaths paths = workspace().Paths(0, MapType::kGeometric);
+  const MapPaths other_paths = workspace().Paths(1, MapType::kGeometric);
+  const auto files = ResultFiles(paths);
+  for (size_t i = 0; i < files.size(); ++i) {
+    SCOPED_TRACE(files[i].name);
+    const auto refine = [&] {
+      WriteRefined(workspace(), 0, maps, Record());
+      return IsDone(workspace(), 0, "options", {});
+    };
+    EXPECT_TRUE(refine());
+    std::filesystem::remove(*files[i].path);
+    EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+    EXPECT_TRUE(refine());
+    std::string bytes = ReadText(*files[i].path);
+    WriteText(*files[i].path, bytes);  // Copied without its time.
+    EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
+    bytes.pop_back();
+    WriteText(*files[i].path, bytes);
+    EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
+    EXPECT_TRUE(refine());
+    WriteText(*files[i].path, ReadText(*ResultFiles(other_paths)[i].path));
+    EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   }
-  MapPaths Paths() { return workspace().Paths(0, MapType::kGeometric); }
-};
-
-TEST_F(ResultFilesTest, WhatAnEarlierVersionRefinedIsRefinedAnew) {
-  RefineByEarlierVersion();
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
-  WriteRefined(workspace(), 0, MakeRefinedMaps(43.f), Record());
-  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
-  EXPECT_TRUE(std::filesystem::exists(Paths().confidence));
-  EXPECT_FALSE(std::filesystem::exists(Paths().former_confidence));
-  EXPECT_EQ(CurrentDepth(0), 43.f);
-  EXPECT_EQ(OriginalDepth(0), 2.f);
-}
-
-TEST_F(ResultFilesTest, WhatAnEarlierVersionRefinedIsPutBack) {
-  const auto clean = Snapshot(root_);
-  RefineByEarlierVersion();
-  Restore(root_);
-  EXPECT_EQ(Snapshot(root_), clean);
-  RefineByEarlierVersion();
-  KeepImage(workspace(), 0, Record());
-  EXPECT_FALSE(std::filesystem::exists(Paths().former_confidence));
-  EXPECT_EQ(CurrentDepth(0), 2.f);
-}
-
-TEST_F(ResultFilesTest, WhatAnEarlierVersionRefinedIsNoOriginal) {
-  RefineByEarlierVersion();
-  std::filesystem::remove_all(root_ / "stereo/tsar");
-  std::filesystem::remove(Paths().provenance);
-  ExpectError(ErrorCode::kMismatch,
-              {"has been refined", Paths().former_confidence.string()},
-              [&] { RequireNoStrayResults(Paths()); });
 }
 
 }  // namespace

@@ -81,23 +81,6 @@ TEST_F(WriteBackTest, WritesPlanesWhereThereAreSome) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST_F(WriteBackTest, RestoringRemovesPlanes) {
-  const auto clean = Snapshot(root_);
-  RefinedMaps maps = MakeRefinedMaps(42.f);
-  maps.planes = Image<uint16_t>(4, 3, 1);
-  WriteRefined(workspace(), 1, maps, Record());
-  EXPECT_NE(Snapshot(root_), clean);
-  Restore(root_);
-  EXPECT_EQ(Snapshot(root_), clean);
-}
-
-TEST_F(WriteBackTest, ASecondRunStartsFromTheOriginals) {
-  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  WriteRefined(workspace(), 0, MakeRefinedMaps(43.f), Record());
-  EXPECT_EQ(CurrentDepth(0), 43.f);
-  EXPECT_EQ(OriginalDepth(0), 2.f);
-}
-
 TEST_F(WriteBackTest, KnowsWhatIsDone) {
   EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
@@ -127,18 +110,6 @@ TEST_F(WriteBackTest, OtherInputsAreNotDone) {
   EXPECT_FALSE(IsDone(
       workspace(), 0, "options", {{"camera", "0123"}, {"photo", "4568"}}));
   EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
-}
-
-// Those of versions that did not note them.
-TEST_F(WriteBackTest, ReadsRecordsWithoutInputs) {
-  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  const std::filesystem::path path = workspace().Paths(0, kGeometric).record;
-  nlohmann::json json = nlohmann::json::parse(ReadText(path));
-  ASSERT_EQ(json.erase("inputs"), 1u);
-  WriteText(path, json.dump());
-  EXPECT_TRUE(ReadRecord(path)->inputs.empty());
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
-  EXPECT_EQ(OriginalDepth(0), 2.f);
 }
 
 // A run may end after any step, in the first run as in one with other options
@@ -210,15 +181,6 @@ TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
   }
 }
 
-TEST_F(WriteBackTest, CommitTakesAllStepsAfterPreparing) {
-  WriteBack write_back(workspace(), 0, Record());
-  write_back.PrepareFiles(MakeRefinedMaps(43.f));
-  write_back.Commit();
-  EXPECT_EQ(CurrentDepth(0), 43.f);
-  EXPECT_EQ(OriginalDepth(0), 2.f);
-  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
-}
-
 TEST_F(WriteBackTest, RefusesBadMapsAndChangesNothing) {
   const auto clean = Snapshot(root_ / "stereo/depth_maps");
   RefinedMaps maps = MakeRefinedMaps(42.f);
@@ -272,8 +234,10 @@ TEST_F(WriteBackTest, ManifestListsEveryImage) {
 // Names are bytes; a record must be writable for any of them.
 TEST_F(WriteBackTest, RecordsNamesThatAreNotUtf8) {
   ImageRecord record = Record();
+  record.image = "bad \xFF name";
   record.note = "bad \xFF byte";
-  const auto path = folder_.Path() / "records/x.json";
+  record.type = "geometric";
+  const auto path = folder_.Path() / "bad \xFF name.geometric.json";
   WriteRecord(UserPath(path), record);
   EXPECT_TRUE(ReadRecord(path));
 }
