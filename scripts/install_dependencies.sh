@@ -47,6 +47,7 @@ packages=(
   libjpeg-dev
   liblz4-dev
   libopencv-dev
+  libpng-dev
   libtiff-dev
   libxxhash-dev
   nlohmann-json3-dev

@@ -5,10 +5,9 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/workspace/photo_format.h"
 #include "colmap_tsar/workspace/picture_input.h"
-#include "colmap_tsar/workspace/png_chunks.h"
+#include "colmap_tsar/workspace/png.h"
 
 #include <algorithm>
 #include <cctype>
@@ -17,9 +16,6 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
-
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
@@ -98,17 +94,9 @@ class MaskFile {
 
   Image<uint8_t> Decode() {
     const Bytes bytes = file_.ReadAll();
-    if (const std::string defect = FindPngDefect(bytes); !defect.empty()) {
-      throw Damaged(file_.Name(), defect);
-    }
-    const cv::Mat gray =
-        DecodePicture(KeepCriticalChunks(bytes), cv::IMREAD_GRAYSCALE);
-    if (gray.empty()) {
-      throw Damaged(file_.Name(), "OpenCV cannot decode it");
-    }
-    auto mask = Image<uint8_t>::Uninitialized(gray.cols, gray.rows);
-    cv::Mat target(gray.rows, gray.cols, CV_8UC1, mask.Data());
-    gray.copyTo(target);
+    Image<uint8_t> mask = DecodeGrayPng(bytes, [&](const std::string& defect) {
+      return Damaged(file_.Name(), defect);
+    });
     for (uint8_t& value : mask) {
       value = value == 0 ? 1 : 0;
     }

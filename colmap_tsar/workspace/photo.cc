@@ -8,13 +8,12 @@
 #include "colmap_tsar/workspace/photo_error.h"
 #include "colmap_tsar/workspace/photo_format.h"
 #include "colmap_tsar/workspace/picture_input.h"
-#include "colmap_tsar/workspace/png_chunks.h"
+#include "colmap_tsar/workspace/png.h"
 #include "colmap_tsar/workspace/tiff_strips.h"
 
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -51,9 +50,7 @@ void RequireWhole(PhotoFormat format,
                   const Bytes& bytes,
                   const std::string& name) {
   std::string defect;
-  if (format == PhotoFormat::kPng) {
-    defect = FindPngDefect(bytes);
-  } else if (format == PhotoFormat::kTiff) {
+  if (format == PhotoFormat::kTiff) {
     defect = FindTiffDefect(bytes);
   } else if (DeclaredSize(format, bytes) > bytes.size() ||
              (format == PhotoFormat::kPnm && !HasAllNumbers(bytes)) ||
@@ -67,7 +64,7 @@ void RequireWhole(PhotoFormat format,
 
 // mode: cv::IMREAD_COLOR or IMREAD_GRAYSCALE.
 cv::Mat DecodeOther(PhotoFormat format,
-                    Bytes bytes,
+                    const Bytes& bytes,
                     int mode,
                     const std::string& name) {
   if (format == PhotoFormat::kJpeg) {
@@ -75,14 +72,16 @@ cv::Mat DecodeOther(PhotoFormat format,
   } else {
     RequireWhole(format, bytes, name);
   }
-  if (format == PhotoFormat::kPng) {
-    bytes = KeepCriticalChunks(bytes);
-  }
   cv::Mat pixels = DecodePicture(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
   if (pixels.empty()) {
     throw UnreadablePhoto(name, "OpenCV cannot decode it");
   }
   return pixels;
+}
+
+PngError Damaged(const std::string& name) {
+  return
+      [&name](const std::string& defect) { return DamagedPhoto(name, defect); };
 }
 
 struct Content {
@@ -105,12 +104,15 @@ Content ReadContent(PictureInput* file) {
 
 Image<Rgb> ReadPhoto(const std::filesystem::path& path) {
   PictureInput file = OpenPhoto(path);
-  Content content = ReadContent(&file);
+  const Content content = ReadContent(&file);
   if (content.is_plain_jpeg) {
     return DecodeJpeg(content.bytes, file.Name());
   }
-  const cv::Mat pixels = DecodeOther(
-      content.format, std::move(content.bytes), cv::IMREAD_COLOR, file.Name());
+  if (content.format == PhotoFormat::kPng) {
+    return DecodePng(content.bytes, Damaged(file.Name()));
+  }
+  const cv::Mat pixels =
+      DecodeOther(content.format, content.bytes, cv::IMREAD_COLOR, file.Name());
   static_assert(sizeof(Rgb) == 3);
   auto image = Image<Rgb>::Uninitialized(pixels.cols, pixels.rows);
   cv::Mat target(pixels.rows, pixels.cols, CV_8UC3, image.Data());
@@ -120,14 +122,15 @@ Image<Rgb> ReadPhoto(const std::filesystem::path& path) {
 
 Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
   PictureInput file = OpenPhoto(path);
-  Content content = ReadContent(&file);
+  const Content content = ReadContent(&file);
   if (content.is_plain_jpeg) {
     return DecodeGrayJpeg(content.bytes, file.Name());
   }
-  const cv::Mat pixels = DecodeOther(content.format,
-                                     std::move(content.bytes),
-                                     cv::IMREAD_GRAYSCALE,
-                                     file.Name());
+  if (content.format == PhotoFormat::kPng) {
+    return DecodeGrayPng(content.bytes, Damaged(file.Name()));
+  }
+  const cv::Mat pixels = DecodeOther(
+      content.format, content.bytes, cv::IMREAD_GRAYSCALE, file.Name());
   auto image = Image<uint8_t>::Uninitialized(pixels.cols, pixels.rows);
   cv::Mat target(pixels.rows, pixels.cols, CV_8UC1, image.Data());
   pixels.copyTo(target);

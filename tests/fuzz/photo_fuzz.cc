@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/workspace/jpeg.h"
+#include "colmap_tsar/workspace/photo_error.h"
 #include "colmap_tsar/workspace/photo_format.h"
-#include "colmap_tsar/workspace/png_chunks.h"
+#include "colmap_tsar/workspace/png.h"
 #include "colmap_tsar/workspace/tiff_strips.h"
 
 #include "tests/fuzz/fuzz_target.h"
@@ -30,7 +31,7 @@ void ReadJpeg(std::span<const uint8_t> input) {
   });
 }
 
-// What is looked at before OpenCV decodes a photo.
+// What is looked at before OpenCV decodes a photo, and PNG.
 void ReadFrame(std::span<const uint8_t> input) {
   const std::optional<PhotoFormat> format = FormatOf(input);
   if (!format) {
@@ -44,8 +45,12 @@ void ReadFrame(std::span<const uint8_t> input) {
     HasJpeg2000End(input);
   } else if (*format == PhotoFormat::kTiff) {
     FindTiffDefect(input);
-  } else if (*format == PhotoFormat::kPng && FindPngDefect(input).empty()) {
-    KeepCriticalChunks(input);
+  } else if (*format == PhotoFormat::kPng) {
+    const auto damaged = [](const std::string& defect) {
+      return DamagedPhoto("photo.png", defect);
+    };
+    Accepts([&] { DecodePng(input, damaged); });
+    Accepts([&] { DecodeGrayPng(input, damaged); });
   }
 }
 

@@ -5,14 +5,15 @@
 
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/import/formats/array_files.h"
-#include "colmap_tsar/import/formats/picture_header.h"
-#include "colmap_tsar/workspace/png_chunks.h"
+#include "colmap_tsar/import/formats/exr_header.h"
+#include "colmap_tsar/workspace/png.h"
 #include "colmap_tsar/workspace/tiff_strips.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdlib>
+#include <optional>
 #include <string_view>
 
 #include <opencv2/core.hpp>
@@ -55,6 +56,35 @@ void KeepFirstChannel(FloatMap* map) {
   map->channels = 1;
 }
 
+DepthImage ParsePng(std::span<const uint8_t> bytes, const std::string& name) {
+  const ByteReader reader(bytes, name);
+  const std::optional<PngHeader> header = ReadPngHeader(bytes);
+  if (!header) {
+    throw reader.Corrupt("not a PNG file");
+  }
+  if (header->bits_per_channel != 16 || !header->is_gray) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        name,
+        "a picture of " + std::to_string(header->bits_per_channel) + " bits" +
+            (header->is_gray ? "" : " in colours") + ", not a depth map",
+        "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
+        "PFM or NPY");
+  }
+  const Image<uint16_t> values =
+      DecodeGray16Png(bytes, [&](const std::string& defect) {
+        return reader.Corrupt("the PNG file is damaged: " + defect);
+      });
+  DepthImage image;
+  image.is_integer = true;
+  image.map.width = values.Width();
+  image.map.height = values.Height();
+  image.map.channels = 1;
+  image.map.values.assign(values.begin(), values.end());
+  return image;
+}
+
+// TIFF and EXR.
 DepthImage ParsePicture(std::span<const uint8_t> bytes,
                         const std::string& extension,
                         const std::string& name) {
@@ -64,17 +94,11 @@ DepthImage ParsePicture(std::span<const uint8_t> bytes,
     throw reader.Corrupt(bytes.empty() ? "the file is empty"
                                        : "the file is too large for a picture");
   }
-  std::vector<uint8_t> critical_chunks;
-  if (extension == ".png") {
-    CheckPng(bytes, name);
-    critical_chunks = KeepCriticalChunks(bytes);
-    bytes = critical_chunks;
-  } else if (extension == ".exr") {
+  if (extension == ".exr") {
     CheckExr(bytes, name);
     // Builds of OpenCV that hold OpenEXR may still ask for leave.
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   } else {
-    CheckTiff(bytes, name);
     if (const std::string defect = FindTiffDefect(bytes); !defect.empty()) {
       throw reader.Corrupt("the TIFF file is damaged: " + defect);
     }
@@ -140,6 +164,9 @@ DepthImage ParseDepthImage(std::span<const uint8_t> bytes,
   if (extension == ".npy") {
     NpyArray array = ParseNpy(bytes, path.string());
     return {std::move(array.map), array.is_integer};
+  }
+  if (extension == ".png") {
+    return ParsePng(bytes, path.string());
   }
   return ParsePicture(bytes, extension, path.string());
 }

@@ -5,60 +5,54 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/import/formats/float_map.h"
-#include "colmap_tsar/import/formats/picture_header.h"
-#include "colmap_tsar/workspace/png_chunks.h"
+#include "colmap_tsar/workspace/png.h"
 
+#include <optional>
 #include <string>
 #include <vector>
-
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
 
-template <typename T>
-Image<T> ReadGray(const std::filesystem::path& path) {
-  constexpr int kNumBits = 8 * sizeof(T);
-  if (!Exists(path)) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "there is no such file",
-                      "refine the workspace first");
-  }
-  const std::vector<uint8_t> bytes = ReadFileBytes(path);
-  cv::Mat pixels;
-  try {
-    const PngKind kind = CheckPngFrame(bytes, path.string());
-    if (kind.num_bits == kNumBits && kind.is_gray) {
-      pixels = DecodePicture(KeepCriticalChunks(bytes), cv::IMREAD_UNCHANGED);
+// The content of a gray picture of so many bits, and the error for any other
+// file.
+struct GrayFile {
+  GrayFile(const std::filesystem::path& path, int num_bits) {
+    if (!Exists(path)) {
+      throw Error::File(ErrorCode::kNotFound,
+                        path.string(),
+                        "there is no such file",
+                        "refine the workspace first");
     }
-  } catch (const Error&) {
-    // It breaks the format.
+    error = [path, num_bits](const std::string&) {
+      return Error::File(ErrorCode::kCorrupt,
+                         path.string(),
+                         "is not a picture with one channel of " +
+                             std::to_string(num_bits) + " bits",
+                         "refine the workspace again");
+    };
+    bytes = ReadFileBytes(path);
+    const std::optional<PngHeader> header = ReadPngHeader(bytes);
+    if (!header || !header->is_gray || header->bits_per_channel != num_bits) {
+      throw error("");
+    }
   }
-  if (pixels.empty() || pixels.type() != cv::DataType<T>::type) {
-    throw Error::File(ErrorCode::kCorrupt,
-                      path.string(),
-                      "is not a picture with one channel of " +
-                          std::to_string(kNumBits) + " bits",
-                      "refine the workspace again");
-  }
-  Image<T> image(pixels.cols, pixels.rows);
-  cv::Mat target(pixels.rows, pixels.cols, pixels.type(), image.Data());
-  pixels.copyTo(target);
-  return image;
-}
+
+  std::vector<uint8_t> bytes;
+  PngError error;
+};
 
 }  // namespace
 
 Image<uint8_t> ReadGrayPng(const std::filesystem::path& path) {
-  return ReadGray<uint8_t>(path);
+  const GrayFile file(path, 8);
+  return DecodeGrayPng(file.bytes, file.error);
 }
 
 Image<uint16_t> ReadGray16Png(const std::filesystem::path& path) {
-  return ReadGray<uint16_t>(path);
+  const GrayFile file(path, 16);
+  return DecodeGray16Png(file.bytes, file.error);
 }
 
 }  // namespace tsar

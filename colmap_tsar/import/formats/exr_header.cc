@@ -1,13 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/picture_header.h"
+#include "colmap_tsar/import/formats/exr_header.h"
 
 #include "colmap_tsar/import/formats/float_map.h"
-#include "colmap_tsar/workspace/png_chunks.h"
 
 #include <array>
-#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -28,10 +26,6 @@ void RequirePossibleSize(const ByteReader& reader,
                          std::to_string(height) +
                          " pixels, which the file cannot hold");
   }
-}
-
-uint32_t ReadBigEndian(ByteReader* reader) {
-  return __builtin_bswap32(reader->Read<uint32_t>());
 }
 
 // Text up to a byte of 0.
@@ -89,109 +83,7 @@ void TakeExrValue(const std::string& type, ByteReader* reader) {
   }
 }
 
-// Numbers in the byte order of a TIFF file.
-class TiffReader {
- public:
-  TiffReader(std::span<const uint8_t> bytes,
-             const std::string& name,
-             bool is_big_endian)
-      : reader_(bytes, name), is_big_endian_(is_big_endian) {}
-
-  void Skip(size_t num_bytes) { reader_.Take(num_bytes); }
-  uint16_t ReadShort() {
-    const auto value = reader_.Read<uint16_t>();
-    return is_big_endian_ ? __builtin_bswap16(value) : value;
-  }
-  uint32_t ReadLong() {
-    const auto value = reader_.Read<uint32_t>();
-    return is_big_endian_ ? __builtin_bswap32(value) : value;
-  }
-
- private:
-  ByteReader reader_;
-  bool is_big_endian_;
-};
-
 }  // namespace
-
-PngKind CheckPngFrame(std::span<const uint8_t> bytes, const std::string& name) {
-  constexpr std::array<uint8_t, 8> kSignature = {
-      0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  constexpr uint32_t kHeaderLength = 13;
-  ByteReader reader(bytes, name);
-  if (reader.Read<std::array<uint8_t, 8>>() != kSignature ||
-      ReadBigEndian(&reader) != kHeaderLength ||
-      reader.Read<std::array<char, 4>>() !=
-          std::array<char, 4>{'I', 'H', 'D', 'R'}) {
-    throw reader.Corrupt("not a PNG file");
-  }
-  const int64_t width = ReadBigEndian(&reader);
-  const int64_t height = ReadBigEndian(&reader);
-  PngKind kind;
-  kind.num_bits = reader.Read<uint8_t>();
-  kind.is_gray = reader.Read<uint8_t>() == 0;
-  RequirePossibleSize(reader, width, height, bytes.size());
-  if (const std::string defect = FindPngDefect(bytes); !defect.empty()) {
-    throw reader.Corrupt("the PNG file is damaged: " + defect);
-  }
-  return kind;
-}
-
-void CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
-  const PngKind kind = CheckPngFrame(bytes, name);
-  if (kind.num_bits != 16 || !kind.is_gray) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      name,
-                      "a picture of " + std::to_string(kind.num_bits) +
-                          " bits" + (kind.is_gray ? "" : " in colours") +
-                          ", not a depth map",
-                      "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
-                      "PFM or NPY");
-  }
-}
-
-void CheckTiff(std::span<const uint8_t> bytes, const std::string& name) {
-  constexpr uint16_t kVersion = 42;
-  constexpr uint16_t kWidthTag = 256;
-  constexpr uint16_t kHeightTag = 257;
-  constexpr uint16_t kShortType = 3;
-  constexpr uint16_t kLongType = 4;
-  ByteReader reader(bytes, name);
-  const auto order = reader.Read<std::array<char, 2>>();
-  const bool is_big_endian = order == std::array<char, 2>{'M', 'M'};
-  TiffReader header(bytes, name, is_big_endian);
-  header.Skip(2);
-  if ((!is_big_endian && order != std::array<char, 2>{'I', 'I'}) ||
-      header.ReadShort() != kVersion) {
-    throw reader.Corrupt("not a TIFF file");
-  }
-  TiffReader tags(bytes, name, is_big_endian);
-  tags.Skip(header.ReadLong());
-  std::optional<uint32_t> width;
-  std::optional<uint32_t> height;
-  for (int num_tags = tags.ReadShort(); num_tags > 0; --num_tags) {
-    const uint16_t tag = tags.ReadShort();
-    const uint16_t type = tags.ReadShort();
-    tags.Skip(sizeof(uint32_t));  // The number of values.
-    if ((tag != kWidthTag && tag != kHeightTag) ||
-        (type != kShortType && type != kLongType)) {
-      tags.Skip(sizeof(uint32_t));
-      continue;
-    }
-    uint32_t value = 0;
-    if (type == kShortType) {
-      value = tags.ReadShort();
-      tags.Skip(sizeof(uint16_t));
-    } else {
-      value = tags.ReadLong();
-    }
-    (tag == kWidthTag ? width : height) = value;
-  }
-  if (!width || !height) {
-    throw reader.Corrupt("the TIFF header has no size");
-  }
-  RequirePossibleSize(reader, *width, *height, bytes.size());
-}
 
 void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
   constexpr uint32_t kMagic = 20000630;

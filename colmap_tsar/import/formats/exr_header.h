@@ -1,0 +1,17 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace tsar {
+
+// Looks at the header of an OpenEXR file before OpenCV decodes it, so that a
+// header that says more than the file can hold costs no memory: a pixel takes
+// at least 1/2048 byte. Throws Error kCorrupt, naming the file.
+void CheckExr(std::span<const uint8_t> bytes, const std::string& name);
+
+}  // namespace tsar
