@@ -46,7 +46,7 @@ NVIDIA GPUs where it was built with CUDA, and runs on CPUs elsewhere.")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcolmap-tsar-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libboost-program-options-dev, \
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "\
 libceres-dev, libeigen3-dev, libgoogle-glog-dev, libjpeg-dev, liblz4-dev, \
 libopencv-dev, libpng-dev, libtiff-dev, libxxhash-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "\

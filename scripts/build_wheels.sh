@@ -84,9 +84,8 @@ packages=(
   build-essential
   cmake
   dpkg-dev
-  # Headers alone, but for Boost.program_options, which goes into the wheel.
+  # Headers alone.
   libboost-dev
-  libboost-program-options-dev
   libeigen3-dev
   libflann-dev
   nlohmann-json3-dev

@@ -38,7 +38,7 @@ packages=(
   python3
   # Libraries. OpenCV's CMake package lies in libopencv-dev and names all of
   # OpenCV's libraries, so that the three that are used do not suffice.
-  libboost-program-options-dev
+  libboost-dev
   libceres-dev
   libeigen3-dev
   libflann-dev

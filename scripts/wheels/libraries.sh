@@ -149,7 +149,7 @@ copy_licences() {
       fi
     done
   done
-  for package in libboost-program-options-dev libeigen3-dev libflann-dev \
+  for package in libboost-dev libeigen3-dev libflann-dev \
       nlohmann-json3-dev; do
     if [[ -f /usr/share/doc/$package/copyright ]]; then
       cp "/usr/share/doc/$package/copyright" "$1/$package"

@@ -135,8 +135,7 @@ def test_debian_packages():
 
     program, library = fields["colmap-tsar"], fields["libcolmap-tsar-dev"]
     depends = program["Depends"].replace(", ", ",").split(",")
-    for needed in ("libc6 (>=", "libstdc++6", "libopencv-core", "libgoogle-glog",
-                   "libboost-program-options"):
+    for needed in ("libc6 (>=", "libstdc++6", "libopencv-core", "libgoogle-glog"):
         check(any(d.startswith(needed) for d in depends), f"it depends on {needed}")
     for needed in ("libopencv-dev", "libceres-dev", "libxxhash-dev"):
         check(needed in library["Depends"], f"the library depends on {needed}")
