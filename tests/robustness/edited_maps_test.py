@@ -167,7 +167,8 @@ for name, content in (("changed", b"1&1&1&\0\0\0\0"), ("empty", b""), ("gone", N
     else:
         synthetic_workspace.write(kept, content)
     before = read_tree(work)
-    for command in (["tsar_refine", work, "--TsarRefine.superpixel_size", 300],
+    for command in (["tsar_refine", work, "--TsarRefine.experiment",
+                     "superpixel_size=300"],
                     ["tsar_refine", work, "--restore", 1]):
         program.fails_with_one_line(*command, texts=[MAP])
         after = read_tree(work)

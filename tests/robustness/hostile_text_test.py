@@ -87,6 +87,15 @@ def rename_image(name):
             if old.startswith(b"v0.png"):
                 os.rename(os.path.join(parent, old),
                           os.path.join(parent, old.replace(b"v0.png", name)))
+    for parent, _, names in os.walk(os.path.join(os.fsencode(work), b"stereo/tsar/records")):
+        for record in names:
+            path = os.path.join(parent, record)
+            with open(path, encoding="utf-8") as file:
+                content = json.load(file)
+            if content["image"] == "v0.png":
+                content["image"] = name.decode(errors="replace")
+                write(path, json.dumps(content).encode())
+
 
 
 def write_binary_model(names):

@@ -185,7 +185,10 @@ synthetic_workspace.write(os.path.join(work, "stereo", "tsar", "manifest.json"),
                       b'{"images": [{"image": "../../../outside/precious"}]}')
 precious = read_tree(outside)
 program.run(*COMMANDS["restore"][0])
-check_same(read_tree(work), read_tree(start.mapped), "restoring with a false record")
+# Nothing tells that the maps in place are refined ones: they are kept aside.
+restored = {path: content for path, content in read_tree(work).items()
+            if not path.startswith(os.path.join("stereo", "tsar", "superseded"))}
+check_same(restored, read_tree(start.mapped), "restoring with a false record")
 check_same(read_tree(outside), precious, "restoring with a false record")
 copy(start.refined, work)
 nowhere = os.path.join(work, "stereo", "tsar", "original", "depth_maps", "left", "nowhere.bin")
@@ -193,7 +196,7 @@ os.symlink(os.path.join(outside, "precious"), nowhere)
 os.symlink(outside, os.path.join(os.path.dirname(nowhere), "folder.bin"))
 fails("restoring a linked folder", COMMANDS["restore"][0], texts=["leads out"])
 os.remove(os.path.join(os.path.dirname(nowhere), "folder.bin"))
-program.run(*COMMANDS["restore"][0])
+fails("restoring a link", COMMANDS["restore"][0], texts=["nowhere.bin"])
 check_same(read_tree(outside), precious, "restoring a link")
 num_cases += 3
 
