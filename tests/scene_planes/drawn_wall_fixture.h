@@ -15,6 +15,7 @@
 #include <functional>
 #include <vector>
 
+#include "tests/support/pixel_mean.h"
 #include "tests/support/scene_model_testing.h"
 #include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
@@ -102,14 +103,13 @@ class DrawnWallTest : public testing::Test {
     constexpr int kSamples = 4;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        double sum = 0.0;
-        for (int i = 0; i < kSamples * kSamples; ++i) {
-          const double right = (i % kSamples + 0.5) / kSamples - 0.5;
-          const double below = (i / kSamples + 0.5) / kSamples - 0.5;
-          sum += level(OnWall(camera, x + right, y + below));
-        }
+        const auto sample = [&](int i, int j) {
+          return level(OnWall(camera,
+                              x + (i + 0.5) / kSamples - 0.5,
+                              y + (j + 0.5) / kSamples - 0.5));
+        };
         const auto gray = static_cast<uint8_t>(
-            std::clamp(std::lround(sum / (kSamples * kSamples)), 0l, 255l));
+            std::clamp(std::lround(PixelMean<kSamples>(sample)), 0l, 255l));
         evidence->color(x, y) = {gray, gray, gray};
       }
     }

@@ -8,12 +8,16 @@
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_paths.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <sstream>
+#include <vector>
 
 #include "tests/support/drawn_column.h"
+#include "tests/support/pixel_mean.h"
 #include "tests/support/test_workspace.h"
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -21,7 +25,9 @@ namespace tsar {
 namespace {
 
 constexpr double kFocal = 147.0;
-constexpr int kSamples = 4;  // Per pixel and direction.
+// Per pixel and direction: of the column's outlines, and of soft texture.
+constexpr int kOutlineSamples = 4;
+constexpr int kTextureSamples = 2;
 // Half the width of the windows that what makes maps matches.
 constexpr int kWindow = 6;
 
@@ -125,10 +131,7 @@ double Texture(const Eigen::Vector3d& point) {
   return 20.0 + 100.0 * sum;
 }
 
-double GrayAt(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
-  if (IsColumn(from, ray)) {
-    return 220.0;
-  }
+double RoomGray(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
   double depth = 0.0;
   RoomAt(from, ray, &depth);
   return Texture(from + depth * ray);
@@ -136,17 +139,23 @@ double GrayAt(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
 
 void WriteImage(const std::filesystem::path& path, const Camera& camera) {
   cv::Mat pixels(camera.height, camera.width, CV_8UC3);
+  const Eigen::Vector3d from = camera.Center();
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      double sum = 0.0;
-      for (int k = 0; k < kSamples * kSamples; ++k) {
-        sum += GrayAt(camera.Center(),
-                      RayAt(camera,
-                            x - 0.5 + (k % kSamples + 0.5) / kSamples,
-                            y - 0.5 + (k / kSamples + 0.5) / kSamples));
-      }
-      const auto level =
-          static_cast<uchar>(std::lround(sum / (kSamples * kSamples)));
+      const auto ray = [&](int i, int j, int samples) {
+        return RayAt(camera,
+                     x - 0.5 + (i + 0.5) / samples,
+                     y - 0.5 + (j + 0.5) / samples);
+      };
+      const double column = PixelMean<kOutlineSamples>([&](int i, int j) {
+        return IsColumn(from, ray(i, j, kOutlineSamples)) ? 1.0 : 0.0;
+      });
+      const double room =
+          column == 1.0 ? 0.0 : PixelMean<kTextureSamples>([&](int i, int j) {
+            return RoomGray(from, ray(i, j, kTextureSamples));
+          });
+      const auto level = static_cast<uchar>(
+          std::lround(column * 220.0 + (1.0 - column) * room));
       pixels.at<cv::Vec3b>(y, x) = {level, level, level};
     }
   }
@@ -158,19 +167,22 @@ void WriteMaps(const std::filesystem::path& root, int view) {
   const Camera camera = CameraOf(view);
   Image<float> depth(camera.width, camera.height);
   Image<Vec3f> normal(camera.width, camera.height);
+  const Eigen::Vector3d from = camera.Center();
   Philox random(static_cast<uint32_t>(view), 1, 2);
   for (int y = 0; y < camera.height; ++y) {
+    std::vector<bool> of_row;
+    for (int x = -kWindow; x < camera.width + kWindow; ++x) {
+      of_row.push_back(IsColumn(from, RayAt(camera, x, y)));
+    }
     for (int x = 0; x < camera.width; ++x) {
       double of_room = 0.0;
-      const RoomPlane& plane =
-          RoomAt(camera.Center(), RayAt(camera, x, y), &of_room);
-      bool is_column = false;
-      const double truth = ColumnWorkspace::Depth(view, x, y, &is_column);
-      bool is_wrong = false;
-      for (int k = -kWindow; k <= kWindow; ++k) {
-        is_wrong =
-            is_wrong || IsColumn(camera.Center(), RayAt(camera, x + k, y));
-      }
+      const RoomPlane& plane = RoomAt(from, RayAt(camera, x, y), &of_room);
+      const double truth = of_row[static_cast<size_t>(x + kWindow)]
+                               ? ColumnDepth(from, RayAt(camera, x, y))
+                               : of_room;
+      const auto window = of_row.begin() + x;
+      const bool is_wrong = std::find(window, window + 2 * kWindow + 1, true) !=
+                            window + 2 * kWindow + 1;
       const double size = is_wrong ? 0.4 : 0.002;
       depth(x, y) =
           static_cast<float>(truth * (1.0 + size * (random.NextFloat() - 0.5)));

@@ -4,21 +4,14 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/image.h"
-#include "colmap_tsar/base/random.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace tsar {
 
@@ -37,19 +30,7 @@ struct DrawnColumn {
   double top = 0.7;
 
   double operator()(const Eigen::Vector3d& from,
-                    const Eigen::Vector3d& direction) const {
-    const Eigen::Vector2d across = direction.head<2>();
-    const Eigen::Vector2d to_center = center - from.head<2>();
-    const double along = to_center.dot(across) / across.norm();
-    const double beside = to_center.squaredNorm() - along * along;
-    if (!(beside < radius * radius)) {
-      return kBackground;
-    }
-    const double distance =
-        (along - std::sqrt(radius * radius - beside)) / across.norm();
-    const double height = from.z() + distance * direction.z();
-    return height > bottom && height < top ? kColumn : kBackground;
-  }
+                    const Eigen::Vector3d& direction) const;
 };
 
 // Upright walls between corners, seen from above; as high as the column.
@@ -57,20 +38,7 @@ struct DrawnWalls {
   std::vector<Eigen::Vector2d> corners;
 
   double operator()(const Eigen::Vector3d& from,
-                    const Eigen::Vector3d& direction) const {
-    for (size_t i = 0; i + 1 < corners.size(); ++i) {
-      Eigen::Matrix2d system;
-      system << direction.head<2>(), corners[i] - corners[i + 1];
-      const Eigen::Vector2d solution =
-          system.inverse() * (corners[i] - from.head<2>());
-      const double height = from.z() + solution.x() * direction.z();
-      if (solution.x() > 0.0 && solution.y() >= 0.0 && solution.y() <= 1.0 &&
-          height > DrawnColumn().bottom && height < DrawnColumn().top) {
-        return DrawnColumn::kColumn;
-      }
-    }
-    return DrawnColumn::kBackground;
-  }
+                    const Eigen::Vector3d& direction) const;
 };
 
 // Views of it from an arc of almost a radian around (0, 3), at a distance of 3.
@@ -86,25 +54,7 @@ class DrawnViews {
              int num_views,
              const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(),
              double noise = 0.0,
-             double scale = 1.0)
-      : evidence_(static_cast<size_t>(num_views)) {
-    Philox random(7, 0, 0);
-    for (int i = 0; i < num_views; ++i) {
-      const double angle = 0.9 * (i / (num_views - 1.0) - 0.5);
-      const Eigen::Vector3d from(3.0 * std::sin(angle),
-                                 3.0 - 3.0 * std::cos(angle),
-                                 0.1 * (i % 3 - 1));
-      // Not all of them look at the middle.
-      const Eigen::Vector3d to(0.15 * (i % 3 - 1), 3.0, 0.05 * (i % 2));
-      Camera camera = Look(from, to);
-      ViewEvidence& evidence = evidence_[static_cast<size_t>(i)];
-      Draw(scene, camera, noise, &random, &evidence);
-      camera.rotation = camera.rotation * rotation.transpose();
-      camera.translation *= scale;
-      evidence.intrinsics = camera.GetIntrinsics();
-      views_.push_back({&evidence, camera});
-    }
-  }
+             double scale = 1.0);
   DrawnViews(const DrawnViews&) = delete;
 
   const std::vector<ObservedView>& Views() const { return views_; }
@@ -124,55 +74,6 @@ class DrawnViews {
   }
 
  private:
-  static Camera Look(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-    Camera camera;
-    camera.width = kWidth;
-    camera.height = kHeight;
-    camera.fx = camera.fy = kFocal;
-    camera.cx = 0.5 * (kWidth - 1);
-    camera.cy = 0.5 * (kHeight - 1);
-    const Eigen::Vector3d forward = (to - from).normalized();
-    const Eigen::Vector3d right =
-        forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-    camera.rotation.row(0) = right;
-    camera.rotation.row(1) = forward.cross(right);
-    camera.rotation.row(2) = forward;
-    camera.translation = -camera.rotation * from;
-    return camera;
-  }
-
-  static void Draw(const DrawnScene& scene,
-                   const Camera& camera,
-                   double noise,
-                   Philox* random,
-                   ViewEvidence* evidence) {
-    constexpr int kSamples = 4;  // Per pixel and direction.
-    evidence->width = kWidth;
-    evidence->height = kHeight;
-    evidence->resolution.error_per_depth = 0.001f;
-    evidence->confident_depth = Image<float>(kWidth, kHeight);
-    evidence->superpixels = Image<uint16_t>(kWidth, kHeight);
-    evidence->color = Image<Rgb>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        double sum = 0.0;
-        for (int k = 0; k < kSamples * kSamples; ++k) {
-          const double column = x - 0.5 + (k % kSamples + 0.5) / kSamples;
-          const double row = y - 0.5 + (k / kSamples + 0.5) / kSamples;
-          const Eigen::Vector3d ray((column - camera.cx) / camera.fx,
-                                    (row - camera.cy) / camera.fy,
-                                    1.0);
-          sum += scene(camera.Center(), camera.rotation.transpose() * ray);
-        }
-        const double gray = sum / (kSamples * kSamples) +
-                            noise * (2.0 * random->NextFloat() - 1.0);
-        const auto level =
-            static_cast<uint8_t>(std::lround(std::clamp(gray, 0.0, 255.0)));
-        evidence->color(x, y) = {level, level, level};
-      }
-    }
-  }
-
   std::vector<ViewEvidence> evidence_;
   std::vector<ObservedView> views_;
 };
