@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/label_inputs.h"
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/scene_planes/color_gain.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -36,6 +37,9 @@ LabelInputs::LabelInputs(const std::vector<ObservedView>& views,
       confident_depths_.emplace_back(device, evidence.confident_depth);
       sources.back().confident_depth =
           std::as_const(confident_depths_.back()).View();
+      colors_.emplace_back(device, evidence.color);
+      sources.back().color = std::as_const(colors_.back()).View();
+      sources.back().gain = EstimateColorGain(views[0], views[j]);
     }
     if (rasters.superpixels) {
       superpixels_.emplace_back(device, evidence.superpixels);

@@ -38,6 +38,7 @@ class LabelInputs {
   const std::vector<ObservedView>& views_;
   PixelGroups pixels_;
   std::vector<DeviceImage<float>> confident_depths_;
+  std::vector<DeviceImage<Rgb>> colors_;
   std::vector<DeviceImage<uint16_t>> superpixels_;
   Buffer<ObservedSource> sources_;
 };

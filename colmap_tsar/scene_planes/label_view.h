@@ -99,6 +99,14 @@ struct LabelOptions {
   // How far that is, relative to the size of the area in which the plane was
   // observed.
   float extrapolation_reach = 0.6f;
+  // What a pixel without an observation costs whose colours differ from those
+  // that other views show on the plane: per full difference (PlaneCost::color)
+  // beyond that of the plane which fits best, plus what noise and gloss make of
+  // it. Planes more uncertain than this are none to compare with: one that
+  // nobody observed there fits by chance.
+  float color_cost = 4.f;
+  float min_color_gap = 0.05f;
+  float max_color_uncertainty = 0.3f;
   // Within this share of the tolerance of what another view saw, a plane is
   // confirmed.
   float confirmation_share = 0.5f;

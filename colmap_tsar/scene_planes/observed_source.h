@@ -15,6 +15,28 @@
 
 namespace tsar {
 
+// What the colours of a source are multiplied by to be those of the reference:
+// exposure and white balance, and vignetting, which darkens a pixel by
+// `falloff` times the square of its distance from the image's centre, in half
+// diagonals.
+struct ColorGain {
+  Vec3f balance{1.f, 1.f, 1.f};
+  float falloff = 0.f;
+
+  // At two pixels, by the squares of their distances.
+  TSAR_HD Vec3f At(float reference, float source) const {
+    return balance * (1.f + falloff * (source - reference));
+  }
+};
+
+// The square of the distance of a pixel from the image's centre, in half
+// diagonals.
+TSAR_HD inline float SquaredRadius(float x, float y, int width, int height) {
+  const float u = 2.f * x - static_cast<float>(width - 1);
+  const float v = 2.f * y - static_cast<float>(height - 1);
+  return (u * u + v * v) / static_cast<float>(width * width + height * height);
+}
+
 // A view that looks at the same scene as the reference. Lengths are in units of
 // the sparse model throughout.
 struct ObservedSource {
@@ -30,6 +52,8 @@ struct ObservedSource {
   // otherwise empty. Depths along its optical axis, 0 where nothing is certain.
   ImageView<const float> confident_depth;
   ImageView<const uint16_t> superpixels;  // The number of each pixel's.
+  ImageView<const Rgb> color;
+  ColorGain gain;
 };
 
 // A point as a source view sees it.

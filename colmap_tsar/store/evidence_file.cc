@@ -60,7 +60,7 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   const std::vector<int>& first = evidence.first_observation;
   if (evidence.width < 1 || evidence.height < 1 ||
       !has_raster(evidence.superpixels) ||
-      !has_raster(evidence.confident_depth) ||
+      !has_raster(evidence.confident_depth) || !has_raster(evidence.color) ||
       first.size() != evidence.weights.size() + 1) {
     return "sizes that do not fit each other";
   }
@@ -105,8 +105,7 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
   }
-  if (!has_raster(evidence.region_planes) || !has_raster(evidence.color) ||
-      evidence.ratings.Empty()) {
+  if (!has_raster(evidence.region_planes) || evidence.ratings.Empty()) {
     return "sizes that do not fit each other";
   }
   const std::vector<int>& first_confirmed = evidence.first_confirmed;
@@ -187,6 +186,7 @@ struct Header {
                                  static_cast<uint64_t>(ratings_height);
     return {{num_pixels, sizeof(uint16_t)},
             {num_pixels, sizeof(float)},
+            {num_pixels, sizeof(Rgb)},
             {num_superpixels, sizeof(float)},
             {num_superpixels, sizeof(int)},
             {1, sizeof(int)},
@@ -199,7 +199,6 @@ struct Header {
             {num_superpixels, sizeof(int)},
             {num_borders, sizeof(SuperpixelBorder)},
             {num_pixels, sizeof(uint16_t)},
-            {num_pixels, sizeof(Rgb)},
             {num_ratings, sizeof(uint8_t)}};
   }
 };
@@ -210,6 +209,7 @@ template <typename Evidence>
 auto NeighbourArrays(Evidence& evidence) {
   return std::vector{BytesOf(evidence.superpixels),
                      BytesOf(evidence.confident_depth),
+                     BytesOf(evidence.color),
                      BytesOf(evidence.weights),
                      BytesOf(evidence.first_observation),
                      BytesOf(evidence.observations),
@@ -223,7 +223,6 @@ auto OwnArrays(Evidence& evidence) {
                      BytesOf(evidence.confirmed_pixels),
                      BytesOf(evidence.borders),
                      BytesOf(evidence.region_planes),
-                     BytesOf(evidence.color),
                      BytesOf(evidence.ratings)};
 }
 
@@ -245,7 +244,7 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/6,
+    /*version=*/7,
     &MissingEvidence,
     &CorruptEvidence};
 
@@ -303,6 +302,7 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.noise = header.noise;
   evidence.superpixels = Image<uint16_t>::Uninitialized(width, height);
   evidence.confident_depth = Image<float>::Uninitialized(width, height);
+  evidence.color = Image<Rgb>::Uninitialized(width, height);
   evidence.weights.resize(header.num_superpixels);
   evidence.first_observation.resize(header.num_superpixels + 1);
   evidence.observations.resize(header.num_observations);
@@ -315,7 +315,6 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
     evidence.confirmed_pixels.resize(header.num_superpixels);
     evidence.borders.resize(header.num_borders);
     evidence.region_planes = Image<uint16_t>::Uninitialized(width, height);
-    evidence.color = Image<Rgb>::Uninitialized(width, height);
     evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
                                                      header.ratings_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);

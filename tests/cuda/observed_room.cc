@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "tests/cuda/scenes.h"
 
@@ -29,6 +30,8 @@ ViewEvidence ObserveView(const SyntheticRoom& room, size_t view) {
   inputs.contrast = RandomImage(camera.width, camera.height, 20.f, 40 + seed);
   inputs.intrinsics = camera.GetIntrinsics();
   inputs.resolution.error_per_depth = SyntheticRoom::kErrorPerDepth;
+  // Each surface has a colour of its own, with noise.
+  Image<Rgb> color(camera.width, camera.height);
   Philox random(50, seed, 0);
   std::vector<uint32_t> choices(SyntheticRoom::kNumSuperpixels);
   for (uint32_t& choice : choices) {
@@ -40,8 +43,11 @@ ViewEvidence ObserveView(const SyntheticRoom& room, size_t view) {
       inputs.superpixels(x, y) = superpixel;
       const uint32_t choice = choices[static_cast<size_t>(superpixel)];
       const Vec3f ray = inputs.intrinsics.Ray(x, y);
-      const float depth =
-          static_cast<float>(room.Hit(camera, {ray.x, ray.y, 1.0}).second);
+      const auto [surface, distance] = room.Hit(camera, {ray.x, ray.y, 1.0});
+      const auto depth = static_cast<float>(distance);
+      const auto gray = static_cast<uint8_t>(
+          80 + 25 * static_cast<int>(surface) + seed + random.NextBelow(8));
+      color(x, y) = {gray, gray, gray};
       if (choice < 4) {
         // Of these, some are confirmed by other views alone.
         inputs.confirmed_samples(x, y) = {
@@ -53,7 +59,9 @@ ViewEvidence ObserveView(const SyntheticRoom& room, size_t view) {
           ray.x, ray.y, depth * (1.f + (choice == 4 ? 0.4f : 2e-3f) * noise)};
     }
   }
-  return GatherEvidence(inputs, {});
+  ViewEvidence evidence = GatherEvidence(inputs, {});
+  evidence.color = std::move(color);
+  return evidence;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
     const size_t num_pixels =
         static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
         ValueAt<uint16_t>(bytes, 20);
-    return 6 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
+    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
            16 * ValueAt<uint16_t>(bytes, 64) +
            16 * ValueAt<uint16_t>(bytes, 80);
   });

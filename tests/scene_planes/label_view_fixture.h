@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "tests/support/label_view.h"
@@ -26,6 +27,7 @@ constexpr int kNumColumns = kWidth / kSize;
 constexpr int kNumRows = kHeight / kSize;
 constexpr int kNumSuperpixels = kNumColumns * kNumRows;
 constexpr float kStrongEdge = 100.f;
+constexpr Rgb kGray = {100, 100, 100};
 
 inline Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
 
@@ -84,13 +86,28 @@ class LabelViewTest : public testing::Test {
         source_.confident_depth(x, y) = confident_depth(x, y);
       }
     }
+    source_.color = Image<Rgb>(kWidth, kHeight, kGray);
     has_source_ = true;
+  }
+
+  // A view this far to the right in which nothing was measured, with this
+  // image.
+  void AddPicture(double right, Image<Rgb> color) {
+    pictures_.push_back({right, {}});
+    ViewEvidence& evidence = pictures_.back().second;
+    evidence.width = kWidth;
+    evidence.height = kHeight;
+    evidence.resolution.error_per_depth = inputs_.resolution.error_per_depth;
+    evidence.first_observation = {0};
+    evidence.confident_depth = Image<float>(kWidth, kHeight);
+    evidence.color = std::move(color);
   }
 
   // Each superpixel is assigned to the first plane that explains its first
   // observation.
   LabeledView Label(const std::vector<Plane>& planes) const {
-    const ViewEvidence evidence = GatherEvidence(inputs_, {});
+    ViewEvidence evidence = GatherEvidence(inputs_, {});
+    evidence.color = color_;
     DiscoveredPlanes discovered;
     for (const Plane& plane : planes) {
       discovered.planes.push_back({ToWorldPlane(plane, camera_), 1.0});
@@ -114,6 +131,12 @@ class LabelViewTest : public testing::Test {
       Camera camera = camera_;
       camera.translation.x() -= 1.0;
       views.push_back({&source_, camera});
+      discovered.assignment.emplace_back();
+    }
+    for (const auto& [right, of_picture] : pictures_) {
+      Camera camera = camera_;
+      camera.translation.x() -= right;
+      views.push_back({&of_picture, camera});
       discovered.assignment.emplace_back();
     }
     // Several observations to each cell, as in rasters of usual size.
@@ -147,7 +170,9 @@ class LabelViewTest : public testing::Test {
   std::unique_ptr<Device> device_ = Device::CreateCpu(1);
   Camera camera_;
   EvidenceInputs inputs_;
+  Image<Rgb> color_{kWidth, kHeight, kGray};
   ViewEvidence source_;
+  std::vector<std::pair<double, ViewEvidence>> pictures_;
   bool has_source_ = false;
   LabelOptions options_;
 };

@@ -54,6 +54,51 @@ TEST_F(LabelViewTest, ChangesAtAnEdgeWherePlanesAreApart) {
   }
 }
 
+// A bare box before a wall: in the other views its right part would lie beside
+// itself, on the wall, if it were part of that.
+TEST_F(LabelViewTest, ColoursOfOtherViewsTellABareBoxFromTheWallBehindIt) {
+  constexpr float kBox = 3.f;
+  constexpr float kWall = 5.f;
+  const auto draw = [&](double right) {
+    Image<Rgb> color(kWidth, kHeight, kGray);
+    const int shift = static_cast<int>(camera_.fx * right / kBox);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = std::max(3 * kSize - shift, 0); x < 5 * kSize - shift; ++x) {
+        color(x, y) = {180, 170, 160};
+      }
+    }
+    return color;
+  };
+  Measure(WallAt(kWall), 0, 2);
+  Measure(WallAt(kBox), 3, 4);
+  Measure(WallAt(kWall), 5, 7);
+  // The box is known at its top and its bottom.
+  for (int y = 2 * kSize; y < 4 * kSize; ++y) {
+    for (int x = 3 * kSize; x < 5 * kSize; ++x) {
+      inputs_.samples(x, y) = {};
+    }
+  }
+  color_ = draw(0.0);
+  for (const double right : {1.0, 1.3, 1.6}) {
+    AddPicture(right, draw(right));
+  }
+  const auto labels_of_right_part = [&] {
+    const LabeledView labeled = Label({WallAt(kWall), WallAt(kBox)});
+    std::vector<int> labels;
+    for (const int row : {2, 3}) {
+      labels.push_back(labeled.labels[row * kNumColumns + 4]);
+    }
+    return labels;
+  };
+  EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 1));
+  options_.color_cost = 0.f;
+  EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 0));
+  // Two views are too few to tell.
+  options_ = {};
+  pictures_.pop_back();
+  EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 0));
+}
+
 TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
   options_.unlabelled_cost = 0.01f;
   DrawEdgesEverywhere();

@@ -39,7 +39,6 @@ TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
   EXPECT_TRUE(read.region_planes.Empty());
-  EXPECT_TRUE(read.color.Empty());
   EXPECT_TRUE(read.ratings.Empty());
 }
 
@@ -106,14 +105,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 5u, 7u}) {
+  for (const uint32_t version : {0u, 6u, 8u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 6");
+                             ", this program reads version 7");
     }
   }
 }

@@ -88,6 +88,11 @@ std::string NeighbourBytes(const ViewEvidence& evidence) {
   std::string bytes;
   AppendAll(evidence.superpixels, &bytes);
   AppendAll(evidence.confident_depth, &bytes);
+  for (const Rgb& pixel : evidence.color) {
+    Append(pixel.r, &bytes);
+    Append(pixel.g, &bytes);
+    Append(pixel.b, &bytes);
+  }
   AppendAll(evidence.weights, &bytes);
   AppendAll(evidence.first_observation, &bytes);
   for (const Observation& observation : evidence.observations) {
@@ -122,11 +127,6 @@ std::string OwnBytes(const ViewEvidence& evidence) {
     AppendAll(border.pixels, &bytes);
   }
   AppendAll(evidence.region_planes, &bytes);
-  for (const Rgb& pixel : evidence.color) {
-    Append(pixel.r, &bytes);
-    Append(pixel.g, &bytes);
-    Append(pixel.b, &bytes);
-  }
   AppendAll(evidence.ratings, &bytes);
   return bytes;
 }
