@@ -52,6 +52,13 @@ int64_t PeakOf(const std::function<void(Device&)>& function) {
 
 class StageMemoryTest : public testing::Test {
  protected:
+  void SetUp() override {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP()
+        << "the optimised build measures the same memory, in less time";
+#endif
+  }
+
   void Draw(const MapSize& size) {
     SyntheticViewsOptions drawn;
     drawn.width = size.width;

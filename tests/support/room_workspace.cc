@@ -76,6 +76,11 @@ std::string ImageName(size_t image) {
 
 // What the camera sees, without normals.
 RefinedMaps Draw(const Camera& camera, int num_wrong_per_mille) {
+  std::vector<WorldPlane> surfaces;
+  for (int p = 0; p < RoomWorkspace::kUnseen; ++p) {
+    const RoomPlane& surface = RoomPlanes()[static_cast<size_t>(p)];
+    surfaces.push_back(PlaneThrough(surface.normal, surface.point));
+  }
   Philox random(static_cast<uint32_t>(num_wrong_per_mille), 1, 2);
   RefinedMaps maps;
   maps.depth = Image<float>(camera.width, camera.height);
@@ -91,9 +96,8 @@ RefinedMaps Draw(const Camera& camera, int num_wrong_per_mille) {
       nearest.depth = 1e9;
       int plane = 0;
       for (int p = 0; p < RoomWorkspace::kUnseen; ++p) {
-        const RoomPlane& surface = RoomPlanes()[static_cast<size_t>(p)];
-        const DepthObservation hit = ObservePlane(
-            PlaneThrough(surface.normal, surface.point), camera, ray);
+        const DepthObservation hit =
+            ObservePlane(surfaces[static_cast<size_t>(p)], camera, ray);
         if (hit.depth > 0.0 && hit.depth < nearest.depth) {
           nearest = hit;
           plane = p;
