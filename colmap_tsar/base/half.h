@@ -10,8 +10,8 @@
 
 namespace tsar {
 
-// Floating-point numbers of 16 bits (binary16 of IEEE 754) that are not
-// negative, as their bits. Both devices compute the same ones.
+// Floating-point numbers of 16 bits (binary16 of IEEE 754), as their bits. Both
+// devices compute the same ones.
 
 constexpr float kMinHalf = 1.f / 16777216.f;  // 2^-24.
 constexpr float kMaxHalf = 65504.f;
@@ -34,13 +34,15 @@ TSAR_HD inline uint16_t ToPositiveHalf(float value) {
                                (level - kNumFractions));
 }
 
-// bits: of a number that is neither negative nor infinite.
 inline float HalfToFloat(uint16_t bits) {
-  const int exponent = bits >> 10;
+  const int exponent = (bits >> 10) & 0x1f;
   const int fraction = bits & 0x3ff;
-  return exponent == 0
-             ? static_cast<float>(fraction) * kMinHalf
-             : std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
+  const float magnitude =
+      exponent == 0 ? static_cast<float>(fraction) * kMinHalf
+      : exponent == 0x1f
+          ? (fraction == 0 ? INFINITY : NAN)
+          : std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
+  return (bits & 0x8000) != 0 ? -magnitude : magnitude;
 }
 
 }  // namespace tsar

@@ -3,12 +3,12 @@
 
 #include "colmap_tsar/import/formats/array_files.h"
 
+#include "colmap_tsar/base/half.h"
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <string_view>
 
 namespace tsar {
@@ -101,18 +101,6 @@ std::vector<int64_t> ReadShape(std::string_view header,
         after, end, [](char c) { return c == ',' || c == ' ' || c == 'L'; });
   }
   return shape;
-}
-
-float FromHalf(uint16_t half) {
-  const int exponent = (half >> 10) & 31;
-  const int fraction = half & 1023;
-  const float magnitude =
-      exponent == 0 ? std::ldexp(static_cast<float>(fraction), -24)
-      : exponent == 31
-          ? (fraction == 0 ? std::numeric_limits<float>::infinity()
-                           : std::numeric_limits<float>::quiet_NaN())
-          : std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
-  return (half & 0x8000) != 0 ? -magnitude : magnitude;
 }
 
 template <typename T, typename Convert>
@@ -214,7 +202,7 @@ NpyArray ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
   const bool swap = type[0] == '>';
   const auto to_float = [](auto value) { return static_cast<float>(value); };
   if (kind == "f2") {
-    ReadValues<uint16_t>(swap, &FromHalf, &reader, &array.map.values);
+    ReadValues<uint16_t>(swap, &HalfToFloat, &reader, &array.map.values);
   } else if (kind == "u2") {
     ReadValues<uint16_t>(swap, to_float, &reader, &array.map.values);
   } else if (kind == "f4") {
