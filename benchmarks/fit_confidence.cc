@@ -15,7 +15,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/plane_export/plane_view.h"
-#include "colmap_tsar/scene_planes/measurement_rating.h"
 #include "colmap_tsar/store/evidence_file.h"
 #include "colmap_tsar/store/scene_model_file.h"
 #include "colmap_tsar/store/workspace.h"
@@ -29,8 +28,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/logistic_regression.h"
 #include "benchmarks/require_no_cylinders.h"
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace tsar {
@@ -40,8 +39,6 @@ constexpr float kRight = 0.01f;  // Of the depth.
 // Evenly spaced samples of a scene for each kind of depth, at most; a scene
 // with less than half as many counts less.
 constexpr size_t kMaxSamples = 4000;
-constexpr double kRegularization = 1e-6;
-constexpr int kNumIterations = 25;
 
 enum Kind {
   kMoved,
@@ -49,7 +46,6 @@ enum Kind {
   kFilledByOthers,
   kGuessed,
   kStanding,
-  kStandingWeakly,
   kRegion,
   kInterpolated,
   kMovedToCurved,
@@ -61,30 +57,21 @@ constexpr const char* kKindNames[kNumKinds] = {"moved",
                                                "filled, by others",
                                                "guessed",
                                                "standing",
-                                               "standing weakly",
                                                "region",
                                                "interpolated",
                                                "moved to curved",
                                                "filled by curved"};
 
-enum Measure {
-  kExplained,
-  kStrength,
-  kConfirmed,
-  kUncertainty,
-  kMargin,
-  kNumMeasures
-};
+enum Measure { kStrength, kConfirmed, kUncertainty, kMargin, kNumMeasures };
 constexpr const char* kMeasureNames[kNumMeasures] = {
-    "explained", "strength", "confirmed", "uncertainty", "margin"};
+    "strength", "confirmed", "uncertainty", "margin"};
 
 const std::array<std::vector<int>, kNumKinds> kMeasuresOfKinds = {
     std::vector<int>{kConfirmed, kMargin},
     {kConfirmed, kUncertainty, kMargin},
     {kStrength},
     {kStrength, kUncertainty, kMargin},
-    {kExplained},
-    {kExplained},
+    {},
     {},
     {},
     {},
@@ -103,7 +90,6 @@ struct Pixel {
   bool keeps_depth;  // That was measured.
   bool is_labelled;  // Its superpixel has a plane.
   LabelEvidence evidence;
-  uint8_t rating;
 };
 
 // As RateSceneConfidence() tells them apart, but that depths on curved surfaces
@@ -115,10 +101,7 @@ Kind KindOf(const Pixel& pixel) {
   if (pixel.source == Provenance::kMeasured) {
     return pixel.is_on_plane    ? kMoved
            : !pixel.keeps_depth ? kMovedToCurved
-           : MeasurementRating::IsTrusted(pixel.rating) ||
-                   MeasurementRating::IsConfirmedDistinctly(pixel.rating)
-               ? kStanding
-               : kStandingWeakly;
+                                : kStanding;
   }
   return !pixel.is_on_plane ? (pixel.is_labelled ? kFilledByCurved : kRegion)
          : pixel.evidence == LabelEvidence::kMeasured ? kFilledByMeasured
@@ -152,15 +135,12 @@ void CollectView(const PlaneView& view,
       const size_t superpixel =
           AtSamePlace(evidence.superpixels, x, y, view.depth);
       const LabelQuality& quality = labels.qualities[superpixel];
-      const Kind kind =
-          KindOf({static_cast<Provenance>(view.provenance(x, y)),
-                  view.planes(x, y) > 0,
-                  depth == original(x, y),
-                  labels.planes[superpixel] >= 0,
-                  labels.evidence[superpixel],
-                  AtSamePlace(evidence.ratings, x, y, view.depth)});
-      (*samples)[kind].push_back({{quality.explained.Value(),
-                                   quality.strength.Value(),
+      const Kind kind = KindOf({static_cast<Provenance>(view.provenance(x, y)),
+                                view.planes(x, y) > 0,
+                                depth == original(x, y),
+                                labels.planes[superpixel] >= 0,
+                                labels.evidence[superpixel]});
+      (*samples)[kind].push_back({{quality.strength.Value(),
                                    quality.confirmed.Value(),
                                    quality.uncertainty.Value(),
                                    quality.margin.Value()},
@@ -191,14 +171,8 @@ SamplesOfScene CollectScene(const std::string& modelled_root,
   return samples;
 }
 
-struct Regression {
-  Eigen::MatrixXd rows;  // A constant 1, then the measures.
-  Eigen::VectorXd rights;
-  Eigen::VectorXd weights;
-};
-
-Regression MakeRegression(const std::vector<SamplesOfScene>& scenes,
-                          Kind kind) {
+LogisticRegression MakeRegression(const std::vector<SamplesOfScene>& scenes,
+                                  Kind kind) {
   const std::vector<int>& measures = kMeasuresOfKinds[kind];
   std::vector<std::pair<Sample, double>> used;
   for (const SamplesOfScene& scene : scenes) {
@@ -212,10 +186,10 @@ Regression MakeRegression(const std::vector<SamplesOfScene>& scenes,
     }
   }
   const auto num_rows = static_cast<Eigen::Index>(used.size());
-  Regression regression;
+  LogisticRegression regression;
   regression.rows.setOnes(num_rows,
                           1 + static_cast<Eigen::Index>(measures.size()));
-  regression.rights.resize(num_rows);
+  regression.outcomes.resize(num_rows);
   regression.weights.resize(num_rows);
   for (Eigen::Index i = 0; i < num_rows; ++i) {
     const auto& [sample, weight] = used[static_cast<size_t>(i)];
@@ -223,49 +197,23 @@ Regression MakeRegression(const std::vector<SamplesOfScene>& scenes,
       regression.rows(i, 1 + static_cast<Eigen::Index>(j)) =
           sample.measures[static_cast<size_t>(measures[j])];
     }
-    regression.rights(i) = sample.is_right ? 1.0 : 0.0;
+    regression.outcomes(i) = sample.is_right ? 1.0 : 0.0;
     regression.weights(i) = weight;
   }
   regression.weights /= std::max(regression.weights.sum(), 1e-12);
   return regression;
 }
 
-// Newton's method on the regularized likelihood.
-Eigen::VectorXd Solve(const Regression& regression) {
-  const Eigen::MatrixXd& rows = regression.rows;
-  Eigen::VectorXd penalty =
-      Eigen::VectorXd::Constant(rows.cols(), kRegularization);
-  penalty(0) = 0.0;
-  Eigen::VectorXd solution = Eigen::VectorXd::Zero(rows.cols());
-  for (int i = 0; i < kNumIterations; ++i) {
-    const Eigen::ArrayXd probabilities =
-        1.0 / (1.0 + (-(rows * solution).array()).exp());
-    const Eigen::VectorXd gradient =
-        rows.transpose() * (regression.weights.array() *
-                            (regression.rights.array() - probabilities))
-                               .matrix() -
-        penalty.cwiseProduct(solution);
-    const Eigen::ArrayXd curvature =
-        regression.weights.array() * probabilities * (1.0 - probabilities);
-    Eigen::MatrixXd hessian =
-        rows.transpose() * curvature.matrix().asDiagonal() * rows;
-    hessian.diagonal() += penalty;
-    hessian.diagonal().array() += 1e-12;
-    solution += hessian.ldlt().solve(gradient);
-  }
-  return solution;
-}
-
 void Print(const std::vector<SamplesOfScene>& scenes, Kind kind) {
-  const Regression regression = MakeRegression(scenes, kind);
+  const LogisticRegression regression = MakeRegression(scenes, kind);
   if (regression.rows.rows() == 0) {
     return;
   }
-  const Eigen::VectorXd solution = Solve(regression);
+  const Eigen::VectorXd solution = regression.Solve();
   std::printf("%-18s %7lld samples, %.2f right: constant %.2f",
               kKindNames[kind],
               static_cast<long long>(regression.rows.rows()),
-              regression.weights.dot(regression.rights),
+              regression.weights.dot(regression.outcomes),
               solution(0));
   for (size_t j = 0; j < kMeasuresOfKinds[kind].size(); ++j) {
     std::printf(", %s %.2f",

@@ -110,20 +110,19 @@ std::unique_ptr<ComposeTask::Scene> ComposeTask::FindSceneOf(size_t index,
   auto scene = std::make_unique<Scene>();
   scene->own = evidence_.ReadAll(reference);
   scene->views = {Observed(reference, scene->own)};
+  std::vector<const ViewLabels*> labels = {&LabelsOf(reference, scene->own)};
   for (const int source : images_.Sources(index)) {
     if (source == reference) {
       continue;
     }
     if (EvidenceStore::Evidence evidence = evidence_.Get(source)) {
       scene->views.push_back(Observed(source, *evidence));
+      labels.push_back(&LabelsOf(source, *evidence));
       scene->others.push_back(std::move(evidence));
     }
   }
-  scene->found = FindScene(scene->views,
-                           model_.planes,
-                           LabelsOf(reference, scene->own),
-                           options_,
-                           device);
+  scene->found =
+      FindScene(scene->views, model_.planes, labels, options_, device);
   StageTimer timer(device, &scene->found.seconds);
   scene->found.cylinders = FindSeenCylinders(scene->views[0], model_.cylinders);
   timer.Finish("columns and pipes");

@@ -3,13 +3,13 @@
 
 #include "colmap_tsar/pipeline/compose_scene.h"
 
-#include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/pipeline/measurement_support.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -28,10 +28,10 @@ TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
 
 // What becomes of the depth that a pixel measured.
 enum OwnDepth : uint8_t {
-  kGivesWay = 0,       // To a plane, or because nothing speaks for it.
-  kMoves = 1,          // Onto the plane that it measured.
-  kStandsInABlob = 2,  // Trusted: if enough of its neighbours do, too.
-  kStands = 3,         // Other views confirm it.
+  kGivesWay = 0,   // To a plane, or because nothing speaks for it.
+  kMoves = 1,      // Onto the plane that it measured.
+  kContested = 2,  // It and the plane are two surfaces, or there is no plane.
+  kStands = 3,
 };
 
 // Finds the measurements that do not lie on a plane of the scene.
@@ -40,47 +40,78 @@ struct OwnDepthKernel {
   ImageView<const uint8_t> rating;
   PlaneRaster scene_planes;
   DepthResolution resolution;
-  ComposeSceneOptions options;
+  float on_plane;
   ImageView<uint8_t> own_depth;
+  // Where the measurement is contested, it and the plane; 0 elsewhere.
+  ImageView<float> contested;
+  ImageView<float> rivals;
 
   TSAR_HD void operator()(int x, int y) const {
-    own_depth(x, y) = Judge(depth(x, y), rating(x, y), x, y);
+    const float own = depth(x, y);
+    const float plane = DepthOnPlane(scene_planes, x, y);
+    const OwnDepth result = Judge(own, plane, rating(x, y));
+    own_depth(x, y) = result;
+    contested(x, y) = result == kContested ? own : 0.f;
+    rivals(x, y) = result == kContested ? plane : 0.f;
   }
 
-  TSAR_HD uint8_t Judge(float own, uint8_t rating_of_own, int x, int y) const {
-    const bool is_trusted = MeasurementRating::IsTrusted(rating_of_own);
-    const bool is_confirmed =
-        options.keep_confirmed && MeasurementRating::IsConfirmed(rating_of_own);
-    if (!(own > 0.f) || (!is_trusted && !is_confirmed)) {
+  TSAR_HD OwnDepth Judge(float own, float plane, uint8_t rating_of_own) const {
+    if (!(own > 0.f) || (!MeasurementRating::IsTrusted(rating_of_own) &&
+                         !MeasurementRating::IsConfirmed(rating_of_own))) {
       return kGivesWay;
     }
-    const PlaneTolerance& on_plane =
-        !is_confirmed ? options.on_plane
-        : MeasurementRating::IsConfirmedDistinctly(rating_of_own)
-            ? options.on_plane_distinct
-            : options.on_plane_weak;
-    const float plane = DepthOnPlane(scene_planes, x, y);
-    if (plane > 0.f &&
-        (!options.keep_off_plane ||
-         fabsf(plane - own) <= on_plane.At(own, resolution) * own)) {
-      return kMoves;
-    }
-    return is_confirmed ? kStands : kStandsInABlob;
+    return plane > 0.f && GapInPixels(own, plane, resolution) <= on_plane
+               ? kMoves
+               : kContested;
   }
 };
 
-struct Standing {
-  const uint8_t* own_depth;
-  TSAR_HD bool Contains(int i) const { return own_depth[i] >= kStandsInABlob; }
-  TSAR_HD bool Connected(int, int) const { return true; }
+// Decides by the views, the image and the label.
+struct ContestKernel {
+  ComposeSceneInputs inputs;
+  DepthResolution resolution;
+  float min_log_odds;
+  // Of the measurement; becomes its confidence where it stands, 0 elsewhere.
+  ImageView<float> contested;
+  ImageView<const float> rivals;
+  ImageView<const ViewVotes> votes;
+  ImageView<const ViewVotes> votes_on_rivals;
+  ImageView<uint8_t> own_depth;
+
+  TSAR_HD void operator()(int x, int y) const {
+    if (own_depth(x, y) != kContested) {
+      return;
+    }
+    const float own = contested(x, y);
+    contested(x, y) = 0.f;
+    const float rival = rivals(x, y);
+    const MeasurementSupport support = SupportAt(x, y);
+    if (rival > 0.f) {
+      const float gap = GapInPixels(own, rival, resolution);
+      const Rival plane{
+          votes_on_rivals(x, y), gap, SuperpixelAt(inputs, x, y).margin};
+      if (!(LogOddsAgainst(plane, support) > min_log_odds)) {
+        own_depth(x, y) = gap <= kOnSurface ? kMoves : kGivesWay;
+        return;
+      }
+    }
+    own_depth(x, y) = kStands;
+    contested(x, y) = ProbabilityOf(support, rival > 0.f);
+  }
+
+  TSAR_HD MeasurementSupport SupportAt(int x, int y) const {
+    return {
+        votes(x, y),
+        inputs.texture(
+            ReducedRaster::FromMap(x, contested.width, inputs.texture.width),
+            ReducedRaster::FromMap(y, contested.height, inputs.texture.height)),
+        MeasurementRating::IsTrusted(inputs.ratings(x, y))};
+  }
 };
 
 struct ComposeSceneKernel {
   ComposeSceneInputs inputs;
   ImageView<const uint8_t> own_depth;
-  ImageView<const int> blobs;
-  const int* blob_sizes;
-  int min_blob;
   // The own hypotheses, which the result replaces.
   ImageView<float> depth;
   ImageView<Vec3f> normal;
@@ -88,8 +119,7 @@ struct ComposeSceneKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const uint8_t own = own_depth(x, y);
-    if (own == kStands ||
-        (own == kStandsInABlob && blob_sizes[blobs(x, y)] >= min_blob)) {
+    if (own == kStands) {
       provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
       return;
     }
@@ -115,30 +145,27 @@ struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
+  ImageView<const float> own_confidence;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    confidence(x, y) = Rate(static_cast<Provenance>(provenance(x, y)),
-                            IsOnPlane(inputs.scene_planes, x, y, depth(x, y)),
-                            inputs.ratings(x, y),
-                            SuperpixelAt(inputs, x, y).confidence);
+    confidence(x, y) = Rate(static_cast<Provenance>(provenance(x, y)), x, y);
   }
 
-  TSAR_HD static float Rate(Provenance source,
-                            bool is_on_plane,
-                            uint8_t rating,
-                            const SurfaceConfidence& surface) {
+  TSAR_HD float Rate(Provenance source, int x, int y) const {
+    const SurfaceConfidence& surface = SuperpixelAt(inputs, x, y).confidence;
     switch (source) {
       case Provenance::kNone:
         return 0.f;
       case Provenance::kInterpolated:
         return kConfidenceOfInterpolated;
       case Provenance::kMeasured:
-        return is_on_plane                         ? surface.moved
-               : MeasurementRating::IsSure(rating) ? surface.standing
-                                                   : surface.standing_weakly;
+        return own_confidence(x, y) > 0.f ? own_confidence(x, y)
+                                          : surface.moved;
       default:
-        return is_on_plane ? surface.filled : kConfidenceOfRegion;
+        return IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
+                   ? surface.filled
+                   : kConfidenceOfRegion;
     }
   }
 };
@@ -162,52 +189,62 @@ struct PlaneMapKernel {
 
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
+                         const ViewSurfaces& surfaces,
                          const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
+                         DeviceImage<float>* own_confidence,
                          Device& device) {
   const int width = own.depth.Width();
   const int height = own.depth.Height();
   ComposedMap composed{std::move(own),
                        DeviceImage<uint8_t>(device, width, height)};
   DeviceImage<uint8_t> own_depth(device, width, height);
+  DeviceImage<float> contested(device, width, height);
+  {
+    DeviceImage<float> rivals(device, width, height);
+    ParallelFor(device,
+                width,
+                height,
+                OwnDepthKernel{composed.map.depth.View(),
+                               inputs.ratings,
+                               inputs.scene_planes,
+                               resolution,
+                               options.on_plane,
+                               own_depth.View(),
+                               contested.View(),
+                               rivals.View()});
+    const std::vector<DeviceImage<ViewVotes>> votes = CountViewVotes(
+        surfaces,
+        inputs.scene_planes.intrinsics,
+        {std::as_const(contested).View(), std::as_const(rivals).View()},
+        device);
+    ParallelFor(device,
+                width,
+                height,
+                ContestKernel{inputs,
+                              resolution,
+                              options.min_log_odds,
+                              contested.View(),
+                              std::as_const(rivals).View(),
+                              votes[0].View(),
+                              votes[1].View(),
+                              own_depth.View()});
+  }
+  *own_confidence = std::move(contested);
   ParallelFor(device,
               width,
               height,
-              OwnDepthKernel{composed.map.depth.View(),
-                             inputs.ratings,
-                             inputs.scene_planes,
-                             resolution,
-                             options,
-                             own_depth.View()});
-  DeviceImage<int> blobs(device, width, height);
-  LabelComponents(device,
-                  Standing{own_depth.View().data},
-                  Connectivity::kFour,
-                  blobs.View());
-  const size_t num_pixels = blobs.View().NumPixels();
-  Buffer<int> blob_sizes(device, num_pixels);
-  Fill(device, blob_sizes.Data(), num_pixels, 0);
-  CountComponentPixels(device, blobs.View(), blob_sizes.Data());
-  const double pixels_per_raster_pixel =
-      static_cast<double>(num_pixels) /
-      static_cast<double>(inputs.superpixels.NumPixels());
-  ParallelFor(device,
-              width,
-              height,
-              ComposeSceneKernel{
-                  inputs,
-                  own_depth.View(),
-                  blobs.View(),
-                  blob_sizes.Data(),
-                  static_cast<int>(options.min_blob * pixels_per_raster_pixel),
-                  composed.map.depth.View(),
-                  composed.map.normal.View(),
-                  composed.provenance.View()});
+              ComposeSceneKernel{inputs,
+                                 std::as_const(own_depth).View(),
+                                 composed.map.depth.View(),
+                                 composed.map.normal.View(),
+                                 composed.provenance.View()});
   return composed;
 }
 
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
+                                       ImageView<const float> own_confidence,
                                        Device& device) {
   DeviceImage<float> confidence(
       device, inputs.ratings.width, inputs.ratings.height);
@@ -217,6 +254,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
               SceneConfidenceKernel{inputs,
                                     composed.map.depth.View(),
                                     composed.provenance.View(),
+                                    own_confidence,
                                     confidence.View()});
   return confidence;
 }

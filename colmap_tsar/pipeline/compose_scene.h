@@ -9,6 +9,7 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/view_votes.h"
 #include "colmap_tsar/planes/group_planes.h"
 #include "colmap_tsar/scene_planes/inverse_depth_error.h"
 #include "colmap_tsar/scene_planes/label_view.h"
@@ -24,22 +25,13 @@ namespace tsar {
 inline constexpr float kOnSurface = 1.2f;
 
 struct ComposeSceneOptions {
-  // Whether measurements off their plane may stand at all.
-  bool keep_off_plane = true;
-  // A measurement further from its plane keeps its own depth,
-  PlaneTolerance on_plane{0.f, kOnSurface};
-  // if at least so many pixels of the raster do so side by side, since specks
-  // are noise,
-  int min_blob = 20;
-  // or if another view confirms it: thin and detailed things,
-  bool keep_confirmed = true;
-  // and lies further than this from its plane: where its texture is distinct,
-  PlaneTolerance on_plane_distinct{0.f, kOnSurface};
-  // and where it is weak. A plane within 1.5 % of a depth that is right to 1 %
-  // is itself right to 2.5 %, and more often right than such depths are. A
-  // depth that is trusted but not confirmed stands off its plane from 1.2
-  // pixels of disparity on, but never alone.
-  PlaneTolerance on_plane_weak{0.015f, kOnSurface};
+  // A measurement nearer to its plane lies on it, in relative depths of one
+  // pixel of disparity.
+  float on_plane = kOnSurface;
+  // The log-odds from which on a measurement off its plane stands. Below 0,
+  // since a depth that was right and is lost does more harm than one that was
+  // wrong and stays.
+  float min_log_odds = -1.25f;
 };
 
 // How a superpixel came by its plane, and how likely its depths are right.
@@ -47,6 +39,7 @@ struct ComposedSuperpixel {
   LabelEvidence evidence = LabelEvidence::kNone;
   SurfaceConfidence confidence;
   InverseDepthError error{};  // Of its plane.
+  float margin = 0.f;         // See LabelQuality.
   // Its surface is a curved one; then the error is not known.
   bool is_curved = false;
 };
@@ -59,6 +52,8 @@ struct ComposeSceneInputs {
   const ComposedSuperpixel* of_superpixel = nullptr;
   // Used where the scene has no plane.
   PlaneRaster region_planes;
+  // ComputeTexture() of the raster.
+  ImageView<const float> texture;
 };
 
 // Of the superpixel under a pixel of the map.
@@ -70,19 +65,26 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
       ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
 }
 
-// One map from the planes of the scene and the view's own measurements: planes
-// where there are any, measurements that lie off them, and where the scene has
-// no plane, measurements and planes of regions.
+// One map from the planes of the scene and the view's own measurements. Where a
+// measurement and the plane of its superpixel are two surfaces, that of the two
+// stands for which the image and the other views speak; where the scene has no
+// plane, measurements stand, and planes of regions fill.
 // own: the measured hypotheses, whose memory the result takes over.
+// own_confidence: becomes the probability that a measurement that stands is
+// right to 1 %; 0 elsewhere.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
+                         const ViewSurfaces& surfaces,
                          const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
+                         DeviceImage<float>* own_confidence,
                          Device& device);
 
 // The probability that each depth is right to 1 %; 0 where there is none.
+// own_confidence: by ComposeScene().
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
+                                       ImageView<const float> own_confidence,
                                        Device& device);
 
 // The depth of the plane that a raster has at a pixel of the map; 0 where it

@@ -210,11 +210,12 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
 
 int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters) {
-  // The pixels of each superpixel and their rays, and what sorting them takes.
-  const int64_t pixels = 20 * size.num_pixels + (1 << 16);
+  // The pixels of each superpixel, their rays and colours, and what sorting
+  // them takes.
+  const int64_t pixels = 23 * size.num_pixels + (1 << 16);
   const int64_t num_costs = size.num_superpixels * size.num_planes;
   const int64_t of_source =
-      256 + (rasters.confident_depth ? 4 * size.num_pixels : 0) +
+      256 + (rasters.confident_depth ? 7 * size.num_pixels : 0) +
       (rasters.superpixels ? 2 * size.num_pixels + 8 * size.num_superpixels +
                                  16 * size.num_planes
                            : 0);
@@ -231,10 +232,11 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
 
 FoundScene FindScene(const std::vector<ObservedView>& views,
                      const std::vector<ModelPlane>& planes,
-                     const ViewLabels& labels,
+                     const std::vector<const ViewLabels*>& labels_of_views,
                      const RefineOptions& options,
                      Device& device) {
   FoundScene found;
+  const ViewLabels& labels = *labels_of_views[0];
   StageTimer timer(device, &found.seconds);
   std::vector<int>& numbers = found.plane_numbers;
   std::copy_if(labels.planes.begin(),
@@ -252,6 +254,15 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
       Translate(labels.planes, PlacesOf(numbers, planes.size()));
   found.labeled.evidence = labels.evidence;
   found.labeled.qualities = labels.qualities;
+  for (size_t j = 1; j < views.size(); ++j) {
+    std::vector<Plane>& of_source = found.planes_of_sources.emplace_back();
+    for (const int plane : labels_of_views[j]->planes) {
+      of_source.push_back(
+          plane >= 0 ? ToCameraPlane(planes[static_cast<size_t>(plane)].plane,
+                                     views[j].camera)
+                     : Plane{});
+    }
+  }
   timer.Finish("labels");
   found.curved =
       options.curved_surfaces

@@ -99,6 +99,9 @@ struct FoundScene {
   std::vector<int> plane_numbers;
   std::vector<InverseDepthError> plane_errors;
   CurvedView curved;
+  // For each source view, the plane of each of its superpixels, in its camera's
+  // frame; invalid where it has none.
+  std::vector<std::vector<Plane>> planes_of_sources;
   // Columns and pipes whose outlines the image shows. FindScene leaves them to
   // its caller, as it does their time.
   std::vector<SeenCylinder> cylinders;
@@ -106,11 +109,11 @@ struct FoundScene {
   std::map<std::string, double> seconds;
 };
 
-// views: that of the reference, whose labels these are, then those that look at
-// the same scene, in any order, the same one for the same bits.
+// views: that of the reference, then those that look at the same scene, in any
+// order, the same one for the same bits. labels: of each.
 FoundScene FindScene(const std::vector<ObservedView>& views,
                      const std::vector<ModelPlane>& planes,
-                     const ViewLabels& labels,
+                     const std::vector<const ViewLabels*>& labels,
                      const RefineOptions& options,
                      Device& device);
 

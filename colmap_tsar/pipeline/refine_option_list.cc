@@ -244,10 +244,9 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {TSAR_FIELD(confirmed_depths),
        .description =
            "Keep a measured depth that another view confirms, where the pixel "
-           "has texture of its own, also where a plane would take its place; "
-           "on weak texture, planes of the scene give way only if they are "
-           "more than 1.5 % off. Has no effect without view_agreement or with "
-           "off_plane_depths 0.",
+           "has texture of its own, though the view itself did not trust it; "
+           "where a plane of the scene would take its place, the views decide. "
+           "Has no effect without view_agreement.",
        .paper = 0},
       {TSAR_FIELD(scene_planes),
        .description =
@@ -287,8 +286,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "views, and fill them: round ones along an axis of the Manhattan "
            "frame. Has no effect without manhattan_frame.",
        .paper = 0},
-      {TSAR_FIELD(off_plane_depths),
-       .description = "Let depths that were measured off their plane stand."},
       {TSAR_FIELD(pixel_borders),
        .description =
            "Move the borders between planes from those of superpixels to the "

@@ -69,7 +69,6 @@ struct RefineOptions {
   bool bounding_creases = true;
   bool curved_surfaces = true;
   bool cylinders = true;
-  bool off_plane_depths = true;
   bool pixel_borders = true;
   bool photometric = true;
   double plane_tolerance = 7.0;

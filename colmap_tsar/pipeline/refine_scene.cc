@@ -16,6 +16,7 @@
 #include "colmap_tsar/pipeline/photometric_detail.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
+#include "colmap_tsar/pipeline/view_votes.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
@@ -188,6 +189,12 @@ void ShowScene(StageObserver* observer,
                  EvidenceRaster(superpixels, curved.evidence));
 }
 
+DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
+  const DeviceImage<float> gray =
+      ComputeGray(DeviceImage<Rgb>(device, evidence.color).View(), device);
+  return ComputeTexture(gray.View(), device);
+}
+
 // The superpixels' evidence with their confidences and errors.
 std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   const LabeledView& labeled = found.labeled;
@@ -202,6 +209,7 @@ std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
                    : RateSurface(curved.evidence[k], labeled.qualities[k]),
          label >= 0 ? found.plane_errors[static_cast<size_t>(label)]
                     : InverseDepthError{},
+         labeled.qualities[k].margin.Value(),
          is_curved});
   }
   return result;
@@ -308,16 +316,22 @@ RefineResult ComposeImage(
       PlaneImage(RegionsWithinCreases(evidence, labeled.evidence),
                  PlanesOfRegions(evidence),
                  device);
+  const DeviceImage<float> texture = RasterTexture(evidence, device);
   timer.Finish("upload");
   const ComposeSceneInputs inputs{std::as_const(ratings).View(),
                                   view.OnMap(scene_planes),
                                   device_superpixels.View(),
                                   of_superpixel.Data(),
-                                  view.OnMap(region_planes)};
+                                  view.OnMap(region_planes),
+                                  texture.View()};
+  const ViewSurfaces surfaces{views, found.planes_of_sources};
+  DeviceImage<float> own_confidence;
   ComposedMap composed = ComposeScene(std::move(view.hypotheses),
                                       inputs,
+                                      surfaces,
                                       evidence.resolution,
                                       scene.composition,
+                                      &own_confidence,
                                       device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   const LaidCylinders laid = LayCylinders(found.cylinders,
@@ -328,7 +342,8 @@ RefineResult ComposeImage(
                                           device);
   FillHoles(
       view.color.View(), view.MapIntrinsics(), options, &composed, device);
-  DeviceImage<float> confidence = RateSceneConfidence(composed, inputs, device);
+  DeviceImage<float> confidence = RateSceneConfidence(
+      composed, inputs, std::as_const(own_confidence).View(), device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,

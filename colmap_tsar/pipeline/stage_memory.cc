@@ -66,7 +66,7 @@ int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
                                  int64_t num_judged_pixels) {
   constexpr int64_t kFixed = 90000;
-  return kFixed + 40 * num_pixels + 37 * MaxRasterPixels(num_judged_pixels) +
+  return kFixed + 43 * num_pixels + 52 * MaxRasterPixels(num_judged_pixels) +
          120 * NumSuperpixels(options, num_judged_pixels);
 }
 

@@ -143,14 +143,10 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
   scene.borders.spatial_sigma *= static_cast<float>(border_scale);
   scene.surfaces.labels = scene.labels;
-  scene.composition.keep_off_plane = options.off_plane_depths;
-  scene.composition.keep_confirmed = options.confirmed_depths;
-  const auto spread_on_plane =
+  scene.composition.on_plane =
       static_cast<float>(std::clamp(kSpreadOnPlane * MedianNoise(views),
                                     kMinSpreadOnPlane,
-                                    double{scene.composition.on_plane.pixels}));
-  scene.composition.on_plane_distinct.pixels = spread_on_plane;
-  scene.composition.on_plane_weak.pixels = spread_on_plane;
+                                    double{scene.composition.on_plane}));
   return scene;
 }
 

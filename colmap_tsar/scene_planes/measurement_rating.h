@@ -32,11 +32,6 @@ struct MeasurementRating {
     return (rating & BitsOf(Confirmation::kDistinct)) ==
            BitsOf(Confirmation::kDistinct);
   }
-  // Whether more speaks for the depth than one other view on texture that is
-  // not distinct.
-  TSAR_HD static bool IsSure(uint8_t rating) {
-    return IsTrusted(rating) || IsConfirmedDistinctly(rating);
-  }
   TSAR_HD static uint8_t WithoutTrust(uint8_t rating) {
     return static_cast<uint8_t>(rating & ~kTrusted);
   }

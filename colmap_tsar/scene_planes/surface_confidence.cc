@@ -15,15 +15,13 @@ namespace {
 // margin these count against it.
 struct LogOdds {
   float constant = 0.f;
-  float explained = 0.f;
   float strength = 0.f;
   float confirmed = 0.f;
   float uncertainty = 0.f;
   float margin = 0.f;
 
   float Probability(const LabelQuality& quality) const {
-    const float log_odds = constant + explained * quality.explained.Value() +
-                           strength * quality.strength.Value() +
+    const float log_odds = constant + strength * quality.strength.Value() +
                            confirmed * quality.confirmed.Value() +
                            uncertainty * quality.uncertainty.Value() +
                            margin * quality.margin.Value();
@@ -47,8 +45,6 @@ constexpr LogOdds kGuessed = {.constant = -0.50f,
                               .strength = 3.62f,
                               .uncertainty = -2.46f,
                               .margin = 11.45f};
-constexpr LogOdds kStanding = {.constant = -0.48f, .explained = 0.67f};
-constexpr LogOdds kStandingWeakly = {.constant = -0.83f, .explained = -1.86f};
 
 const LogOdds& Filled(LabelEvidence evidence) {
   switch (evidence) {
@@ -68,10 +64,7 @@ const LogOdds& Filled(LabelEvidence evidence) {
 
 SurfaceConfidence RateSurface(LabelEvidence evidence,
                               const LabelQuality& quality) {
-  return {kMoved.Probability(quality),
-          Filled(evidence).Probability(quality),
-          kStanding.Probability(quality),
-          kStandingWeakly.Probability(quality)};
+  return {kMoved.Probability(quality), Filled(evidence).Probability(quality)};
 }
 
 }  // namespace tsar

@@ -15,10 +15,6 @@ inline constexpr float kMinConfidence = 0.01f;
 struct SurfaceConfidence {
   float moved = 0.f;   // Measured on its plane.
   float filled = 0.f;  // Not measured: the depth of its plane.
-  // Measured off its plane, or where there is none. Weakly: nothing speaks for
-  // the depth but another view, on texture that is not distinct.
-  float standing = 0.f;
-  float standing_weakly = 0.f;
 };
 
 // By logistic regression (docs/method.md, "Confidence"); from kMinConfidence
@@ -27,11 +23,8 @@ SurfaceConfidence RateSurface(LabelEvidence evidence,
                               const LabelQuality& quality);
 
 // On curved surfaces, whose labels are not rated.
-inline constexpr SurfaceConfidence kConfidenceOfCurved = {
-    .moved = 0.76f,
-    .filled = 0.55f,
-    .standing = 0.43f,
-    .standing_weakly = 0.34f};
+inline constexpr SurfaceConfidence kConfidenceOfCurved = {.moved = 0.76f,
+                                                          .filled = 0.55f};
 
 // On columns and pipes between their outlines.
 inline constexpr float kConfidenceOfCylinder = 0.9f;

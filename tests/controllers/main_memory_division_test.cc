@@ -154,16 +154,16 @@ TEST_F(VeryLargeMapsTest, AreRefusedWithWhatTheyNeedAndWhatWouldFit) {
   machine_bytes_ = 12 * static_cast<int64_t>(kGigabyte);
   ExpectRefusal(ErrorCode::kOutOfMemory,
                 {"with its 2 source images",
-                 "needs 22.7 GB of main memory",
+                 "needs 23.1 GB of main memory",
                  "this machine gives 12 GB;",
                  "fewer source images",
                  "--PatchMatchStereo.max_image_size",
-                 "(maps of 77 megapixels fit)"},
+                 "(maps of 76 megapixels fit)"},
                 0);
   // What the message says is so, and not much more would do.
-  overview_.max_num_pixels = 77000000;
+  overview_.max_num_pixels = 76000000;
   EXPECT_THAT(WarningOf(100), testing::HasSubstr("four fifths of the 12 GB"));
-  overview_.max_num_pixels = 78000000;
+  overview_.max_num_pixels = 77000000;
   ExpectRefusal(ErrorCode::kOutOfMemory, {"this machine gives 12 GB"}, 0);
 }
 
@@ -181,7 +181,7 @@ TEST_F(VeryLargeMapsTest, AreRefusedOnASmallGpuToo) {
   memory_[0] = 4 * kGigabyte;
   ExpectRefusal(
       ErrorCode::kDevice,
-      {"needs 6.1 GB of GPU memory", "4.0 GB are free", "max_image_size"},
+      {"needs 6.6 GB of GPU memory", "4.0 GB are free", "max_image_size"},
       1);
   memory_[0] = 40 * kGigabyte;
   EXPECT_EQ(Create(1).workers.size(), 2u);

@@ -96,8 +96,9 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         for (int k = 0; k < 40; ++k) {
           of_superpixel.push_back(
               {static_cast<LabelEvidence>(k % 4),
-               {0.01f * k, 0.02f * k, 0.3f, 0.4f},
+               {0.01f * k, 0.02f * k},
                {1e-5f * k, 2e-6f, -3e-6f, 1e-6f * k, 4e-6f, 5e-6f},
+               0.02f * k,
                k % 7 == 0});
         }
         // Three depths of four are trusted.
@@ -106,28 +107,53 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
           const uint32_t number = random.NextBelow(340);
           value = static_cast<uint8_t>(number < 256 ? number : 0);
         }
+        // A source a little to the right, which sees the wall and, in squares,
+        // something nearer.
+        ViewEvidence evidence;
+        evidence.width = raster.width;
+        evidence.height = raster.height;
+        evidence.superpixels = superpixels;
+        evidence.confident_depth = Image<float>(raster.width, raster.height);
+        Camera camera =
+            inputs.views.ReferenceCamera().Resized(raster.width, raster.height);
+        std::vector<ObservedView> observed = {{&evidence, camera}};
+        camera.translation.x() -= 0.05 * wall.offset;
+        observed.push_back({&evidence, camera});
+        std::vector<std::vector<Plane>> planes_of_sources = {
+            std::vector<Plane>(40, wall)};
+        for (size_t k = 0; k < 40; k += 3) {
+          planes_of_sources[0][k] = nearer;
+        }
+        const DeviceImage<float> device_texture(
+            device, Image<float>(raster.width, raster.height, 7.f));
         const DeviceImage<uint8_t> device_ratings(device, ratings);
         const DeviceImage<Plane> scene_planes(device, scene);
         const DeviceImage<uint16_t> device_superpixels(device, superpixels);
         const Buffer<ComposedSuperpixel> device_of_superpixel(device,
                                                               of_superpixel);
         const DeviceImage<Plane> region_planes(device, regions);
-        const ComposeSceneInputs scene_inputs{
-            device_ratings.View(),
-            inputs.views.OnMap(scene_planes),
-            device_superpixels.View(),
-            device_of_superpixel.Data(),
-            inputs.views.OnMap(region_planes)};
+        const ComposeSceneInputs scene_inputs{device_ratings.View(),
+                                              inputs.views.OnMap(scene_planes),
+                                              device_superpixels.View(),
+                                              device_of_superpixel.Data(),
+                                              inputs.views.OnMap(region_planes),
+                                              device_texture.View()};
+        DeviceImage<float> own_confidence;
         ComposedMap composed = ComposeScene(inputs.views.TakeHypotheses(),
                                             scene_inputs,
+                                            {observed, planes_of_sources},
                                             inputs.views.Scale(),
                                             {},
+                                            &own_confidence,
                                             device);
+        const ImageView<const float> of_own =
+            std::as_const(own_confidence).View();
         result->Add("depth", composed.map.depth);
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
-        result->Add("confidence",
-                    RateSceneConfidence(composed, scene_inputs, device));
+        result->Add(
+            "confidence",
+            RateSceneConfidence(composed, scene_inputs, of_own, device));
         const auto sigma = [&] {
           return ComputeSceneSigma(
               composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
@@ -138,7 +164,7 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
         DeviceImage<float> confidence =
-            RateSceneConfidence(composed, scene_inputs, device);
+            RateSceneConfidence(composed, scene_inputs, of_own, device);
         result->Add("confidence of filled pixels", confidence);
         DropDoubtful(0.35f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);

@@ -26,8 +26,7 @@ constexpr float kRegion = 7.f;
 // Off all planes by far.
 constexpr float kOff = 4.f;
 // Of every superpixel.
-constexpr SurfaceConfidence kConfidence = {
-    .moved = 0.9f, .filled = 0.6f, .standing = 0.7f, .standing_weakly = 0.2f};
+constexpr SurfaceConfidence kConfidence = {.moved = 0.9f, .filled = 0.6f};
 
 struct Result {
   Image<float> depth;
@@ -37,11 +36,16 @@ struct Result {
 };
 
 // Starts with a raster of the size of the map, planes that face the camera, and
-// nothing measured. On a plane is what is less than 1 % off.
+// nothing measured. On a plane is what is less than 1 % off. No other view.
 class ComposeSceneTest : public testing::Test {
  protected:
   ComposeSceneTest() {
-    options_.on_plane = {0.01f, 0.f};
+    options_.on_plane = 5.f;
+    scale_.error_per_depth =
+        0.f;  // A pixel of disparity is 0.2 % of the depth.
+    evidence_.width = kWidth;
+    evidence_.height = kHeight;
+    views_ = {{&evidence_, {}}};
     std::iota(superpixels_.begin(), superpixels_.end(), uint16_t{0});
   }
 
@@ -76,9 +80,10 @@ class ComposeSceneTest : public testing::Test {
             on_map(scene_),
             superpixels_.View(),
             of_superpixel_.data(),
-            on_map(region_)};
+            on_map(region_),
+            texture_.View()};
   }
-  ComposedMap ComposeOnDevice() const {
+  ComposedMap ComposeOnDevice(DeviceImage<float>* own_confidence) const {
     Image<Vec3f> normal(own_.Width(), own_.Height());
     for (size_t i = 0; i < own_.NumPixels(); ++i) {
       normal.Data()[i] = own_.Data()[i] > 0.f ? kOwnNormal : Vec3f{};
@@ -86,14 +91,24 @@ class ComposeSceneTest : public testing::Test {
     DepthNormalImages own;
     own.depth = DeviceImage<float>(*device_, own_);
     own.normal = DeviceImage<Vec3f>(*device_, normal);
-    return ComposeScene(std::move(own), Inputs(), scale_, options_, *device_);
+    return ComposeScene(std::move(own),
+                        Inputs(),
+                        {views_, {}},
+                        scale_,
+                        options_,
+                        own_confidence,
+                        *device_);
   }
   Result Compose() const {
-    const ComposedMap composed = ComposeOnDevice();
-    return {composed.map.depth.ToHost(),
-            composed.map.normal.ToHost(),
-            composed.provenance.ToHost(),
-            RateSceneConfidence(composed, Inputs(), *device_).ToHost()};
+    DeviceImage<float> own_confidence;
+    const ComposedMap composed = ComposeOnDevice(&own_confidence);
+    return {
+        composed.map.depth.ToHost(),
+        composed.map.normal.ToHost(),
+        composed.provenance.ToHost(),
+        RateSceneConfidence(
+            composed, Inputs(), std::as_const(own_confidence).View(), *device_)
+            .ToHost()};
   }
 
   static void Expect(const Result& result,
@@ -109,12 +124,17 @@ class ComposeSceneTest : public testing::Test {
     EXPECT_EQ(result.provenance(x, y), static_cast<uint8_t>(provenance));
     EXPECT_FLOAT_EQ(result.confidence(x, y), confidence);
   }
-  static void ExpectMeasured(const Result& result,
-                             int x,
-                             int y,
-                             float depth,
-                             float confidence = kConfidence.standing) {
-    Expect(result, x, y, depth, kOwnNormal, Provenance::kMeasured, confidence);
+  // Its confidence is its own.
+  static void ExpectMeasured(const Result& result, int x, int y, float depth) {
+    Expect(result,
+           x,
+           y,
+           depth,
+           kOwnNormal,
+           Provenance::kMeasured,
+           result.confidence(x, y));
+    EXPECT_GT(result.confidence(x, y), 0.f);
+    EXPECT_LT(result.confidence(x, y), 1.f);
   }
 
   const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
@@ -128,6 +148,9 @@ class ComposeSceneTest : public testing::Test {
   std::vector<ComposedSuperpixel> of_superpixel_{
       kWidth * kHeight, {LabelEvidence::kNone, kConfidence}};
   Image<Plane> region_{kWidth, kHeight};
+  Image<float> texture_{kWidth, kHeight, 10.f};
+  ViewEvidence evidence_;
+  std::vector<ObservedView> views_;
 };
 
 TEST_F(ComposeSceneTest, NothingIsMadeOfNothing) {
@@ -179,165 +202,86 @@ TEST_F(ComposeSceneTest, WhatTheViewSeesItselfIsAPlaneOfARegion) {
          kConfidence.filled);
 }
 
-TEST_F(ComposeSceneTest, BlobsOffThePlaneStayAndSpecksYield) {
-  options_.min_blob = 5;
+// What the views say decides between two surfaces: see ViewVotesTest for how
+// they are asked, MeasurementSupportTest for how their answers are weighed.
+TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
   scene_ = PlanesAt(kScene);
   SetAllEvidence(LabelEvidence::kCarried);
-  for (int x = 0; x < 5; ++x) {
-    Measure(x, 0, kOff);
-    if (x < 4) {
-      Measure(x, 2, kOff);
-    } else {
-      MeasureWithoutTrust(x, 2, kOff);
-    }
-    // On a diagonal, hence not side by side.
-    Measure(7 + x, 1 + x, kOff);
-  }
-  const Result result = Compose();
-  for (int x = 0; x < 5; ++x) {
-    ExpectMeasured(result, x, 0, kOff);
-    for (const auto& [speck_x, speck_y] : {std::pair(x, 2), {7 + x, 1 + x}}) {
-      Expect(result,
-             speck_x,
-             speck_y,
-             kScene,
-             kPlaneNormal,
-             Provenance::kOtherViews,
-             kConfidence.filled);
-    }
+  Measure(2, 2, kOff);
+  MeasureWithoutTrust(4, 2, kOff, Confirmation::kWeak);
+  MeasureWithoutTrust(6, 2, kOff);
+  options_.min_log_odds = -100.f;
+  Result result = Compose();
+  ExpectMeasured(result, 2, 2, kOff);
+  ExpectMeasured(result, 4, 2, kOff);
+  EXPECT_FLOAT_EQ(result.depth(6, 2), kScene);
+  EXPECT_GT(result.confidence(2, 2), result.confidence(4, 2));
+  options_.min_log_odds = 100.f;
+  result = Compose();
+  for (const int x : {2, 4, 6}) {
+    Expect(result,
+           x,
+           2,
+           kScene,
+           kPlaneNormal,
+           Provenance::kOtherViews,
+           kConfidence.filled);
   }
 }
 
-TEST_F(ComposeSceneTest, AConfirmedDepthStandsAlone) {
-  options_.min_blob = 5;
+// As if it had been measured on the plane, which it was but for noise.
+TEST_F(ComposeSceneTest, ADepthThatGivesWayToAPlaneNearbyMovesOntoIt) {
+  options_.on_plane = 0.5f;
+  options_.min_log_odds = 100.f;
   scene_ = PlanesAt(kScene);
-  scene_(8, 4) = {};
+  Measure(2, 2, kScene / 1.002f);
+  Measure(4, 2, kScene / 1.004f);
+  const Result result = Compose();
+  Expect(result,
+         2,
+         2,
+         kScene,
+         kPlaneNormal,
+         Provenance::kMeasured,
+         kConfidence.moved);
+  EXPECT_EQ(result.provenance(4, 2),
+            static_cast<uint8_t>(Provenance::kGuessed));
+}
+
+TEST_F(ComposeSceneTest, WhereThereIsNoPlaneMeasurementsStand) {
   region_ = PlanesAt(kRegion);
-  MeasureWithoutTrust(2, 2, kOff, Confirmation::kWeak);
-  MeasureWithoutTrust(8, 4, kOff, Confirmation::kDistinct);
-  MeasureWithoutTrust(5, 2, kOff);
-  Measure(10, 1, kOff);
-  Result result = Compose();
-  ExpectMeasured(result, 2, 2, kOff, kConfidence.standing_weakly);
-  ExpectMeasured(result, 8, 4, kOff);
-  EXPECT_FLOAT_EQ(result.depth(5, 2), kScene);
-  EXPECT_FLOAT_EQ(result.depth(10, 1), kScene);
-  options_.keep_confirmed = false;
-  result = Compose();
-  EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);
-  EXPECT_FLOAT_EQ(result.depth(8, 4), kRegion);
-}
-
-TEST_F(ComposeSceneTest, AConfirmedDepthMovesOntoItsPlaneWithinItsOwnSpread) {
-  options_.on_plane_distinct = {0.004f, 0.f};
-  scene_ = PlanesAt(kScene);
-  MeasureWithoutTrust(2, 2, kScene * 1.003f, Confirmation::kDistinct);
-  MeasureWithoutTrust(5, 2, kScene * 1.006f, Confirmation::kDistinct);
-  Measure(8, 2, kScene * 1.006f);
+  options_.min_log_odds = 100.f;
+  Measure(2, 2, kOff);
+  MeasureWithoutTrust(4, 2, kOff, Confirmation::kDistinct);
+  MeasureWithoutTrust(6, 2, kOff);
   const Result result = Compose();
-  EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);
-  ExpectMeasured(result, 5, 2, kScene * 1.006f);
-  EXPECT_FLOAT_EQ(result.depth(8, 2), kScene);
-}
-
-TEST_F(ComposeSceneTest, WeakTextureHoldsADepthOffItsPlaneOnlyFromAfar) {
-  scale_.error_per_depth = 0.f;  // A pixel of disparity is 0.2 % of the depth.
-  options_.on_plane_weak.pixels = options_.on_plane_distinct.pixels = 0.5f;
-  scene_ = PlanesAt(kScene);
-  constexpr float kNear = kScene / 1.014f;
-  constexpr float kFar = kScene / 1.016f;
-  MeasureWithoutTrust(1, 2, kNear, Confirmation::kWeak);
-  MeasureWithoutTrust(3, 2, kFar, Confirmation::kWeak);
-  MeasureWithoutTrust(5, 2, kNear, Confirmation::kDistinct);
-  // Trust does not change it.
-  own_(7, 2) = kNear;
-  ratings_(7, 2) = MeasurementRating::Pack(true, Confirmation::kWeak);
-  Result result = Compose();
-  Expect(result,
-         1,
-         2,
-         kScene,
-         kPlaneNormal,
-         Provenance::kMeasured,
-         kConfidence.moved);
-  ExpectMeasured(result, 3, 2, kFar, kConfidence.standing_weakly);
-  ExpectMeasured(result, 5, 2, kNear);
-  EXPECT_FLOAT_EQ(result.depth(7, 2), kScene);
-  // Depths may scatter more than that.
-  options_.on_plane_weak.pixels = 10.f;
-  result = Compose();
-  EXPECT_FLOAT_EQ(result.depth(3, 2), kScene);
-  ExpectMeasured(result, 5, 2, kNear);
-}
-
-TEST_F(ComposeSceneTest, ABlobIsMeasuredOnTheRaster) {
-  options_.min_blob = 3;
-  // Two pixels of the map, in each direction, for one of the raster.
-  superpixels_ = Image<uint16_t>(kWidth / 2, kHeight / 2);
-  for (int x = 0; x < kWidth; ++x) {
-    Measure(x, 0, kOff);
-    if (x < kWidth - 1) {
-      Measure(x, 3, kOff);
-    }
-  }
-  const Result result = Compose();
-  for (int x = 0; x < kWidth; ++x) {
-    ExpectMeasured(result, x, 0, kOff);
-    Expect(result, x, 3, 0.f, {}, Provenance::kNone, 0.f);
-  }
-}
-
-TEST_F(ComposeSceneTest, NothingStandsOffThePlaneWhereThatIsNotAllowed) {
-  options_.keep_off_plane = false;
-  SetAllEvidence(LabelEvidence::kMeasured);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      Measure(x, y, kOff);
-      if (x >= kWidth / 2) {
-        scene_(x, y) = PlaneAt(kScene);
-      }
-    }
-  }
-  const Result result = Compose();
-  Expect(result,
-         kWidth / 2,
-         2,
-         kScene,
-         kPlaneNormal,
-         Provenance::kMeasured,
-         kConfidence.moved);
-  // Where there is no plane, none is off it.
-  ExpectMeasured(result, kWidth / 2 - 1, 2, kOff);
+  ExpectMeasured(result, 2, 2, kOff);
+  ExpectMeasured(result, 4, 2, kOff);
+  EXPECT_FLOAT_EQ(result.depth(6, 2), kRegion);
 }
 
 TEST_F(ComposeSceneTest, RegionsCountOnlyWhereTheSceneHasNoPlane) {
-  options_.min_blob = 2;
   region_ = PlanesAt(kRegion);
   scene_(0, 0) = PlaneAt(kScene);
-  // Neither a blob with a plane to be off from, nor a speck.
   Measure(4, 4, kOff);
-  Measure(5, 4, kOff);
-  Measure(9, 0, kOff);
   const Result result = Compose();
   EXPECT_FLOAT_EQ(result.depth(0, 0), kScene);
   ExpectMeasured(result, 4, 4, kOff);
-  for (const int x : {1, 9}) {
-    Expect(result,
-           x,
-           0,
-           kRegion,
-           kPlaneNormal,
-           Provenance::kRegionPlane,
-           kConfidenceOfRegion);
-  }
+  Expect(result,
+         1,
+         0,
+         kRegion,
+         kPlaneNormal,
+         Provenance::kRegionPlane,
+         kConfidenceOfRegion);
 }
 
 TEST_F(ComposeSceneTest, TheToleranceGrowsWithTheErrorOfADepth) {
   options_ = {};
-  options_.min_blob = 1;
+  options_.min_log_odds = -100.f;
   scale_.error_per_depth = 0.002f;  // 1 % at a depth of 5.
   scene_ = PlanesAt(kScene);
-  const auto limit = static_cast<float>(options_.on_plane.pixels) * 0.01f;
+  const auto limit = options_.on_plane * 0.01f;
   Measure(2, 2, kScene * (1.f + 0.9f * limit));
   Measure(6, 2, kScene * (1.f + 1.2f * limit));
   const Result result = Compose();
@@ -348,10 +292,13 @@ TEST_F(ComposeSceneTest, TheToleranceGrowsWithTheErrorOfADepth) {
 TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
   Image<uint8_t> filled(kWidth, kHeight);
   filled(1, 1) = 1;
-  ComposedMap composed = ComposeOnDevice();
+  DeviceImage<float> own_confidence;
+  ComposedMap composed = ComposeOnDevice(&own_confidence);
   MarkInterpolated(std::as_const(filled).View(), &composed, *device_);
   const Image<float> confidence =
-      RateSceneConfidence(composed, Inputs(), *device_).ToHost();
+      RateSceneConfidence(
+          composed, Inputs(), std::as_const(own_confidence).View(), *device_)
+          .ToHost();
   EXPECT_FLOAT_EQ(confidence(1, 1), kConfidenceOfInterpolated);
   EXPECT_EQ(confidence(0, 0), 0.f);
 }

@@ -192,7 +192,6 @@ TEST(PackRatings, KeepTrustAndConfirmation) {
       EXPECT_EQ(MeasurementRating::IsConfirmed(rating), x % 3 > 0) << x;
       EXPECT_EQ(MeasurementRating::IsConfirmedDistinctly(rating), x % 3 == 2)
           << x;
-      EXPECT_EQ(MeasurementRating::IsSure(rating), y == 0 || x % 3 == 2) << x;
       const uint8_t distrusted = MeasurementRating::WithoutTrust(rating);
       EXPECT_FALSE(MeasurementRating::IsTrusted(distrusted));
       EXPECT_EQ(MeasurementRating::IsConfirmed(distrusted), x % 3 > 0);

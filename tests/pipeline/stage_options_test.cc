@@ -60,9 +60,7 @@ TEST(StageOptions, OfThePaperReachNothingByDefault) {
   EXPECT_FLOAT_EQ(regions.max_boundary_error, 0.02f);
 }
 
-// Depths on weak texture give way to a plane nearby, however little all depths
-// scatter.
-TEST(StageOptions, ConfirmedDepthsGiveWayWithinTheSpreadOfDepths) {
+TEST(StageOptions, DepthsMoveOntoTheirPlanesWithinTheSpreadOfDepths) {
   ViewEvidence evidence;
   // Too little to resolve, three standard deviations, and what carries no
   // plane.
@@ -70,12 +68,8 @@ TEST(StageOptions, ConfirmedDepthsGiveWayWithinTheSpreadOfDepths) {
       {0.01f, 0.3f}, {0.2f, 0.6f}, {1.f, 1.2f}};
   for (const auto& [noise, spread] : spread_of_noise) {
     evidence.noise = noise;
-    const ComposeSceneOptions options =
-        MakeSceneOptions({}, {{&evidence, {}}}).composition;
-    EXPECT_FLOAT_EQ(options.on_plane_distinct.pixels, spread);
-    EXPECT_FLOAT_EQ(options.on_plane_weak.pixels, spread);
-    EXPECT_EQ(options.on_plane_distinct.relative, 0.f);
-    EXPECT_FLOAT_EQ(options.on_plane_weak.relative, 0.015f);
+    EXPECT_FLOAT_EQ(
+        MakeSceneOptions({}, {{&evidence, {}}}).composition.on_plane, spread);
   }
 }
 

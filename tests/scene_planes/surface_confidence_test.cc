@@ -10,11 +10,8 @@
 namespace tsar {
 namespace {
 
-std::array<float, 4> Values(const SurfaceConfidence& confidence) {
-  return {confidence.moved,
-          confidence.filled,
-          confidence.standing,
-          confidence.standing_weakly};
+std::array<float, 2> Values(const SurfaceConfidence& confidence) {
+  return {confidence.moved, confidence.filled};
 }
 
 LabelQuality Quality(float margin, float uncertainty = 0.1f) {
@@ -73,8 +70,6 @@ TEST(SurfaceConfidenceTest, WhatWasMeasuredIsWorthMoreThanAGuess) {
       RateSurface(LabelEvidence::kMeasured, Quality(0.6f));
   EXPECT_GT(clear.moved, 0.9f);
   EXPECT_GT(clear.filled, 0.9f);
-  EXPECT_GT(clear.moved, clear.standing);
-  EXPECT_GT(clear.standing, clear.standing_weakly);
   LabelQuality guessed = Quality(0.02f, 0.6f);
   guessed.explained = guessed.strength = guessed.confirmed = ByteOf<0, 1>(0.f);
   EXPECT_LT(RateSurface(LabelEvidence::kGuessed, guessed).filled, 0.3f);

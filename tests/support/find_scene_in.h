@@ -42,7 +42,11 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
     }
     labels = std::move(next);
   }
-  return FindScene(views, planes, labels[0].labels, options, device);
+  std::vector<const ViewLabels*> of_views;
+  for (const LabelsInModel& of_view : labels) {
+    of_views.push_back(&of_view.labels);
+  }
+  return FindScene(views, planes, of_views, options, device);
 }
 
 inline FoundScene FindSceneIn(const std::vector<ObservedView>& views,

@@ -1,0 +1,103 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/logarithm.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/pipeline/view_votes.h"
+
+#include <cmath>
+
+namespace tsar {
+
+// What speaks for a depth that a pixel measured, and against it.
+struct MeasurementSupport {
+  ViewVotes votes;
+  // Standard deviation of the grey levels around (ComputeTexture).
+  float texture = 0.f;
+  bool is_trusted = false;  // See MeasurementRating.
+};
+
+// The surface that would replace it: the plane of the pixel's superpixel.
+struct Rival {
+  ViewVotes votes;
+  // Between the two depths, in relative depths of one pixel of disparity.
+  float gap = 0.f;
+  float margin = 0.f;  // LabelQuality::margin.
+};
+
+// Between two depths of one ray, relative to that of one pixel of disparity.
+TSAR_HD inline float GapInPixels(float own,
+                                 float other,
+                                 const DepthResolution& resolution) {
+  return fabsf(other - own) / (own * resolution.RelativeDepthError(own));
+}
+
+// The terms of the regressions below, in their order (docs/method.md,
+// "Measurement or plane"; benchmarks/fit_measurements.cc finds the weights).
+struct SupportTerms {
+  static constexpr int kCount = 5;
+  float values[kCount];
+
+  TSAR_HD explicit SupportTerms(const MeasurementSupport& support) {
+    const float share = 1.f / static_cast<float>(1 + support.votes.Count());
+    values[0] = NaturalLogarithm(1.f + support.texture * support.texture);
+    values[1] = support.is_trusted ? 1.f : 0.f;
+    values[2] = share * static_cast<float>(support.votes.agreeing);
+    values[3] = share * static_cast<float>(support.votes.in_front);
+    values[4] = share * static_cast<float>(support.votes.behind);
+  }
+};
+struct RivalTerms {
+  static constexpr int kCount = 6;
+  float values[kCount];
+
+  TSAR_HD explicit RivalTerms(const Rival& rival) {
+    constexpr float kMinGap = 1e-3f;
+    constexpr float kMaxGap = 100.f;
+    const float share = 1.f / static_cast<float>(1 + rival.votes.Count());
+    const float log_gap =
+        NaturalLogarithm(fminf(fmaxf(rival.gap, kMinGap), kMaxGap));
+    values[0] = share * static_cast<float>(rival.votes.agreeing);
+    values[1] = share * static_cast<float>(rival.votes.in_front);
+    values[2] = share * static_cast<float>(rival.votes.behind);
+    values[3] = log_gap;
+    values[4] = log_gap * log_gap;
+    values[5] = rival.margin;
+  }
+};
+
+template <int kCount>
+TSAR_HD inline float WeighedSum(const float (&weights)[kCount],
+                                const float (&values)[kCount]) {
+  float sum = 0.f;
+  for (int i = 0; i < kCount; ++i) {
+    sum += weights[i] * values[i];
+  }
+  return sum;
+}
+
+// The log-odds of the measurement being nearer to the truth than its rival.
+TSAR_HD inline float LogOddsAgainst(const Rival& rival,
+                                    const MeasurementSupport& support) {
+  constexpr float kSupport[] = {0.34f, 0.44f, 0.12f, -2.72f, -2.08f};
+  constexpr float kRival[] = {-1.98f, -1.41f, 3.32f, -0.62f, 0.17f, -0.80f};
+  return -0.91f + WeighedSum(kSupport, SupportTerms(support).values) +
+         WeighedSum(kRival, RivalTerms(rival).values);
+}
+
+// The probability that a measurement that stands is right to 1 %. has_rival:
+// whether there was a plane that it could have given way to.
+TSAR_HD inline float ProbabilityOf(const MeasurementSupport& support,
+                                   bool has_rival) {
+  constexpr float kSupport[] = {0.09f, 1.08f, 2.46f, -2.53f, -0.15f};
+  const float log_odds = (has_rival ? -2.20f : -2.91f) +
+                         WeighedSum(kSupport, SupportTerms(support).values);
+  const float odds = ExpOfNegative(-fabsf(log_odds));
+  return (log_odds > 0.f ? 1.f : odds) / (1.f + odds);
+}
+
+}  // namespace tsar
