@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -127,6 +128,11 @@ struct FrontKernel {
   }
 };
 
+// More views than a byte counts change nothing.
+TSAR_HD inline void Count(uint8_t* votes) {
+  *votes = static_cast<uint8_t>(*votes < UINT8_MAX ? *votes + 1 : UINT8_MAX);
+}
+
 struct VoteKernel {
   ImageView<const float> depth;
   Intrinsics intrinsics;
@@ -144,7 +150,7 @@ struct VoteKernel {
     if (front(ReducedRaster::FromMap(x, depth.width, front.width),
               ReducedRaster::FromMap(y, depth.height, front.height)) <
         (1.f - kOtherSurface) * own) {
-      ++of_pixel.in_front;
+      Count(&of_pixel.in_front);
     }
     SeenPoint seen;
     if (!FindInSource(
@@ -155,10 +161,10 @@ struct VoteKernel {
     }
     const float there = surface(seen.column, seen.row);
     if (there > (1.f + kOtherSurface) * seen.depth) {
-      ++of_pixel.behind;
+      Count(&of_pixel.behind);
     } else if (there > 0.f &&
                fabsf(there - seen.depth) < kSameSurface * seen.depth) {
-      ++of_pixel.agreeing;
+      Count(&of_pixel.agreeing);
     }
   }
 };
