@@ -9,7 +9,6 @@
 #include "colmap_tsar/scene_planes/observed_source.h"
 #include "colmap_tsar/superpixels/samples.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
