@@ -236,58 +236,65 @@ Eigen::VectorXd ProbabilityRow(const Sample& sample) {
   return row;
 }
 
-// Which of two depths is nearer to the truth, weighed by how much that matters.
-Eigen::VectorXd FitContest(const Scenes& scenes) {
-  LogisticRegression regression;
-  std::vector<std::pair<const Sample*, double>> used;
+// What a regression takes of a sample; none where the weight is 0.
+struct Case {
+  Eigen::VectorXd row;
+  bool outcome = false;
+  double weight = 0.0;
+};
+
+// With equal weight for each scene.
+template <typename MakeCase>
+Eigen::VectorXd Solve(const Scenes& scenes, const MakeCase& make_case) {
+  std::vector<Case> cases;
   for (const std::vector<Sample>& scene : scenes) {
     for (const Sample& sample : scene) {
-      if (sample.has_rival) {
-        used.emplace_back(&sample, 1.0 / static_cast<double>(scene.size()));
+      Case made = make_case(sample);
+      if (made.weight > 0.0) {
+        made.weight /= static_cast<double>(scene.size());
+        cases.push_back(std::move(made));
       }
     }
   }
-  const auto num_rows = static_cast<Eigen::Index>(used.size());
-  regression.rows.resize(num_rows,
-                         1 + SupportTerms::kCount + RivalTerms::kCount);
+  if (cases.empty()) {
+    return {};
+  }
+  const auto num_rows = static_cast<Eigen::Index>(cases.size());
+  LogisticRegression regression;
+  regression.rows.resize(num_rows, cases[0].row.size());
   regression.outcomes.resize(num_rows);
   regression.weights.resize(num_rows);
   for (Eigen::Index i = 0; i < num_rows; ++i) {
-    const auto& [sample, weight] = used[static_cast<size_t>(i)];
-    const float own = std::min(sample->own_error / kFullError, 1.f);
-    const float rival = std::min(sample->rival_error / kFullError, 1.f);
-    regression.rows.row(i) = ContestRow(*sample);
-    regression.outcomes(i) = own < rival ? 1.0 : 0.0;
-    regression.weights(i) = weight * std::abs(own - rival);
+    const Case& made = cases[static_cast<size_t>(i)];
+    regression.rows.row(i) = made.row;
+    regression.outcomes(i) = made.outcome ? 1.0 : 0.0;
+    regression.weights(i) = made.weight;
   }
-  regression.weights /= std::max(regression.weights.sum(), 1e-12);
+  regression.weights /= regression.weights.sum();
   return regression.Solve();
+}
+
+// Which of two depths is nearer to the truth, weighed by how much that matters.
+Eigen::VectorXd FitContest(const Scenes& scenes) {
+  return Solve(scenes, [](const Sample& sample) {
+    if (!sample.has_rival) {
+      return Case();
+    }
+    const float own = std::min(sample.own_error / kFullError, 1.f);
+    const float rival = std::min(sample.rival_error / kFullError, 1.f);
+    return Case{ContestRow(sample), own < rival, std::abs(own - rival)};
+  });
 }
 
 // When a measurement that stands is right to 1 %.
 Eigen::VectorXd FitProbability(const Scenes& scenes) {
-  LogisticRegression regression;
-  std::vector<std::pair<const Sample*, double>> used;
-  for (const std::vector<Sample>& scene : scenes) {
-    for (const Sample& sample : scene) {
-      if (!sample.has_rival || LogOddsAgainst(sample.rival, sample.support) >
-                                   ComposeSceneOptions().min_log_odds) {
-        used.emplace_back(&sample, 1.0 / static_cast<double>(scene.size()));
-      }
-    }
-  }
-  const auto num_rows = static_cast<Eigen::Index>(used.size());
-  regression.rows.resize(num_rows, 2 + SupportTerms::kCount);
-  regression.outcomes.resize(num_rows);
-  regression.weights.resize(num_rows);
-  for (Eigen::Index i = 0; i < num_rows; ++i) {
-    const auto& [sample, weight] = used[static_cast<size_t>(i)];
-    regression.rows.row(i) = ProbabilityRow(*sample);
-    regression.outcomes(i) = sample->own_error < 0.01f ? 1.0 : 0.0;
-    regression.weights(i) = weight;
-  }
-  regression.weights /= std::max(regression.weights.sum(), 1e-12);
-  return regression.Solve();
+  return Solve(scenes, [](const Sample& sample) {
+    const bool stands =
+        !sample.has_rival || LogOddsAgainst(sample.rival, sample.support) >
+                                 ComposeSceneOptions().min_log_odds;
+    return stands ? Case{ProbabilityRow(sample), sample.own_error < 0.01f, 1.0}
+                  : Case();
+  });
 }
 
 void PrintWeights(const char* name, const Eigen::VectorXd& weights) {
