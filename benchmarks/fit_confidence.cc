@@ -1,24 +1,21 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Finds the weights of RateSurface() (scene_planes/surface_confidence.cc) by
-// logistic regression of "the depth is right to 1 %" on what is known of the
-// label of its superpixel, with equal weight for each scene.
+// Finds the weights of ConfidenceOf() (pipeline/depth_confidence.h) by logistic
+// regression of "the depth is right to 1 %" on all that is known of it, with
+// equal weight for each scene. Of each scene it prints by how much the weights
+// that the others give miss there: the mean difference, over ten classes of the
+// confidence, between it and the share of depths that are right.
 //
 //   fit_confidence MODELLED=REFINED [MODELLED=REFINED ...]
 //
-// MODELLED: a workspace with ground_truth/depth after tsar_refine's passes
-// observe and model; REFINED: a copy of it after pass compose too; all passes
-// with --TsarRefine.experiment cylinders=0, since depths on columns and pipes,
-// which have a constant, would count as interpolated ones.
+// MODELLED: see ModelledScene; REFINED: a copy of it after pass compose too; all
+// passes with --TsarRefine.experiment cylinders=0, since depths on columns and
+// pipes, which have a constant, would count as interpolated ones.
 
-#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/pipeline/depth_confidence.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/plane_export/plane_view.h"
-#include "colmap_tsar/store/evidence_file.h"
-#include "colmap_tsar/store/scene_model_file.h"
-#include "colmap_tsar/store/workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
 
 #include <algorithm>
 #include <array>
@@ -28,203 +25,124 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/logistic_regression.h"
-#include "benchmarks/require_no_cylinders.h"
+#include "benchmarks/modelled_scene.h"
 #include <Eigen/Core>
 
 namespace tsar {
 namespace {
 
-constexpr float kRight = 0.01f;  // Of the depth.
-// Evenly spaced samples of a scene for each kind of depth, at most; a scene
-// with less than half as many counts less.
-constexpr size_t kMaxSamples = 4000;
-
-enum Kind {
-  kMoved,
-  kFilledByMeasured,
-  kFilledByOthers,
-  kGuessed,
-  kStanding,
-  kRegion,
-  kInterpolated,
-  kMovedToCurved,
-  kFilledByCurved,
-  kNumKinds
-};
-constexpr const char* kKindNames[kNumKinds] = {"moved",
-                                               "filled, measured",
-                                               "filled, by others",
-                                               "guessed",
-                                               "standing",
-                                               "region",
-                                               "interpolated",
-                                               "moved to curved",
-                                               "filled by curved"};
-
-enum Measure { kStrength, kConfirmed, kUncertainty, kMargin, kNumMeasures };
-constexpr const char* kMeasureNames[kNumMeasures] = {
-    "strength", "confirmed", "uncertainty", "margin"};
-
-const std::array<std::vector<int>, kNumKinds> kMeasuresOfKinds = {
-    std::vector<int>{kConfirmed, kMargin},
-    {kConfirmed, kUncertainty, kMargin},
-    {kStrength},
-    {kStrength, kUncertainty, kMargin},
-    {},
-    {},
-    {},
-    {},
-    {}};
+constexpr float kRight = 0.01f;         // Of the depth.
+constexpr size_t kMaxSamples = 40000;  // Of a scene.
 
 struct Sample {
-  std::array<float, kNumMeasures> measures;
+  DepthEvidence depth;
   bool is_right;
 };
-using SamplesOfScene = std::array<std::vector<Sample>, kNumKinds>;
-
-// What is known of a pixel with a depth.
-struct Pixel {
-  Provenance source;
-  bool is_on_plane;  // Of the scene.
-  bool keeps_depth;  // That was measured.
-  bool is_labelled;  // Its superpixel has a plane.
-  LabelEvidence evidence;
-};
+using Scenes = std::vector<std::vector<Sample>>;
 
 // As RateSceneConfidence() tells them apart, but that depths on curved surfaces
 // are known here by what they are not.
-Kind KindOf(const Pixel& pixel) {
-  if (pixel.source == Provenance::kInterpolated) {
-    return kInterpolated;
+DepthKind KindAt(const PlaneView& refined,
+                 const ModelledImage& view,
+                 int x,
+                 int y) {
+  const auto source = static_cast<Provenance>(refined.provenance(x, y));
+  const bool is_on_plane = refined.planes(x, y) > 0;
+  if (source == Provenance::kInterpolated) {
+    return DepthKind::kInterpolated;
   }
-  if (pixel.source == Provenance::kMeasured) {
-    return pixel.is_on_plane    ? kMoved
-           : !pixel.keeps_depth ? kMovedToCurved
-                                : kStanding;
+  if (source == Provenance::kMeasured) {
+    return is_on_plane                               ? DepthKind::kMoved
+           : refined.depth(x, y) != view.depth(x, y) ? DepthKind::kMovedToCurved
+                                                     : DepthKind::kStanding;
   }
-  return !pixel.is_on_plane ? (pixel.is_labelled ? kFilledByCurved : kRegion)
-         : pixel.evidence == LabelEvidence::kMeasured ? kFilledByMeasured
-         : pixel.evidence == LabelEvidence::kGuessed  ? kGuessed
-                                                      : kFilledByOthers;
+  switch (view.found.labeled.evidence[view.SuperpixelAt(x, y)]) {
+    case LabelEvidence::kMeasured:
+      return is_on_plane ? DepthKind::kFilled : DepthKind::kFilledByCurved;
+    case LabelEvidence::kCarried:
+      return is_on_plane ? DepthKind::kCarried : DepthKind::kFilledByCurved;
+    default:
+      return is_on_plane ? DepthKind::kGuessed : DepthKind::kFilledByCurved;
+  }
 }
 
-// The pixel of an image of another size at the same place.
-template <typename T>
-const T& AtSamePlace(const Image<T>& image,
-                     int x,
-                     int y,
-                     const Image<float>& of) {
-  return image(x * image.Width() / of.Width(),
-               y * image.Height() / of.Height());
-}
-
-void CollectView(const PlaneView& view,
-                 const ViewEvidence& evidence,
-                 const ViewLabels& labels,
-                 const Image<float>& original,
-                 const Image<float>& truth,
-                 SamplesOfScene* samples) {
-  for (int y = 0; y < view.depth.Height(); ++y) {
-    for (int x = 0; x < view.depth.Width(); ++x) {
-      const float depth = view.depth(x, y);
-      const float right = AtSamePlace(truth, x, y, view.depth);
-      if (!(depth > 0.f) || !(right > 0.f)) {
-        continue;
+void CollectView(const ModelledImage& view,
+                 const PlaneView& refined,
+                 Device& device,
+                 std::vector<Sample>* samples) {
+  const Image<ViewVotes> votes = view.CountVotes(refined.depth, device);
+  for (int y = 0; y < refined.depth.Height(); ++y) {
+    for (int x = 0; x < refined.depth.Width(); ++x) {
+      const float depth = refined.depth(x, y);
+      const float right = AtSamePlace(view.truth, x, y, refined.depth);
+      if (depth > 0.f && right > 0.f) {
+        samples->push_back({{KindAt(refined, view, x, y),
+                             votes(x, y),
+                             view.SupportAt(x, y, votes(x, y)),
+                             view.LabelAt(x, y)},
+                            std::abs(depth - right) < kRight * right});
       }
-      const size_t superpixel =
-          AtSamePlace(evidence.superpixels, x, y, view.depth);
-      const LabelQuality& quality = labels.qualities[superpixel];
-      const Kind kind = KindOf({static_cast<Provenance>(view.provenance(x, y)),
-                                view.planes(x, y) > 0,
-                                depth == original(x, y),
-                                labels.planes[superpixel] >= 0,
-                                labels.evidence[superpixel]});
-      (*samples)[kind].push_back({{quality.strength.Value(),
-                                   quality.confirmed.Value(),
-                                   quality.uncertainty.Value(),
-                                   quality.margin.Value()},
-                                  std::abs(depth - right) < kRight * right});
     }
   }
 }
 
-SamplesOfScene CollectScene(const std::string& modelled_root,
+std::vector<Sample> Collect(const std::string& modelled_root,
                             const std::string& refined_root) {
-  const Workspace modelled(modelled_root, MapType::kGeometric);
+  const ModelledScene scene(modelled_root);
   const Workspace refined(refined_root, MapType::kGeometric);
-  const SceneModel model = ReadSceneModel(GetSceneModelPath(modelled.Root()));
-  RequireNoCylinders(model, modelled.Root());
-  SamplesOfScene samples;
-  for (const auto& [image, labels] : model.views) {
-    const std::string& name =
-        modelled.Model().images[static_cast<size_t>(image)].name;
-    CollectView(
-        ReadPlaneView(refined, image, static_cast<int>(model.planes.size())),
-        ReadEvidence(GetEvidencePath(modelled.Root(), name, modelled.Type())),
-        labels,
-        ReadDepthMap(modelled.DepthPath(image, MapType::kGeometric)),
-        ReadDepthMap(modelled.SourceRoot() / "ground_truth" / "depth" /
-                     (name + ".bin")),
-        &samples);
+  const int num_planes = static_cast<int>(scene.Model().planes.size());
+  std::vector<Sample> samples;
+  for (const auto& [image, labels] : scene.Model().views) {
+    CollectView(scene.Load(image),
+                ReadPlaneView(refined, image, num_planes),
+                scene.GetDevice(),
+                &samples);
   }
-  return samples;
+  return Spread(samples, kMaxSamples);
 }
 
-LogisticRegression MakeRegression(const std::vector<SamplesOfScene>& scenes,
-                                  Kind kind) {
-  const std::vector<int>& measures = kMeasuresOfKinds[kind];
-  std::vector<std::pair<Sample, double>> used;
-  for (const SamplesOfScene& scene : scenes) {
-    const std::vector<Sample>& samples = scene[kind];
-    const size_t count = std::min(samples.size(), kMaxSamples);
-    const double weight_of_scene =
-        std::min(1.0, 2.0 * static_cast<double>(count) / kMaxSamples);
-    for (size_t i = 0; i < count; ++i) {
-      used.emplace_back(samples[i * samples.size() / count],
-                        weight_of_scene / static_cast<double>(count));
-    }
-  }
-  const auto num_rows = static_cast<Eigen::Index>(used.size());
-  LogisticRegression regression;
-  regression.rows.setOnes(num_rows,
-                          1 + static_cast<Eigen::Index>(measures.size()));
-  regression.outcomes.resize(num_rows);
-  regression.weights.resize(num_rows);
-  for (Eigen::Index i = 0; i < num_rows; ++i) {
-    const auto& [sample, weight] = used[static_cast<size_t>(i)];
-    for (size_t j = 0; j < measures.size(); ++j) {
-      regression.rows(i, 1 + static_cast<Eigen::Index>(j)) =
-          sample.measures[static_cast<size_t>(measures[j])];
-    }
-    regression.outcomes(i) = sample.is_right ? 1.0 : 0.0;
-    regression.weights(i) = weight;
-  }
-  regression.weights /= std::max(regression.weights.sum(), 1e-12);
-  return regression;
+Eigen::VectorXd RowOf(const Sample& sample) {
+  const ConfidenceTerms terms(sample.depth);
+  Eigen::VectorXd row(ConfidenceTerms::kCount);
+  std::copy(std::begin(terms.values), std::end(terms.values), row.begin());
+  return row;
 }
 
-void Print(const std::vector<SamplesOfScene>& scenes, Kind kind) {
-  const LogisticRegression regression = MakeRegression(scenes, kind);
-  if (regression.rows.rows() == 0) {
-    return;
+Eigen::VectorXd FitConfidence(const Scenes& scenes) {
+  return SolveRegression(scenes, [](const Sample& sample) {
+    return Case{RowOf(sample), sample.is_right, 1.0};
+  });
+}
+
+void PrintCalibration(const char* name,
+                      const std::vector<Sample>& scene,
+                      const Eigen::VectorXd& weights) {
+  struct Class {
+    double count = 0.0;
+    double confidence = 0.0;
+    double right = 0.0;
+  };
+  std::array<Class, 10> classes;
+  for (const Sample& sample : scene) {
+    const double confidence = 1.0 / (1.0 + std::exp(-RowOf(sample).dot(weights)));
+    Class& of_sample = classes[static_cast<size_t>(
+        std::clamp(static_cast<int>(10.0 * confidence), 0, 9))];
+    of_sample.count += 1.0;
+    of_sample.confidence += confidence;
+    of_sample.right += sample.is_right ? 1.0 : 0.0;
   }
-  const Eigen::VectorXd solution = regression.Solve();
-  std::printf("%-18s %7lld samples, %.2f right: constant %.2f",
-              kKindNames[kind],
-              static_cast<long long>(regression.rows.rows()),
-              regression.weights.dot(regression.outcomes),
-              solution(0));
-  for (size_t j = 0; j < kMeasuresOfKinds[kind].size(); ++j) {
-    std::printf(", %s %.2f",
-                kMeasureNames[kMeasuresOfKinds[kind][j]],
-                solution(1 + static_cast<Eigen::Index>(j)));
+  double error = 0.0;
+  for (const Class& one : classes) {
+    error += std::abs(one.confidence - one.right);
   }
-  std::printf("\n");
+  std::printf("%s: %zu depths, calibration error %.3f\n",
+              name,
+              scene.size(),
+              error / std::max(static_cast<double>(scene.size()), 1.0));
 }
 
 void Fit(int argc, char** argv) {
-  std::vector<SamplesOfScene> scenes;
+  Scenes scenes;
   for (int i = 1; i < argc; ++i) {
     const std::string roots = argv[i];
     const size_t equals = roots.find('=');
@@ -232,23 +150,17 @@ void Fit(int argc, char** argv) {
       throw Error(ErrorCode::kBadOption,
                   roots + ": is no MODELLED=REFINED; name two workspaces");
     }
-    scenes.push_back(
-        CollectScene(roots.substr(0, equals), roots.substr(equals + 1)));
+    scenes.push_back(Collect(roots.substr(0, equals), roots.substr(equals + 1)));
   }
-  for (int kind = 0; kind < kNumKinds; ++kind) {
-    Print(scenes, static_cast<Kind>(kind));
+  for (size_t i = 0; scenes.size() > 1 && i < scenes.size(); ++i) {
+    Scenes others = scenes;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    PrintCalibration(argv[i + 1], scenes[i], FitConfidence(others));
   }
+  PrintWeights("ConfidenceOf", FitConfidence(scenes));
 }
 
 }  // namespace
 }  // namespace tsar
 
-int main(int argc, char** argv) {
-  try {
-    tsar::Fit(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "ERROR: %s\n", error.what());
-    return 1;
-  }
-  return 0;
-}
+int main(int argc, char** argv) { return tsar::RunFit(tsar::Fit, argc, argv); }

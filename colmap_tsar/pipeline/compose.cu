@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/filtering/confirmation.h"
-#include "colmap_tsar/scene_planes/surface_confidence.h"
+#include "colmap_tsar/pipeline/depth_confidence.h"
 
 #include <cmath>
 #include <utility>

@@ -9,7 +9,6 @@
 
 #include <cmath>
 #include <utility>
-#include <vector>
 
 namespace tsar {
 namespace {
@@ -66,13 +65,25 @@ struct OwnDepthKernel {
   }
 };
 
+// Of the measurement at a pixel of the map.
+TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
+                                            const ViewVotes& votes,
+                                            int x,
+                                            int y) {
+  const ImageView<const float>& raster = inputs.texture;
+  return {votes,
+          raster(ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
+                 ReducedRaster::FromMap(
+                     y, inputs.ratings.height, raster.height)),
+          MeasurementRating::IsTrusted(inputs.ratings(x, y))};
+}
+
 // Decides by the views, the image and the label.
 struct ContestKernel {
   ComposeSceneInputs inputs;
   DepthResolution resolution;
   float min_log_odds;
-  // Of the measurement; becomes its confidence where it stands, 0 elsewhere.
-  ImageView<float> contested;
+  ImageView<const float> contested;
   ImageView<const float> rivals;
   ImageView<const ViewVotes> votes;
   ImageView<const ViewVotes> votes_on_rivals;
@@ -82,30 +93,19 @@ struct ContestKernel {
     if (own_depth(x, y) != kContested) {
       return;
     }
-    const float own = contested(x, y);
-    contested(x, y) = 0.f;
     const float rival = rivals(x, y);
-    const MeasurementSupport support = SupportAt(x, y);
-    if (rival > 0.f) {
-      const float gap = GapInPixels(own, rival, resolution);
-      const Rival plane{
-          votes_on_rivals(x, y), gap, SuperpixelAt(inputs, x, y).margin};
-      if (!(LogOddsAgainst(plane, support) > min_log_odds)) {
-        own_depth(x, y) = gap <= kOnSurface ? kMoves : kGivesWay;
-        return;
-      }
+    if (!(rival > 0.f)) {
+      own_depth(x, y) = kStands;
+      return;
     }
-    own_depth(x, y) = kStands;
-    contested(x, y) = ProbabilityOf(support, rival > 0.f);
-  }
-
-  TSAR_HD MeasurementSupport SupportAt(int x, int y) const {
-    return {
-        votes(x, y),
-        inputs.texture(
-            ReducedRaster::FromMap(x, contested.width, inputs.texture.width),
-            ReducedRaster::FromMap(y, contested.height, inputs.texture.height)),
-        MeasurementRating::IsTrusted(inputs.ratings(x, y))};
+    const float gap = GapInPixels(contested(x, y), rival, resolution);
+    const Rival plane{votes_on_rivals(x, y),
+                      gap,
+                      SuperpixelAt(inputs, x, y).label.margin};
+    const MeasurementSupport own = SupportAt(inputs, votes(x, y), x, y);
+    own_depth(x, y) = LogOddsAgainst(plane, own) > min_log_odds ? kStands
+                      : gap <= kOnSurface                       ? kMoves
+                                                                : kGivesWay;
   }
 };
 
@@ -123,21 +123,15 @@ struct ComposeSceneKernel {
       provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
       return;
     }
-    Provenance source = Provenance::kNone;
-    Plane plane = inputs.scene_planes.At(x, y);
-    Vec3f ray = inputs.scene_planes.intrinsics.Ray(x, y);
-    if (plane.Valid()) {
-      source = own == kMoves
-                   ? Provenance::kMeasured
-                   : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence);
-    } else {
-      plane = inputs.region_planes.At(x, y);
-      ray = inputs.region_planes.intrinsics.Ray(x, y);
-      source = plane.Valid() ? Provenance::kRegionPlane : Provenance::kNone;
-    }
-    depth(x, y) = plane.Valid() ? plane.Depth(ray) : 0.f;
-    normal(x, y) = plane.Valid() ? plane.normal : Vec3f{};
-    provenance(x, y) = static_cast<uint8_t>(source);
+    const Plane plane = inputs.scene_planes.At(x, y);
+    const bool has_plane = plane.Valid();
+    depth(x, y) =
+        has_plane ? plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)) : 0.f;
+    normal(x, y) = has_plane ? plane.normal : Vec3f{};
+    provenance(x, y) = static_cast<uint8_t>(
+        !has_plane      ? Provenance::kNone
+        : own == kMoves ? Provenance::kMeasured
+                        : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
   }
 };
 
@@ -145,27 +139,47 @@ struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
-  ImageView<const float> own_confidence;
+  ImageView<const ViewVotes> votes;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    confidence(x, y) = Rate(static_cast<Provenance>(provenance(x, y)), x, y);
+    if (!(depth(x, y) > 0.f)) {
+      confidence(x, y) = 0.f;
+      return;
+    }
+    confidence(x, y) = ConfidenceOf({KindAt(x, y),
+                                     votes(x, y),
+                                     SupportAt(inputs, votes(x, y), x, y),
+                                     SuperpixelAt(inputs, x, y).label});
   }
 
-  TSAR_HD float Rate(Provenance source, int x, int y) const {
-    const SurfaceConfidence& surface = SuperpixelAt(inputs, x, y).confidence;
+  TSAR_HD DepthKind KindAt(int x, int y) const {
+    const auto source = static_cast<Provenance>(provenance(x, y));
+    const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
     switch (source) {
-      case Provenance::kNone:
-        return 0.f;
       case Provenance::kInterpolated:
-        return kConfidenceOfInterpolated;
+        return DepthKind::kInterpolated;
       case Provenance::kMeasured:
-        return own_confidence(x, y) > 0.f ? own_confidence(x, y)
-                                          : surface.moved;
+        return !IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
+                   ? DepthKind::kStanding
+               : superpixel.is_curved ? DepthKind::kMovedToCurved
+                                      : DepthKind::kMoved;
       default:
-        return IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
-                   ? surface.filled
-                   : kConfidenceOfRegion;
+        return KindOfFill(superpixel);
+    }
+  }
+
+  TSAR_HD static DepthKind KindOfFill(const ComposedSuperpixel& superpixel) {
+    if (superpixel.is_curved) {
+      return DepthKind::kFilledByCurved;
+    }
+    switch (superpixel.evidence) {
+      case LabelEvidence::kMeasured:
+        return DepthKind::kFilled;
+      case LabelEvidence::kCarried:
+        return DepthKind::kCarried;
+      default:
+        return DepthKind::kGuessed;
     }
   }
 };
@@ -189,18 +203,17 @@ struct PlaneMapKernel {
 
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const ViewSurfaces& surfaces,
+                         const ViewVoter& voter,
                          const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
-                         DeviceImage<float>* own_confidence,
                          Device& device) {
   const int width = own.depth.Width();
   const int height = own.depth.Height();
   ComposedMap composed{std::move(own),
                        DeviceImage<uint8_t>(device, width, height)};
   DeviceImage<uint8_t> own_depth(device, width, height);
-  DeviceImage<float> contested(device, width, height);
   {
+    DeviceImage<float> contested(device, width, height);
     DeviceImage<float> rivals(device, width, height);
     ParallelFor(device,
                 width,
@@ -213,24 +226,23 @@ ComposedMap ComposeScene(DepthNormalImages own,
                                own_depth.View(),
                                contested.View(),
                                rivals.View()});
-    const std::vector<DeviceImage<ViewVotes>> votes = CountViewVotes(
-        surfaces,
-        inputs.scene_planes.intrinsics,
-        {std::as_const(contested).View(), std::as_const(rivals).View()},
-        device);
+    const Intrinsics& intrinsics = inputs.scene_planes.intrinsics;
+    const DeviceImage<ViewVotes> votes =
+        voter.Count(contested.View(), intrinsics);
+    const DeviceImage<ViewVotes> votes_on_rivals =
+        voter.Count(rivals.View(), intrinsics);
     ParallelFor(device,
                 width,
                 height,
                 ContestKernel{inputs,
                               resolution,
                               options.min_log_odds,
-                              contested.View(),
+                              std::as_const(contested).View(),
                               std::as_const(rivals).View(),
-                              votes[0].View(),
-                              votes[1].View(),
+                              votes.View(),
+                              votes_on_rivals.View(),
                               own_depth.View()});
   }
-  *own_confidence = std::move(contested);
   ParallelFor(device,
               width,
               height,
@@ -244,8 +256,10 @@ ComposedMap ComposeScene(DepthNormalImages own,
 
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
-                                       ImageView<const float> own_confidence,
+                                       const ViewVoter& voter,
                                        Device& device) {
+  const DeviceImage<ViewVotes> votes = voter.Count(
+      composed.map.depth.View(), inputs.scene_planes.intrinsics);
   DeviceImage<float> confidence(
       device, inputs.ratings.width, inputs.ratings.height);
   ParallelFor(device,
@@ -254,7 +268,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
               SceneConfidenceKernel{inputs,
                                     composed.map.depth.View(),
                                     composed.provenance.View(),
-                                    own_confidence,
+                                    votes.View(),
                                     confidence.View()});
   return confidence;
 }

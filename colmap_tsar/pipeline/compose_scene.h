@@ -9,11 +9,11 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/pipeline/depth_confidence.h"
 #include "colmap_tsar/pipeline/view_votes.h"
 #include "colmap_tsar/planes/group_planes.h"
 #include "colmap_tsar/scene_planes/inverse_depth_error.h"
 #include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/surface_confidence.h"
 #include "colmap_tsar/superpixels/samples.h"
 
 #include <cstdint>
@@ -34,12 +34,11 @@ struct ComposeSceneOptions {
   float min_log_odds = -1.25f;
 };
 
-// How a superpixel came by its plane, and how likely its depths are right.
+// How a superpixel came by its plane.
 struct ComposedSuperpixel {
   LabelEvidence evidence = LabelEvidence::kNone;
-  SurfaceConfidence confidence;
+  LabelMeasures label;
   InverseDepthError error{};  // Of its plane.
-  float margin = 0.f;         // See LabelQuality.
   // Its surface is a curved one; then the error is not known.
   bool is_curved = false;
 };
@@ -50,8 +49,6 @@ struct ComposeSceneInputs {
   // The superpixel of each pixel of the raster, and what is known of each.
   ImageView<const uint16_t> superpixels;
   const ComposedSuperpixel* of_superpixel = nullptr;
-  // Used where the scene has no plane.
-  PlaneRaster region_planes;
   // ComputeTexture() of the raster.
   ImageView<const float> texture;
 };
@@ -68,23 +65,19 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
 // One map from the planes of the scene and the view's own measurements. Where a
 // measurement and the plane of its superpixel are two surfaces, that of the two
 // stands for which the image and the other views speak; where the scene has no
-// plane, measurements stand, and planes of regions fill.
+// plane, measurements stand.
 // own: the measured hypotheses, whose memory the result takes over.
-// own_confidence: becomes the probability that a measurement that stands is
-// right to 1 %; 0 elsewhere.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const ViewSurfaces& surfaces,
+                         const ViewVoter& voter,
                          const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
-                         DeviceImage<float>* own_confidence,
                          Device& device);
 
 // The probability that each depth is right to 1 %; 0 where there is none.
-// own_confidence: by ComposeScene().
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
-                                       ImageView<const float> own_confidence,
+                                       const ViewVoter& voter,
                                        Device& device);
 
 // The depth of the plane that a raster has at a pixel of the map; 0 where it

@@ -31,6 +31,7 @@ WeightedMedianOptions FilterOptions(const RefineOptions& options,
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,
+               int num_iterations,
                ComposedMap* composed,
                Device& device) {
   if (!HasFilter(options)) {
@@ -40,7 +41,7 @@ void FillHoles(ImageView<const Rgb> color,
       FilterOptions(options, color.width, color.height);
   const DeviceImage<uint8_t> filled = InterpolateHoles(color,
                                                        intrinsics,
-                                                       options.num_iterations,
+                                                       num_iterations,
                                                        filter,
                                                        &composed->map,
                                                        device);

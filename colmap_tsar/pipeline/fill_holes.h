@@ -13,10 +13,12 @@
 namespace tsar {
 
 // R2: fills small holes by weighted medians, and marks them as interpolated.
-// color, intrinsics: of the map. Nothing where the options switch it off.
+// color, intrinsics: of the map. num_iterations: each fills what is a window
+// wide at most. Nothing where the options switch it off.
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,
+               int num_iterations,
                ComposedMap* composed,
                Device& device);
 

@@ -130,13 +130,12 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
           discovered.frame};
 }
 
-LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
+LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
                            const std::vector<ModelPlane>& planes,
                            const std::vector<BoundingCrease>& creases,
                            const RefineOptions& options,
                            const DeviceLender& lend_device,
                            Image<PlaneCost>* costs) {
-  std::vector<ModelledView> views = modelled;
   std::vector<ObservedView> observed;
   for (const ModelledView& view : views) {
     observed.push_back(view.observed);
@@ -146,14 +145,6 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
       MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
   const std::vector<BoundingCrease> bounding =
       BoundingCreasesOf(creases, &numbers);
-  std::optional<CreaseLabels> crease_labels;
-  ViewEvidence bounded;
-  if (!bounding.empty()) {
-    crease_labels.emplace(observed[0], planes, bounding);
-    bounded = crease_labels->WithoutRegionsBeyond();
-    views[0].observed.evidence = &bounded;
-    observed[0].evidence = &bounded;
-  }
   const std::vector<int> places = PlacesOf(numbers, planes.size());
   std::vector<Plane> camera_planes;
   for (const int number : numbers) {
@@ -191,14 +182,12 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& modelled,
             rasters),
         compute);
   }
-  if (crease_labels && !costs->Empty()) {
-    crease_labels->AddVotes(numbers, *costs, scene.labels, &votes);
+  if (!bounding.empty() && !costs->Empty()) {
+    CreaseLabels(observed[0], planes, bounding)
+        .AddVotes(numbers, *costs, scene.labels, &votes);
   }
   LabeledView labeled = ChooseLabels(
       observed[0], std::move(camera_planes), *costs, votes, scene.labels);
-  if (crease_labels) {
-    crease_labels->MarkBounded(labeled.labels, &labeled.evidence);
-  }
   for (int& label : labeled.labels) {
     label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
   }

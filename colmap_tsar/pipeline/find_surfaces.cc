@@ -203,6 +203,7 @@ Surfaces FindSurfaces(const ViewData& reference,
     FillHoles(views->Color(),
               views->MapIntrinsics(),
               options,
+              options.num_iterations,
               &surfaces.filled,
               device);
     timer->Finish("composition");

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/depth_confidence.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
-#include "colmap_tsar/scene_planes/surface_confidence.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/base/logarithm.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/pipeline/view_votes.h"
@@ -83,21 +82,10 @@ TSAR_HD inline float WeighedSum(const float (&weights)[kCount],
 // The log-odds of the measurement being nearer to the truth than its rival.
 TSAR_HD inline float LogOddsAgainst(const Rival& rival,
                                     const MeasurementSupport& support) {
-  constexpr float kSupport[] = {0.34f, 0.44f, 0.12f, -2.72f, -2.08f};
-  constexpr float kRival[] = {-1.98f, -1.41f, 3.32f, -0.62f, 0.17f, -0.80f};
-  return -0.91f + WeighedSum(kSupport, SupportTerms(support).values) +
+  constexpr float kSupport[] = {0.35f, 0.43f, 0.14f, -2.28f, -2.63f};
+  constexpr float kRival[] = {-1.65f, -1.98f, 3.78f, -0.58f, 0.17f, -0.13f};
+  return -1.37f + WeighedSum(kSupport, SupportTerms(support).values) +
          WeighedSum(kRival, RivalTerms(rival).values);
-}
-
-// The probability that a measurement that stands is right to 1 %. has_rival:
-// whether there was a plane that it could have given way to.
-TSAR_HD inline float ProbabilityOf(const MeasurementSupport& support,
-                                   bool has_rival) {
-  constexpr float kSupport[] = {0.09f, 1.08f, 2.46f, -2.53f, -0.15f};
-  const float log_odds = (has_rival ? -2.20f : -2.91f) +
-                         WeighedSum(kSupport, SupportTerms(support).values);
-  const float odds = ExpOfNegative(-fabsf(log_odds));
-  return (log_odds > 0.f ? 1.f : odds) / (1.f + odds);
 }
 
 }  // namespace tsar

@@ -47,7 +47,12 @@ RefineResult RefineImage(
   }
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   if (!options.fill_before_regions) {
-    FillHoles(views.Color(), views.MapIntrinsics(), options, &composed, device);
+    FillHoles(views.Color(),
+              views.MapIntrinsics(),
+              options,
+              options.num_iterations,
+              &composed,
+              device);
   }
   DeviceImage<float> confidence =
       RateConfidence(composed, std::as_const(surfaces.score).View(), device);

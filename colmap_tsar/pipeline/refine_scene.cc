@@ -98,14 +98,6 @@ void ReduceCandidates(const Camera& camera,
   }
 }
 
-// By the numbers of ViewEvidence::region_planes.
-std::vector<Plane> PlanesOfRegions(const ViewEvidence& evidence) {
-  std::vector<Plane> planes = {Plane{}};
-  planes.insert(
-      planes.end(), evidence.candidates.begin(), evidence.candidates.end());
-  return planes;
-}
-
 // planes: of each label.
 DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
                               const std::vector<Plane>& planes,
@@ -151,19 +143,6 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
-// ViewEvidence::region_planes without those parts of regions that lie beyond
-// the crease at which the scene's plane ends.
-Image<uint16_t> RegionsWithinCreases(const ViewEvidence& evidence,
-                                     const std::vector<LabelEvidence>& labels) {
-  Image<uint16_t> regions = evidence.region_planes;
-  for (size_t i = 0; i < regions.NumPixels(); ++i) {
-    if (labels[evidence.superpixels.Data()[i]] == LabelEvidence::kBounded) {
-      regions.Data()[i] = 0;
-    }
-  }
-  return regions;
-}
-
 // The surface of each superpixel, planes before curved ones.
 void ShowScene(StageObserver* observer,
                const ViewEvidence& evidence,
@@ -195,7 +174,7 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
   return ComputeTexture(gray.View(), device);
 }
 
-// The superpixels' evidence with their confidences and errors.
+// The superpixels' evidence with what is known of their planes.
 std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
@@ -203,13 +182,15 @@ std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   for (size_t k = 0; k < curved.evidence.size(); ++k) {
     const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
     const int label = labeled.labels[k];
+    const LabelQuality& quality = labeled.qualities[k];
     result.push_back(
         {curved.evidence[k],
-         is_curved ? kConfidenceOfCurved
-                   : RateSurface(curved.evidence[k], labeled.qualities[k]),
+         {quality.strength.Value(),
+          quality.confirmed.Value(),
+          quality.uncertainty.Value(),
+          quality.margin.Value()},
          label >= 0 ? found.plane_errors[static_cast<size_t>(label)]
                     : InverseDepthError{},
-         labeled.qualities[k].margin.Value(),
          is_curved});
   }
   return result;
@@ -312,26 +293,19 @@ RefineResult ComposeImage(
                                                  RateSuperpixels(found));
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
-  const DeviceImage<Plane> region_planes =
-      PlaneImage(RegionsWithinCreases(evidence, labeled.evidence),
-                 PlanesOfRegions(evidence),
-                 device);
   const DeviceImage<float> texture = RasterTexture(evidence, device);
   timer.Finish("upload");
   const ComposeSceneInputs inputs{std::as_const(ratings).View(),
                                   view.OnMap(scene_planes),
                                   device_superpixels.View(),
                                   of_superpixel.Data(),
-                                  view.OnMap(region_planes),
                                   texture.View()};
-  const ViewSurfaces surfaces{views, found.planes_of_sources};
-  DeviceImage<float> own_confidence;
+  const ViewVoter voter({views, found.planes_of_sources}, device);
   ComposedMap composed = ComposeScene(std::move(view.hypotheses),
                                       inputs,
-                                      surfaces,
+                                      voter,
                                       evidence.resolution,
                                       scene.composition,
-                                      &own_confidence,
                                       device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   const LaidCylinders laid = LayCylinders(found.cylinders,
@@ -340,10 +314,16 @@ RefineResult ComposeImage(
                                           evidence.resolution,
                                           &composed,
                                           device);
-  FillHoles(
-      view.color.View(), view.MapIntrinsics(), options, &composed, device);
-  DeviceImage<float> confidence = RateSceneConfidence(
-      composed, inputs, std::as_const(own_confidence).View(), device);
+  // What is wider has no plane because the images contradict those around.
+  constexpr int kHoleIterations = 1;
+  FillHoles(view.color.View(),
+            view.MapIntrinsics(),
+            options,
+            kHoleIterations,
+            &composed,
+            device);
+  DeviceImage<float> confidence =
+      RateSceneConfidence(composed, inputs, voter, device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,

@@ -107,7 +107,6 @@ LabelQuality RateLabel(const PlaneCost& cost,
     }
   }
   LabelQuality quality;
-  quality.explained = ByteOf<0, 1>(cost.explained);
   quality.strength = ByteOf<0, 1>(cost.strength);
   quality.confirmed = ByteOf<0, 1>(cost.confirmed);
   quality.uncertainty = ByteOf<0, 1>(cost.uncertainty);

@@ -13,17 +13,14 @@
 namespace tsar {
 namespace {
 
-// What a pixel costs on a plane that ends before it: more than a region's plane
-// or neighbours can outweigh.
+// What a pixel costs on a plane that ends before it: more than neighbours
+// can outweigh.
 constexpr float kCostBeyond = 0.3f;
 // What it costs on a plane that begins at a crease before which it lies.
 constexpr float kCostBefore = 1.f;
 // Shares of a superpixel that speak for a plane which it has beyond a crease:
 // observed, or confirmed by other views.
 constexpr float kMinShare = 0.2f;
-// A region's plane is the one that ends if their depths are this close, in
-// relative depths of one pixel of disparity: a region may have a copy of it.
-constexpr float kMaxRegionGap = 4.f;
 
 // The planes that a view may be labelled with (columns), at the middles of its
 // superpixels (rows), and at which of these each may be one that begins at a
@@ -113,8 +110,7 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
       planes_(planes),
       creases_(creases),
       rays_(MiddleRays(evidence_, view.camera.GetIntrinsics())),
-      num_pixels_(CountPixels(evidence_)),
-      is_cut_(rays_.size(), 0) {
+      num_pixels_(CountPixels(evidence_)) {
   for (const BoundingCrease& crease : creases_) {
     std::vector<float>& limits = limits_.emplace_back();
     const Plane ending = ToCameraPlane(
@@ -127,61 +123,8 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
       const bool is_beyond =
           is_seen && depth > 0.f && depth < ending.Depth(rays_[s]);
       limits.push_back(is_beyond ? depth : 0.f);
-      if (is_beyond && MayCutRegion(s, ending)) {
-        is_cut_[s] = 1;
-      }
     }
   }
-}
-
-bool CreaseLabels::MayCutRegion(size_t superpixel, const Plane& plane) const {
-  int num_region = 0;
-  int num_on = 0;
-  for (int i = evidence_.first_observation[superpixel];
-       i < evidence_.first_observation[superpixel + 1];
-       ++i) {
-    const auto number = static_cast<size_t>(i);
-    if (evidence_.is_measured[number] != 0) {
-      continue;
-    }
-    const RayDepth& sample = evidence_.observations[number].sample;
-    const float depth = plane.Depth({sample.x, sample.y, 1.f});
-    ++num_region;
-    num_on += depth > 0.f &&
-              std::abs(depth - sample.z) <=
-                  kMaxRegionGap * sample.z *
-                      evidence_.resolution.RelativeDepthError(sample.z);
-  }
-  return 2 * num_on >= num_region;
-}
-
-ViewEvidence CreaseLabels::WithoutRegionsBeyond() const {
-  ViewEvidence result = evidence_;
-  result.observations.clear();
-  result.is_measured.clear();
-  result.first_observation = {0};
-  for (size_t s = 0; s < rays_.size(); ++s) {
-    float confidence = 0.f;
-    float kept = 0.f;
-    for (int i = evidence_.first_observation[s];
-         i < evidence_.first_observation[s + 1];
-         ++i) {
-      const auto number = static_cast<size_t>(i);
-      const Observation& observation = evidence_.observations[number];
-      confidence += observation.confidence;
-      if (is_cut_[s] == 0 || evidence_.is_measured[number] != 0) {
-        kept += observation.confidence;
-        result.observations.push_back(observation);
-        result.is_measured.push_back(evidence_.is_measured[number]);
-      }
-    }
-    if (confidence > 0.f) {
-      result.weights[s] *= kept / confidence;
-    }
-    result.first_observation.push_back(
-        static_cast<int>(result.observations.size()));
-  }
-  return result;
 }
 
 void CreaseLabels::AddVotes(const std::vector<int>& numbers,
@@ -234,15 +177,6 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
       (*votes)(column, static_cast<int>(s)) +=
           may_be[s] != 0 ? -options.uncertainty_cost * unobserved
                          : kCostBefore * num_pixels_[s];
-    }
-  }
-}
-
-void CreaseLabels::MarkBounded(const std::vector<int>& labels,
-                               std::vector<LabelEvidence>* evidence) const {
-  for (size_t s = 0; s < is_cut_.size(); ++s) {
-    if (is_cut_[s] != 0 && labels[s] < 0) {
-      (*evidence)[s] = LabelEvidence::kBounded;
     }
   }
 }

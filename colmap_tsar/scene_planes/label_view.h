@@ -38,7 +38,6 @@ class ByteOf {
 // How well the plane that a superpixel was labelled with is borne out there.
 struct LabelQuality {
   // What PlaneCost says of the superpixel on this plane.
-  ByteOf<0, 1> explained;
   ByteOf<0, 1> strength;
   ByteOf<0, 1> confirmed;
   ByteOf<0, 1> uncertainty;
@@ -61,8 +60,10 @@ struct LabelVoteOptions {
   float cost_of_rival = 0.1f;
   float max_gap = 6.f;
   float full_gap = 0.5f;
-  // What it costs to lie further than that in front of a view's plane.
+  // What it costs to lie further than that in front of a view's plane, which it
+  // would hide, and what to lie behind what several views see in front of it.
   float cost_of_hiding = 0.1f;
+  float cost_of_hidden = 0.2f;
   // What a label weighs that nothing in its own view measured. One that all
   // measurements agree on weighs 1 (LabeledView::strengths).
   float guessed_weight = 0.2f;
@@ -99,11 +100,10 @@ struct LabelOptions {
   // How far that is, relative to the size of the area in which the plane was
   // observed.
   float extrapolation_reach = 0.6f;
-  // What a pixel without an observation costs whose colours differ from those
-  // that other views show on the plane: per full difference (PlaneCost::color)
-  // beyond that of the plane which fits best, plus what noise and gloss make of
-  // it. Planes more uncertain than this are none to compare with: one that
-  // nobody observed there fits by chance.
+  // What a pixel without an observation costs whose region has other colours in
+  // the other views: per full difference beyond that on the plane which fits
+  // best, plus what noise and gloss make of it. Planes more uncertain than this
+  // are none to compare with: one that nobody observed there fits by chance.
   float color_cost = 4.f;
   float min_color_gap = 0.05f;
   float max_color_uncertainty = 0.3f;
@@ -123,7 +123,6 @@ enum class LabelEvidence : uint8_t {
   kGuessed = 1,   // By its neighbours in the image alone.
   kCarried = 2,   // Other views measured the plane there.
   kMeasured = 3,  // It lies in the superpixel's own observations.
-  kBounded = 4,   // It has none: the plane around ends at a crease before.
 };
 
 // What each superpixel of a view was labelled with.

@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/source_surface.h"
 
 #include <cmath>
 #include <cstddef>
@@ -14,6 +15,13 @@
 
 namespace tsar {
 namespace {
+
+// Nearer by this share, a surface is another one and in front.
+constexpr float kOtherSurface = 0.04f;
+// One view may be wrong.
+constexpr int kMinInFront = 2;
+// The strength of a label that hides what lies behind it.
+constexpr float kFirm = 0.5f;
 
 // A superpixel of a source view: its plane, and how much that counts.
 struct SourceLabel {
@@ -25,6 +33,8 @@ struct SourceLabel {
 struct SourceLabels {
   const SourceLabel* labels;  // By superpixel.
   const Plane* planes;        // All of them, in this view's frame.
+  // The surface of its firm labels as the reference sees it.
+  ImageView<const float> front;
 };
 
 // Sums of the weights of views.
@@ -101,8 +111,14 @@ struct LabelVoteKernel {
         continue;
       }
       LabelVotes at_pixel;
+      int num_in_front = 0;
       for (int j = 0; j < num_sources; ++j) {
         AddLabelVote(sources[j], labels[j], k, ray * depth, options, &at_pixel);
+        num_in_front +=
+            labels[j].front.data[pixel] < (1.f - kOtherSurface) * depth ? 1 : 0;
+      }
+      if (num_in_front >= kMinInFront) {
+        at_pixel.against += options.cost_of_hidden * num_in_front;
       }
       sum += fminf(at_pixel.against, options.max_against) -
              options.gain_of_same * fminf(at_pixel.same, options.max_same);
@@ -133,6 +149,19 @@ std::vector<Plane> MovePlanes(const std::vector<Plane>& planes,
   return result;
 }
 
+// By superpixel; invalid where the label is not firm.
+std::vector<Plane> FirmPlanes(const VotingLabels& labels,
+                              const std::vector<Plane>& planes) {
+  std::vector<Plane> result;
+  for (size_t s = 0; s < labels.planes.size(); ++s) {
+    const int plane = labels.planes[s];
+    result.push_back(plane >= 0 && labels.strengths[s] >= kFirm
+                         ? planes[static_cast<size_t>(plane)]
+                         : Plane{});
+  }
+  return result;
+}
+
 }  // namespace
 
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
@@ -145,14 +174,23 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
   const Buffer<Plane> device_planes(device, planes);
   std::vector<Buffer<SourceLabel>> labels_of_sources;
   std::vector<Buffer<Plane>> planes_of_sources;
+  std::vector<DeviceImage<float>> fronts;
   std::vector<SourceLabels> of_sources;
   for (size_t j = 1; j < views.size(); ++j) {
     labels_of_sources.emplace_back(device,
                                    MakeSourceLabels(labels[j - 1], options));
-    planes_of_sources.emplace_back(
-        device, MovePlanes(planes, views[0].camera, views[j].camera));
+    const std::vector<Plane> moved =
+        MovePlanes(planes, views[0].camera, views[j].camera);
+    planes_of_sources.emplace_back(device, moved);
+    fronts.push_back(DrawIntoReference(
+        views[0],
+        views[j],
+        DepthOfPlanes(views[j], FirmPlanes(labels[j - 1], moved), device)
+            .View(),
+        device));
     of_sources.push_back({std::as_const(labels_of_sources.back()).Data(),
-                          std::as_const(planes_of_sources.back()).Data()});
+                          std::as_const(planes_of_sources.back()).Data(),
+                          std::as_const(fronts.back()).View()});
   }
   const Buffer<SourceLabels> device_labels(device, of_sources);
   DeviceImage<float> votes(

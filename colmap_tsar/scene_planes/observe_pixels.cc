@@ -43,9 +43,8 @@ float ConfidenceOfMeasurement(const EvidenceInputs& inputs,
 // What the measurements of a superpixel say of the planes of the regions that
 // it belongs to.
 struct RegionPlaneSupport {
-  float on = 0.f;          // The confidences of measurements on these planes,
-  float off = 0.f;         // and of those off them.
-  float num_pixels = 0.f;  // With such a plane, measured or not.
+  float on = 0.f;   // The confidences of measurements on these planes,
+  float off = 0.f;  // and of those off them.
 };
 
 std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
@@ -62,7 +61,6 @@ std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
       }
       RegionPlaneSupport& support =
           supports[static_cast<size_t>(inputs.superpixels(x, y))];
-      support.num_pixels += 1.f;
       const RayDepth& sample = inputs.samples(x, y);
       if (IsMeasured(sample)) {
         const Plane& plane =
@@ -77,14 +75,13 @@ std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
   return supports;
 }
 
-// What a pixel counts that takes its depth from the plane of its region. Before
-// any measurement, every pixel speaks for the plane with the least confidence
-// that one can have, so that a few fattened depths change little.
+// What a pixel counts that takes its depth from the plane of its region:
+// nothing where no measurement of its superpixel lies on it.
 float ConfidenceOfFill(const RegionPlaneSupport& support,
                        const EvidenceOptions& options) {
-  const float prior = options.min_own_confidence * support.num_pixels;
-  return options.confidence_of_region_plane *
-         ((support.on + prior) / (support.on + support.off + prior));
+  return support.on > 0.f ? options.confidence_of_region_plane * support.on /
+                                (support.on + support.off)
+                          : 0.f;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 
+#include <climits>
 #include <cmath>
 #include <cstdint>
 
@@ -119,10 +120,13 @@ struct VoteSampling {
   int pixels_per_test = 1;
   // A small superpixel has so many tests, or one at each of its pixels.
   int min_tests = 1;
+  // A large one has no more than these.
+  int max_tests = INT_MAX;
 
   TSAR_HD int NumTests(int num_pixels) const {
     const int few = num_pixels < min_tests ? num_pixels : min_tests;
-    const int many = num_pixels / pixels_per_test;
+    const int all = num_pixels / pixels_per_test;
+    const int many = all < max_tests ? all : max_tests;
     const int num_tests = many > few ? many : few;
     return num_tests > 1 ? num_tests : 1;
   }

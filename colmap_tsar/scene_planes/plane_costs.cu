@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/scene_planes/color_costs.h"
 #include "colmap_tsar/scene_planes/direction_sectors.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
@@ -31,8 +32,6 @@ constexpr int kSectorsUnknown = 3;
 // The flattest slope of a ray to a plane that counts: beyond, the error of the
 // depth would have no bound.
 constexpr float kMinSlope = 0.02f;
-// In grey levels, over the three channels.
-constexpr float kFullColorDifference = 20.f;
 
 // A superpixel's part of the evidence.
 struct SuperpixelData {
@@ -79,7 +78,6 @@ struct CostKernel {
   int num_sources;
   VoteSampling sampling;
   float max_confirmed_gap;
-  ImageView<const Rgb> color;  // Of the reference.
   int raster_width;
   Intrinsics intrinsics;
   DepthResolution resolution;
@@ -161,57 +159,6 @@ struct CostKernel {
     return fminf(residual / options.tolerance, 1.f);
   }
 
-  // Mean of the better half of the views that see the point: what hides it in
-  // others is not always known.
-  TSAR_HD float ColorDifference(const Vec3f& point, int pixel) const {
-    const Rgb own = color.data[pixel];
-    const float own_radius =
-        SquaredRadius(static_cast<float>(pixel % raster_width),
-                      static_cast<float>(pixel / raster_width),
-                      color.width,
-                      color.height);
-    constexpr int kMaxViews = 12;
-    constexpr int kMinViews = 3;
-    float differences[kMaxViews];
-    int count = 0;
-    for (int j = 0; j < num_sources && count < kMaxViews; ++j) {
-      const ObservedSource& source = sources[j];
-      SeenPoint seen;
-      if (!FindInSource(source, point, &seen)) {
-        continue;
-      }
-      const float measured = source.confident_depth(seen.column, seen.row);
-      if (measured > 0.f && measured < 0.97f * seen.depth) {
-        continue;
-      }
-      const Rgb there = source.color(seen.column, seen.row);
-      const Vec3f gain = source.gain.At(
-          own_radius,
-          SquaredRadius(seen.x, seen.y, source.width, source.height));
-      const float red = gain.x * there.r - own.r;
-      const float green = gain.y * there.g - own.g;
-      const float blue = gain.z * there.b - own.b;
-      const float difference =
-          fminf((red * red + green * green + blue * blue) /
-                    (kFullColorDifference * kFullColorDifference),
-                1.f);
-      int place = count++;
-      for (; place > 0 && differences[place - 1] > difference; --place) {
-        differences[place] = differences[place - 1];
-      }
-      differences[place] = difference;
-    }
-    if (count < kMinViews) {
-      return -1.f;
-    }
-    const int half = (count + 1) / 2;
-    float sum = 0.f;
-    for (int i = 0; i < half; ++i) {
-      sum += differences[i];
-    }
-    return sum / half;
-  }
-
   TSAR_HD void AddOtherViews(int superpixel,
                              const Plane& plane,
                              PlaneCost* result) const {
@@ -220,8 +167,6 @@ struct CostKernel {
       return;
     }
     SuperpixelVotes sum;
-    float sum_colors = 0.f;
-    int num_colors = 0;
     sum.num_tests = sampling.NumTests(num_pixels);
     for (int i = 0; i < sum.num_tests; ++i) {
       const int pixel = pixels.Pixel(
@@ -234,18 +179,10 @@ struct CostKernel {
         continue;
       }
       AddVotes(sources, num_sources, ray * depth, max_confirmed_gap, &sum);
-      const float difference = ColorDifference(ray * depth, pixel);
-      if (difference >= 0.f) {
-        sum_colors += difference;
-        ++num_colors;
-      }
     }
     const float pixels_per_test =
         static_cast<float>(num_pixels) / sum.num_tests;
     result->cost += kCostOfImpossible * pixels_per_test * sum.num_impossible;
-    if (2 * num_colors > sum.num_tests) {
-      result->color = sum_colors / num_colors;
-    }
     result->confirmed =
         static_cast<float>(sum.num_confirmed) / (sum.num_tests * kMaxVotes);
   }
@@ -289,34 +226,6 @@ struct CostKernel {
                         sqrtf(static_cast<float>(plane.num_cells));
     return fminf(fmaxf(openness, 0.f), 1.f) *
            fminf(sqrtf(nearest) / reach, 1.f);
-  }
-};
-
-// Adds what each plane costs a superpixel by its colours, compared with the
-// plane whose colours fit best, of those that are known there.
-struct ColorCostKernel {
-  const SuperpixelData* superpixels;
-  LabelOptions options;
-  ImageView<PlaneCost> costs;
-
-  TSAR_HD void operator()(int64_t s) const {
-    float best = INFINITY;
-    for (int k = 0; k < costs.width; ++k) {
-      const PlaneCost& cost = costs(k, static_cast<int>(s));
-      if (cost.color >= 0.f &&
-          cost.uncertainty < options.max_color_uncertainty) {
-        best = fminf(best, cost.color);
-      }
-    }
-    const float unobserved =
-        fmaxf(superpixels[s].num_pixels - superpixels[s].weight, 0.f);
-    for (int k = 0; k < costs.width; ++k) {
-      PlaneCost& cost = costs(k, static_cast<int>(s));
-      if (cost.color >= 0.f) {
-        cost.cost += options.color_cost * unobserved *
-                     fmaxf(cost.color - best - options.min_color_gap, 0.f);
-      }
-    }
   }
 };
 
@@ -398,7 +307,6 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
   const Buffer<RayDepth> confirmed(device, evidence.confirmed);
   const Buffer<PlanePoint> cells(device, support.cells);
   const auto [min_depth, max_depth] = DepthRange(evidence);
-  const DeviceImage<Rgb> color(device, evidence.color);
   DeviceImage<PlaneCost> costs(
       device, static_cast<int>(planes.size()), evidence.NumSuperpixels());
   ParallelFor(device,
@@ -415,7 +323,6 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                          inputs.NumSources(),
                          kPlaneSampling,
                          options.confirmation_share * options.tolerance,
-                         color.View(),
                          evidence.width,
                          intrinsics,
                          evidence.resolution,
@@ -423,9 +330,7 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                          max_depth,
                          options,
                          costs.View()});
-  ParallelFor(device,
-              costs.Height(),
-              ColorCostKernel{superpixels.Data(), options, costs.View()});
+  AddColorCosts(inputs, planes, options, costs.View(), device);
   return costs.ToHost();
 }
 

@@ -29,9 +29,6 @@ struct PlaneCost {
   // How little is known of the plane's depth there, from 0 to 1: by the spread
   // of its observations, and where it was observed on one side only.
   float uncertainty = 0.f;
-  // How much the colours differ there from those that the other views show on
-  // the plane, from 0 to 1; negative where too few of them see it.
-  float color = -1.f;
 };
 
 // The cost of each superpixel of the reference (row) on each plane (column),

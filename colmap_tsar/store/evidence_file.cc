@@ -244,7 +244,7 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/7,
+    /*version=*/8,
     &MissingEvidence,
     &CorruptEvidence};
 

@@ -23,7 +23,7 @@ namespace tsar {
 namespace {
 
 static_assert(sizeof(LabelEvidence) == 1);
-static_assert(sizeof(LabelQuality) == 5 &&
+static_assert(sizeof(LabelQuality) == 4 &&
               std::is_trivially_copyable_v<LabelQuality>);
 
 // Matrices are stored column by column.
@@ -311,7 +311,7 @@ std::optional<std::string> FindSceneModelFault(const SceneModel& model) {
       return "a label that no plane has";
     }
     if (!std::ranges::all_of(view.evidence, [](LabelEvidence evidence) {
-          return evidence <= LabelEvidence::kBounded;
+          return evidence <= LabelEvidence::kMeasured;
         })) {
       return "a label's unknown evidence";
     }
@@ -383,7 +383,7 @@ PlaneArrays ReadPlanes(StateFileReader<Header>* reader) {
 }
 
 constexpr StateFileKind kModelFile = {{'T', 'S', 'A', 'R', 'P', 'L', 'A', 'N'},
-                                      /*version=*/4,
+                                      /*version=*/5,
                                       &MissingModel,
                                       &CorruptModel};
 

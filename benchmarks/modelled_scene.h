@@ -1,0 +1,239 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/controllers/load_view.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/pipeline/find_scene.h"
+#include "colmap_tsar/pipeline/gray.h"
+#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/pipeline/view_votes.h"
+#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/scene_planes/texture_measures.h"
+#include "colmap_tsar/store/evidence_file.h"
+#include "colmap_tsar/store/scene_model_file.h"
+#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/superpixels/cielab.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/logistic_regression.h"
+#include "benchmarks/require_no_cylinders.h"
+#include <Eigen/Core>
+
+namespace tsar {
+
+// The pixel of an image of another size at the same place.
+template <typename T>
+const T& AtSamePlace(const Image<T>& image,
+                     int x,
+                     int y,
+                     const Image<float>& of) {
+  return image(x * image.Width() / of.Width(),
+               y * image.Height() / of.Height());
+}
+
+// A view of a modelled scene as composition sees it.
+struct ModelledImage {
+  int image = 0;
+  Image<float> depth;  // That was measured.
+  Image<float> truth;  // Of any size.
+  DepthResolution resolution;
+  FoundScene found;
+  std::unique_ptr<ViewVoter> voter;
+  Intrinsics intrinsics;  // Of the map.
+  Image<uint8_t> ratings;
+  Image<uint16_t> superpixels;
+  Image<float> texture;
+
+  // Of the superpixel under a pixel of the map.
+  size_t SuperpixelAt(int x, int y) const {
+    return AtSamePlace(superpixels, x, y, depth);
+  }
+  LabelMeasures LabelAt(int x, int y) const {
+    const LabelQuality& quality = found.labeled.qualities[SuperpixelAt(x, y)];
+    return {quality.strength.Value(),
+            quality.confirmed.Value(),
+            quality.uncertainty.Value(),
+            quality.margin.Value()};
+  }
+  MeasurementSupport SupportAt(int x, int y, const ViewVotes& votes) const {
+    return {votes,
+            AtSamePlace(texture, x, y, depth),
+            MeasurementRating::IsTrusted(ratings(x, y))};
+  }
+  Image<ViewVotes> CountVotes(const Image<float>& map, Device& device) const {
+    return voter->Count(DeviceImage<float>(device, map).View(), intrinsics)
+        .ToHost();
+  }
+};
+
+// A workspace with ground_truth/depth, of maps of at most 1280 pixels, after
+// tsar_refine's passes observe and model.
+class ModelledScene {
+ public:
+  explicit ModelledScene(const std::string& root)
+      : workspace_(root, MapType::kGeometric),
+        model_(ReadSceneModel(GetSceneModelPath(workspace_.Root()))),
+        device_(Device::CreateCpu(2)) {
+    RequireNoCylinders(model_, workspace_.Root());
+    for (const auto& [image, labels] : model_.views) {
+      evidence_[image] = ReadEvidence(
+          GetEvidencePath(workspace_.Root(), Name(image), workspace_.Type()));
+    }
+  }
+
+  const SceneModel& Model() const { return model_; }
+  Device& GetDevice() const { return *device_; }
+
+  // As ComposeTask does it, with all other views as sources.
+  ModelledImage Load(int image) const {
+    views_ = {Observed(image)};
+    std::vector<const ViewLabels*> labels = {&model_.views.at(image)};
+    for (const auto& [other, of_other] : model_.views) {
+      if (other != image) {
+        views_.push_back(Observed(other));
+        labels.push_back(&of_other);
+      }
+    }
+    RefineOptions options;
+    options.curved_surfaces = false;
+    ModelledImage result;
+    result.image = image;
+    result.found = FindScene(views_, model_.planes, labels, options, *device_);
+    const ViewData view = LoadView(workspace_, image);
+    const ViewEvidence& evidence = evidence_.at(image);
+    if (!view.depth.HasSizeOf(evidence.ratings)) {
+      throw Error(ErrorCode::kMismatch,
+                  workspace_.Root().string() +
+                      ": maps of more than 1280 pixels; take smaller ones");
+    }
+    result.resolution = evidence.resolution;
+    result.intrinsics = view.camera.GetIntrinsics();
+    result.depth = view.depth;
+    result.truth =
+        ReadDepthMap(workspace_.SourceRoot() / "ground_truth" / "depth" /
+                     (Name(image) + ".bin"));
+    const DeviceImage<Rgb> color(*device_, evidence.color);
+    const DeviceImage<float> depth(*device_, view.depth);
+    DeviceImage<uint8_t> ratings(*device_, evidence.ratings);
+    const DeviceImage<uint16_t> superpixels(*device_, evidence.superpixels);
+    const RefinedBorders refined =
+        RefineBorders({superpixels.View(),
+                       ConvertToLab(color.View(), *device_).View(),
+                       depth.View(),
+                       std::as_const(ratings).View(),
+                       views_[0].camera.GetIntrinsics(),
+                       evidence.resolution},
+                      result.found.labeled.labels,
+                      result.found.labeled.planes,
+                      MakeSceneOptions(options, views_).borders,
+                      *device_);
+    DistrustFattened(refined.fattened.View(), ratings.View(), *device_);
+    result.ratings = ratings.ToHost();
+    result.superpixels = refined.superpixels.ToHost();
+    result.texture =
+        ComputeTexture(ComputeGray(color.View(), *device_).View(), *device_)
+            .ToHost();
+    result.voter = std::make_unique<ViewVoter>(
+        ViewSurfaces{views_, result.found.planes_of_sources}, *device_);
+    return result;
+  }
+
+ private:
+  const std::string& Name(int image) const {
+    return workspace_.Model().images[static_cast<size_t>(image)].name;
+  }
+
+  ObservedView Observed(int image) const {
+    return MakeObservedView(
+        evidence_.at(image),
+        workspace_.Model().images[static_cast<size_t>(image)].camera);
+  }
+
+  const Workspace workspace_;
+  const SceneModel model_;
+  const std::unique_ptr<Device> device_;
+  std::map<int, ViewEvidence> evidence_;
+  mutable std::vector<ObservedView> views_;
+};
+
+// At most so many evenly spaced ones.
+template <typename T>
+std::vector<T> Spread(const std::vector<T>& samples, size_t max_count) {
+  std::vector<T> spread;
+  const size_t count = std::min(samples.size(), max_count);
+  for (size_t i = 0; i < count; ++i) {
+    spread.push_back(samples[i * samples.size() / count]);
+  }
+  return spread;
+}
+
+// What a regression takes of a sample; none where the weight is 0.
+struct Case {
+  Eigen::VectorXd row;
+  bool outcome = false;
+  double weight = 0.0;
+};
+
+// The weights by the samples of several scenes, each of which counts the same.
+template <typename Sample, typename MakeCase>
+Eigen::VectorXd SolveRegression(const std::vector<std::vector<Sample>>& scenes,
+                                const MakeCase& make_case) {
+  std::vector<Case> cases;
+  for (const std::vector<Sample>& scene : scenes) {
+    for (const Sample& sample : scene) {
+      Case made = make_case(sample);
+      if (made.weight > 0.0) {
+        made.weight /= static_cast<double>(scene.size());
+        cases.push_back(std::move(made));
+      }
+    }
+  }
+  if (cases.empty()) {
+    return {};
+  }
+  const auto num_rows = static_cast<Eigen::Index>(cases.size());
+  LogisticRegression regression;
+  regression.rows.resize(num_rows, cases[0].row.size());
+  regression.outcomes.resize(num_rows);
+  regression.weights.resize(num_rows);
+  for (Eigen::Index i = 0; i < num_rows; ++i) {
+    const Case& made = cases[static_cast<size_t>(i)];
+    regression.rows.row(i) = made.row;
+    regression.outcomes(i) = made.outcome ? 1.0 : 0.0;
+    regression.weights(i) = made.weight;
+  }
+  regression.weights /= regression.weights.sum();
+  return regression.Solve();
+}
+
+inline void PrintWeights(const char* name, const Eigen::VectorXd& weights) {
+  std::printf("%s:", name);
+  for (const double weight : weights) {
+    std::printf(" %.2f", weight);
+  }
+  std::printf("\n");
+}
+
+// Runs fit(argc, argv), and says in one line what was wrong.
+template <typename Fit>
+int RunFit(const Fit& fit, int argc, char** argv) {
+  try {
+    fit(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "ERROR: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace tsar

@@ -1,0 +1,96 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/pipeline/measurement_support.h"
+#include "colmap_tsar/scene_planes/label_view.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace tsar {
+
+// The least confidence of a depth: 0 stands for no depth.
+inline constexpr float kMinConfidence = 0.01f;
+
+// On columns and pipes between their outlines.
+inline constexpr float kConfidenceOfCylinder = 0.9f;
+
+// How a depth of a composed map came about.
+enum class DepthKind : uint8_t {
+  kStanding,         // Measured, off its plane or where there is none.
+  kMoved,            // Measured on its plane.
+  kFilled,           // Not measured: on a plane that the view measured around,
+  kCarried,          // that other views measured there,
+  kGuessed,          // or nobody.
+  kMovedToCurved,    // Measured on a curved surface,
+  kFilledByCurved,   // or filled by one.
+  kInterpolated,
+};
+inline constexpr int kNumDepthKinds = 8;
+
+// LabelQuality of the superpixel of a depth, in numbers.
+struct LabelMeasures {
+  float strength = 0.f;
+  float confirmed = 0.f;
+  float uncertainty = 0.f;
+  float margin = 0.f;
+};
+
+// All that is known of a depth of a composed map.
+struct DepthEvidence {
+  DepthKind kind;
+  ViewVotes votes;
+  MeasurementSupport own;  // Where it stands.
+  LabelMeasures label;     // Where it lies on a plane.
+};
+
+// The terms of the regression: a constant for each kind, the votes, then what
+// only depths of some kinds have (docs/method.md, "Confidence";
+// benchmarks/fit_confidence.cc finds the weights).
+struct ConfidenceTerms {
+  static constexpr int kCount = kNumDepthKinds + 12;
+  float values[kCount] = {};
+
+  TSAR_HD explicit ConfidenceTerms(const DepthEvidence& depth) {
+    values[static_cast<int>(depth.kind)] = 1.f;
+    float* rest = values + kNumDepthKinds;
+    if (depth.kind == DepthKind::kStanding) {
+      const SupportTerms support(depth.own);
+      for (int i = 0; i < SupportTerms::kCount; ++i) {
+        rest[i] = support.values[i];
+      }
+      return;
+    }
+    rest += SupportTerms::kCount;
+    const float share = 1.f / static_cast<float>(1 + depth.votes.Count());
+    rest[0] = share * static_cast<float>(depth.votes.agreeing);
+    rest[1] = share * static_cast<float>(depth.votes.in_front);
+    rest[2] = share * static_cast<float>(depth.votes.behind);
+    if (depth.kind <= DepthKind::kGuessed) {
+      rest[3] = depth.label.strength;
+      rest[4] = depth.label.confirmed;
+      rest[5] = depth.label.uncertainty;
+      rest[6] = depth.label.margin;
+    }
+  }
+};
+
+// The probability that a depth is right to 1 %, from kMinConfidence to as much
+// below 1.
+TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
+  constexpr float kWeights[ConfidenceTerms::kCount] = {
+      -2.78f, -0.44f, -0.24f, -0.95f, -0.66f, 0.61f, -1.28f,
+      -2.32f, 0.12f,  0.77f,  2.65f,  -1.75f, -0.44f, 3.02f,
+      1.81f,  -0.10f, -1.75f, -2.08f, -3.35f, 4.71f};
+  const float log_odds =
+      WeighedSum(kWeights, ConfidenceTerms(depth).values);
+  const float odds = ExpOfNegative(-fabsf(log_odds));
+  const float probability = (log_odds > 0.f ? 1.f : odds) / (1.f + odds);
+  return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
+}
+
+}  // namespace tsar
