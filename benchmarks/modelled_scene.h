@@ -43,12 +43,11 @@ const T& AtSamePlace(const Image<T>& image,
 
 // A view of a modelled scene as composition sees it.
 struct ModelledImage {
-  int image = 0;
   Image<float> depth;  // That was measured.
   Image<float> truth;  // Of any size.
   DepthResolution resolution;
   FoundScene found;
-  std::unique_ptr<ViewVoter> voter;
+  std::vector<ObservedView> views;
   Intrinsics intrinsics;  // Of the map.
   Image<uint8_t> ratings;
   Image<uint16_t> superpixels;
@@ -71,7 +70,10 @@ struct ModelledImage {
             MeasurementRating::IsTrusted(ratings(x, y))};
   }
   Image<ViewVotes> CountVotes(const Image<float>& map, Device& device) const {
-    return voter->Count(DeviceImage<float>(device, map).View(), intrinsics)
+    return CountViewVotes({views, found.planes_of_sources},
+                          intrinsics,
+                          {DeviceImage<float>(device, map).View()},
+                          device)[0]
         .ToHost();
   }
 };
@@ -96,19 +98,19 @@ class ModelledScene {
 
   // As ComposeTask does it, with all other views as sources.
   ModelledImage Load(int image) const {
-    views_ = {Observed(image)};
+    ModelledImage result;
+    std::vector<ObservedView>& views = result.views;
+    views = {Observed(image)};
     std::vector<const ViewLabels*> labels = {&model_.views.at(image)};
     for (const auto& [other, of_other] : model_.views) {
       if (other != image) {
-        views_.push_back(Observed(other));
+        views.push_back(Observed(other));
         labels.push_back(&of_other);
       }
     }
     RefineOptions options;
     options.curved_surfaces = false;
-    ModelledImage result;
-    result.image = image;
-    result.found = FindScene(views_, model_.planes, labels, options, *device_);
+    result.found = FindScene(views, model_.planes, labels, options, *device_);
     const ViewData view = LoadView(workspace_, image);
     const ViewEvidence& evidence = evidence_.at(image);
     if (!view.depth.HasSizeOf(evidence.ratings)) {
@@ -131,11 +133,11 @@ class ModelledScene {
                        ConvertToLab(color.View(), *device_).View(),
                        depth.View(),
                        std::as_const(ratings).View(),
-                       views_[0].camera.GetIntrinsics(),
+                       views[0].camera.GetIntrinsics(),
                        evidence.resolution},
                       result.found.labeled.labels,
                       result.found.labeled.planes,
-                      MakeSceneOptions(options, views_).borders,
+                      MakeSceneOptions(options, views).borders,
                       *device_);
     DistrustFattened(refined.fattened.View(), ratings.View(), *device_);
     result.ratings = ratings.ToHost();
@@ -143,8 +145,6 @@ class ModelledScene {
     result.texture =
         ComputeTexture(ComputeGray(color.View(), *device_).View(), *device_)
             .ToHost();
-    result.voter = std::make_unique<ViewVoter>(
-        ViewSurfaces{views_, result.found.planes_of_sources}, *device_);
     return result;
   }
 
@@ -163,7 +163,6 @@ class ModelledScene {
   const SceneModel model_;
   const std::unique_ptr<Device> device_;
   std::map<int, ViewEvidence> evidence_;
-  mutable std::vector<ObservedView> views_;
 };
 
 // At most so many evenly spaced ones.

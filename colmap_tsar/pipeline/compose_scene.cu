@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -203,7 +204,7 @@ struct PlaneMapKernel {
 
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const ViewVoter& voter,
+                         const ViewSurfaces& surfaces,
                          const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
                          Device& device) {
@@ -226,11 +227,11 @@ ComposedMap ComposeScene(DepthNormalImages own,
                                own_depth.View(),
                                contested.View(),
                                rivals.View()});
-    const Intrinsics& intrinsics = inputs.scene_planes.intrinsics;
-    const DeviceImage<ViewVotes> votes =
-        voter.Count(contested.View(), intrinsics);
-    const DeviceImage<ViewVotes> votes_on_rivals =
-        voter.Count(rivals.View(), intrinsics);
+    const std::vector<DeviceImage<ViewVotes>> votes = CountViewVotes(
+        surfaces,
+        inputs.scene_planes.intrinsics,
+        {std::as_const(contested).View(), std::as_const(rivals).View()},
+        device);
     ParallelFor(device,
                 width,
                 height,
@@ -239,8 +240,8 @@ ComposedMap ComposeScene(DepthNormalImages own,
                               options.min_log_odds,
                               std::as_const(contested).View(),
                               std::as_const(rivals).View(),
-                              votes.View(),
-                              votes_on_rivals.View(),
+                              votes[0].View(),
+                              votes[1].View(),
                               own_depth.View()});
   }
   ParallelFor(device,
@@ -256,10 +257,13 @@ ComposedMap ComposeScene(DepthNormalImages own,
 
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
-                                       const ViewVoter& voter,
+                                       const ViewSurfaces& surfaces,
                                        Device& device) {
-  const DeviceImage<ViewVotes> votes = voter.Count(
-      composed.map.depth.View(), inputs.scene_planes.intrinsics);
+  const std::vector<DeviceImage<ViewVotes>> votes =
+      CountViewVotes(surfaces,
+                     inputs.scene_planes.intrinsics,
+                     {composed.map.depth.View()},
+                     device);
   DeviceImage<float> confidence(
       device, inputs.ratings.width, inputs.ratings.height);
   ParallelFor(device,
@@ -268,7 +272,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
               SceneConfidenceKernel{inputs,
                                     composed.map.depth.View(),
                                     composed.provenance.View(),
-                                    votes.View(),
+                                    votes[0].View(),
                                     confidence.View()});
   return confidence;
 }

@@ -69,7 +69,7 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
 // own: the measured hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
-                         const ViewVoter& voter,
+                         const ViewSurfaces& surfaces,
                          const DepthResolution& resolution,
                          const ComposeSceneOptions& options,
                          Device& device);
@@ -77,7 +77,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
 // The probability that each depth is right to 1 %; 0 where there is none.
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
-                                       const ViewVoter& voter,
+                                       const ViewSurfaces& surfaces,
                                        Device& device);
 
 // The depth of the plane that a raster has at a pixel of the map; 0 where it

@@ -199,13 +199,13 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
 
 int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters) {
-  // The pixels of each superpixel, their rays and colours, and what sorting
-  // them takes.
-  const int64_t pixels = 23 * size.num_pixels + (1 << 16);
+  // The pixels of each superpixel and of each region of one colour, their rays
+  // and colours, and what sorting them or drawing a source takes.
+  const int64_t pixels = 31 * size.num_pixels + (1 << 16);
   const int64_t num_costs = size.num_superpixels * size.num_planes;
   const int64_t of_source =
       256 + (rasters.confident_depth ? 7 * size.num_pixels : 0) +
-      (rasters.superpixels ? 2 * size.num_pixels + 8 * size.num_superpixels +
+      (rasters.superpixels ? 6 * size.num_pixels + 8 * size.num_superpixels +
                                  16 * size.num_planes
                            : 0);
   // Observations by the cells of planes; no cell is without one.
@@ -216,7 +216,8 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
   return pixels + (size.num_views - 1) * of_source +
          64 * (size.num_superpixels + size.num_planes) +
          24 * size.num_observations + 16 * num_cells +
-         num_costs * static_cast<int64_t>(sizeof(PlaneCost) + sizeof(float));
+         num_costs *
+             static_cast<int64_t>(sizeof(PlaneCost) + 3 * sizeof(float));
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

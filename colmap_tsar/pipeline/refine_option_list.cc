@@ -324,6 +324,13 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        .min = 0.0,
        .max = 1.0,
        .is_option = true},
+      {TSAR_FIELD(min_fill_confidence),
+       .description =
+           "Leave pixels empty that were not measured and whose depth would "
+           "have less confidence than this. 0 fills as much as possible. With "
+           "scene_planes.",
+       .min = 0.0,
+       .max = 1.0},
       {TSAR_FIELD(sigma_maps),
        .description =
            "Write stereo/sigma_maps: how far each depth may be off, as a "

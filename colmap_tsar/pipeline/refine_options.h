@@ -75,8 +75,10 @@ struct RefineOptions {
   double min_scene_plane = 100.0;
   double unlabelled_cost = 0.02;
 
-  // Depths of less confidence are left out.
+  // Depths of less confidence are left out, and those of less than the second
+  // where the pixel was not measured.
   double min_confidence = 0.0;
+  double min_fill_confidence = 0.15;
 
   // Whether standard deviations of depths are written, too.
   bool sigma_maps = true;

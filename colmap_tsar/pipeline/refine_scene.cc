@@ -300,10 +300,10 @@ RefineResult ComposeImage(
                                   device_superpixels.View(),
                                   of_superpixel.Data(),
                                   texture.View()};
-  const ViewVoter voter({views, found.planes_of_sources}, device);
+  const ViewSurfaces surfaces{views, found.planes_of_sources};
   ComposedMap composed = ComposeScene(std::move(view.hypotheses),
                                       inputs,
-                                      voter,
+                                      surfaces,
                                       evidence.resolution,
                                       scene.composition,
                                       device);
@@ -323,9 +323,10 @@ RefineResult ComposeImage(
             &composed,
             device);
   DeviceImage<float> confidence =
-      RateSceneConfidence(composed, inputs, voter, device);
+      RateSceneConfidence(composed, inputs, surfaces, device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
+               static_cast<float>(options.min_fill_confidence),
                &composed,
                &confidence,
                device);

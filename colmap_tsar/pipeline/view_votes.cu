@@ -11,7 +11,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -63,34 +62,34 @@ struct VoteKernel {
 
 }  // namespace
 
-ViewVoter::ViewVoter(const ViewSurfaces& surfaces, Device& device)
-    : device_(device) {
+std::vector<DeviceImage<ViewVotes>> CountViewVotes(
+    const ViewSurfaces& surfaces,
+    const Intrinsics& intrinsics,
+    const std::vector<ImageView<const float>>& depths,
+    Device& device) {
   const std::vector<ObservedView>& views = surfaces.views;
-  for (size_t j = 1; j < views.size(); ++j) {
-    DeviceImage<float> seen =
-        SeenDepth(views[j], surfaces.planes_of_sources[j - 1], device);
-    DeviceImage<float> front =
-        DrawIntoReference(views[0], views[j], seen.View(), device);
-    sources_.push_back({MakeObservedSource(views[0], views[j]),
-                        std::move(seen),
-                        std::move(front)});
+  std::vector<DeviceImage<ViewVotes>> votes;
+  for (const ImageView<const float>& map : depths) {
+    votes.emplace_back(device, map.width, map.height);
+    Fill(device, votes.back().View().data, map.NumPixels(), ViewVotes{});
   }
-}
-
-DeviceImage<ViewVotes> ViewVoter::Count(ImageView<const float> depth,
-                                        const Intrinsics& intrinsics) const {
-  DeviceImage<ViewVotes> votes(device_, depth.width, depth.height);
-  Fill(device_, votes.View().data, depth.NumPixels(), ViewVotes{});
-  for (const Source& source : sources_) {
-    ParallelFor(device_,
-                depth.width,
-                depth.height,
-                VoteKernel{depth,
-                           intrinsics,
-                           source.front.View(),
-                           source.view,
-                           source.seen.View(),
-                           votes.View()});
+  for (size_t j = 1; j < views.size(); ++j) {
+    const DeviceImage<float> seen =
+        SeenDepth(views[j], surfaces.planes_of_sources[j - 1], device);
+    const DeviceImage<float> front =
+        DrawIntoReference(views[0], views[j], seen.View(), device);
+    const ObservedSource source = MakeObservedSource(views[0], views[j]);
+    for (size_t map = 0; map < depths.size(); ++map) {
+      ParallelFor(device,
+                  depths[map].width,
+                  depths[map].height,
+                  VoteKernel{depths[map],
+                             intrinsics,
+                             front.View(),
+                             source,
+                             seen.View(),
+                             votes[map].View()});
+    }
   }
   return votes;
 }

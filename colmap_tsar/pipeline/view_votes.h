@@ -10,7 +10,6 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/observed_source.h"
 
 #include <cstdint>
 #include <vector>
@@ -38,25 +37,12 @@ struct ViewSurfaces {
   const std::vector<std::vector<Plane>>& planes_of_sources;
 };
 
-// The surfaces of all sources, drawn once for all that is asked of them.
-class ViewVoter {
- public:
-  ViewVoter(const ViewSurfaces& surfaces, Device& device);
-
-  // The votes of all sources on the depths of a map of the reference with these
-  // intrinsics; none where a depth is 0.
-  DeviceImage<ViewVotes> Count(ImageView<const float> depth,
-                               const Intrinsics& intrinsics) const;
-
- private:
-  struct Source {
-    ObservedSource view;
-    DeviceImage<float> seen;   // On its raster: see SeenDepth().
-    DeviceImage<float> front;  // In the reference: see DrawIntoReference().
-  };
-
-  Device& device_;
-  std::vector<Source> sources_;
-};
+// The votes of all sources on the depths of some maps of the reference, which
+// have one size and these intrinsics; no votes where a depth is 0.
+std::vector<DeviceImage<ViewVotes>> CountViewVotes(
+    const ViewSurfaces& surfaces,
+    const Intrinsics& intrinsics,
+    const std::vector<ImageView<const float>>& depths,
+    Device& device);
 
 }  // namespace tsar

@@ -73,6 +73,9 @@ struct RegionColorKernel {
                          const Plane& plane,
                          int region) const {
     const int num_pixels = regions.Count(region);
+    if (num_pixels == 0) {
+      return -1.f;
+    }
     const int num_tests = sampling.NumTests(num_pixels);
     float sum = 0.f;
     int num_seen = 0;

@@ -53,8 +53,8 @@ std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
     const int ay = y - (kReach - 1) * dy;
     const int bx = x + kReach * dx;
     const int by = y + kReach * dy;
-    if (first == second || ax < 0 || ay < 0 || bx >= color.Width() ||
-        by >= color.Height()) {
+    if (first == second || ax < 0 || ay < 0 || bx >= superpixels.Width() ||
+        by >= superpixels.Height()) {
       return;
     }
     const Vec3f step =
@@ -66,8 +66,8 @@ std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
     back.step = back.step - step;
     ++back.count;
   };
-  for (int y = 0; y + 1 < color.Height(); ++y) {
-    for (int x = 0; x + 1 < color.Width(); ++x) {
+  for (int y = 0; y + 1 < superpixels.Height(); ++y) {
+    for (int x = 0; x + 1 < superpixels.Width(); ++x) {
       compare(x, y, 1, 0);
       compare(x, y, 0, 1);
     }

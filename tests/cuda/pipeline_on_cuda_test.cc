@@ -79,7 +79,6 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         const Plane nearer = {wall.normal, 0.8f * wall.offset};
         // In squares: the wall; one off which the depths lie; none.
         Image<Plane> scene(raster.width, raster.height);
-        Image<Plane> regions(raster.width, raster.height);
         Image<uint16_t> superpixels(raster.width, raster.height);
         Philox random(22, 0, 0);
         for (int y = 0; y < raster.height; ++y) {
@@ -88,7 +87,6 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
             scene(x, y) = square % 3 == 0   ? wall
                           : square % 3 == 1 ? nearer
                                             : Plane{};
-            regions(x, y) = x % 3 == 0 ? nearer : Plane{};
             superpixels(x, y) = static_cast<uint16_t>(random.NextBelow(40));
           }
         }
@@ -96,9 +94,8 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         for (int k = 0; k < 40; ++k) {
           of_superpixel.push_back(
               {static_cast<LabelEvidence>(k % 4),
-               {0.01f * k, 0.02f * k},
+               {0.01f * k, 0.02f * k, 0.025f * k, 0.03f * k},
                {1e-5f * k, 2e-6f, -3e-6f, 1e-6f * k, 4e-6f, 5e-6f},
-               0.02f * k,
                k % 7 == 0});
         }
         // Three depths of four are trusted.
@@ -131,29 +128,24 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         const DeviceImage<uint16_t> device_superpixels(device, superpixels);
         const Buffer<ComposedSuperpixel> device_of_superpixel(device,
                                                               of_superpixel);
-        const DeviceImage<Plane> region_planes(device, regions);
         const ComposeSceneInputs scene_inputs{device_ratings.View(),
                                               inputs.views.OnMap(scene_planes),
                                               device_superpixels.View(),
                                               device_of_superpixel.Data(),
-                                              inputs.views.OnMap(region_planes),
                                               device_texture.View()};
-        DeviceImage<float> own_confidence;
+        const ViewSurfaces surfaces{observed, planes_of_sources};
         ComposedMap composed = ComposeScene(inputs.views.TakeHypotheses(),
                                             scene_inputs,
-                                            {observed, planes_of_sources},
+                                            surfaces,
                                             inputs.views.Scale(),
                                             {},
-                                            &own_confidence,
                                             device);
-        const ImageView<const float> of_own =
-            std::as_const(own_confidence).View();
         result->Add("depth", composed.map.depth);
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
         result->Add(
             "confidence",
-            RateSceneConfidence(composed, scene_inputs, of_own, device));
+            RateSceneConfidence(composed, scene_inputs, surfaces, device));
         const auto sigma = [&] {
           return ComputeSceneSigma(
               composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
@@ -164,9 +156,9 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
         DeviceImage<float> confidence =
-            RateSceneConfidence(composed, scene_inputs, of_own, device);
+            RateSceneConfidence(composed, scene_inputs, surfaces, device);
         result->Add("confidence of filled pixels", confidence);
-        DropDoubtful(0.35f, &composed, &confidence, device);
+        DropDoubtful(0.35f, 0.5f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);
         result->Add("confidence above a limit", confidence);
         result->Add("sigma above a limit", sigma());

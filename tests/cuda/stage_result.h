@@ -61,8 +61,7 @@ class StageResult {
   }
   static void Append(const LabelQuality& value, std::vector<double>* values) {
     values->insert(values->end(),
-                   {value.explained.Value(),
-                    value.strength.Value(),
+                   {value.strength.Value(),
                     value.confirmed.Value(),
                     value.uncertainty.Value(),
                     value.margin.Value()});

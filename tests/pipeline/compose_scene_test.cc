@@ -7,7 +7,9 @@
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
+#include <memory>
 #include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,12 +23,17 @@ constexpr int kHeight = 6;
 constexpr Vec3f kOwnNormal{0.f, 0.6f, -0.8f};
 constexpr Vec3f kPlaneNormal{0.f, 0.f, -1.f};
 constexpr float kScene = 5.f;
-constexpr float kRegion = 7.f;
 
 // Off all planes by far.
 constexpr float kOff = 4.f;
 // Of every superpixel.
-constexpr SurfaceConfidence kConfidence = {.moved = 0.9f, .filled = 0.6f};
+constexpr LabelMeasures kLabel = {
+    .strength = 0.5f, .confirmed = 0.2f, .uncertainty = 0.1f, .margin = 0.4f};
+
+// Of a depth on a plane that no other view sees.
+float ConfidenceOnPlane(DepthKind kind, const LabelMeasures& label = kLabel) {
+  return ConfidenceOf({kind, {}, {}, label});
+}
 
 struct Result {
   Image<float> depth;
@@ -54,7 +61,7 @@ class ComposeSceneTest : public testing::Test {
     return Image<Plane>(kWidth, kHeight, PlaneAt(depth));
   }
   void SetAllEvidence(LabelEvidence evidence) {
-    of_superpixel_.assign(of_superpixel_.size(), {evidence, kConfidence});
+    of_superpixel_.assign(of_superpixel_.size(), {evidence, kLabel});
   }
 
   void Measure(int x, int y, float depth) {
@@ -80,10 +87,9 @@ class ComposeSceneTest : public testing::Test {
             on_map(scene_),
             superpixels_.View(),
             of_superpixel_.data(),
-            on_map(region_),
             texture_.View()};
   }
-  ComposedMap ComposeOnDevice(DeviceImage<float>* own_confidence) const {
+  ComposedMap ComposeOnDevice() const {
     Image<Vec3f> normal(own_.Width(), own_.Height());
     for (size_t i = 0; i < own_.NumPixels(); ++i) {
       normal.Data()[i] = own_.Data()[i] > 0.f ? kOwnNormal : Vec3f{};
@@ -91,24 +97,19 @@ class ComposeSceneTest : public testing::Test {
     DepthNormalImages own;
     own.depth = DeviceImage<float>(*device_, own_);
     own.normal = DeviceImage<Vec3f>(*device_, normal);
-    return ComposeScene(std::move(own),
-                        Inputs(),
-                        {views_, {}},
-                        scale_,
-                        options_,
-                        own_confidence,
-                        *device_);
+    return ComposeScene(
+        std::move(own), Inputs(), {views_, {}}, scale_, options_, *device_);
   }
   Result Compose() const {
-    DeviceImage<float> own_confidence;
-    const ComposedMap composed = ComposeOnDevice(&own_confidence);
-    return {
-        composed.map.depth.ToHost(),
-        composed.map.normal.ToHost(),
-        composed.provenance.ToHost(),
-        RateSceneConfidence(
-            composed, Inputs(), std::as_const(own_confidence).View(), *device_)
-            .ToHost()};
+    const ComposedMap composed = ComposeOnDevice();
+    return {composed.map.depth.ToHost(),
+            composed.map.normal.ToHost(),
+            composed.provenance.ToHost(),
+            Rate(composed)};
+  }
+  Image<float> Rate(const ComposedMap& composed) const {
+    return RateSceneConfidence(composed, Inputs(), {views_, {}}, *device_)
+        .ToHost();
   }
 
   static void Expect(const Result& result,
@@ -146,8 +147,7 @@ class ComposeSceneTest : public testing::Test {
   // Each pixel is one.
   Image<uint16_t> superpixels_{kWidth, kHeight};
   std::vector<ComposedSuperpixel> of_superpixel_{
-      kWidth * kHeight, {LabelEvidence::kNone, kConfidence}};
-  Image<Plane> region_{kWidth, kHeight};
+      kWidth * kHeight, {LabelEvidence::kNone, kLabel}};
   Image<float> texture_{kWidth, kHeight, 10.f};
   ViewEvidence evidence_;
   std::vector<ObservedView> views_;
@@ -165,27 +165,28 @@ TEST_F(ComposeSceneTest, NothingIsMadeOfNothing) {
 }
 
 TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabelled) {
-  region_ = PlanesAt(kRegion);
   for (int x = 0; x < 4; ++x) {
     scene_(x, 0) = PlaneAt(kScene);
-    of_superpixel_[static_cast<size_t>(x)] = {
-        static_cast<LabelEvidence>(x),
-        {.moved = 0.1f * x, .filled = 0.11f * x}};
+    of_superpixel_[static_cast<size_t>(x)] = {static_cast<LabelEvidence>(x),
+                                              {.margin = 0.1f * x}};
   }
   // As good as on the plane, and not trusted.
   Measure(3, 0, 5.03f);
   MeasureWithoutTrust(1, 0, 5.03f);
   const Result result = Compose();
-  Expect(result, 1, 0, kScene, kPlaneNormal, Provenance::kGuessed, 0.11f);
-  Expect(result, 2, 0, kScene, kPlaneNormal, Provenance::kOtherViews, 0.22f);
-  Expect(result, 3, 0, kScene, kPlaneNormal, Provenance::kMeasured, 0.3f);
-  Expect(result,
-         4,
-         0,
-         kRegion,
-         kPlaneNormal,
-         Provenance::kRegionPlane,
-         kConfidenceOfRegion);
+  const auto expect = [&](int x, Provenance provenance, DepthKind kind) {
+    Expect(result,
+           x,
+           0,
+           kScene,
+           kPlaneNormal,
+           provenance,
+           ConfidenceOnPlane(kind, {.margin = 0.1f * x}));
+  };
+  expect(1, Provenance::kGuessed, DepthKind::kGuessed);
+  expect(2, Provenance::kOtherViews, DepthKind::kCarried);
+  expect(3, Provenance::kMeasured, DepthKind::kMoved);
+  Expect(result, 4, 0, 0.f, {}, Provenance::kNone, 0.f);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kGuessed), 1);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kCarried), 2);
 }
@@ -199,7 +200,7 @@ TEST_F(ComposeSceneTest, WhatTheViewSeesItselfIsAPlaneOfARegion) {
          kScene,
          kPlaneNormal,
          Provenance::kRegionPlane,
-         kConfidence.filled);
+         ConfidenceOnPlane(DepthKind::kFilled));
 }
 
 // What the views say decides between two surfaces: see ViewVotesTest for how
@@ -225,7 +226,7 @@ TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
            kScene,
            kPlaneNormal,
            Provenance::kOtherViews,
-           kConfidence.filled);
+           ConfidenceOnPlane(DepthKind::kCarried));
   }
 }
 
@@ -243,13 +244,12 @@ TEST_F(ComposeSceneTest, ADepthThatGivesWayToAPlaneNearbyMovesOntoIt) {
          kScene,
          kPlaneNormal,
          Provenance::kMeasured,
-         kConfidence.moved);
+         ConfidenceOnPlane(DepthKind::kMoved));
   EXPECT_EQ(result.provenance(4, 2),
             static_cast<uint8_t>(Provenance::kGuessed));
 }
 
 TEST_F(ComposeSceneTest, WhereThereIsNoPlaneMeasurementsStand) {
-  region_ = PlanesAt(kRegion);
   options_.min_log_odds = 100.f;
   Measure(2, 2, kOff);
   MeasureWithoutTrust(4, 2, kOff, Confirmation::kDistinct);
@@ -257,23 +257,7 @@ TEST_F(ComposeSceneTest, WhereThereIsNoPlaneMeasurementsStand) {
   const Result result = Compose();
   ExpectMeasured(result, 2, 2, kOff);
   ExpectMeasured(result, 4, 2, kOff);
-  EXPECT_FLOAT_EQ(result.depth(6, 2), kRegion);
-}
-
-TEST_F(ComposeSceneTest, RegionsCountOnlyWhereTheSceneHasNoPlane) {
-  region_ = PlanesAt(kRegion);
-  scene_(0, 0) = PlaneAt(kScene);
-  Measure(4, 4, kOff);
-  const Result result = Compose();
-  EXPECT_FLOAT_EQ(result.depth(0, 0), kScene);
-  ExpectMeasured(result, 4, 4, kOff);
-  Expect(result,
-         1,
-         0,
-         kRegion,
-         kPlaneNormal,
-         Provenance::kRegionPlane,
-         kConfidenceOfRegion);
+  EXPECT_EQ(result.depth(6, 2), 0.f);
 }
 
 TEST_F(ComposeSceneTest, TheToleranceGrowsWithTheErrorOfADepth) {
@@ -290,17 +274,68 @@ TEST_F(ComposeSceneTest, TheToleranceGrowsWithTheErrorOfADepth) {
 }
 
 TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
+  scene_(1, 1) = PlaneAt(kScene);
   Image<uint8_t> filled(kWidth, kHeight);
   filled(1, 1) = 1;
-  DeviceImage<float> own_confidence;
-  ComposedMap composed = ComposeOnDevice(&own_confidence);
+  ComposedMap composed = ComposeOnDevice();
   MarkInterpolated(std::as_const(filled).View(), &composed, *device_);
   const Image<float> confidence =
-      RateSceneConfidence(
-          composed, Inputs(), std::as_const(own_confidence).View(), *device_)
-          .ToHost();
-  EXPECT_FLOAT_EQ(confidence(1, 1), kConfidenceOfInterpolated);
+      Rate(composed);
+  EXPECT_FLOAT_EQ(confidence(1, 1),
+                  ConfidenceOnPlane(DepthKind::kInterpolated));
   EXPECT_EQ(confidence(0, 0), 0.f);
+}
+
+TEST(DepthConfidenceTest, ValuesAreProbabilities) {
+  for (int kind = 0; kind < kNumDepthKinds; ++kind) {
+    for (const float value : {0.f, 1.f}) {
+      for (const ViewVotes& votes :
+           {ViewVotes{}, ViewVotes{20, 0, 0}, ViewVotes{0, 20, 20}}) {
+        const float confidence = ConfidenceOf({static_cast<DepthKind>(kind),
+                                               votes,
+                                               {votes, 100.f * value, true},
+                                               {value, value, value, value}});
+        EXPECT_GE(confidence, kMinConfidence);
+        EXPECT_LE(confidence, 1.f - kMinConfidence);
+      }
+    }
+  }
+}
+
+TEST(DepthConfidenceTest, ViewsThatAgreeRaiseItForEveryKind) {
+  for (int kind = 0; kind < kNumDepthKinds; ++kind) {
+    const auto with = [&](const ViewVotes& votes) {
+      return ConfidenceOf({static_cast<DepthKind>(kind),
+                           votes,
+                           {votes, 5.f, false},
+                           kLabel});
+    };
+    EXPECT_GT(with({4, 0, 0}), with({}));
+    EXPECT_GT(with({4, 0, 0}), with({4, 0, 4}));
+  }
+}
+
+TEST(DepthConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
+  for (const DepthKind kind : {DepthKind::kMoved,
+                               DepthKind::kFilled,
+                               DepthKind::kCarried,
+                               DepthKind::kGuessed}) {
+    LabelMeasures better = kLabel;
+    better.margin += 0.2f;
+    EXPECT_GT(ConfidenceOnPlane(kind, better), ConfidenceOnPlane(kind));
+    LabelMeasures worse = kLabel;
+    worse.uncertainty += 0.5f;
+    EXPECT_LT(ConfidenceOnPlane(kind, worse), ConfidenceOnPlane(kind));
+  }
+}
+
+TEST(DepthConfidenceTest, TrustAndTextureRaiseItWhereAMeasurementStands) {
+  const auto standing = [](float texture, bool is_trusted) {
+    return ConfidenceOf(
+        {DepthKind::kStanding, {}, {{}, texture, is_trusted}, {}});
+  };
+  EXPECT_GT(standing(10.f, false), standing(1.f, false));
+  EXPECT_GT(standing(1.f, true), standing(1.f, false));
 }
 
 }  // namespace

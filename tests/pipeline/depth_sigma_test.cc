@@ -57,7 +57,6 @@ class DepthSigmaTest : public testing::Test {
         {planes.View(), Intrinsics{10.f, 10.f, 0.f, 0.f}, kWidth, 1},
         superpixels.View(),
         of_superpixel_.data(),
-        {},
         {}};
     ComposedMap composed;
     composed.map.depth = DeviceImage<float>(*device_, depth_);

@@ -25,8 +25,12 @@ RefinedMaps FillAroundOnePixel(const RefineOptions& options) {
   map.map.depth = DeviceImage<float>(*device, depth);
   map.map.normal = DeviceImage<Vec3f>(*device, normal);
   map.provenance = DeviceImage<uint8_t>(*device, provenance);
-  FillHoles(
-      color.View(), Intrinsics{20.f, 20.f, 10.f, 10.f}, options, &map, *device);
+  FillHoles(color.View(),
+            Intrinsics{20.f, 20.f, 10.f, 10.f},
+            options,
+            /*num_iterations=*/1,
+            &map,
+            *device);
   RefinedMaps maps;
   maps.depth = map.map.depth.ToHost();
   maps.provenance = map.provenance.ToHost();
@@ -35,7 +39,6 @@ RefinedMaps FillAroundOnePixel(const RefineOptions& options) {
 
 TEST(FillHoles, LeavesWideHolesUnlessAskedToFillThem) {
   RefineOptions options;
-  options.num_iterations = 1;
   for (const bool fills : {false, true}) {
     options.fill_wide_holes = fills;
     const RefinedMaps maps = FillAroundOnePixel(options);
@@ -53,7 +56,6 @@ TEST(FillHoles, LeavesWideHolesUnlessAskedToFillThem) {
 TEST(FillHoles, DistancesInPixelsEndWhereNoWeightIsLeft) {
   // A map of 21 pixels stands for one of 3110: its next pixel is 148 away.
   RefineOptions options;
-  options.num_iterations = 1;
   options.fill_wide_holes = true;
   options.pixel_distances = true;
   EXPECT_EQ(FillAroundOnePixel(options).depth(kMiddle + 1, kMiddle), 0.f);

@@ -229,42 +229,6 @@ TEST_F(RefineSceneTest, TheViewsEvidenceAloneWillDo) {
   ExpectSoundMaps(result.maps);
 }
 
-// Without a plane of the scene there is that of the region, but not beyond the
-// crease at which the scene's plane ends.
-TEST_F(RefineSceneTest, RegionsBeyondCreasesStayEmpty) {
-  const auto evidence = Observe(drawn_.views.size());
-  std::vector<ObservedView> views;
-  for (size_t i = 0; i < evidence.size(); ++i) {
-    views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
-  }
-  RefineOptions options;
-  options.pixel_borders = false;
-  options.weighted_median = false;  // It fills holes.
-  FoundScene found = FindSceneIn(views, options, *device_);
-  const auto compose = [&](LabelEvidence label) {
-    for (size_t s = 0; s < found.labeled.labels.size(); ++s) {
-      found.labeled.labels[s] = -1;
-      found.labeled.evidence[s] = label;
-      found.curved.evidence[s] = label;
-    }
-    return ComposeImage(drawn_.views[0], {}, views, found, options, *device_)
-        .maps;
-  };
-  const auto num_filled = [&](const RefinedMaps& maps) {
-    int count = 0;
-    for (int y = 0; y < Before().Height(); ++y) {
-      for (int x = 0; x < Before().Width(); ++x) {
-        count += Before()(x, y) == 0.f && maps.depth(x, y) > 0.f ? 1 : 0;
-      }
-    }
-    return count;
-  };
-  EXPECT_GT(num_filled(compose(LabelEvidence::kNone)), 500);
-  const RefinedMaps bounded = compose(LabelEvidence::kBounded);
-  ExpectSoundMaps(bounded);
-  EXPECT_EQ(num_filled(bounded), 0);
-}
-
 TEST_F(RefineSceneTest, EverySwitchLeavesSoundMaps) {
   RefineOptions list;
   const size_t num_fields = ListRefineFields(&list).size();

@@ -111,22 +111,16 @@ TEST(MeasurementSupportTest, WhatSpeaksForADepthRaisesItsOdds) {
   const MeasurementSupport support = {{2, 1, 1}, 5.f, false};
   const Rival plane = {{2, 1, 1}, 5.f, 0.3f};
   const float odds = LogOddsAgainst(plane, support);
-  const float probability = ProbabilityOf(support, true);
-  EXPECT_GT(probability, 0.f);
-  EXPECT_LT(probability, 1.f);
   MeasurementSupport more = support;
   more.votes.agreeing = 6;
   EXPECT_GT(LogOddsAgainst(plane, more), odds);
-  EXPECT_GT(ProbabilityOf(more, true), probability);
   more = support;
   more.is_trusted = true;
   EXPECT_GT(LogOddsAgainst(plane, more), odds);
-  EXPECT_GT(ProbabilityOf(more, true), probability);
   for (const ViewVotes& votes : {ViewVotes{2, 5, 1}, ViewVotes{2, 1, 5}}) {
     MeasurementSupport less = support;
     less.votes = votes;
     EXPECT_LT(LogOddsAgainst(plane, less), odds);
-    EXPECT_LT(ProbabilityOf(less, true), probability);
   }
   // What speaks for the plane speaks against it.
   Rival better = plane;

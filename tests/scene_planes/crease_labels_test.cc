@@ -48,23 +48,6 @@ class CreaseLabelsTest : public DrawnWallTest {
     return Votes(Image<PlaneCost>(3, kNumSuperpixels));
   }
 
-  // On the wall everywhere, but above the crease on `above` times its depth.
-  void MeasureWall(double above, bool is_measured_above) {
-    Measure(
-        camera_,
-        [&](const Eigen::Vector3d& point) {
-          const double depth = DepthOf(camera_, point);
-          return point.y() < kCrease ? Depth{above * depth, is_measured_above}
-                                     : Depth{depth};
-        },
-        &evidence_);
-  }
-
-  int NumObservations(const ViewEvidence& evidence, int s) const {
-    return evidence.first_observation[static_cast<size_t>(s) + 1] -
-           evidence.first_observation[static_cast<size_t>(s)];
-  }
-
   Camera camera_;
   ViewEvidence evidence_;
   std::vector<BoundingCrease> creases_;
@@ -223,70 +206,6 @@ TEST_F(CreaseLabelsTest, ACameraAboveTheCeilingSeesNothingBeyond) {
     EXPECT_EQ(votes(0, s), 0.f) << s;
     EXPECT_FLOAT_EQ(votes(1, s), kPixels) << s;
   }
-}
-
-TEST_F(CreaseLabelsTest, TheRegionOfTheEndingPlaneIsCutAtTheCrease) {
-  MeasureWall(/*above=*/1.0, /*is_measured_above=*/false);
-  const ViewEvidence cut = Make().WithoutRegionsBeyond();
-  ASSERT_EQ(cut.NumSuperpixels(), kNumSuperpixels);
-  ASSERT_EQ(cut.observations.size(), cut.is_measured.size());
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    SCOPED_TRACE(s);
-    const auto i = static_cast<size_t>(s);
-    if (!IsBeyond(s)) {
-      EXPECT_EQ(NumObservations(cut, s), NumObservations(evidence_, s));
-      EXPECT_EQ(cut.weights[i], evidence_.weights[i]);
-    } else {
-      // Those of the crease's own row of superpixels are measured in part.
-      EXPECT_LT(NumObservations(cut, s), NumObservations(evidence_, s));
-      EXPECT_FLOAT_EQ(cut.weights[i], 2.f * NumObservations(cut, s));
-      for (int k = cut.first_observation[i]; k < cut.first_observation[i + 1];
-           ++k) {
-        EXPECT_EQ(cut.is_measured[static_cast<size_t>(k)], 1);
-      }
-    }
-  }
-  EXPECT_EQ(NumObservations(cut, 0), 0);
-  EXPECT_EQ(cut.weights[0], 0.f);
-}
-
-TEST_F(CreaseLabelsTest, OtherRegionsAndMeasurementsStay) {
-  // A region on another plane, twenty pixels of disparity before the wall; and
-  // measurements on the wall itself.
-  for (const auto& [above, is_measured] :
-       {std::pair(0.9, false), std::pair(1.0, true)}) {
-    MeasureWall(above, is_measured);
-    const ViewEvidence cut = Make().WithoutRegionsBeyond();
-    EXPECT_EQ(cut.first_observation, evidence_.first_observation);
-    EXPECT_EQ(cut.weights, evidence_.weights);
-    EXPECT_EQ(cut.is_measured, evidence_.is_measured);
-  }
-  // A copy of the wall's plane is the wall's.
-  MeasureWall(1.01, false);
-  EXPECT_LT(Make().WithoutRegionsBeyond().observations.size(),
-            evidence_.observations.size());
-}
-
-TEST_F(CreaseLabelsTest, MarksWhatGotNoPlaneBeyond) {
-  std::vector<int> labels = AllOn(-1);
-  labels[1] = 1;
-  std::vector<LabelEvidence> evidence(kNumSuperpixels, LabelEvidence::kNone);
-  evidence[1] = LabelEvidence::kGuessed;
-  Make().MarkBounded(labels, &evidence);
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    EXPECT_EQ(evidence[static_cast<size_t>(s)],
-              s == 1        ? LabelEvidence::kGuessed
-              : IsBeyond(s) ? LabelEvidence::kBounded
-                            : LabelEvidence::kNone)
-        << s;
-  }
-}
-
-TEST_F(CreaseLabelsTest, MarksNothingWhereAnotherRegionStands) {
-  MeasureWall(0.9, false);
-  std::vector<LabelEvidence> evidence(kNumSuperpixels, LabelEvidence::kNone);
-  Make().MarkBounded(AllOn(-1), &evidence);
-  EXPECT_EQ(evidence[0], LabelEvidence::kNone);
 }
 
 }  // namespace

@@ -69,24 +69,6 @@ TEST_F(CurvedSurfacesTest, OtherViewsCarryWhatTheySawToo) {
   EXPECT_EQ(Find().evidence[5 * kNumColumns + 7], LabelEvidence::kCarried);
 }
 
-TEST_F(CurvedSurfacesTest, ThePlaneOfARegionKeepsASurfaceOut) {
-  Measure([](const Vec3f& ray) { return Round(10.f, ray, false); });
-  Clear(6, 4, 9, 7);
-  inputs_.region_planes = Image<Plane>(kWidth, kHeight);
-  for (int y = 4 * kSize; y < 8 * kSize; ++y) {
-    for (int x = 6 * kSize; x < 10 * kSize; ++x) {
-      inputs_.region_planes(x, y) = DrawnPlane({0.f, 0.f, -1.f}, 4.5f);
-    }
-  }
-  const CurvedView view = Find();
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    const int row = s / kNumColumns;
-    const int column = s % kNumColumns;
-    const bool is_region = row >= 4 && row < 8 && column >= 6 && column < 10;
-    EXPECT_EQ(view.labels[s] < 0, is_region) << row << " " << column;
-  }
-}
-
 TEST_F(CurvedSurfacesTest, DoesNotDependOnTheUnit) {
   Measure([](const Vec3f& ray) {
     return ray.x < 0.2f ? Round(10.f, ray, false) : 6.f;

@@ -98,6 +98,16 @@ TEST_F(LabelVotesTest, NothingIsInFrontOfWhatAViewSees) {
   EXPECT_EQ(Vote(3), 0.f);
 }
 
+TEST_F(LabelVotesTest, NothingLiesBehindWhatSeveralViewsSee) {
+  AddSource(0);
+  AddSource(0);
+  EXPECT_NEAR(Vote(3), 2.f * options_.cost_of_hidden, 1e-5f);
+  EXPECT_NEAR(Vote(1), 2.f * options_.cost_of_hiding, 1e-5f);
+  // A label that was not measured hides nothing.
+  labels_[1].strengths.assign(kNumSuperpixels, 0.3f);
+  EXPECT_EQ(Vote(3), 0.f);
+}
+
 TEST_F(LabelVotesTest, LabelsCountByHowFirmlyTheyWereMeasured) {
   AddSource(0, 0.5f);
   const float half = 0.5f + 0.5f * options_.guessed_weight;

@@ -205,7 +205,7 @@ TEST_F(SceneModelFileTest, RefusesOtherFilesAndVersions) {
   std::string bytes = GoodBytes();
   bytes[8] = 1;
   WriteText(path_, bytes);
-  ExpectCorrupt("version 1, this program reads version 4");
+  ExpectCorrupt("version 1, this program reads version 5");
 }
 
 TEST_F(SceneModelFileTest, SeesEveryChangedByte) {
