@@ -79,7 +79,9 @@ void CollectView(const ModelledImage& view,
         samples->push_back({{KindAt(refined, view, x, y),
                              votes(x, y),
                              view.SupportAt(x, y, votes(x, y)),
-                             view.LabelAt(x, y)},
+                             view.LabelAt(x, y),
+                             view.resolution.RelativeDepthError(depth),
+                             view.noise},
                             std::abs(depth - right) < kRight * right});
       }
     }

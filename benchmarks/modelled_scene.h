@@ -46,6 +46,7 @@ struct ModelledImage {
   Image<float> depth;  // That was measured.
   Image<float> truth;  // Of any size.
   DepthResolution resolution;
+  float noise = 0.f;
   FoundScene found;
   std::vector<ObservedView> views;
   Intrinsics intrinsics;  // Of the map.
@@ -119,6 +120,7 @@ class ModelledScene {
                       ": maps of more than 1280 pixels; take smaller ones");
     }
     result.resolution = evidence.resolution;
+    result.noise = evidence.noise;
     result.intrinsics = view.camera.GetIntrinsics();
     result.depth = view.depth;
     result.truth =

@@ -141,6 +141,8 @@ struct SceneConfidenceKernel {
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
   ImageView<const ViewVotes> votes;
+  DepthResolution resolution;
+  float noise;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -151,7 +153,9 @@ struct SceneConfidenceKernel {
     confidence(x, y) = ConfidenceOf({KindAt(x, y),
                                      votes(x, y),
                                      SupportAt(inputs, votes(x, y), x, y),
-                                     SuperpixelAt(inputs, x, y).label});
+                                     SuperpixelAt(inputs, x, y).label,
+                                     resolution.RelativeDepthError(depth(x, y)),
+                                     noise});
   }
 
   TSAR_HD DepthKind KindAt(int x, int y) const {
@@ -258,6 +262,8 @@ ComposedMap ComposeScene(DepthNormalImages own,
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        const ViewSurfaces& surfaces,
+                                       const DepthResolution& resolution,
+                                       float noise,
                                        Device& device) {
   const std::vector<DeviceImage<ViewVotes>> votes =
       CountViewVotes(surfaces,
@@ -273,6 +279,8 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                     composed.map.depth.View(),
                                     composed.provenance.View(),
                                     votes[0].View(),
+                                    resolution,
+                                    noise,
                                     confidence.View()});
   return confidence;
 }

@@ -75,9 +75,12 @@ ComposedMap ComposeScene(DepthNormalImages own,
                          Device& device);
 
 // The probability that each depth is right to 1 %; 0 where there is none.
+// noise: see ViewEvidence.
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        const ViewSurfaces& surfaces,
+                                       const DepthResolution& resolution,
+                                       float noise,
                                        Device& device);
 
 // The depth of the plane that a raster has at a pixel of the map; 0 where it

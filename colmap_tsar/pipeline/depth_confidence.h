@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/logarithm.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/pipeline/measurement_support.h"
 #include "colmap_tsar/scene_planes/label_view.h"
@@ -46,18 +47,26 @@ struct DepthEvidence {
   ViewVotes votes;
   MeasurementSupport own;  // Where it stands.
   LabelMeasures label;     // Where it lies on a plane.
+  // The relative depth of one pixel of disparity there, and the view's noise
+  // (ViewEvidence), in such.
+  float resolution = 0.f;
+  float noise = 0.f;
 };
 
-// The terms of the regression: a constant for each kind, the votes, then what
-// only depths of some kinds have (docs/method.md, "Confidence";
+// The terms of the regression: a constant for each kind, how precise depths are
+// there, the votes of measurements and of other depths, and what only depths of
+// some kinds have (docs/method.md, "Confidence";
 // benchmarks/fit_confidence.cc finds the weights).
 struct ConfidenceTerms {
-  static constexpr int kCount = kNumDepthKinds + 12;
+  static constexpr int kCount = kNumDepthKinds + 14;
   float values[kCount] = {};
 
   TSAR_HD explicit ConfidenceTerms(const DepthEvidence& depth) {
     values[static_cast<int>(depth.kind)] = 1.f;
+    constexpr float kLeast = 1e-4f;
     float* rest = values + kNumDepthKinds;
+    *rest++ = NaturalLogarithm(fmaxf(depth.resolution, kLeast));
+    *rest++ = NaturalLogarithm(fmaxf(depth.noise, kLeast));
     if (depth.kind == DepthKind::kStanding) {
       const SupportTerms support(depth.own);
       for (int i = 0; i < SupportTerms::kCount; ++i) {
@@ -83,9 +92,9 @@ struct ConfidenceTerms {
 // below 1.
 TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
   constexpr float kWeights[ConfidenceTerms::kCount] = {
-      -2.78f, -0.44f, -0.24f, -0.95f, -0.66f, 0.61f, -1.28f,
-      -2.32f, 0.12f,  0.77f,  2.65f,  -1.75f, -0.44f, 3.02f,
-      1.81f,  -0.10f, -1.75f, -2.08f, -3.35f, 4.71f};
+      -10.11f, -8.00f, -7.67f, -7.70f, -7.70f, -7.61f, -9.66f, -9.83f,
+      -0.68f,  -2.65f, 0.17f,  0.67f,  1.49f,  -2.23f, -2.10f, 2.48f,
+      0.76f,   -1.18f, -0.89f, -1.40f, -3.19f, 2.66f};
   const float log_odds =
       WeighedSum(kWeights, ConfidenceTerms(depth).values);
   const float odds = ExpOfNegative(-fabsf(log_odds));

@@ -323,7 +323,12 @@ RefineResult ComposeImage(
             &composed,
             device);
   DeviceImage<float> confidence =
-      RateSceneConfidence(composed, inputs, surfaces, device);
+      RateSceneConfidence(composed,
+                          inputs,
+                          surfaces,
+                          evidence.resolution,
+                          evidence.noise,
+                          device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                static_cast<float>(options.min_fill_confidence),

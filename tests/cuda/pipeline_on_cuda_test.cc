@@ -145,7 +145,7 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         result->Add("provenance", composed.provenance);
         result->Add(
             "confidence",
-            RateSceneConfidence(composed, scene_inputs, surfaces, device));
+            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, device));
         const auto sigma = [&] {
           return ComputeSceneSigma(
               composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
@@ -156,7 +156,7 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
         DeviceImage<float> confidence =
-            RateSceneConfidence(composed, scene_inputs, surfaces, device);
+            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, device);
         result->Add("confidence of filled pixels", confidence);
         DropDoubtful(0.35f, 0.5f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);

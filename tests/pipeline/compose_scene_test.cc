@@ -30,9 +30,12 @@ constexpr float kOff = 4.f;
 constexpr LabelMeasures kLabel = {
     .strength = 0.5f, .confirmed = 0.2f, .uncertainty = 0.1f, .margin = 0.4f};
 
+constexpr float kResolution = 0.002f;
+constexpr float kNoise = 0.2f;
+
 // Of a depth on a plane that no other view sees.
 float ConfidenceOnPlane(DepthKind kind, const LabelMeasures& label = kLabel) {
-  return ConfidenceOf({kind, {}, {}, label});
+  return ConfidenceOf({kind, {}, {}, label, kResolution, kNoise});
 }
 
 struct Result {
@@ -108,7 +111,8 @@ class ComposeSceneTest : public testing::Test {
             Rate(composed)};
   }
   Image<float> Rate(const ComposedMap& composed) const {
-    return RateSceneConfidence(composed, Inputs(), {views_, {}}, *device_)
+    return RateSceneConfidence(
+               composed, Inputs(), {views_, {}}, scale_, kNoise, *device_)
         .ToHost();
   }
 
@@ -294,7 +298,9 @@ TEST(DepthConfidenceTest, ValuesAreProbabilities) {
         const float confidence = ConfidenceOf({static_cast<DepthKind>(kind),
                                                votes,
                                                {votes, 100.f * value, true},
-                                               {value, value, value, value}});
+                                               {value, value, value, value},
+                                               kResolution * value,
+                                               10.f * value});
         EXPECT_GE(confidence, kMinConfidence);
         EXPECT_LE(confidence, 1.f - kMinConfidence);
       }
@@ -308,7 +314,9 @@ TEST(DepthConfidenceTest, ViewsThatAgreeRaiseItForEveryKind) {
       return ConfidenceOf({static_cast<DepthKind>(kind),
                            votes,
                            {votes, 5.f, false},
-                           kLabel});
+                           kLabel,
+                           kResolution,
+                           kNoise});
     };
     EXPECT_GT(with({4, 0, 0}), with({}));
     EXPECT_GT(with({4, 0, 0}), with({4, 0, 4}));
@@ -329,10 +337,23 @@ TEST(DepthConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
   }
 }
 
+TEST(DepthConfidenceTest, FallsWithTheNoiseAndTheErrorOfAPixel) {
+  const auto with = [](float resolution, float noise) {
+    return ConfidenceOf(
+        {DepthKind::kMoved, {}, {}, kLabel, resolution, noise});
+  };
+  EXPECT_LT(with(kResolution, 2.f * kNoise), with(kResolution, kNoise));
+  EXPECT_LT(with(2.f * kResolution, kNoise), with(kResolution, kNoise));
+}
+
 TEST(DepthConfidenceTest, TrustAndTextureRaiseItWhereAMeasurementStands) {
   const auto standing = [](float texture, bool is_trusted) {
-    return ConfidenceOf(
-        {DepthKind::kStanding, {}, {{}, texture, is_trusted}, {}});
+    return ConfidenceOf({DepthKind::kStanding,
+                         {},
+                         {{}, texture, is_trusted},
+                         {},
+                         kResolution,
+                         kNoise});
   };
   EXPECT_GT(standing(10.f, false), standing(1.f, false));
   EXPECT_GT(standing(1.f, true), standing(1.f, false));
