@@ -120,17 +120,12 @@ struct ConfidenceKernel {
 
 struct DropKernel {
   float min_confidence;
-  float min_fill_confidence;
   ImageView<float> depth;
   ImageView<Vec3f> normal;
   ImageView<uint8_t> provenance;
   ImageView<float> confidence;
   TSAR_HD void operator()(int x, int y) const {
-    const bool is_measured =
-        static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
-    if (confidence(x, y) <
-        (is_measured ? min_confidence
-                     : fmaxf(min_confidence, min_fill_confidence))) {
+    if (!(confidence(x, y) > 0.f) || confidence(x, y) < min_confidence) {
       depth(x, y) = 0.f;
       normal(x, y) = {};
       provenance(x, y) = static_cast<uint8_t>(Provenance::kNone);
@@ -200,7 +195,6 @@ DeviceImage<float> RateConfidence(const ComposedMap& composed,
 }
 
 void DropDoubtful(float min_confidence,
-                  float min_fill_confidence,
                   ComposedMap* composed,
                   DeviceImage<float>* confidence,
                   Device& device) {
@@ -208,7 +202,6 @@ void DropDoubtful(float min_confidence,
               composed->map.depth.Width(),
               composed->map.depth.Height(),
               DropKernel{min_confidence,
-                         min_fill_confidence,
                          composed->map.depth.View(),
                          composed->map.normal.View(),
                          composed->provenance.View(),

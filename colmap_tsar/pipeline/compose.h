@@ -82,10 +82,8 @@ DeviceImage<float> RateConfidence(const ComposedMap& composed,
                                   Device& device);
 
 // Clears depth, normal, provenance and confidence where the confidence is less
-// than min_confidence, or than min_fill_confidence where the pixel was not
-// measured. Both are in [0, 1]; 0 changes nothing.
+// than min_confidence, which is in [0, 1], or 0.
 void DropDoubtful(float min_confidence,
-                  float min_fill_confidence,
                   ComposedMap* composed,
                   DeviceImage<float>* confidence,
                   Device& device);

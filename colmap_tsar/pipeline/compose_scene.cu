@@ -143,6 +143,7 @@ struct SceneConfidenceKernel {
   ImageView<const ViewVotes> votes;
   DepthResolution resolution;
   float noise;
+  float min_fill_confidence;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -150,12 +151,22 @@ struct SceneConfidenceKernel {
       confidence(x, y) = 0.f;
       return;
     }
-    confidence(x, y) = ConfidenceOf({KindAt(x, y),
-                                     votes(x, y),
-                                     SupportAt(inputs, votes(x, y), x, y),
-                                     SuperpixelAt(inputs, x, y).label,
-                                     resolution.RelativeDepthError(depth(x, y)),
-                                     noise});
+    const DepthEvidence evidence = EvidenceAt(x, y);
+    const bool is_measured =
+        static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
+    confidence(x, y) = is_measured || ConfidenceInSurface(evidence) >=
+                                          min_fill_confidence
+                           ? ConfidenceOf(evidence)
+                           : 0.f;
+  }
+
+  TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {
+    return {KindAt(x, y),
+            votes(x, y),
+            SupportAt(inputs, votes(x, y), x, y),
+            SuperpixelAt(inputs, x, y).label,
+            resolution.RelativeDepthError(depth(x, y)),
+            noise};
   }
 
   TSAR_HD DepthKind KindAt(int x, int y) const {
@@ -264,6 +275,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ViewSurfaces& surfaces,
                                        const DepthResolution& resolution,
                                        float noise,
+                                       float min_fill_confidence,
                                        Device& device) {
   const std::vector<DeviceImage<ViewVotes>> votes =
       CountViewVotes(surfaces,
@@ -281,6 +293,7 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                     votes[0].View(),
                                     resolution,
                                     noise,
+                                    min_fill_confidence,
                                     confidence.View()});
   return confidence;
 }

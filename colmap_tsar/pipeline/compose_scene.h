@@ -74,13 +74,15 @@ ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneOptions& options,
                          Device& device);
 
-// The probability that each depth is right to 1 %; 0 where there is none.
-// noise: see ViewEvidence.
+// The probability that each depth is right to 1 %; 0 where there is none, and
+// where nothing was measured and it is not as likely as min_fill_confidence that
+// the depth lies on the right surface. noise: see ViewEvidence.
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        const ViewSurfaces& surfaces,
                                        const DepthResolution& resolution,
                                        float noise,
+                                       float min_fill_confidence,
                                        Device& device);
 
 // The depth of the plane that a raster has at a pixel of the map; 0 where it

@@ -102,4 +102,12 @@ TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
   return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
 }
 
+// How likely a depth lies on the right surface, however precisely: the
+// probability that it would have were all depths of a usual precision.
+TSAR_HD inline float ConfidenceInSurface(DepthEvidence depth) {
+  depth.resolution = 0.003f;
+  depth.noise = 0.2f;
+  return ConfidenceOf(depth);
+}
+
 }  // namespace tsar

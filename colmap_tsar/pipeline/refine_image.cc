@@ -57,7 +57,6 @@ RefineResult RefineImage(
   DeviceImage<float> confidence =
       RateConfidence(composed, std::as_const(surfaces.score).View(), device);
   DropDoubtful(static_cast<float>(options.min_confidence),
-               /*min_fill_confidence=*/0.f,
                &composed,
                &confidence,
                device);

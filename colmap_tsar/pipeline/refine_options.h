@@ -75,10 +75,10 @@ struct RefineOptions {
   double min_scene_plane = 100.0;
   double unlabelled_cost = 0.02;
 
-  // Depths of less confidence are left out, and those of less than the second
-  // where the pixel was not measured.
+  // Depths of less confidence are left out; and where nothing was measured,
+  // those that are less likely on the right surface.
   double min_confidence = 0.0;
-  double min_fill_confidence = 0.15;
+  double min_fill_confidence = 0.35;
 
   // Whether standard deviations of depths are written, too.
   bool sigma_maps = true;

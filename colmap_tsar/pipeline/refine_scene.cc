@@ -328,10 +328,10 @@ RefineResult ComposeImage(
                           surfaces,
                           evidence.resolution,
                           evidence.noise,
+                          static_cast<float>(options.min_fill_confidence),
                           device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
-               static_cast<float>(options.min_fill_confidence),
                &composed,
                &confidence,
                device);

@@ -145,7 +145,7 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         result->Add("provenance", composed.provenance);
         result->Add(
             "confidence",
-            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, device));
+            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, 0.3f, device));
         const auto sigma = [&] {
           return ComputeSceneSigma(
               composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
@@ -156,9 +156,9 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
         DeviceImage<float> confidence =
-            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, device);
+            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, 0.3f, device);
         result->Add("confidence of filled pixels", confidence);
-        DropDoubtful(0.35f, 0.5f, &composed, &confidence, device);
+        DropDoubtful(0.35f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);
         result->Add("confidence above a limit", confidence);
         result->Add("sigma above a limit", sigma());

@@ -111,8 +111,13 @@ class ComposeSceneTest : public testing::Test {
             Rate(composed)};
   }
   Image<float> Rate(const ComposedMap& composed) const {
-    return RateSceneConfidence(
-               composed, Inputs(), {views_, {}}, scale_, kNoise, *device_)
+    return RateSceneConfidence(composed,
+                               Inputs(),
+                               {views_, {}},
+                               scale_,
+                               kNoise,
+                               min_fill_confidence_,
+                               *device_)
         .ToHost();
   }
 
@@ -144,6 +149,7 @@ class ComposeSceneTest : public testing::Test {
 
   const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
   ComposeSceneOptions options_;
+  float min_fill_confidence_ = 0.f;
   DisparityScale scale_;
   Image<float> own_{kWidth, kHeight};
   Image<uint8_t> ratings_{kWidth, kHeight};
@@ -288,6 +294,23 @@ TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
   EXPECT_FLOAT_EQ(confidence(1, 1),
                   ConfidenceOnPlane(DepthKind::kInterpolated));
   EXPECT_EQ(confidence(0, 0), 0.f);
+}
+
+TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
+  scene_ = PlanesAt(kScene);
+  SetAllEvidence(LabelEvidence::kGuessed);
+  Measure(2, 2, kScene);
+  Measure(4, 2, kOff);
+  options_.min_log_odds = -100.f;
+  const float likely = ConfidenceInSurface(
+      {DepthKind::kGuessed, {}, {}, kLabel, kResolution, kNoise});
+  min_fill_confidence_ = likely - 0.01f;
+  EXPECT_GT(Compose().confidence(0, 0), 0.f);
+  min_fill_confidence_ = likely + 0.01f;
+  const Result result = Compose();
+  EXPECT_EQ(result.confidence(0, 0), 0.f);
+  EXPECT_GT(result.confidence(2, 2), 0.f);
+  EXPECT_GT(result.confidence(4, 2), 0.f);
 }
 
 TEST(DepthConfidenceTest, ValuesAreProbabilities) {

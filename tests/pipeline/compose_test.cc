@@ -226,7 +226,7 @@ TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
     map.map.normal = DeviceImage<Vec3f>(*device_, normal);
     map.provenance = DeviceImage<uint8_t>(*device_, provenance);
     DeviceImage<float> confidence(*device_, values);
-    DropDoubtful(limit, 0.f, &map, &confidence, *device_);
+    DropDoubtful(limit, &map, &confidence, *device_);
     for (int x = 0; x < kCount; ++x) {
       const bool stays = kValues[x] >= limit;
       EXPECT_EQ(map.map.depth.ToHost()(x, 0), stays ? 5.f : 0.f);
@@ -235,22 +235,6 @@ TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
       EXPECT_EQ(confidence.ToHost()(x, 0), stays ? kValues[x] : 0.f);
     }
   }
-}
-
-TEST_F(ComposeTest, WhatWasNotMeasuredMustBeLikelier) {
-  Image<uint8_t> provenance(2, 1);
-  provenance(0, 0) = static_cast<uint8_t>(Provenance::kMeasured);
-  provenance(1, 0) = static_cast<uint8_t>(Provenance::kGuessed);
-  ComposedMap map;
-  map.map.depth = DeviceImage<float>(*device_, Image<float>(2, 1, 5.f));
-  map.map.normal =
-      DeviceImage<Vec3f>(*device_, Image<Vec3f>(2, 1, kOwnNormal));
-  map.provenance = DeviceImage<uint8_t>(*device_, provenance);
-  DeviceImage<float> confidence(*device_, Image<float>(2, 1, 0.2f));
-  DropDoubtful(0.1f, 0.25f, &map, &confidence, *device_);
-  EXPECT_EQ(map.map.depth.ToHost()(0, 0), 5.f);
-  EXPECT_EQ(map.map.depth.ToHost()(1, 0), 0.f);
-  EXPECT_EQ(map.provenance.ToHost()(1, 0), 0);
 }
 
 TEST_F(ComposeTest, RegionsReplaceWhatTheyAreLaidOver) {
