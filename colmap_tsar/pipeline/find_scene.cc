@@ -201,7 +201,7 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters) {
   // The pixels of each superpixel and of each region of one colour, their rays
   // and colours, and what sorting them or drawing a source takes.
-  const int64_t pixels = 31 * size.num_pixels + (1 << 16);
+  const int64_t pixels = 27 * size.num_pixels + (1 << 16);
   const int64_t num_costs = size.num_superpixels * size.num_planes;
   const int64_t of_source =
       256 + (rasters.confident_depth ? 7 * size.num_pixels : 0) +
@@ -217,7 +217,7 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
          64 * (size.num_superpixels + size.num_planes) +
          24 * size.num_observations + 16 * num_cells +
          num_costs *
-             static_cast<int64_t>(sizeof(PlaneCost) + 3 * sizeof(float));
+             static_cast<int64_t>(sizeof(PlaneCost) + 2 * sizeof(float));
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

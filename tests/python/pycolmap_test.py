@@ -59,7 +59,7 @@ class PycolmapTest(SampleTest):
             np.testing.assert_array_equal(as_vectors(normal), expected_normal)
             self.assertEqual((depth.width, depth.height), (480, 360))
             has_depth = depth.to_array() > 0
-            self.assertGreater(has_depth.mean(), 0.9)
+            self.assertGreater(has_depth.mean(), 0.8)
             # The colours are made of x, y and z, each as pycolmap understands it.
             colors = 127.5 - 127.5 * expected_normal[has_depth]
             colors[:, 2] = -255 * expected_normal[has_depth][:, 2]
