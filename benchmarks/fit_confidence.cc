@@ -9,9 +9,9 @@
 //
 //   fit_confidence MODELLED=REFINED [MODELLED=REFINED ...]
 //
-// MODELLED: see ModelledScene; REFINED: a copy of it after pass compose too; all
-// passes with --TsarRefine.experiment cylinders=0, since depths on columns and
-// pipes, which have a constant, would count as interpolated ones.
+// MODELLED: see ModelledScene; REFINED: a copy of it after pass compose too;
+// all passes with --TsarRefine.experiment cylinders=0, since depths on columns
+// and pipes, which have a constant, would count as interpolated ones.
 
 #include "colmap_tsar/pipeline/depth_confidence.h"
 #include "colmap_tsar/pipeline/refined_maps.h"
@@ -31,7 +31,7 @@
 namespace tsar {
 namespace {
 
-constexpr float kRight = 0.01f;         // Of the depth.
+constexpr float kRight = 0.01f;        // Of the depth.
 constexpr size_t kMaxSamples = 40000;  // Of a scene.
 
 struct Sample {
@@ -126,7 +126,8 @@ void PrintCalibration(const char* name,
   };
   std::array<Class, 10> classes;
   for (const Sample& sample : scene) {
-    const double confidence = 1.0 / (1.0 + std::exp(-RowOf(sample).dot(weights)));
+    const double confidence =
+        1.0 / (1.0 + std::exp(-RowOf(sample).dot(weights)));
     Class& of_sample = classes[static_cast<size_t>(
         std::clamp(static_cast<int>(10.0 * confidence), 0, 9))];
     of_sample.count += 1.0;
@@ -152,7 +153,8 @@ void Fit(int argc, char** argv) {
       throw Error(ErrorCode::kBadOption,
                   roots + ": is no MODELLED=REFINED; name two workspaces");
     }
-    scenes.push_back(Collect(roots.substr(0, equals), roots.substr(equals + 1)));
+    scenes.push_back(
+        Collect(roots.substr(0, equals), roots.substr(equals + 1)));
   }
   for (size_t i = 0; scenes.size() > 1 && i < scenes.size(); ++i) {
     Scenes others = scenes;

@@ -129,8 +129,7 @@ void PrintEffect(const char* name,
   double was_right = 0.0;
   double harmed = 0.0;
   for (const Sample& sample : scene) {
-    const bool stands =
-        ContestRow(sample).dot(weights) >
+    const bool stands = ContestRow(sample).dot(weights) >
                         double{ComposeSceneOptions().min_log_odds};
     const float error = stands ? sample.own_error : sample.rival_error;
     wrong += error > 0.05f ? 1.0 : 0.0;

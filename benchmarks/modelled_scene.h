@@ -123,9 +123,8 @@ class ModelledScene {
     result.noise = evidence.noise;
     result.intrinsics = view.camera.GetIntrinsics();
     result.depth = view.depth;
-    result.truth =
-        ReadDepthMap(workspace_.SourceRoot() / "ground_truth" / "depth" /
-                     (Name(image) + ".bin"));
+    result.truth = ReadDepthMap(workspace_.SourceRoot() / "ground_truth" /
+                                "depth" / (Name(image) + ".bin"));
     const DeviceImage<Rgb> color(*device_, evidence.color);
     const DeviceImage<float> depth(*device_, view.depth);
     DeviceImage<uint8_t> ratings(*device_, evidence.ratings);

@@ -72,11 +72,11 @@ TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
                                             int x,
                                             int y) {
   const ImageView<const float>& raster = inputs.texture;
-  return {votes,
-          raster(ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
-                 ReducedRaster::FromMap(
-                     y, inputs.ratings.height, raster.height)),
-          MeasurementRating::IsTrusted(inputs.ratings(x, y))};
+  return {
+      votes,
+      raster(ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
+             ReducedRaster::FromMap(y, inputs.ratings.height, raster.height)),
+      MeasurementRating::IsTrusted(inputs.ratings(x, y))};
 }
 
 // Decides by the views, the image and the label.
@@ -100,9 +100,8 @@ struct ContestKernel {
       return;
     }
     const float gap = GapInPixels(contested(x, y), rival, resolution);
-    const Rival plane{votes_on_rivals(x, y),
-                      gap,
-                      SuperpixelAt(inputs, x, y).label.margin};
+    const Rival plane{
+        votes_on_rivals(x, y), gap, SuperpixelAt(inputs, x, y).label.margin};
     const MeasurementSupport own = SupportAt(inputs, votes(x, y), x, y);
     own_depth(x, y) = LogOddsAgainst(plane, own) > min_log_odds ? kStands
                       : gap <= kOnSurface                       ? kMoves
@@ -130,9 +129,10 @@ struct ComposeSceneKernel {
         has_plane ? plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)) : 0.f;
     normal(x, y) = has_plane ? plane.normal : Vec3f{};
     provenance(x, y) = static_cast<uint8_t>(
-        !has_plane      ? Provenance::kNone
-        : own == kMoves ? Provenance::kMeasured
-                        : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
+        !has_plane ? Provenance::kNone
+        : own == kMoves
+            ? Provenance::kMeasured
+            : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
   }
 };
 
@@ -154,10 +154,10 @@ struct SceneConfidenceKernel {
     const DepthEvidence evidence = EvidenceAt(x, y);
     const bool is_measured =
         static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
-    confidence(x, y) = is_measured || ConfidenceInSurface(evidence) >=
-                                          min_fill_confidence
-                           ? ConfidenceOf(evidence)
-                           : 0.f;
+    confidence(x, y) =
+        is_measured || ConfidenceInSurface(evidence) >= min_fill_confidence
+            ? ConfidenceOf(evidence)
+            : 0.f;
   }
 
   TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {

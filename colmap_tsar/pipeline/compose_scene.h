@@ -75,8 +75,8 @@ ComposedMap ComposeScene(DepthNormalImages own,
                          Device& device);
 
 // The probability that each depth is right to 1 %; 0 where there is none, and
-// where nothing was measured and it is not as likely as min_fill_confidence that
-// the depth lies on the right surface. noise: see ViewEvidence.
+// where nothing was measured and it is not as likely as min_fill_confidence
+// that the depth lies on the right surface. noise: see ViewEvidence.
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        const ViewSurfaces& surfaces,

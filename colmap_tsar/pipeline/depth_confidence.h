@@ -22,13 +22,13 @@ inline constexpr float kConfidenceOfCylinder = 0.9f;
 
 // How a depth of a composed map came about.
 enum class DepthKind : uint8_t {
-  kStanding,         // Measured, off its plane or where there is none.
-  kMoved,            // Measured on its plane.
-  kFilled,           // Not measured: on a plane that the view measured around,
-  kCarried,          // that other views measured there,
-  kGuessed,          // or nobody.
-  kMovedToCurved,    // Measured on a curved surface,
-  kFilledByCurved,   // or filled by one.
+  kStanding,        // Measured, off its plane or where there is none.
+  kMoved,           // Measured on its plane.
+  kFilled,          // Not measured: on a plane that the view measured around,
+  kCarried,         // that other views measured there,
+  kGuessed,         // or nobody.
+  kMovedToCurved,   // Measured on a curved surface,
+  kFilledByCurved,  // or filled by one.
   kInterpolated,
 };
 inline constexpr int kNumDepthKinds = 8;
@@ -95,8 +95,7 @@ TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
       -10.11f, -8.00f, -7.67f, -7.70f, -7.70f, -7.61f, -9.66f, -9.83f,
       -0.68f,  -2.65f, 0.17f,  0.67f,  1.49f,  -2.23f, -2.10f, 2.48f,
       0.76f,   -1.18f, -0.89f, -1.40f, -3.19f, 2.66f};
-  const float log_odds =
-      WeighedSum(kWeights, ConfidenceTerms(depth).values);
+  const float log_odds = WeighedSum(kWeights, ConfidenceTerms(depth).values);
   const float odds = ExpOfNegative(-fabsf(log_odds));
   const float probability = (log_odds > 0.f ? 1.f : odds) / (1.f + odds);
   return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);

@@ -39,12 +39,8 @@ void FillHoles(ImageView<const Rgb> color,
   }
   const WeightedMedianOptions filter =
       FilterOptions(options, color.width, color.height);
-  const DeviceImage<uint8_t> filled = InterpolateHoles(color,
-                                                       intrinsics,
-                                                       num_iterations,
-                                                       filter,
-                                                       &composed->map,
-                                                       device);
+  const DeviceImage<uint8_t> filled = InterpolateHoles(
+      color, intrinsics, num_iterations, filter, &composed->map, device);
   MarkInterpolated(filled.View(), composed, device);
 }
 

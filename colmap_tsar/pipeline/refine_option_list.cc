@@ -326,7 +326,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        .is_option = true},
       {TSAR_FIELD(min_fill_confidence),
        .description =
-           "Leave pixels empty that were not measured and whose surface is less "
+           "Leave pixels empty that were not measured and whose surface is "
+           "less "
            "likely the right one than this. 0 fills as much as possible. With "
            "scene_planes.",
        .min = 0.0,

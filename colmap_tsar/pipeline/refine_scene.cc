@@ -183,15 +183,15 @@ std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
     const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
     const int label = labeled.labels[k];
     const LabelQuality& quality = labeled.qualities[k];
-    result.push_back(
-        {curved.evidence[k],
-         {quality.strength.Value(),
-          quality.confirmed.Value(),
-          quality.uncertainty.Value(),
-          quality.margin.Value()},
-         label >= 0 ? found.plane_errors[static_cast<size_t>(label)]
-                    : InverseDepthError{},
-         is_curved});
+    result.push_back({curved.evidence[k],
+                      {quality.strength.Value(),
+                       quality.confirmed.Value(),
+                       quality.uncertainty.Value(),
+                       quality.margin.Value()},
+                      label >= 0
+                          ? found.plane_errors[static_cast<size_t>(label)]
+                          : InverseDepthError{},
+                      is_curved});
   }
   return result;
 }

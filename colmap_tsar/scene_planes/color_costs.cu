@@ -80,8 +80,8 @@ struct RegionColorKernel {
     float sum = 0.f;
     int num_seen = 0;
     for (int i = 0; i < num_tests; ++i) {
-      const int pixel = regions.Pixel(
-          region, VoteSampling::Pixel(i, num_tests, num_pixels));
+      const int pixel =
+          regions.Pixel(region, VoteSampling::Pixel(i, num_tests, num_pixels));
       const auto x = static_cast<float>(pixel % color.width);
       const auto y = static_cast<float>(pixel / color.width);
       const Vec3f ray = intrinsics.Ray(x, y);

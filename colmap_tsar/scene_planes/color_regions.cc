@@ -57,8 +57,7 @@ std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
         by >= superpixels.Height()) {
       return;
     }
-    const Vec3f step =
-        ColorOf(color(ax, ay)) - ColorOf(color(bx, by));
+    const Vec3f step = ColorOf(color(ax, ay)) - ColorOf(color(bx, by));
     Border& there = borders[static_cast<size_t>(first)][second];
     there.step = there.step + step;
     ++there.count;
@@ -98,8 +97,8 @@ ColorRegions NumberRegions(const std::vector<int>& merged_into) {
   for (size_t s = 0; s < merged_into.size(); ++s) {
     // Regions merge into those of lower numbers, which have theirs by now.
     const auto into = static_cast<size_t>(merged_into[s]);
-    regions.of_superpixel.push_back(
-        into == s ? regions.count++ : regions.of_superpixel[into]);
+    regions.of_superpixel.push_back(into == s ? regions.count++
+                                              : regions.of_superpixel[into]);
   }
   return regions;
 }

@@ -42,10 +42,10 @@ struct PlaneDepthKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const Plane& plane = planes[superpixels(x, y)];
-    const float depth =
-        plane.Valid() ? plane.Depth(intrinsics.Ray(static_cast<float>(x),
-                                                   static_cast<float>(y)))
-                      : 0.f;
+    const float depth = plane.Valid()
+                            ? plane.Depth(intrinsics.Ray(static_cast<float>(x),
+                                                         static_cast<float>(y)))
+                            : 0.f;
     surface(x, y) = depth > 0.f ? depth : 0.f;
   }
 };

@@ -143,9 +143,14 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         result->Add("depth", composed.map.depth);
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
-        result->Add(
-            "confidence",
-            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, 0.3f, device));
+        result->Add("confidence",
+                    RateSceneConfidence(composed,
+                                        scene_inputs,
+                                        surfaces,
+                                        inputs.views.Scale(),
+                                        0.2f,
+                                        0.3f,
+                                        device));
         const auto sigma = [&] {
           return ComputeSceneSigma(
               composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
@@ -156,7 +161,13 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
         DeviceImage<float> confidence =
-            RateSceneConfidence(composed, scene_inputs, surfaces, inputs.views.Scale(), 0.2f, 0.3f, device);
+            RateSceneConfidence(composed,
+                                scene_inputs,
+                                surfaces,
+                                inputs.views.Scale(),
+                                0.2f,
+                                0.3f,
+                                device);
         result->Add("confidence of filled pixels", confidence);
         DropDoubtful(0.35f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);

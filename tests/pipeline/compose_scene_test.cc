@@ -289,8 +289,7 @@ TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
   filled(1, 1) = 1;
   ComposedMap composed = ComposeOnDevice();
   MarkInterpolated(std::as_const(filled).View(), &composed, *device_);
-  const Image<float> confidence =
-      Rate(composed);
+  const Image<float> confidence = Rate(composed);
   EXPECT_FLOAT_EQ(confidence(1, 1),
                   ConfidenceOnPlane(DepthKind::kInterpolated));
   EXPECT_EQ(confidence(0, 0), 0.f);
@@ -362,8 +361,7 @@ TEST(DepthConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
 
 TEST(DepthConfidenceTest, FallsWithTheNoiseAndTheErrorOfAPixel) {
   const auto with = [](float resolution, float noise) {
-    return ConfidenceOf(
-        {DepthKind::kMoved, {}, {}, kLabel, resolution, noise});
+    return ConfidenceOf({DepthKind::kMoved, {}, {}, kLabel, resolution, noise});
   };
   EXPECT_LT(with(kResolution, 2.f * kNoise), with(kResolution, kNoise));
   EXPECT_LT(with(2.f * kResolution, kNoise), with(kResolution, kNoise));

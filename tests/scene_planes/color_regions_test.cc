@@ -59,9 +59,8 @@ void ExpectHalves(const std::vector<ColorRegions>& levels,
 TEST(ColorRegionsTest, AStepSeparatesUntilItIsTooSmallForTheLevel) {
   // Over three channels, a step of one level is 1.7.
   const auto halves = [](int step) {
-    return FindColorRegions(Draw([&](int x, int) {
-      return x < kWidth / 2 ? 100 : 100 + step;
-    }));
+    return FindColorRegions(
+        Draw([&](int x, int) { return x < kWidth / 2 ? 100 : 100 + step; }));
   };
   ExpectHalves(halves(0), {false, false, false});
   ExpectHalves(halves(1), {false, false, false});

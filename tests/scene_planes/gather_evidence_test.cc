@@ -236,8 +236,7 @@ TEST_F(GatherEvidenceTest, ObservesRegionPlanesOnlyBeforeTheCamera) {
   const Vec3f ray = inputs_.intrinsics.Ray(kSize - 1.f, 0.f);
   sample = {ray.x, ray.y, plane.Depth(ray)};
   const ViewEvidence evidence = Gather();
-  EXPECT_NEAR(
-      evidence.weights[0], 1.f + 0.3f * (kNumPixels / 2 - 1), 1e-3f);
+  EXPECT_NEAR(evidence.weights[0], 1.f + 0.3f * (kNumPixels / 2 - 1), 1e-3f);
   for (const Observation& observation : ObservationsOf(evidence, 0)) {
     EXPECT_GT(observation.sample.x, x);
   }
