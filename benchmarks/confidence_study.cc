@@ -22,11 +22,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <functional>
 #include <map>
 #include <string>
 #include <vector>
+
+#include "benchmarks/run_tool.h"
 
 namespace tsar {
 namespace {
@@ -214,13 +215,9 @@ void Study(const std::string& root) {
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  try {
+  return tsar::RunTool([&] {
     for (int i = 1; i < argc; ++i) {
       tsar::Study(argv[i]);
     }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "ERROR: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

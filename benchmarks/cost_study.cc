@@ -22,11 +22,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "benchmarks/run_tool.h"
 
 namespace tsar {
 namespace {
@@ -283,16 +284,12 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: cost_study WORKSPACE [WORKSPACE ...]\n");
     return 2;
   }
-  try {
+  return tsar::RunTool([&] {
     for (int i = 1; i < argc; ++i) {
       for (const tsar::MapType type :
            {tsar::MapType::kPhotometric, tsar::MapType::kGeometric}) {
         tsar::Study(argv[i], type);
       }
     }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "ERROR: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  });
 }

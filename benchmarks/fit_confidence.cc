@@ -21,11 +21,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "benchmarks/modelled_scene.h"
+#include "benchmarks/require_no_cylinders.h"
+#include "benchmarks/run_tool.h"
 #include <Eigen/Core>
 
 namespace tsar {
@@ -91,6 +92,7 @@ void CollectView(const ModelledImage& view,
 std::vector<Sample> Collect(const std::string& modelled_root,
                             const std::string& refined_root) {
   const ModelledScene scene(modelled_root);
+  RequireNoCylinders(scene.Model(), scene.Root());
   const Workspace refined(refined_root, MapType::kGeometric);
   const int num_planes = static_cast<int>(scene.Model().planes.size());
   std::vector<Sample> samples;
@@ -167,4 +169,6 @@ void Fit(int argc, char** argv) {
 }  // namespace
 }  // namespace tsar
 
-int main(int argc, char** argv) { return tsar::RunFit(tsar::Fit, argc, argv); }
+int main(int argc, char** argv) {
+  return tsar::RunTool([&] { tsar::Fit(argc, argv); });
+}

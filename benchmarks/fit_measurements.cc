@@ -18,11 +18,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "benchmarks/modelled_scene.h"
+#include "benchmarks/run_tool.h"
 #include <Eigen/Core>
 
 namespace tsar {
@@ -167,4 +167,6 @@ void Fit(int argc, char** argv) {
 }  // namespace
 }  // namespace tsar
 
-int main(int argc, char** argv) { return tsar::RunFit(tsar::Fit, argc, argv); }
+int main(int argc, char** argv) {
+  return tsar::RunTool([&] { tsar::Fit(argc, argv); });
+}

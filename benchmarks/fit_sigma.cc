@@ -31,12 +31,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/require_no_cylinders.h"
+#include "benchmarks/run_tool.h"
 
 namespace tsar {
 namespace {
@@ -343,11 +343,5 @@ void Fit(int argc, char** argv) {
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  try {
-    tsar::Fit(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "ERROR: %s\n", error.what());
-    return 1;
-  }
-  return 0;
+  return tsar::RunTool([&] { tsar::Fit(argc, argv); });
 }

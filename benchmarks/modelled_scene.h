@@ -19,6 +19,9 @@
 #include "colmap_tsar/superpixels/cielab.h"
 #include "colmap_tsar/workspace/map_io.h"
 
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,7 +29,6 @@
 #include <vector>
 
 #include "benchmarks/logistic_regression.h"
-#include "benchmarks/require_no_cylinders.h"
 #include <Eigen/Core>
 
 namespace tsar {
@@ -87,13 +89,13 @@ class ModelledScene {
       : workspace_(root, MapType::kGeometric),
         model_(ReadSceneModel(GetSceneModelPath(workspace_.Root()))),
         device_(Device::CreateCpu(2)) {
-    RequireNoCylinders(model_, workspace_.Root());
     for (const auto& [image, labels] : model_.views) {
       evidence_[image] = ReadEvidence(
           GetEvidencePath(workspace_.Root(), Name(image), workspace_.Type()));
     }
   }
 
+  const std::filesystem::path& Root() const { return workspace_.Root(); }
   const SceneModel& Model() const { return model_; }
   Device& GetDevice() const { return *device_; }
 
@@ -222,18 +224,6 @@ inline void PrintWeights(const char* name, const Eigen::VectorXd& weights) {
     std::printf(" %.2f", weight);
   }
   std::printf("\n");
-}
-
-// Runs fit(argc, argv), and says in one line what was wrong.
-template <typename Fit>
-int RunFit(const Fit& fit, int argc, char** argv) {
-  try {
-    fit(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "ERROR: %s\n", error.what());
-    return 1;
-  }
-  return 0;
 }
 
 }  // namespace tsar

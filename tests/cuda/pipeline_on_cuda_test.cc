@@ -143,14 +143,16 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         result->Add("depth", composed.map.depth);
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
-        result->Add("confidence",
-                    RateSceneConfidence(composed,
-                                        scene_inputs,
-                                        surfaces,
-                                        inputs.views.Scale(),
-                                        0.2f,
-                                        0.3f,
-                                        device));
+        const auto confidence_of = [&] {
+          return RateSceneConfidence(composed,
+                                     scene_inputs,
+                                     surfaces,
+                                     inputs.views.Scale(),
+                                     0.2f,
+                                     0.3f,
+                                     device);
+        };
+        result->Add("confidence", confidence_of());
         const auto sigma = [&] {
           return ComputeSceneSigma(
               composed, scene_inputs, inputs.views.Scale(), 0.2f, {}, device);
@@ -160,14 +162,7 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
           found.insert(static_cast<Provenance>(value));
         }
         MarkInterpolated(inputs.reliable.View(), &composed, device);
-        DeviceImage<float> confidence =
-            RateSceneConfidence(composed,
-                                scene_inputs,
-                                surfaces,
-                                inputs.views.Scale(),
-                                0.2f,
-                                0.3f,
-                                device);
+        DeviceImage<float> confidence = confidence_of();
         result->Add("confidence of filled pixels", confidence);
         DropDoubtful(0.35f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);
