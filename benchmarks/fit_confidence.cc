@@ -78,7 +78,6 @@ void CollectView(const ModelledImage& view,
       const float right = AtSamePlace(view.truth, x, y, refined.depth);
       if (depth > 0.f && right > 0.f) {
         samples->push_back({{KindAt(refined, view, x, y),
-                             votes(x, y),
                              view.SupportAt(x, y, votes(x, y)),
                              view.LabelAt(x, y),
                              view.resolution.RelativeDepthError(depth),

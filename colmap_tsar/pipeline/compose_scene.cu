@@ -162,7 +162,6 @@ struct SceneConfidenceKernel {
 
   TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {
     return {KindAt(x, y),
-            votes(x, y),
             SupportAt(inputs, votes(x, y), x, y),
             SuperpixelAt(inputs, x, y).label,
             resolution.RelativeDepthError(depth(x, y)),

@@ -44,9 +44,9 @@ struct LabelMeasures {
 // All that is known of a depth of a composed map.
 struct DepthEvidence {
   DepthKind kind;
-  ViewVotes votes;
-  MeasurementSupport own;  // Where it stands.
-  LabelMeasures label;     // Where it lies on a plane.
+  // Where it does not stand, its votes alone count.
+  MeasurementSupport support;
+  LabelMeasures label;  // Where it lies on a plane.
   // The relative depth of one pixel of disparity there, and the view's noise
   // (ViewEvidence), in such.
   float resolution = 0.f;
@@ -58,7 +58,8 @@ struct DepthEvidence {
 // some kinds have (docs/method.md, "Confidence";
 // benchmarks/fit_confidence.cc finds the weights).
 struct ConfidenceTerms {
-  static constexpr int kCount = kNumDepthKinds + 14;
+  static constexpr int kCount =
+      kNumDepthKinds + 2 + SupportTerms::kCount + kNumVoteShares + 4;
   float values[kCount] = {};
 
   TSAR_HD explicit ConfidenceTerms(const DepthEvidence& depth) {
@@ -68,22 +69,20 @@ struct ConfidenceTerms {
     *rest++ = NaturalLogarithm(fmaxf(depth.resolution, kLeast));
     *rest++ = NaturalLogarithm(fmaxf(depth.noise, kLeast));
     if (depth.kind == DepthKind::kStanding) {
-      const SupportTerms support(depth.own);
+      const SupportTerms support(depth.support);
       for (int i = 0; i < SupportTerms::kCount; ++i) {
         rest[i] = support.values[i];
       }
       return;
     }
     rest += SupportTerms::kCount;
-    const float share = 1.f / static_cast<float>(1 + depth.votes.Count());
-    rest[0] = share * static_cast<float>(depth.votes.agreeing);
-    rest[1] = share * static_cast<float>(depth.votes.in_front);
-    rest[2] = share * static_cast<float>(depth.votes.behind);
+    ShareVotes(depth.support.votes, rest);
+    rest += kNumVoteShares;
     if (depth.kind <= DepthKind::kGuessed) {
-      rest[3] = depth.label.strength;
-      rest[4] = depth.label.confirmed;
-      rest[5] = depth.label.uncertainty;
-      rest[6] = depth.label.margin;
+      rest[0] = depth.label.strength;
+      rest[1] = depth.label.confirmed;
+      rest[2] = depth.label.uncertainty;
+      rest[3] = depth.label.margin;
     }
   }
 };

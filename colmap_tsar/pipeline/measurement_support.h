@@ -35,37 +35,42 @@ TSAR_HD inline float GapInPixels(float own,
   return fabsf(other - own) / (own * resolution.RelativeDepthError(own));
 }
 
+inline constexpr int kNumVoteShares = 3;
+// Writes the shares of the votes that agree, of those for a surface in front,
+// and of those for one behind, among all votes and one more.
+TSAR_HD inline void ShareVotes(const ViewVotes& votes, float* shares) {
+  const float share = 1.f / static_cast<float>(1 + votes.Count());
+  shares[0] = share * static_cast<float>(votes.agreeing);
+  shares[1] = share * static_cast<float>(votes.in_front);
+  shares[2] = share * static_cast<float>(votes.behind);
+}
+
 // The terms of the regressions below, in their order (docs/method.md,
 // "Measurement or plane"; benchmarks/fit_measurements.cc finds the weights).
 struct SupportTerms {
-  static constexpr int kCount = 5;
+  static constexpr int kCount = 2 + kNumVoteShares;
   float values[kCount];
 
   TSAR_HD explicit SupportTerms(const MeasurementSupport& support) {
-    const float share = 1.f / static_cast<float>(1 + support.votes.Count());
     values[0] = NaturalLogarithm(1.f + support.texture * support.texture);
     values[1] = support.is_trusted ? 1.f : 0.f;
-    values[2] = share * static_cast<float>(support.votes.agreeing);
-    values[3] = share * static_cast<float>(support.votes.in_front);
-    values[4] = share * static_cast<float>(support.votes.behind);
+    ShareVotes(support.votes, values + 2);
   }
 };
 struct RivalTerms {
-  static constexpr int kCount = 6;
+  static constexpr int kCount = kNumVoteShares + 3;
   float values[kCount];
 
   TSAR_HD explicit RivalTerms(const Rival& rival) {
     constexpr float kMinGap = 1e-3f;
     constexpr float kMaxGap = 100.f;
-    const float share = 1.f / static_cast<float>(1 + rival.votes.Count());
     const float log_gap =
         NaturalLogarithm(fminf(fmaxf(rival.gap, kMinGap), kMaxGap));
-    values[0] = share * static_cast<float>(rival.votes.agreeing);
-    values[1] = share * static_cast<float>(rival.votes.in_front);
-    values[2] = share * static_cast<float>(rival.votes.behind);
-    values[3] = log_gap;
-    values[4] = log_gap * log_gap;
-    values[5] = rival.margin;
+    ShareVotes(rival.votes, values);
+    float* rest = values + kNumVoteShares;
+    rest[0] = log_gap;
+    rest[1] = log_gap * log_gap;
+    rest[2] = rival.margin;
   }
 };
 

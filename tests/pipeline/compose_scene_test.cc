@@ -35,7 +35,7 @@ constexpr float kNoise = 0.2f;
 
 // Of a depth on a plane that no other view sees.
 float ConfidenceOnPlane(DepthKind kind, const LabelMeasures& label = kLabel) {
-  return ConfidenceOf({kind, {}, {}, label, kResolution, kNoise});
+  return ConfidenceOf({kind, {}, label, kResolution, kNoise});
 }
 
 struct Result {
@@ -302,7 +302,7 @@ TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
   Measure(4, 2, kOff);
   options_.min_log_odds = -100.f;
   const float likely = ConfidenceInSurface(
-      {DepthKind::kGuessed, {}, {}, kLabel, kResolution, kNoise});
+      {DepthKind::kGuessed, {}, kLabel, kResolution, kNoise});
   min_fill_confidence_ = likely - 0.01f;
   EXPECT_GT(Compose().confidence(0, 0), 0.f);
   min_fill_confidence_ = likely + 0.01f;
@@ -318,7 +318,6 @@ TEST(DepthConfidenceTest, ValuesAreProbabilities) {
       for (const ViewVotes& votes :
            {ViewVotes{}, ViewVotes{20, 0, 0}, ViewVotes{0, 20, 20}}) {
         const float confidence = ConfidenceOf({static_cast<DepthKind>(kind),
-                                               votes,
                                                {votes, 100.f * value, true},
                                                {value, value, value, value},
                                                kResolution * value,
@@ -334,7 +333,6 @@ TEST(DepthConfidenceTest, ViewsThatAgreeRaiseItForEveryKind) {
   for (int kind = 0; kind < kNumDepthKinds; ++kind) {
     const auto with = [&](const ViewVotes& votes) {
       return ConfidenceOf({static_cast<DepthKind>(kind),
-                           votes,
                            {votes, 5.f, false},
                            kLabel,
                            kResolution,
@@ -361,7 +359,7 @@ TEST(DepthConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
 
 TEST(DepthConfidenceTest, FallsWithTheNoiseAndTheErrorOfAPixel) {
   const auto with = [](float resolution, float noise) {
-    return ConfidenceOf({DepthKind::kMoved, {}, {}, kLabel, resolution, noise});
+    return ConfidenceOf({DepthKind::kMoved, {}, kLabel, resolution, noise});
   };
   EXPECT_LT(with(kResolution, 2.f * kNoise), with(kResolution, kNoise));
   EXPECT_LT(with(2.f * kResolution, kNoise), with(kResolution, kNoise));
@@ -370,7 +368,6 @@ TEST(DepthConfidenceTest, FallsWithTheNoiseAndTheErrorOfAPixel) {
 TEST(DepthConfidenceTest, TrustAndTextureRaiseItWhereAMeasurementStands) {
   const auto standing = [](float texture, bool is_trusted) {
     return ConfidenceOf({DepthKind::kStanding,
-                         {},
                          {{}, texture, is_trusted},
                          {},
                          kResolution,
