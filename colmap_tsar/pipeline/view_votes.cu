@@ -15,9 +15,8 @@
 namespace tsar {
 namespace {
 
-// Relative differences of two depths that are one surface, and that are two.
+// Depths that differ by less than this share are of one surface.
 constexpr float kSameSurface = 0.015f;
-constexpr float kOtherSurface = 0.04f;
 
 // More views than a byte counts change nothing.
 TSAR_HD inline void Count(uint8_t* votes) {

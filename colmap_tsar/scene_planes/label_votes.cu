@@ -16,8 +16,6 @@
 namespace tsar {
 namespace {
 
-// Nearer by this share, a surface is another one and in front.
-constexpr float kOtherSurface = 0.04f;
 // One view may be wrong.
 constexpr int kMinInFront = 2;
 // The strength of a label that hides what lies behind it.

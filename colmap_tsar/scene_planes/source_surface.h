@@ -13,6 +13,9 @@
 
 namespace tsar {
 
+// Depths of one ray that differ by more than this share are of two surfaces.
+inline constexpr float kOtherSurface = 0.04f;
+
 // The depth of a view's superpixels on their planes, on its raster; 0 where a
 // plane is invalid. planes: of each superpixel, in the view's camera frame.
 DeviceImage<float> DepthOfPlanes(const ObservedView& view,
