@@ -8,22 +8,34 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace tsar {
 namespace {
 
 PixelGroups GroupBySuperpixel(const ViewEvidence& evidence, Device& device) {
-  Image<int> labels =
-      Image<int>::Uninitialized(evidence.width, evidence.height);
-  std::copy(
-      evidence.superpixels.begin(), evidence.superpixels.end(), labels.begin());
-  return GroupPixels(DeviceImage<int>(device, labels).View(),
-                     evidence.NumSuperpixels(),
-                     device);
+  std::vector<int> labels(static_cast<size_t>(evidence.NumSuperpixels()));
+  std::iota(labels.begin(), labels.end(), 0);
+  return GroupByLabel(evidence, labels, evidence.NumSuperpixels(), device);
 }
 
 }  // namespace
+
+PixelGroups GroupByLabel(const ViewEvidence& evidence,
+                         const std::vector<int>& labels,
+                         int num_labels,
+                         Device& device) {
+  Image<int> of_pixels =
+      Image<int>::Uninitialized(evidence.width, evidence.height);
+  std::transform(evidence.superpixels.begin(),
+                 evidence.superpixels.end(),
+                 of_pixels.begin(),
+                 [&](uint16_t superpixel) { return labels[superpixel]; });
+  return GroupPixels(
+      DeviceImage<int>(device, of_pixels).View(), num_labels, device);
+}
 
 LabelInputs::LabelInputs(const std::vector<ObservedView>& views,
                          const Rasters& rasters,

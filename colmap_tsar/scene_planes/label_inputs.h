@@ -8,11 +8,19 @@
 #include "colmap_tsar/device/pixel_groups.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace tsar {
+
+// The pixels of a view by the label of their superpixel. labels: of each
+// superpixel, in [0, num_labels).
+PixelGroups GroupByLabel(const ViewEvidence& evidence,
+                         const std::vector<int>& labels,
+                         int num_labels,
+                         Device& device);
 
 // A view to be labelled and its sources, in a device's memory.
 class LabelInputs {
