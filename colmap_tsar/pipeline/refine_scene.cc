@@ -81,15 +81,14 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
 void ReduceCandidates(const Camera& camera,
                       const RefineOptions& options,
                       Device& device,
-                      ViewEvidence* evidence) {
-  const int num_region_planes = *std::max_element(
-      evidence->region_planes.begin(), evidence->region_planes.end());
+                      GatheredEvidence* gathered) {
+  ViewEvidence* evidence = &gathered->evidence;
   const std::vector<ObservedView> views = {MakeObservedView(*evidence, camera)};
   DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
   discovery.min_gain *= kShareOfOneView;
   const DiscoveredPlanes discovered =
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
-  evidence->candidates.resize(static_cast<size_t>(num_region_planes));
+  evidence->candidates.resize(static_cast<size_t>(gathered->num_region_planes));
   for (const ScenePlane& plane : discovered.planes) {
     const Plane candidate = ToCameraPlane(plane.plane, views[0].camera);
     if (candidate.Valid()) {
@@ -243,12 +242,13 @@ void MakeEvidence(const RefineOptions& options,
                                inputs.num_superpixels,
                                PatchRadius(measured.gray, measured.camera));
   }
-  result->evidence =
-      std::make_unique<ViewEvidence>(GatherEvidence(measured.inputs, {}));
-  result->evidence->color = std::move(measured.color);
-  result->evidence->ratings = std::move(measured.ratings);
+  GatheredEvidence gathered = GatherEvidence(measured.inputs, {});
+  gathered.evidence.color = std::move(measured.color);
+  gathered.evidence.ratings = std::move(measured.ratings);
   timer.Finish("evidence");
-  ReduceCandidates(measured.camera, options, device, result->evidence.get());
+  ReduceCandidates(measured.camera, options, device, &gathered);
+  result->evidence =
+      std::make_unique<ViewEvidence>(std::move(gathered.evidence));
   result->measured.reset();
   timer.Finish("scene planes");
 }

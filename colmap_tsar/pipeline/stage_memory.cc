@@ -126,7 +126,7 @@ int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
 }
 
 int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
-  return num_pixels + 11 * MaxRasterPixels(num_pixels) +
+  return num_pixels + 9 * MaxRasterPixels(num_pixels) +
          800 * NumSuperpixels(options, num_pixels);
 }
 

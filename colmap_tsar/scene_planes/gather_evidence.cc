@@ -47,11 +47,11 @@ struct PlaneBitsHash {
 
 // Numbers the different planes of the regions by their first pixel, and makes
 // candidates of those that are large enough.
-void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
-  evidence->region_planes = Image<uint16_t>(evidence->width, evidence->height);
-  if (planes.Empty()) {
-    return;
-  }
+RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs) {
+  RegionCandidates candidates;
+  candidates.of_pixels =
+      Image<uint16_t>(inputs.superpixels.Width(), inputs.superpixels.Height());
+  const Image<Plane>& planes = inputs.region_planes;
   std::unordered_map<PlaneBits, int, PlaneBitsHash> numbers;
   std::vector<std::pair<Plane, int>> found;  // With the number of pixels.
   Image<int> number_of(planes.Width(), planes.Height(), -1);
@@ -71,17 +71,18 @@ void AddRegionPlanes(const Image<Plane>& planes, ViewEvidence* evidence) {
   std::vector<uint16_t> candidate_of(found.size(), 0);
   for (size_t k = 0; k < found.size(); ++k) {
     if (found[k].second >= kMinCandidatePixels &&
-        evidence->candidates.size() < UINT16_MAX) {
-      evidence->candidates.push_back(found[k].first);
-      candidate_of[k] = static_cast<uint16_t>(evidence->candidates.size());
+        candidates.planes.size() < UINT16_MAX) {
+      candidates.planes.push_back(found[k].first);
+      candidate_of[k] = static_cast<uint16_t>(candidates.planes.size());
     }
   }
   for (size_t i = 0; i < planes.NumPixels(); ++i) {
     if (number_of.Data()[i] >= 0) {
-      evidence->region_planes.Data()[i] =
+      candidates.of_pixels.Data()[i] =
           candidate_of[static_cast<size_t>(number_of.Data()[i])];
     }
   }
+  return candidates;
 }
 
 // The pixels i of each superpixel where is_wanted(i), in raster order.
@@ -105,10 +106,11 @@ size_t Spaced(size_t i, size_t count, size_t size) {
 }
 
 void AddObservations(const EvidenceInputs& inputs,
+                     const RegionCandidates& regions,
                      const EvidenceOptions& options,
                      ViewEvidence* evidence) {
   const Image<Observation> observations =
-      ObservePixels(inputs, options, evidence);
+      ObservePixels(inputs, regions, options, &evidence->confident_depth);
   const std::vector<std::vector<int>> observed = PixelsOfSuperpixels(
       inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
         return observations.Data()[i].confidence > 0.f;
@@ -237,9 +239,10 @@ float MeasureNoise(const EvidenceInputs& inputs) {
 
 }  // namespace
 
-ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
-                            const EvidenceOptions& options) {
-  ViewEvidence evidence;
+GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
+                                const EvidenceOptions& options) {
+  GatheredEvidence gathered;
+  ViewEvidence& evidence = gathered.evidence;
   evidence.width = inputs.superpixels.Width();
   evidence.height = inputs.superpixels.Height();
   evidence.intrinsics = inputs.intrinsics;
@@ -249,15 +252,17 @@ ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
   std::copy(inputs.superpixels.begin(),
             inputs.superpixels.end(),
             evidence.superpixels.begin());
-  AddRegionPlanes(inputs.region_planes, &evidence);
-  AddObservations(inputs, options, &evidence);
+  const RegionCandidates regions = FindRegionCandidates(inputs);
+  AddObservations(inputs, regions, options, &evidence);
   AddConfirmed(inputs, options, &evidence);
   AddBorders(inputs, options, &evidence);
+  evidence.candidates = regions.planes;
   std::copy_if(inputs.superpixel_planes.begin(),
                inputs.superpixel_planes.end(),
                std::back_inserter(evidence.candidates),
                [](const Plane& plane) { return plane.Valid(); });
-  return evidence;
+  gathered.num_region_planes = static_cast<int>(regions.planes.size());
+  return gathered;
 }
 
 }  // namespace tsar

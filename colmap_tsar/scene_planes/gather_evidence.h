@@ -53,8 +53,14 @@ struct EvidenceInputs {
   DepthResolution resolution;
 };
 
-// The evidence without `color` and `ratings`, to which this would add nothing.
-ViewEvidence GatherEvidence(const EvidenceInputs& inputs,
-                            const EvidenceOptions& options);
+struct GatheredEvidence {
+  // Without `color` and `ratings`, to which this would add nothing.
+  ViewEvidence evidence;
+  // How many of its candidates, which are the first, are planes of regions.
+  int num_region_planes = 0;
+};
+
+GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
+                                const EvidenceOptions& options);
 
 }  // namespace tsar

@@ -49,13 +49,13 @@ struct RegionPlaneSupport {
 
 std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
     const EvidenceInputs& inputs,
-    const EvidenceOptions& options,
-    const ViewEvidence& evidence) {
+    const RegionCandidates& regions,
+    const EvidenceOptions& options) {
   std::vector<RegionPlaneSupport> supports(
       static_cast<size_t>(inputs.num_superpixels));
-  for (int y = 0; y < evidence.height; ++y) {
-    for (int x = 0; x < evidence.width; ++x) {
-      const int number = evidence.region_planes(x, y);
+  for (int y = 0; y < inputs.superpixels.Height(); ++y) {
+    for (int x = 0; x < inputs.superpixels.Width(); ++x) {
+      const int number = regions.of_pixels(x, y);
       if (number == 0) {
         continue;
       }
@@ -63,8 +63,7 @@ std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
           supports[static_cast<size_t>(inputs.superpixels(x, y))];
       const RayDepth& sample = inputs.samples(x, y);
       if (IsMeasured(sample)) {
-        const Plane& plane =
-            evidence.candidates[static_cast<size_t>(number - 1)];
+        const Plane& plane = regions.planes[static_cast<size_t>(number - 1)];
         const bool is_on = Residual(sample, plane, inputs.resolution) <
                            options.max_region_plane_residual;
         (is_on ? support.on : support.off) +=
@@ -99,25 +98,28 @@ float Residual(const RayDepth& sample,
 }
 
 Image<Observation> ObservePixels(const EvidenceInputs& inputs,
+                                 const RegionCandidates& regions,
                                  const EvidenceOptions& options,
-                                 ViewEvidence* evidence) {
-  Image<Observation> observations(evidence->width, evidence->height);
-  evidence->confident_depth = Image<float>(evidence->width, evidence->height);
+                                 Image<float>* confident_depth) {
+  const int width = inputs.superpixels.Width();
+  const int height = inputs.superpixels.Height();
+  Image<Observation> observations(width, height);
+  *confident_depth = Image<float>(width, height);
   const std::vector<RegionPlaneSupport> supports =
-      MeasureRegionPlaneSupport(inputs, options, *evidence);
-  for (int y = 0; y < evidence->height; ++y) {
-    for (int x = 0; x < evidence->width; ++x) {
+      MeasureRegionPlaneSupport(inputs, regions, options);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
-      const int number = evidence->region_planes(x, y);
+      const int number = regions.of_pixels(x, y);
       if (IsMeasured(sample)) {
         observations(x, y) = {sample,
                               ConfidenceOfMeasurement(inputs, x, y, options)};
-        evidence->confident_depth(x, y) =
+        (*confident_depth)(x, y) =
             HasTexture(inputs, x, y, options) ? sample.z : 0.f;
       } else if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =
-            evidence->candidates[static_cast<size_t>(number - 1)].Depth(ray);
+            regions.planes[static_cast<size_t>(number - 1)].Depth(ray);
         if (depth > 0.f && std::isfinite(depth)) {
           const RegionPlaneSupport& support =
               supports[static_cast<size_t>(inputs.superpixels(x, y))];

@@ -10,6 +10,9 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace tsar {
 
 bool IsMeasured(const RayDepth& sample);
@@ -20,11 +23,20 @@ float Residual(const RayDepth& sample,
                const Plane& plane,
                const DepthResolution& resolution);
 
+// The planes of a view's regions that are worth a candidate.
+struct RegionCandidates {
+  std::vector<Plane> planes;
+  // For each pixel of the raster the number of its region's plane among these,
+  // plus one; 0 where it has none.
+  Image<uint16_t> of_pixels;
+};
+
 // The observation of each pixel, of confidence 0 where there is none: what was
-// measured, and elsewhere the plane of the pixel's region. Needs the candidates
-// and region_planes of the evidence, and sets its confident_depth.
+// measured, and elsewhere the plane of the pixel's region. confident_depth: of
+// ViewEvidence.
 Image<Observation> ObservePixels(const EvidenceInputs& inputs,
+                                 const RegionCandidates& regions,
                                  const EvidenceOptions& options,
-                                 ViewEvidence* evidence);
+                                 Image<float>* confident_depth);
 
 }  // namespace tsar

@@ -73,9 +73,6 @@ struct ViewEvidence {
 
   // Planes that the view found by itself: of regions, then of superpixels.
   std::vector<Plane> candidates;
-  // For each pixel the number of its region's plane among the candidates, plus
-  // one; 0 where it has none.
-  Image<uint16_t> region_planes;
 
   // Depths that are as good as certain, 0 elsewhere: what the view saw through
   // is empty up to there.

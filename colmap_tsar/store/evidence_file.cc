@@ -105,11 +105,9 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   if (parts == EvidenceParts::kForNeighbours) {
     return std::nullopt;
   }
-  if (!has_raster(evidence.region_planes) || evidence.ratings.Empty()) {
-    return "sizes that do not fit each other";
-  }
   const std::vector<int>& first_confirmed = evidence.first_confirmed;
-  if (evidence.is_measured.size() != evidence.observations.size() ||
+  if (evidence.ratings.Empty() ||
+      evidence.is_measured.size() != evidence.observations.size() ||
       first_confirmed.size() != first.size() ||
       evidence.confirmed_pixels.size() != num_superpixels) {
     return "sizes that do not fit each other";
@@ -137,11 +135,6 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
         return IsFiniteNotNegative(border.weight);
       })) {
     return "a border's invalid weight";
-  }
-  const size_t num_candidates = evidence.candidates.size();
-  if (!AllOf(evidence.region_planes,
-             [&](uint16_t number) { return number <= num_candidates; })) {
-    return "a region's plane that is not among the candidates";
   }
   return std::nullopt;
 }
@@ -198,7 +191,6 @@ struct Header {
             {num_confirmed, sizeof(RayDepth)},
             {num_superpixels, sizeof(int)},
             {num_borders, sizeof(SuperpixelBorder)},
-            {num_pixels, sizeof(uint16_t)},
             {num_ratings, sizeof(uint8_t)}};
   }
 };
@@ -222,7 +214,6 @@ auto OwnArrays(Evidence& evidence) {
                      BytesOf(evidence.confirmed),
                      BytesOf(evidence.confirmed_pixels),
                      BytesOf(evidence.borders),
-                     BytesOf(evidence.region_planes),
                      BytesOf(evidence.ratings)};
 }
 
@@ -244,7 +235,7 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/8,
+    /*version=*/9,
     &MissingEvidence,
     &CorruptEvidence};
 
@@ -314,7 +305,6 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
     evidence.confirmed.resize(header.num_confirmed);
     evidence.confirmed_pixels.resize(header.num_superpixels);
     evidence.borders.resize(header.num_borders);
-    evidence.region_planes = Image<uint16_t>::Uninitialized(width, height);
     evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
                                                      header.ratings_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);

@@ -21,8 +21,8 @@ namespace tsar {
 
 enum class EvidenceParts {
   kAll,
-  // All but is_measured, the confirmed depths, borders, region_planes and
-  // ratings, which stay empty and are not even read from the disk.
+  // All but is_measured, the confirmed depths, borders and ratings, which stay
+  // empty and are not even read from the disk.
   kForNeighbours,
 };
 

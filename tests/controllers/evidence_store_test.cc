@@ -22,7 +22,6 @@ ViewEvidence EvidenceOf(int image) {
   evidence.noise = static_cast<float>(image);
   evidence.superpixels = Image<uint16_t>(2, 1);
   evidence.confident_depth = Image<float>(2, 1);
-  evidence.region_planes = Image<uint16_t>(2, 1);
   evidence.color = Image<Rgb>(2, 1);
   evidence.weights = {1.f};
   evidence.first_observation = {0, 0};

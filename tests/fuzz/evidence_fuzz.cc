@@ -60,7 +60,6 @@ std::vector<std::string> MakeSeeds() {
   evidence.borders.resize(1);
   evidence.borders[0].first = 0;
   evidence.borders[0].second = 1;
-  evidence.region_planes = Image<uint16_t>(3, 2, 1);
   evidence.color = Image<Rgb>(3, 2, {1, 2, 3});
   evidence.ratings = Image<uint8_t>(6, 4, 1);
   WriteEvidence(UserPath(FuzzFolder() / "evidence.bin"), "options", evidence);

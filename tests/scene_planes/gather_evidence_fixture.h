@@ -47,7 +47,10 @@ class GatherEvidenceTest : public testing::Test {
     inputs_.resolution.error_per_depth = 0.001f;
   }
 
-  ViewEvidence Gather() const { return GatherEvidence(inputs_, options_); }
+  GatheredEvidence GatherAll() const {
+    return GatherEvidence(inputs_, options_);
+  }
+  ViewEvidence Gather() const { return GatherAll().evidence; }
 
   template <typename T>
   void Fill(Image<T>* image, int superpixel, const T& value) const {

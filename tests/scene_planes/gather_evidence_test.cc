@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/random.h"
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include "tests/scene_planes/gather_evidence_fixture.h"
@@ -83,8 +82,9 @@ TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirFatteningWeight) {
   }
   EvidenceOptions options;
   options.min_own_confidence = 0.5f;
-  EXPECT_NEAR(
-      GatherEvidence(inputs_, options).weights[1], kNumPixels * 0.5f, 1e-3f);
+  EXPECT_NEAR(GatherEvidence(inputs_, options).evidence.weights[1],
+              kNumPixels * 0.5f,
+              1e-3f);
 }
 
 TEST_F(GatherEvidenceTest, FillsCountByTheMeasurementsThatLieOnThem) {
@@ -286,26 +286,64 @@ TEST_F(GatherEvidenceTest, CandidatesArePlanesOfRegionsThenOfSuperpixels) {
                                    : k == 9 ? DrawnPlane({0.f, 0.f, -1.f}, 4.f)
                                             : Plane{};
   }
-  const ViewEvidence evidence = Gather();
+  const GatheredEvidence gathered = GatherAll();
+  const ViewEvidence& evidence = gathered.evidence;
+  EXPECT_EQ(gathered.num_region_planes, 2);
   ASSERT_EQ(evidence.candidates.size(), 4u);
   EXPECT_EQ(evidence.candidates[0].offset, first.offset);
   EXPECT_EQ(evidence.candidates[1].offset, second.offset);
   EXPECT_EQ(evidence.candidates[2].offset, 3.f);
   EXPECT_EQ(evidence.candidates[3].offset, 4.f);
-  for (size_t i = 0; i < evidence.region_planes.NumPixels(); ++i) {
-    const int superpixel = inputs_.superpixels.Data()[i];
-    EXPECT_EQ(evidence.region_planes.Data()[i],
-              superpixel == 0 || superpixel == 7 ? 1
-              : superpixel == 2                  ? 2
-                                                 : 0);
-  }
   // With one more pixel it is one of them, after the first.
   inputs_.region_planes(19, 2) = small;
-  const ViewEvidence with_small = Gather();
-  ASSERT_EQ(with_small.candidates.size(), 5u);
-  EXPECT_EQ(with_small.candidates[1].offset, small.offset);
-  EXPECT_EQ(with_small.region_planes(19, 2), 2);
-  EXPECT_EQ(with_small.region_planes(20, 2), 3);
+  const GatheredEvidence with_small = GatherAll();
+  EXPECT_EQ(with_small.num_region_planes, 3);
+  ASSERT_EQ(with_small.evidence.candidates.size(), 5u);
+  EXPECT_EQ(with_small.evidence.candidates[1].offset, small.offset);
+}
+
+TEST_F(GatherEvidenceTest, FillsPixelsByThePlaneOfTheirOwnRegion) {
+  const Plane first = DrawnPlane({0.f, 0.1f, -1.f}, 7.f);
+  const Plane second = DrawnPlane({0.1f, 0.f, -1.f}, 8.f);
+  const Plane small = DrawnPlane({0.f, 0.f, -1.f}, 9.f);
+  DrawRegionPlane(0, first);
+  DrawRegionPlane(2, second);
+  DrawRegionPlane(7, first);
+  // In superpixel 1, one pixel less than a candidate needs.
+  for (int i = 0; i < 29; ++i) {
+    inputs_.region_planes(10 + i % 10, i / 10) = small;
+  }
+  // The upper left pixel of each superpixel is measured, on its region's plane.
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Plane& plane = inputs_.region_planes(x, y);
+      const Vec3f ray = inputs_.intrinsics.Ray(x, y);
+      const bool is_measured =
+          x % kSize == 0 && y % kSize == 0 && plane.Valid();
+      inputs_.samples(x, y) =
+          is_measured ? RayDepth{ray.x, ray.y, plane.Depth(ray)} : RayDepth{};
+    }
+  }
+  const auto expect_fills = [&](int superpixel, int count, const Plane& plane) {
+    SCOPED_TRACE(superpixel);
+    const ViewEvidence evidence = Gather();
+    EXPECT_NEAR(evidence.weights[superpixel], 1.f + 0.3f * count, 1e-3f);
+    const std::vector<Observation> observations =
+        ObservationsOf(evidence, superpixel);
+    EXPECT_EQ(observations.size(),
+              std::min(static_cast<size_t>(1 + count), size_t{32}));
+    for (const Observation& observation : observations) {
+      EXPECT_NEAR(RelativeDistance(plane, observation.sample), 0.f, 1e-5f);
+    }
+  };
+  expect_fills(0, kNumPixels - 1, first);
+  expect_fills(1, 0, small);
+  expect_fills(2, kNumPixels - 1, second);
+  expect_fills(7, kNumPixels - 1, first);
+  EXPECT_EQ(Gather().weights[3], 0.f);
+  inputs_.region_planes(19, 2) = small;
+  expect_fills(1, 29, small);
+  expect_fills(2, kNumPixels - 1, second);
 }
 
 TEST_F(GatherEvidenceTest, SmallRegionPlanesAreNoObservations) {
@@ -353,16 +391,14 @@ TEST_F(GatherEvidenceTest, PlanesThatAreNotFiniteAreNone) {
 
 TEST_F(GatherEvidenceTest, TakesViewsWithoutSamples) {
   std::fill(inputs_.samples.begin(), inputs_.samples.end(), RayDepth{});
-  const ViewEvidence evidence = Gather();
+  const GatheredEvidence gathered = GatherAll();
+  const ViewEvidence& evidence = gathered.evidence;
   EXPECT_TRUE(evidence.observations.empty());
   EXPECT_EQ(evidence.first_observation,
             std::vector<int>(kNumSuperpixels + 1, 0));
   EXPECT_EQ(evidence.noise, 0.f);
-  EXPECT_EQ(evidence.region_planes.NumPixels(), inputs_.samples.NumPixels());
-  EXPECT_EQ(
-      std::accumulate(
-          evidence.region_planes.begin(), evidence.region_planes.end(), 0),
-      0);
+  EXPECT_EQ(gathered.num_region_planes, 0);
+  EXPECT_EQ(evidence.candidates.size(), size_t{kNumSuperpixels});
 }
 
 TEST_F(GatherEvidenceTest, TakesOneSuperpixelAndNone) {
@@ -374,7 +410,7 @@ TEST_F(GatherEvidenceTest, TakesOneSuperpixelAndNone) {
   EXPECT_EQ(evidence.weights[0], kWidth * kHeight);
   EXPECT_EQ(evidence.observations.size(), 32u);
 
-  const ViewEvidence empty = GatherEvidence({}, options_);
+  const ViewEvidence empty = GatherEvidence({}, options_).evidence;
   EXPECT_EQ(empty.NumSuperpixels(), 0);
   EXPECT_EQ(empty.first_observation, std::vector<int>{0});
 }

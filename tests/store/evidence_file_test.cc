@@ -16,7 +16,6 @@ namespace {
 void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   ExpectSameForNeighbours(a, b);
   EXPECT_EQ(a.borders.size(), b.borders.size());
-  EXPECT_TRUE(a.region_planes.HasSizeOf(b.region_planes));
   EXPECT_TRUE(a.color.HasSizeOf(b.color));
   EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
@@ -38,7 +37,6 @@ TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
   const ViewEvidence read = ReadEvidence(path_, EvidenceParts::kForNeighbours);
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
-  EXPECT_TRUE(read.region_planes.Empty());
   EXPECT_TRUE(read.ratings.Empty());
 }
 
@@ -52,7 +50,6 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.first_observation = {0, 0};
   nothing.first_confirmed = {0, 0};
   nothing.confirmed_pixels = {0};
-  nothing.region_planes = Image<uint16_t>(1, 2);
   nothing.confident_depth = Image<float>(1, 2);
   nothing.color = Image<Rgb>(1, 2);
   nothing.ratings = Image<uint8_t>(1, 2);
@@ -70,7 +67,6 @@ TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   evidence.borders.back().second = 4;
   evidence.borders.back().pixels[3] = 9 * 7 - 1;
   evidence.borders.front().pixels[0] = 0;
-  evidence.region_planes(0, 0) = 3;
   evidence.resolution.error_per_depth = 0.f;
   evidence.noise = 0.f;
   evidence.intrinsics = {std::numeric_limits<float>::denorm_min(),
@@ -105,14 +101,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 7u, 9u}) {
+  for (const uint32_t version : {0u, 8u, 10u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 8");
+                             ", this program reads version 9");
     }
   }
 }

@@ -83,7 +83,6 @@ std::vector<Fault> OwnFaults() {
   const std::string owners = "confirmed depths that are not those of";
   const std::string confirmed = "an invalid confirmed depth";
   const std::string weight = "a border's invalid weight";
-  const std::string region = "a region's plane";
   return {
       {kind, [](auto* e) { e->is_measured[10] = 2; }},
       {owners, [](auto* e) { e->first_confirmed[0] = 1; }},
@@ -106,8 +105,6 @@ std::vector<Fault> OwnFaults() {
       {weight, [](auto* e) { e->borders[0].weight = kNan; }},
       {weight, [](auto* e) { e->borders[0].weight = kInf; }},
       {weight, [](auto* e) { e->borders[0].weight = -1.f; }},
-      {region, [](auto* e) { e->region_planes(8, 6) = 4; }},
-      {region, [](auto* e) { e->region_planes(0, 0) = 65535; }},
   };
 }
 
@@ -147,7 +144,6 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({sizes, [](auto* e) { std::swap(e->width, e->height); }});
   faults.push_back({sizes, [](auto* e) { e->superpixels = {}; }});
   faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});
-  faults.push_back({sizes, [](auto* e) { e->region_planes = {}; }});
   faults.push_back({sizes, [](auto* e) { e->color = {}; }});
   faults.push_back({sizes, [](auto* e) { e->color = Image<Rgb>(9, 6); }});
   faults.push_back({sizes, [](auto* e) { e->ratings = {}; }});

@@ -39,12 +39,10 @@ ViewEvidence DrawEvidence() {
   evidence.noise = draw();
   evidence.superpixels = Image<uint16_t>(9, 7);
   evidence.confident_depth = Image<float>(9, 7);
-  evidence.region_planes = Image<uint16_t>(9, 7);
   for (int y = 0; y < 7; ++y) {
     for (int x = 0; x < 9; ++x) {
       evidence.superpixels(x, y) = static_cast<uint16_t>(x / 2);
       evidence.confident_depth(x, y) = y % 2 == 0 ? 10.f * draw() : 0.f;
-      evidence.region_planes(x, y) = static_cast<uint16_t>((x + y) % 4);
     }
   }
   // The third superpixel has no observations.
@@ -126,7 +124,6 @@ std::string OwnBytes(const ViewEvidence& evidence) {
     Append(border.weight, &bytes);
     AppendAll(border.pixels, &bytes);
   }
-  AppendAll(evidence.region_planes, &bytes);
   AppendAll(evidence.ratings, &bytes);
   return bytes;
 }

@@ -36,7 +36,7 @@ struct HeaderFields {
         num_borders(evidence.borders.size()) {}
 
   std::string magic = "TSARVIEW";
-  uint32_t version = 8;
+  uint32_t version = 9;
   uint32_t options_hash_length = 16;
   int32_t width;
   int32_t height;
