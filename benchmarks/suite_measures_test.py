@@ -25,6 +25,7 @@ from suite_parts.photographs import with_noise
 from suite_parts.plots import write_plots
 from suite_parts.sparse_model import (TRACK_ELEMENT, Camera, Point, PosedImage,
                                       SparseModel, read_model, write_text)
+from suite_parts.planes import check_planes
 from suite_parts.tables import Sample, report_lines
 from suite_parts.texture import count_right, f1_scores, is_textured
 from suite_parts.variants import make_variants
@@ -33,15 +34,16 @@ from testing import check
 NAME = "a.png"
 
 
-def filtered(row, above, kind):
-    """A row of pixels as PNG stores it."""
-    stored, left, corner = [kind], 0, 0
-    for value, up in zip(row, above):
+def filtered(row, above, kind, step):
+    """A row of bytes as PNG stores it; step: bytes of a pixel."""
+    stored = [kind]
+    before = [0] * step
+    for value, up, left, corner in zip(row, above, before + row,
+                                       before + above):
         estimate = left + up - corner
         nearest = min((left, up, corner), key=lambda near: abs(estimate - near))
         guess = (0, left, up, (left + up) // 2, nearest)[kind]
         stored.append((value - guess) % 256)
-        left, corner = value, up
     return bytes(stored)
 
 
@@ -50,16 +52,18 @@ def write_grey_png(path, pixels, depth=8):
         return (struct.pack(">I", len(body)) + kind + body
                 + struct.pack(">I", zlib.crc32(kind + body)))
 
-    rows, above = b"", [0] * pixels.shape[1]
-    for y, row in enumerate(pixels.tolist()):
-        rows += filtered(row, above, y % 5)
+    width, step = pixels.shape[1], max(depth // 8, 1)
+    stored = np.ascontiguousarray(pixels.astype(f">u{step}")).view(np.uint8)
+    rows, above = b"", [0] * stored.shape[1]
+    for y, row in enumerate(stored.tolist()):
+        rows += filtered(row, above, y % 5, step)
         above = row
     packed = zlib.compress(rows)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(
         b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", struct.pack(">IIBBBBB", pixels.shape[1],
-                                     len(pixels), depth, 0, 0, 0, 0))
+        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, len(pixels),
+                                     depth, 0, 0, 0, 0))
         + chunk(b"IDAT", packed[:9]) + chunk(b"IDAT", packed[9:])
         + chunk(b"IEND", b""))
 
@@ -69,12 +73,16 @@ def check_png(folder):
     write_grey_png(folder / "grey.png", pixels)
     check((read_grey_png(folder / "grey.png") == pixels).all(),
           "a PNG is read, whatever its filters")
-    write_grey_png(folder / "deep.png", pixels, 16)
+    deep = np.random.default_rng(1).integers(0, 65536, (25, 31))
+    write_grey_png(folder / "deep.png", deep, 16)
+    check((read_grey_png(folder / "deep.png") == deep).all(),
+          "a PNG of 16 bits is read")
+    write_grey_png(folder / "packed.png", pixels, 4)
     try:
-        read_grey_png(folder / "deep.png")
-        check(False, "a PNG of 16 bits is refused")
+        read_grey_png(folder / "packed.png")
+        check(False, "a PNG of 4 bits is refused")
     except CommandFailed as failure:
-        check("deep.png" in str(failure), "a PNG of 16 bits is refused")
+        check("packed.png" in str(failure), "a PNG of 4 bits is refused")
 
 
 def put(workspace, kind, name, values, map_type="geometric"):
@@ -152,6 +160,44 @@ def check_outliers(folder):
     (scene / "ground_truth" / "depth" / f"{NAME}.bin").unlink()
     check(not measure_outliers(scene, Maps(scene)),
           "without true depth there are no outliers to count")
+
+
+def check_planes_off(folder):
+    """A wall 2 m away that slants across the view and lies .03 before the
+    truth along its normal, one far off its surface, and a speck."""
+    model, scene = two_views(0.1), folder / "planes"
+    height, width = 30, 40
+    y, x = np.mgrid[:height, :width] + 0.5
+    slant = np.array([0.6, 0, -0.8])
+    rays = np.stack([(x - 20) / 40, (y - 15) / 40, np.ones_like(x)])
+    depth = -1.6 / np.tensordot(slant, rays, 1)
+    truth = -1.63 / np.tensordot(slant, rays, 1)
+    plane = np.ones((height, width), int)
+    plane[20:] = 300
+    truth[20:] = depth[20:] * 0.5
+    plane[0] = 0
+    plane[1, :5] = 2
+    truth[2] = 0
+    name = model.images[0].name
+    write_map(scene / "ground_truth" / "depth" / f"{name}.bin", truth)
+    put(scene, "depth", name, depth)
+    put(scene, "normal", name, np.broadcast_to(slant[:, None, None],
+                                               (3, height, width)))
+    maps = Maps(scene)
+    check(check_planes(scene, model, maps) == {}, "no plane maps, no planes")
+    write_grey_png(maps.path("plane", name, "png"), plane, 16)
+    scores = check_planes(scene, model, maps)
+    first, second = scores["planes"]
+    on_planes = 29 * 40 - 40
+    check(abs(first[0] - (18 * 40 - 5) / on_planes) < 1e-9
+          and np.allclose(first[1:], -0.03, atol=1e-5),
+          "a plane lies before the truth by its distance along the normal")
+    check(abs(second[0] - 400 / on_planes) < 1e-9
+          and np.allclose(second[1:], 0.8, atol=1e-5),
+          "another lies behind it; one of five pixels is left out")
+    expected = (first[0] * 0.03 + second[0] * 0.8) / (first[0] + second[0])
+    check(abs(scores["plane_offset"] - expected) < 1e-5,
+          "the mean is weighed by pixels")
 
 
 def check_calibration():
@@ -383,6 +429,7 @@ def main():
     check_harm(folder)
     check_outliers(folder)
     check_calibration()
+    check_planes_off(folder)
     check_views(folder)
     check_model(folder)
     check_noise()

@@ -43,7 +43,8 @@ def map_size(path):
 
 
 def read_grey_png(path):
-    """An 8-bit grey PNG without interlacing, as confidence and provenance maps are."""
+    """A grey PNG of 8 or 16 bits without interlacing, as confidence, provenance
+    and plane maps are."""
     data = path.read_bytes()
     if data[:8] != PNG_SIGNATURE:
         raise CommandFailed(f"{path}: not a PNG")
@@ -56,19 +57,27 @@ def read_grey_png(path):
         elif kind == b"IDAT":
             packed += body
         at += length + 12
-    if head is None or head[2:] != (8, 0, 0, 0, 0):
-        raise CommandFailed(f"{path}: not an 8-bit grey PNG without "
+    if head is None or head[2] not in (8, 16) or any(head[3:]):
+        raise CommandFailed(f"{path}: not a grey PNG of 8 or 16 bits without "
                             "interlacing")
     width, height = head[:2]
-    rows = np.frombuffer(zlib.decompress(packed), np.uint8)
-    return undo_filters(rows.reshape(height, width + 1))
+    step = head[2] // 8
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(
+        height, step * width + 1)
+    # Filters work on the high and the low bytes alone.
+    bytes_of_pixels = [undo_filters(rows[:, 0], rows[:, 1 + place::step])
+                       for place in range(step)]
+    if step == 1:
+        return bytes_of_pixels[0]
+    high, low = bytes_of_pixels
+    return high.astype(np.uint16) << 8 | low
 
 
-def undo_filters(rows):
-    """The pixels of PNG's filtered rows, whose first byte names the filter."""
-    pixels = np.zeros((len(rows) + 1, rows.shape[1] - 1), np.uint8)
-    for y, row in enumerate(rows):
-        kind, values, above = row[0], row[1:], pixels[y]
+def undo_filters(kinds, rows):
+    """The pixels of PNG's filtered rows. kinds: the filter of each row."""
+    pixels = np.zeros((len(rows) + 1, rows.shape[1]), np.uint8)
+    for y, (kind, values) in enumerate(zip(kinds, rows)):
+        above = pixels[y]
         if kind == 0:
             pixels[y + 1] = values
         elif kind == 1:

@@ -17,12 +17,13 @@ from suite_parts.agreement import check_sparse, check_view_agreement
 from suite_parts.harm import measure_truth
 from suite_parts.maps import Maps
 from suite_parts.outliers import measure_outliers
+from suite_parts.planes import check_planes
 from suite_parts.sparse_model import read_model
 
 DEPTH_TOLERANCES = (0.02, 0.05)
 CLOUD_TOLERANCES = (0.02, 0.05, 0.1)
 # Raised where the same maps would get other scores.
-VERSION = 2
+VERSION = 3
 
 
 def hash_of_file(path):
@@ -119,6 +120,7 @@ class Measurer:
             scores, model = self._score(configuration, output, after, folder)
             scores.update(measure_truth(configuration.path, before, after))
             scores.update(check_view_agreement(model, after))
+            scores.update(check_planes(configuration.path, model, after))
         record = {**{key: value for key, value in asdict(configuration).items()
                      if key != "path"}, "seed": seed, "options": options,
                   "program": self.program_hash, "device": self.device,

@@ -27,6 +27,7 @@ COLUMNS = (
     ("guessed", "outliers_guessed", None, 3),
     ("SPECKS", "specks", None, 4),
     ("views disagree", "view_disagreement", None, 3),
+    ("planes off", "plane_offset", None, 4),
     ("sparse with depth", "sparse_with_depth", None, 3),
     ("sparse right 1 %", "sparse_right_1", None, 3),
     ("sparse right 2 %", "sparse_right_2", None, 3),
@@ -153,6 +154,20 @@ def variant_table(title, key, index, digits, rows):
                        ["variant", *base, "mean change"], lines)
 
 
+def plane_table(rows):
+    """The large planes of each row's first seed; nothing without any."""
+    lines = [[row.name, row.identity["variant"],
+              *(f"{value:.{digits}f}"
+                for value, digits in zip(plane, (3, 4, 4, 4)))]
+             for row in rows for plane in row.scores[0].get("planes", ())]
+    if not lines:
+        return []
+    return table_lines("### Large planes: share of the pixels on planes, and "
+                       "distance behind the true surface (quartiles)",
+                       ["scene", "variant", "share", "25 %", "50 %", "75 %"],
+                       lines)
+
+
 def report_lines(runs, commit):
     """The whole report in Markdown."""
     rows = group_rows(runs)
@@ -168,4 +183,4 @@ def report_lines(runs, commit):
     if len({row.identity["variant"] for row in rows}) > 1:
         for column in VARIANT_COLUMNS:
             lines += variant_table(*column, rows)
-    return lines
+    return lines + plane_table(rows)
