@@ -31,40 +31,22 @@ constexpr int kMaxSources = 12;
 constexpr float kHidden = 0.03f;
 constexpr VoteSampling kRegionSampling{9, 1, 400};
 
-// How much the colours of a region of the reference differ from those that the
-// sources show on a plane: the mean of the better half of the sources, since
-// what hides it in others is not always known.
-struct RegionColorKernel {
+// How much the colours of a region of the reference differ from those that one
+// source shows on a plane.
+struct SourceColorKernel {
   PixelGroupsView regions;
   const Plane* planes;
+  int num_planes;
   const ObservedSource* sources;
-  int num_sources;
   VoteSampling sampling;
   ImageView<const Rgb> color;  // Of the reference.
   Intrinsics intrinsics;
-  // Column: plane, row: region; negative where too few sources see it.
+  // Column: plane of each source in turn, row: region.
   ImageView<float> differences;
 
-  TSAR_HD void operator()(int k, int r) const {
-    float best[kMaxSources];
-    int count = 0;
-    for (int j = 0; j < num_sources && count < kMaxSources; ++j) {
-      const float difference = InSource(sources[j], planes[k], r);
-      if (difference < 0.f) {
-        continue;
-      }
-      int place = count++;
-      for (; place > 0 && best[place - 1] > difference; --place) {
-        best[place] = best[place - 1];
-      }
-      best[place] = difference;
-    }
-    const int half = (count + 1) / 2;
-    float sum = 0.f;
-    for (int i = 0; i < half; ++i) {
-      sum += best[i];
-    }
-    differences(k, r) = count < kMinSources ? -1.f : sum / half;
+  TSAR_HD void operator()(int column, int region) const {
+    differences(column, region) = InSource(
+        sources[column / num_planes], planes[column % num_planes], region);
   }
 
   // Mean over the region's pixels, from 0 to 1; negative where too few of them
@@ -110,6 +92,37 @@ struct RegionColorKernel {
     return num_seen > 0 && num_seen >= kMinShareSeen * num_tests
                ? sum / num_seen
                : -1.f;
+  }
+};
+
+// The mean of the better half of the sources that see a region, since what
+// hides it in others is not always known.
+struct RegionColorKernel {
+  ImageView<const float> of_sources;
+  int num_sources;
+  // Column: plane, row: region; negative where too few sources see it.
+  ImageView<float> differences;
+
+  TSAR_HD void operator()(int k, int r) const {
+    float best[kMaxSources];
+    int count = 0;
+    for (int j = 0; j < num_sources && count < kMaxSources; ++j) {
+      const float difference = of_sources(j * differences.width + k, r);
+      if (difference < 0.f) {
+        continue;
+      }
+      int place = count++;
+      for (; place > 0 && best[place - 1] > difference; --place) {
+        best[place] = best[place - 1];
+      }
+      best[place] = difference;
+    }
+    const int half = (count + 1) / 2;
+    float sum = 0.f;
+    for (int i = 0; i < half; ++i) {
+      sum += best[i];
+    }
+    differences(k, r) = count < kMinSources ? -1.f : sum / half;
   }
 };
 
@@ -160,20 +173,6 @@ std::vector<float> CountUnobserved(const ViewEvidence& evidence) {
   return counts;
 }
 
-PixelGroups GroupByRegion(const ViewEvidence& evidence,
-                          const ColorRegions& regions,
-                          Device& device) {
-  Image<int> of_pixel =
-      Image<int>::Uninitialized(evidence.width, evidence.height);
-  std::transform(
-      evidence.superpixels.begin(),
-      evidence.superpixels.end(),
-      of_pixel.begin(),
-      [&](uint16_t superpixel) { return regions.of_superpixel[superpixel]; });
-  return GroupPixels(
-      DeviceImage<int>(device, of_pixel).View(), regions.count, device);
-}
-
 }  // namespace
 
 void AddColorCosts(const LabelInputs& inputs,
@@ -188,18 +187,27 @@ void AddColorCosts(const LabelInputs& inputs,
   DeviceImage<float> gaps(device, costs.width, costs.height);
   Fill(device, gaps.View().data, gaps.View().NumPixels(), 0.f);
   for (const ColorRegions& regions : FindColorRegions(evidence)) {
-    const PixelGroups pixels = GroupByRegion(evidence, regions, device);
+    const PixelGroups pixels =
+        GroupByLabel(evidence, regions.of_superpixel, regions.count, device);
+    DeviceImage<float> of_sources(
+        device, inputs.NumSources() * costs.width, regions.count);
+    ParallelFor(device,
+                of_sources.Width(),
+                of_sources.Height(),
+                SourceColorKernel{pixels.View(),
+                                  device_planes.Data(),
+                                  costs.width,
+                                  inputs.Sources(),
+                                  kRegionSampling,
+                                  color.View(),
+                                  reference.camera.GetIntrinsics(),
+                                  of_sources.View()});
     DeviceImage<float> differences(device, costs.width, regions.count);
     ParallelFor(device,
                 differences.Width(),
                 differences.Height(),
-                RegionColorKernel{pixels.View(),
-                                  device_planes.Data(),
-                                  inputs.Sources(),
+                RegionColorKernel{std::as_const(of_sources).View(),
                                   inputs.NumSources(),
-                                  kRegionSampling,
-                                  color.View(),
-                                  reference.camera.GetIntrinsics(),
                                   differences.View()});
     const Buffer<int> region_of_superpixel(device, regions.of_superpixel);
     ParallelFor(device,
