@@ -22,6 +22,10 @@ namespace tsar {
 
 namespace {
 
+// A border between a plane and 'none', in borders between two planes that are
+// far apart: what has no plane has an unknown surface with two sides.
+constexpr float kBorderToNone = 2.f;
+
 // What a border between two superpixels costs for each pair of labels, of which
 // the last one is 'none'. Keeps references to the evidence and the
 // planes.
@@ -72,7 +76,7 @@ float BorderCosts::operator()(int edge, int a, int b) const {
   }
   const float weight = borders_[static_cast<size_t>(edge)].weight;
   if (static_cast<size_t>(std::max(a, b)) == planes_.size()) {
-    return weight;
+    return kBorderToNone * weight;
   }
   const Plane& first = planes_[static_cast<size_t>(a)];
   const Plane& second = planes_[static_cast<size_t>(b)];
