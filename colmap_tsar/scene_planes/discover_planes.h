@@ -78,8 +78,8 @@ struct DiscoveredPlanes {
 //
 // Greedy choice of candidates, while one adds min_gain as it is, is followed by
 // rounds in which each plane is fitted to the superpixels assigned to it, in
-// all views at once, and in which planes are dropped or merged that are not
-// worth min_gain. Then leaving out any plane would cost at least min_gain. At
+// all views at once, and in which planes are dropped that are not worth
+// min_gain, and merged that views take for each other (DropAndMergePlanes). At
 // last planes are aligned (AlignToManhattanFrame) that lose little by that,
 // and each superpixel is assigned to the plane with the highest score.
 //

@@ -25,10 +25,9 @@ constexpr size_t kMaxFittedObservations = 2000;
 
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
-// The share of its support that the smaller of two planes may lose for the sake
-// of one plane: what views measure of a surface differs by errors that each of
-// them has in common with its neighbours, and two planes of one surface tear
-// the views apart.
+// The share of its support that the smaller of two planes of different blocks
+// may lose for the sake of one plane: what views measure of a surface differs
+// by errors that each of them has in common with its neighbours.
 constexpr double kMaxMergeShare = 0.1;
 // Nor are two planes each of which is worth more than this many times the cost
 // of a plane where the other one stays: a joint plane hardly makes up for that.
@@ -75,6 +74,50 @@ struct Pair {
   int a = 0;
   int b = 0;
   double max_loss = 0.0;
+};
+
+// How often other views assign what they see of a plane's superpixels to it, or
+// to another plane. Of a real surface they are of one mind. A copy of one is
+// made of errors of matching, which differ between views: what one assigns to
+// the copy, others assign to the surface.
+class AgreementOfViews {
+ public:
+  AgreementOfViews(const SuperpixelObservations& observations,
+                   const std::vector<Ranking>& rankings,
+                   size_t num_planes)
+      : counts_(num_planes, std::vector<int>(num_planes, 0)),
+        sums_(num_planes, 0) {
+    for (int k = 0; k < observations.Count(); ++k) {
+      const int plane = rankings[k].planes[0];
+      if (plane < 0) {
+        continue;
+      }
+      for (const int there : observations.SeenIn(k)) {
+        const int other = rankings[there].planes[0];
+        if (other >= 0) {
+          ++counts_[plane][other];
+          ++sums_[plane];
+        }
+      }
+    }
+  }
+
+  // The share that has the plane in other views, too; 1 where none sees it.
+  double Share(int plane) const {
+    return sums_[plane] > 0
+               ? static_cast<double>(counts_[plane][plane]) / sums_[plane]
+               : 1.0;
+  }
+
+  // Of what has either plane in other views, the share that has the other.
+  double Confusion(int plane, int other) const {
+    const int both = counts_[plane][plane] + counts_[plane][other];
+    return both > 0 ? static_cast<double>(counts_[plane][other]) / both : 0.0;
+  }
+
+ private:
+  std::vector<std::vector<int>> counts_;  // [plane][plane in the other view]
+  std::vector<int> sums_;
 };
 
 class PlaneMerger {
@@ -136,16 +179,21 @@ class PlaneMerger {
         cheapest = change;
       }
     };
+    const AgreementOfViews agreement(
+        fitter_.Observations(), rankings, planes_.size());
     for (int p = 0; p < num_planes; ++p) {
-      consider({p, losses.without[p], min_gain_, -1, nullptr});
+      consider(
+          {p, losses.without[p] * agreement.Share(p), min_gain_, -1, nullptr});
     }
     const std::vector<std::vector<int>> members =
         AssignedSuperpixels(rankings, planes_.size());
     std::vector<Pair> pairs;
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
+        const int smaller = supports[a] < supports[b] ? a : b;
+        const double confusion = agreement.Confusion(smaller, a + b - smaller);
         const double max_loss =
-            MaxMergeLoss(min_gain_, supports[a], supports[b]);
+            std::max(min_gain_, confusion * confusion * supports[smaller]);
         if (std::min(losses.without[a], losses.without[b]) <=
             kHopelessGains * max_loss) {
           pairs.push_back({a, b, max_loss});

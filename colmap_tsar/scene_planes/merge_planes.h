@@ -61,16 +61,20 @@ inline constexpr double kMaxMergeDistance = 10.0;
 // That many joint fits, of which a pair has two, are scored at a time at most.
 inline constexpr int kMaxJointFits = 64;
 
-// What merging two planes may cost of their supports together.
+// What merging two planes of different blocks may cost of their supports
+// together.
 double MaxMergeLoss(double min_gain, double support_a, double support_b);
 
 // Whether their directions are close enough at all.
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 
-// Drops planes, which may cost min_gain each, and replaces pairs by a joint
-// fit, which may cost MaxMergeLoss(), as long as there is such a change; the
-// one that costs the smallest share of what it may comes first. Returns whether
-// there was any, which does not depend on the threads.
+// Drops planes and replaces pairs by a joint fit as long as there is a change
+// that costs less than it may; the one that costs the smallest share of that
+// comes first. Dropping a plane may cost min_gain, of which what other views
+// assign to other planes does not count. Merging two may cost min_gain, or the
+// support of the smaller one times the square of how often other views take it
+// for the larger one: with that probability two of them do. Returns whether
+// there was any change, which does not depend on the threads.
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
                         double min_gain,
                         ThreadPool& threads,

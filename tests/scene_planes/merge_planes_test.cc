@@ -65,6 +65,61 @@ TEST_F(DiscoverPlanesTest, MergesPlanesThatOneCanReplace) {
   EXPECT_NEAR(found[0].plane.Height(right), 0.0, 0.003);
 }
 
+// Half of the wall's superpixels are measured 1.3 pixels of disparity too far.
+class TwoDepthsOfAWallTest : public DiscoverPlanesTest {
+ protected:
+  // is_far(view, superpixel): of those on the wall.
+  template <typename Function>
+  DiscoveredPlanes DiscoverWhere(const Function& is_far) {
+    SyntheticRoom room;
+    WorldPlane far = room.surfaces[kWall].plane;
+    far.offset += 1.3 * 5.0 * 5.0 * SyntheticRoom::kErrorPerDepth;
+    std::vector<WorldPlane> candidates = room.Candidates();
+    candidates.push_back(far);
+    for (int view = 0; view < static_cast<int>(room.seen.size()); ++view) {
+      for (int k = 0; k < SyntheticRoom::kNumSuperpixels; ++k) {
+        if (room.seen[view][k] == kWall && is_far(room, view, k)) {
+          room.MoveAway(view, k, 1.3f);
+        }
+      }
+    }
+    return Discover(room, candidates);
+  }
+
+  // Of the planes that face as the wall does.
+  static int CountWalls(const DiscoveredPlanes& found) {
+    const WorldPlane wall = SyntheticRoom().surfaces[kWall].plane;
+    return static_cast<int>(std::count_if(
+        found.planes.begin(), found.planes.end(), [&](const auto& plane) {
+          return AngleBetween(plane.plane, wall) < 2.0;
+        }));
+  }
+};
+
+TEST_F(TwoDepthsOfAWallTest, AreOnePlaneWhereViewsTakeThemForEachOther) {
+  const DiscoveredPlanes found =
+      DiscoverWhere([](const SyntheticRoom&, int view, int superpixel) {
+        return (superpixel + view) % 2 == 0;
+      });
+  EXPECT_EQ(CountWalls(found), 1);
+}
+
+TEST_F(TwoDepthsOfAWallTest, AreTwoPlanesWhereAllViewsSeeThemInTheirPlaces) {
+  const DiscoveredPlanes found = DiscoverWhere([](const SyntheticRoom& room,
+                                                  int view,
+                                                  int superpixel) {
+    const ViewEvidence& evidence = room.evidence[view];
+    const RayDepth& sample =
+        evidence.observations[evidence.first_observation[superpixel]].sample;
+    const Eigen::Vector3d point =
+        room.cameras[view].Center() +
+        room.cameras[view].rotation.transpose() *
+            (sample.z * Eigen::Vector3d(sample.x, sample.y, 1.0));
+    return point.x() > -0.5;
+  });
+  EXPECT_EQ(CountWalls(found), 2);
+}
+
 // Two boards side by side, one a little before the other, and the plane between
 // them, which explains more than either one's.
 class TwoBoardsTest : public DiscoverPlanesTest {

@@ -95,6 +95,18 @@ class SyntheticRoom {
     }
   }
 
+  // Moves what a superpixel measured away from the camera, by so many pixels of
+  // disparity.
+  void MoveAway(int view, int superpixel, float pixels) {
+    ViewEvidence& of_view = evidence[view];
+    for (int i = of_view.first_observation[superpixel];
+         i < of_view.first_observation[superpixel + 1];
+         ++i) {
+      float& depth = of_view.observations[i].sample.z;
+      depth *= 1.f + pixels * of_view.resolution.RelativeDepthError(depth);
+    }
+  }
+
   // The nearest surface along a ray, and its depth.
   std::pair<int, double> Hit(const Camera& camera,
                              const Eigen::Vector3d& ray) const {
@@ -146,6 +158,13 @@ class SyntheticRoom {
     view.resolution.error_per_depth = kErrorPerDepth;
     std::vector<int> surface_of;
     const int num_columns = kWidth / kSuperpixelSize;
+    view.superpixels = Image<uint16_t>(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        view.superpixels(x, y) = static_cast<uint16_t>(
+            y / kSuperpixelSize * num_columns + x / kSuperpixelSize);
+      }
+    }
     for (int k = 0; k < kNumSuperpixels; ++k) {
       view.weights.push_back(kPixelsOfSuperpixel);
       view.first_observation.push_back(
