@@ -65,21 +65,23 @@ TEST_F(DiscoverPlanesTest, MergesPlanesThatOneCanReplace) {
   EXPECT_NEAR(found[0].plane.Height(right), 0.0, 0.003);
 }
 
-// Half of the wall's superpixels are measured 1.3 pixels of disparity too far.
+// Half of the wall's superpixels are measured 0.6 pixels of disparity too far.
 class TwoDepthsOfAWallTest : public DiscoverPlanesTest {
  protected:
+  static constexpr float kStep = 0.6f;
+
   // is_far(view, superpixel): of those on the wall.
   template <typename Function>
   DiscoveredPlanes DiscoverWhere(const Function& is_far) {
     SyntheticRoom room;
     WorldPlane far = room.surfaces[kWall].plane;
-    far.offset += 1.3 * 5.0 * 5.0 * SyntheticRoom::kErrorPerDepth;
+    far.offset += kStep * 5.0 * 5.0 * SyntheticRoom::kErrorPerDepth;
     std::vector<WorldPlane> candidates = room.Candidates();
     candidates.push_back(far);
     for (int view = 0; view < static_cast<int>(room.seen.size()); ++view) {
       for (int k = 0; k < SyntheticRoom::kNumSuperpixels; ++k) {
         if (room.seen[view][k] == kWall && is_far(room, view, k)) {
-          room.MoveAway(view, k, 1.3f);
+          room.MoveAway(view, k, kStep);
         }
       }
     }
