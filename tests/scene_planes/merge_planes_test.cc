@@ -117,7 +117,7 @@ TEST_F(TwoDepthsOfAWallTest, AreTwoPlanesWhereAllViewsSeeThemInTheirPlaces) {
         room.cameras[view].Center() +
         room.cameras[view].rotation.transpose() *
             (sample.z * Eigen::Vector3d(sample.x, sample.y, 1.0));
-    return point.x() > -0.5;
+    return std::abs(point.x() + 0.5) < 0.8;
   });
   EXPECT_EQ(CountWalls(found), 2);
 }
