@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps of a dense workspace as arrays: COLMAP's format and 8-bit grey PNG."""
+"""Maps of a dense workspace as arrays: COLMAP's format and grey PNG."""
 
 import struct
 import zlib
@@ -64,7 +64,7 @@ def read_grey_png(path):
     step = head[2] // 8
     rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(
         height, step * width + 1)
-    # Filters work on the high and the low bytes alone.
+    # Filters are applied to the high and the low bytes separately.
     bytes_of_pixels = [undo_filters(rows[:, 0], rows[:, 1 + place::step])
                        for place in range(step)]
     if step == 1:

@@ -162,8 +162,9 @@ def plane_table(rows):
              for row in rows for plane in row.scores[0].get("planes", ())]
     if not lines:
         return []
-    return table_lines("### Large planes: share of the pixels on planes, and "
-                       "distance behind the true surface (quartiles)",
+    return table_lines("### Large planes (first seed): share of the pixels on "
+                       "planes, and distance behind the true surface in "
+                       "units of the scene (quartiles)",
                        ["scene", "variant", "share", "25 %", "50 %", "75 %"],
                        lines)
 

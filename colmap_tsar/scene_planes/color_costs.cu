@@ -41,7 +41,7 @@ struct SourceColorKernel {
   VoteSampling sampling;
   ImageView<const Rgb> color;  // Of the reference.
   Intrinsics intrinsics;
-  // Column: plane of each source in turn, row: region.
+  // Column: source * num_planes + plane, row: region.
   ImageView<float> differences;
 
   TSAR_HD void operator()(int column, int region) const {

@@ -8,6 +8,7 @@
 #include "colmap_tsar/scene_planes/merge_planes.h"
 #include "colmap_tsar/scene_planes/plane_ranking.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
+#include "colmap_tsar/scene_planes/superpixel_matches.h"
 #include "colmap_tsar/scene_planes/superpixel_observations.h"
 
 #include <algorithm>
@@ -33,9 +34,11 @@ constexpr int kMaxImprovingRounds = 3;
 class Discovery {
  public:
   Discovery(const SuperpixelObservations& observations,
+            const SuperpixelMatches& matches,
             const DiscoverPlanesOptions& options,
             Device& device)
       : observations_(observations),
+        matches_(matches),
         options_(options),
         device_(&device),
         scorer_(observations, options.tolerance, device),
@@ -46,7 +49,7 @@ class Discovery {
     do {
       FitToAssigned();
     } while (DropAndMergePlanes(
-        fitter_, options_.min_gain, device_->Threads(), &planes_));
+        fitter_, matches_, options_.min_gain, device_->Threads(), &planes_));
     if (options_.manhattan_frame) {
       AlignPlanes();
     }
@@ -162,6 +165,7 @@ class Discovery {
   }
 
   const SuperpixelObservations& observations_;
+  const SuperpixelMatches& matches_;
   DiscoverPlanesOptions options_;
   Device* device_;
   PlaneScorer scorer_;
@@ -225,7 +229,8 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   for (size_t i = 0; i < std::min(candidates.size(), max_candidates); ++i) {
     local_candidates.push_back(FromWorld(candidates[i], reference));
   }
-  Discovery discovery(observations, options, device);
+  const SuperpixelMatches matches(views);
+  Discovery discovery(observations, matches, options, device);
   const std::vector<ScoredPlane> planes = discovery.Run(local_candidates);
   const std::optional<ManhattanFrame>& frame = discovery.Frame();
   if (frame) {

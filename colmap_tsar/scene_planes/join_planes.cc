@@ -25,6 +25,11 @@
 namespace tsar {
 namespace {
 
+// The share of its support that the smaller of two planes of different blocks
+// may lose for the sake of one plane: what views measure of a surface differs
+// by errors that each of them has in common with its neighbours.
+constexpr double kMaxMergeShare = 0.1;
+
 // The superpixels that are assigned to each plane, numbered through all views.
 std::vector<std::vector<int>> MembersOf(const DiscoveredPlanes& discovered) {
   std::vector<std::vector<int>> members(discovered.planes.size());
@@ -176,7 +181,8 @@ class PlaneJoiner {
         samples.Add(observation);
       }
     }
-    const double max_loss = MaxMergeLoss(min_gain_, a.support, b.support);
+    const double max_loss =
+        std::max(min_gain_, kMaxMergeShare * std::min(a.support, b.support));
     std::optional<Joint> best;
     for (const WorldPlane& initial : {plane_a, plane_b}) {
       const WorldPlane fit = FitPlane(initial, samples, kCauchyShare);

@@ -59,7 +59,7 @@ struct JoinedPlanes {
 };
 
 // Replaces planes of neighbouring blocks that are one surface by a joint fit:
-// as long as that costs at most MaxMergeLoss() of what was measured of both,
+// as long as that costs at most min_gain or a tenth of the smaller support,
 // the cheapest first. A joint plane belongs to the blocks of both, so that a
 // wall along many blocks becomes one. Planes of one block are joined only as
 // parts of such a wall.

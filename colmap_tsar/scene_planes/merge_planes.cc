@@ -13,6 +13,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -25,12 +26,9 @@ constexpr size_t kMaxFittedObservations = 2000;
 
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
-// The share of its support that the smaller of two planes of different blocks
-// may lose for the sake of one plane: what views measure of a surface differs
-// by errors that each of them has in common with its neighbours.
-constexpr double kMaxMergeShare = 0.1;
-// Nor are two planes each of which is worth more than this many times the cost
-// of a plane where the other one stays: a joint plane hardly makes up for that.
+// Nor are two planes each of which is worth more than this many times what the
+// merger may cost where the other one stays: a joint plane hardly makes up for
+// that.
 constexpr double kHopelessGains = 3.0;
 // By how many observations it is told how far planes are apart.
 constexpr size_t kNumMergeSamples = 100;
@@ -76,57 +74,96 @@ struct Pair {
   double max_loss = 0.0;
 };
 
-// How often other views assign what they see of a plane's superpixels to it, or
-// to another plane. Of a real surface they are of one mind. A copy of one is
-// made of errors of matching, which differ between views: what one assigns to
-// the copy, others assign to the surface.
-class AgreementOfViews {
+// What views say of each other's planes. The superpixels that match one
+// (SuperpixelMatches) vote by the planes that they are assigned to; those that
+// have none do not vote. Views agree on a real surface. A copy of one is made
+// of errors of matching, which differ between views: where one assigns a
+// superpixel to the copy, others assign it to the surface.
+class VotesOfViews {
  public:
-  AgreementOfViews(const SuperpixelObservations& observations,
-                   const std::vector<Ranking>& rankings,
-                   size_t num_planes)
-      : counts_(num_planes, std::vector<int>(num_planes, 0)),
-        sums_(num_planes, 0) {
-    for (int k = 0; k < observations.Count(); ++k) {
-      const int plane = rankings[k].planes[0];
-      if (plane < 0) {
-        continue;
-      }
-      for (const int there : observations.SeenIn(k)) {
-        const int other = rankings[there].planes[0];
-        if (other >= 0) {
-          ++counts_[plane][other];
-          ++sums_[plane];
-        }
-      }
-    }
+  VotesOfViews(const SuperpixelMatches& matches,
+               const std::vector<Ranking>& rankings,
+               int num_planes,
+               ThreadPool& threads)
+      : num_planes_(num_planes),
+        agreements_(rankings.size(), 1.f),
+        counts_(static_cast<size_t>(num_planes) * num_planes, 0) {
+    std::vector<int> assigned(rankings.size());
+    std::transform(rankings.begin(),
+                   rankings.end(),
+                   assigned.begin(),
+                   [](const Ranking& ranking) { return ranking.planes[0]; });
+    std::mutex mutex;
+    threads.Run(static_cast<int64_t>(rankings.size()),
+                [&](int64_t begin, int64_t end) {
+                  std::vector<int> counts(counts_.size(), 0);
+                  for (auto k = static_cast<int>(begin); k < end; ++k) {
+                    Count(matches, assigned, k, &counts);
+                  }
+                  const std::lock_guard lock(mutex);
+                  for (size_t i = 0; i < counts.size(); ++i) {
+                    counts_[i] += counts[i];
+                  }
+                });
   }
 
-  // The share that has the plane in other views, too; 1 where none sees it.
-  double Share(int plane) const {
-    return sums_[plane] > 0
-               ? static_cast<double>(counts_[plane][plane]) / sums_[plane]
-               : 1.0;
-  }
+  // The share of the votes on a superpixel for its own plane; 1 without votes.
+  float Agreement(int superpixel) const { return agreements_[superpixel]; }
 
-  // Of what has either plane in other views, the share that has the other.
+  // Of the votes on a plane's superpixels for either plane, the share for the
+  // other one. Few votes tell little.
   double Confusion(int plane, int other) const {
-    const int both = counts_[plane][plane] + counts_[plane][other];
-    return both > 0 ? static_cast<double>(counts_[plane][other]) / both : 0.0;
+    const int for_other = At(plane, other);
+    return for_other / (kFewVotes + At(plane, plane) + for_other);
   }
 
  private:
-  std::vector<std::vector<int>> counts_;  // [plane][plane in the other view]
-  std::vector<int> sums_;
+  // So many votes for the plane itself come with it.
+  static constexpr double kFewVotes = 4.0;
+
+  int At(int plane, int other) const {
+    return counts_[static_cast<size_t>(plane) * num_planes_ + other];
+  }
+
+  void Count(const SuperpixelMatches& matches,
+             const std::vector<int>& assigned,
+             int superpixel,
+             std::vector<int>* counts) {
+    const int plane = assigned[superpixel];
+    if (plane < 0) {
+      return;
+    }
+    int num_votes = 0;
+    int num_own = 0;
+    for (const int match : matches.Of(superpixel)) {
+      const int other = assigned[match];
+      if (other >= 0) {
+        ++(*counts)[static_cast<size_t>(plane) * num_planes_ + other];
+        ++num_votes;
+        num_own += other == plane ? 1 : 0;
+      }
+    }
+    if (num_votes > 0) {
+      agreements_[superpixel] =
+          static_cast<float>(num_own) / static_cast<float>(num_votes);
+    }
+  }
+
+  int num_planes_;
+  std::vector<float> agreements_;  // Of each superpixel.
+  // By the plane of a superpixel, then by that of the vote.
+  std::vector<int> counts_;
 };
 
 class PlaneMerger {
  public:
   PlaneMerger(const SuperpixelPlaneFitter& fitter,
+              const SuperpixelMatches& matches,
               double min_gain,
               ThreadPool& threads,
               std::vector<ScoredPlane>* planes)
       : fitter_(fitter),
+        matches_(matches),
         min_gain_(min_gain),
         threads_(threads),
         planes_(*planes),
@@ -155,13 +192,18 @@ class PlaneMerger {
     const std::vector<Ranking> rankings =
         Rank(planes_, fitter_.Observations().Count(), threads_);
     const int num_planes = static_cast<int>(planes_.size());
+    const VotesOfViews votes(matches_, rankings, num_planes, threads_);
     Losses losses(planes_.size());
-    for (const Ranking& ranking : rankings) {
+    std::vector<double> agreed_losses(planes_.size(), 0.0);
+    for (size_t k = 0; k < rankings.size(); ++k) {
+      const Ranking& ranking = rankings[k];
       const int best = ranking.planes[0];
       if (best < 0) {
         continue;
       }
-      losses.without[best] += ranking.scores[0] - ranking.scores[1];
+      const float loss = ranking.scores[0] - ranking.scores[1];
+      losses.without[best] += loss;
+      agreed_losses[best] += loss * votes.Agreement(static_cast<int>(k));
       if (ranking.planes[1] >= 0) {
         losses.more_without_both[best][ranking.planes[1]] +=
             ranking.scores[1] - ranking.scores[2];
@@ -179,11 +221,8 @@ class PlaneMerger {
         cheapest = change;
       }
     };
-    const AgreementOfViews agreement(
-        fitter_.Observations(), rankings, planes_.size());
     for (int p = 0; p < num_planes; ++p) {
-      consider(
-          {p, losses.without[p] * agreement.Share(p), min_gain_, -1, nullptr});
+      consider({p, agreed_losses[p], min_gain_, -1, nullptr});
     }
     const std::vector<std::vector<int>> members =
         AssignedSuperpixels(rankings, planes_.size());
@@ -191,7 +230,7 @@ class PlaneMerger {
     for (int a = 0; a < num_planes; ++a) {
       for (int b = a + 1; b < num_planes; ++b) {
         const int smaller = supports[a] < supports[b] ? a : b;
-        const double confusion = agreement.Confusion(smaller, a + b - smaller);
+        const double confusion = votes.Confusion(smaller, a + b - smaller);
         const double max_loss =
             std::max(min_gain_, confusion * confusion * supports[smaller]);
         if (std::min(losses.without[a], losses.without[b]) <=
@@ -317,6 +356,7 @@ class PlaneMerger {
   }
 
   const SuperpixelPlaneFitter& fitter_;
+  const SuperpixelMatches& matches_;
   double min_gain_;
   ThreadPool& threads_;
   std::vector<ScoredPlane>& planes_;
@@ -356,19 +396,16 @@ ScoredPlane SuperpixelPlaneFitter::ScoreOne(const WorldPlane& plane) const {
   return std::move(Score({plane})[0]);
 }
 
-double MaxMergeLoss(double min_gain, double support_a, double support_b) {
-  return std::max(min_gain, kMaxMergeShare * std::min(support_a, support_b));
-}
-
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b) {
   return std::abs(a.normal.dot(b.normal)) >= kMinMergeCosine;
 }
 
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
+                        const SuperpixelMatches& matches,
                         double min_gain,
                         ThreadPool& threads,
                         std::vector<ScoredPlane>* planes) {
-  return PlaneMerger(fitter, min_gain, threads, planes).Run();
+  return PlaneMerger(fitter, matches, min_gain, threads, planes).Run();
 }
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/planes/fit_plane.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/plane_scores.h"
+#include "colmap_tsar/scene_planes/superpixel_matches.h"
 #include "colmap_tsar/scene_planes/superpixel_observations.h"
 
 #include <cstddef>
@@ -61,21 +62,20 @@ inline constexpr double kMaxMergeDistance = 10.0;
 // That many joint fits, of which a pair has two, are scored at a time at most.
 inline constexpr int kMaxJointFits = 64;
 
-// What merging two planes of different blocks may cost of their supports
-// together.
-double MaxMergeLoss(double min_gain, double support_a, double support_b);
-
 // Whether their directions are close enough at all.
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 
 // Drops planes and replaces pairs by a joint fit as long as there is a change
 // that costs less than it may; the one that costs the smallest share of that
-// comes first. Dropping a plane may cost min_gain, of which what other views
-// assign to other planes does not count. Merging two may cost min_gain, or the
-// support of the smaller one times the square of how often other views take it
-// for the larger one: with that probability two of them do. Returns whether
-// there was any change, which does not depend on the threads.
+// comes first. Dropping a plane may cost min_gain; what its superpixels lose
+// counts by the share of the views that assign what they match to it as well.
+// Merging two may cost min_gain or, if that is more, the support of the smaller
+// one times the square of its confusion with the larger one, the share of other
+// views that assign the matches of its superpixels to that: two views must take
+// it for the other. Returns whether there was any change, which does not depend
+// on the threads.
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
+                        const SuperpixelMatches& matches,
                         double min_gain,
                         ThreadPool& threads,
                         std::vector<ScoredPlane>* planes);

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -31,14 +30,6 @@ class SuperpixelObservations {
   int NumViews() const { return static_cast<int>(frames_.size()); }
   const Eigen::Vector3d& CameraCenter(int view) const {
     return frames_[view].center;
-  }
-
-  // Where other views see what a superpixel observed: a superpixel of each
-  // view whose image one of its observations falls into. Only the 16 views
-  // around its own in the list are asked.
-  std::span<const int> SeenIn(int superpixel) const {
-    const size_t begin = first_seen_[superpixel];
-    return {seen_in_.data() + begin, first_seen_[superpixel + 1] - begin};
   }
 
   int NumObservations(int superpixel) const {
@@ -88,14 +79,9 @@ class SuperpixelObservations {
     double confidences;  // The sum of the observations'.
   };
 
-  void FindWhereSeen(const std::vector<ObservedView>& views);
-
   std::vector<Frame> frames_;
   std::vector<int> views_;
   std::vector<Entry> entries_;
-  // Superpixels of other views; those of superpixel k begin at first_seen_[k].
-  std::vector<int> seen_in_;
-  std::vector<size_t> first_seen_;
 };
 
 }  // namespace tsar

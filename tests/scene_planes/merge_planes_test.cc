@@ -70,7 +70,7 @@ class TwoDepthsOfAWallTest : public DiscoverPlanesTest {
  protected:
   static constexpr float kStep = 0.6f;
 
-  // is_far(view, superpixel): of those on the wall.
+  // is_far(room, view, superpixel): of those on the wall.
   template <typename Function>
   DiscoveredPlanes DiscoverWhere(const Function& is_far) {
     SyntheticRoom room;

@@ -1,10 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/superpixel_observations.h"
+#include "colmap_tsar/scene_planes/superpixel_matches.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "tests/support/synthetic_room.h"
 #include <gtest/gtest.h>
@@ -46,29 +48,45 @@ std::set<int> Projections(const SyntheticRoom& room, int view, int superpixel) {
   return result;
 }
 
-TEST(SuperpixelObservationsTest, KnowWhereOtherViewsSeeThem) {
+TEST(SuperpixelMatchesTest, AreWhereObservationsFallInOtherViews) {
   const SyntheticRoom room;
-  const SuperpixelObservations observations(room.Views(), 40.0);
-  ASSERT_EQ(observations.Count(), 3 * kCount);
-  int num_seen = 0;
-  for (int k = 0; k < observations.Count(); ++k) {
+  const SuperpixelMatches matches(room.Views());
+  int num_matches = 0;
+  for (int k = 0; k < 3 * kCount; ++k) {
     const int view = k / kCount;
     const std::set<int> expected = Projections(room, view, k % kCount);
     std::set<int> views;
-    for (const int there : observations.SeenIn(k)) {
-      EXPECT_EQ(expected.count(there), 1u) << "superpixel " << k;
-      EXPECT_TRUE(views.insert(there / kCount).second);
-      ++num_seen;
+    for (const int match : matches.Of(k)) {
+      EXPECT_EQ(expected.count(match), 1u) << "superpixel " << k;
+      EXPECT_TRUE(views.insert(match / kCount).second);
+      ++num_matches;
     }
     EXPECT_EQ(views.count(view), 0u);
   }
-  EXPECT_GT(num_seen, 3 * kCount);
+  EXPECT_GT(num_matches, 3 * kCount);
 }
 
-TEST(SuperpixelObservationsTest, AreSeenNowhereWithoutObservationsOrViews) {
+TEST(SuperpixelMatchesTest, AreNoneOfOtherSurfaces) {
   SyntheticRoom room;
-  EXPECT_TRUE(
-      SuperpixelObservations({room.Views()[0]}, 40.0).SeenIn(50).empty());
+  const SuperpixelMatches before(room.Views());
+  ASSERT_FALSE(before.Of(50).empty());
+  // What the other views measure comes 10 % nearer.
+  for (const size_t view : {1, 2}) {
+    for (Observation& observation : room.evidence[view].observations) {
+      observation.sample.z *= 0.9f;
+    }
+  }
+  const SuperpixelMatches after(room.Views());
+  for (const int match : before.Of(50)) {
+    const std::span<const int> left = after.Of(50);
+    EXPECT_EQ(std::count(left.begin(), left.end(), match), 0);
+  }
+}
+
+TEST(SuperpixelMatchesTest, AreNoneWithoutObservationsViewsOrRasters) {
+  SyntheticRoom room;
+  EXPECT_TRUE(SuperpixelMatches({room.Views()[0]}).Of(50).empty());
+  ASSERT_FALSE(SuperpixelMatches(room.Views()).Of(kCount + 51).empty());
   ViewEvidence& evidence = room.evidence[1];
   const int count =
       evidence.first_observation[51] - evidence.first_observation[50];
@@ -78,22 +96,13 @@ TEST(SuperpixelObservationsTest, AreSeenNowhereWithoutObservationsOrViews) {
   const auto begin =
       evidence.observations.begin() + evidence.first_observation[50];
   evidence.observations.erase(begin, begin + count);
-  const SuperpixelObservations observations(room.Views(), 40.0);
-  EXPECT_TRUE(observations.SeenIn(kCount + 50).empty());
-  EXPECT_FALSE(observations.SeenIn(kCount + 51).empty());
-}
-
-TEST(SuperpixelObservationsTest, OnlyViewsAroundTheirOwnAreAsked) {
-  const SyntheticRoom room;
-  const std::vector<ObservedView> views(20, room.Views()[0]);
-  const SuperpixelObservations observations(views, 40.0);
-  EXPECT_EQ(observations.SeenIn(60).size(), 8u);
-  for (const int there : observations.SeenIn(10 * kCount + 60)) {
-    EXPECT_GE(there / kCount, 2);
-    EXPECT_LE(there / kCount, 18);
-    EXPECT_EQ(there % kCount, 60);
+  const SuperpixelMatches matches(room.Views());
+  EXPECT_TRUE(matches.Of(kCount + 50).empty());
+  EXPECT_FALSE(matches.Of(kCount + 51).empty());
+  for (ViewEvidence& of_view : room.evidence) {
+    of_view.superpixels = {};
   }
-  EXPECT_EQ(observations.SeenIn(10 * kCount + 60).size(), 16u);
+  EXPECT_TRUE(SuperpixelMatches(room.Views()).Of(kCount + 51).empty());
 }
 
 }  // namespace
