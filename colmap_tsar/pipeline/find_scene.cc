@@ -208,12 +208,6 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
       (rasters.superpixels ? 6 * size.num_pixels + 8 * size.num_superpixels +
                                  16 * size.num_planes
                            : 0);
-  // What each source shows of the regions of one colour on each plane.
-  const int64_t of_colors =
-      rasters.confident_depth
-          ? num_costs * (size.num_views - 1) *
-                static_cast<int64_t>(sizeof(float))
-          : 0;
   // Observations by the cells of planes; no cell is without one.
   const PlaneSupportOptions support;
   const int64_t num_cells = std::min(
@@ -223,8 +217,7 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
          64 * (size.num_superpixels + size.num_planes) +
          24 * size.num_observations + 16 * num_cells +
          num_costs *
-             static_cast<int64_t>(sizeof(PlaneCost) + 2 * sizeof(float)) +
-         of_colors;
+             static_cast<int64_t>(sizeof(PlaneCost) + 9 * sizeof(float) / 4);
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

@@ -22,8 +22,8 @@ namespace tsar {
 
 namespace {
 
-// The cost of a border between a plane and 'none', as a multiple of that between
-// two planes far apart.
+// The cost of a border between a plane and 'none', as a multiple of that
+// between two planes far apart.
 constexpr float kBorderToNone = 2.f;
 
 // What a border between two superpixels costs for each pair of labels, of which

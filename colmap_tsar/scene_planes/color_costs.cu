@@ -173,6 +173,47 @@ std::vector<float> CountUnobserved(const ViewEvidence& evidence) {
   return counts;
 }
 
+// Column: plane, row: region.
+DeviceImage<float> CompareRegions(const PixelGroups& regions,
+                                  const Buffer<Plane>& planes,
+                                  const LabelInputs& inputs,
+                                  const DeviceImage<Rgb>& color,
+                                  Device& device) {
+  const int num_planes = static_cast<int>(planes.Size());
+  const int num_sources = std::max(inputs.NumSources(), 1);
+  const int num_regions = regions.NumGroups();
+  DeviceImage<float> differences(device, num_planes, num_regions);
+  // So many at a time that what all sources show of them takes a quarter of
+  // the memory of the result.
+  const int max_rows = std::max(num_regions / (4 * num_sources), 1);
+  DeviceImage<float> of_sources(device, num_sources * num_planes, max_rows);
+  const PixelGroupsView all = regions.View();
+  for (int first = 0; first < num_regions; first += max_rows) {
+    const int rows = std::min(max_rows, num_regions - first);
+    ParallelFor(device,
+                inputs.NumSources() * num_planes,
+                rows,
+                SourceColorKernel{{all.begin + first, all.pixels},
+                                  planes.Data(),
+                                  num_planes,
+                                  inputs.Sources(),
+                                  kRegionSampling,
+                                  color.View(),
+                                  inputs.Views()[0].camera.GetIntrinsics(),
+                                  of_sources.View()});
+    ImageView<float> part = differences.View();
+    part.data += part.Index(0, first);
+    part.height = rows;
+    ParallelFor(
+        device,
+        num_planes,
+        rows,
+        RegionColorKernel{
+            std::as_const(of_sources).View(), inputs.NumSources(), part});
+  }
+  return differences;
+}
+
 }  // namespace
 
 void AddColorCosts(const LabelInputs& inputs,
@@ -189,31 +230,13 @@ void AddColorCosts(const LabelInputs& inputs,
   for (const ColorRegions& regions : FindColorRegions(evidence)) {
     const PixelGroups pixels =
         GroupByLabel(evidence, regions.of_superpixel, regions.count, device);
-    DeviceImage<float> of_sources(
-        device, inputs.NumSources() * costs.width, regions.count);
-    ParallelFor(device,
-                of_sources.Width(),
-                of_sources.Height(),
-                SourceColorKernel{pixels.View(),
-                                  device_planes.Data(),
-                                  costs.width,
-                                  inputs.Sources(),
-                                  kRegionSampling,
-                                  color.View(),
-                                  reference.camera.GetIntrinsics(),
-                                  of_sources.View()});
-    DeviceImage<float> differences(device, costs.width, regions.count);
-    ParallelFor(device,
-                differences.Width(),
-                differences.Height(),
-                RegionColorKernel{std::as_const(of_sources).View(),
-                                  inputs.NumSources(),
-                                  differences.View()});
+    const DeviceImage<float> differences =
+        CompareRegions(pixels, device_planes, inputs, color, device);
     const Buffer<int> region_of_superpixel(device, regions.of_superpixel);
     ParallelFor(device,
                 costs.height,
                 GapKernel{region_of_superpixel.Data(),
-                          std::as_const(differences).View(),
+                          differences.View(),
                           costs,
                           options,
                           gaps.View()});

@@ -186,8 +186,7 @@ TEST(PlanRefinement, HoldsForAnImageAtWork) {
                                     static_cast<int>(drawn.Sources().size())));
       const int64_t peak = PeakOfRefinement(drawn, options, plan);
       EXPECT_GE(DeviceBytes(plan, 1), peak);
-      // Regions of one colour are planned to be as many as superpixels.
-      EXPECT_LE(DeviceBytes(plan, 1), 1.7 * peak);
+      EXPECT_LE(DeviceBytes(plan, 1), 1.5 * peak);
       RecordProperty("percent_" + std::to_string(width) + "_" +
                          std::to_string(superpixel_size),
                      static_cast<int>(100 * DeviceBytes(plan, 1) / peak));
