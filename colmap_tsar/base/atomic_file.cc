@@ -91,6 +91,13 @@ class DescriptorBuffer : public std::streambuf {
 
   int sync() override { return Flush() ? 0 : -1; }
 
+  // So that what is known at the end alone can be written at the beginning.
+  pos_type seekpos(pos_type position, std::ios_base::openmode) override {
+    return Flush() && lseek(descriptor_, position, SEEK_SET) >= 0
+               ? position
+               : pos_type(off_type(-1));
+  }
+
  private:
   bool Flush() {
     const bool written =

@@ -32,7 +32,8 @@ class AtomicFile {
   AtomicFile(AtomicFile&&) noexcept;
   AtomicFile& operator=(AtomicFile&&) = delete;
 
-  // Binary. Failed writes are reported by Prepare() and Commit().
+  // Binary; seekp(position) goes back to what was written. Failed writes are
+  // reported by Prepare() and Commit().
   std::ostream& Stream();
 
   // Flushes to the disk and closes. Several files can be made ready before the

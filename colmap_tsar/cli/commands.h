@@ -42,6 +42,9 @@ int RunTsarRefine(int argc, char** argv);
 // Makes the maps of a dense workspace from its images.
 int RunTsarStereo(int argc, char** argv);
 
+// Fuses the maps of a dense workspace into a point cloud.
+int RunTsarFuse(int argc, char** argv);
+
 // Imports the maps of other programs into a dense workspace.
 int RunTsarImport(int argc, char** argv);
 

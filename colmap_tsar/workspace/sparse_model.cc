@@ -67,6 +67,7 @@ SparseModel::ModelImage MakeImage(const SparseModelFiles& files,
   }
   SparseModel::ModelImage image;
   image.name = in.name;
+  image.place_in_file = in.place;
   image.camera = MakeCamera(files, in.camera_id);
   const Eigen::Quaterniond rotation(
       in.quaternion[0], in.quaternion[1], in.quaternion[2], in.quaternion[3]);
@@ -99,6 +100,9 @@ void SortById(const std::filesystem::path& path,
 }
 
 void AddImages(SparseModelFiles* files, SparseModel* model) {
+  for (size_t i = 0; i < files->images.size(); ++i) {
+    files->images[i].place = static_cast<int>(i);
+  }
   SortById(files->images_path, "image", &files->images);
   model->images.reserve(files->images.size());
   for (const SparseModelFiles::FileImage& image : files->images) {

@@ -21,6 +21,9 @@ class SparseModel {
   struct ModelImage {
     std::string name;  // Relative to images/, with '/' between folders.
     Camera camera;
+    // How many images come before it in the file: files with the points that
+    // COLMAP fused call images by that.
+    int place_in_file = 0;
     // Indices into `points`, ascending, one per observation: a point that the
     // image sees twice is listed twice.
     std::vector<int> point_indices;

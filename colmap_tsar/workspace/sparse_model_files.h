@@ -32,6 +32,7 @@ struct SparseModelFiles {
     double translation[3] = {};
     uint32_t camera_id = 0;
     std::string name;
+    int place = 0;  // In the file.
   };
   struct FilePoint {
     uint64_t id = 0;

@@ -1,0 +1,175 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/cli/fuse_command.h"
+
+#include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
+#include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/export/export_workspace.h"
+
+#include <iostream>
+
+#include <unistd.h>
+
+namespace tsar {
+namespace {
+
+constexpr const char* kSummary =
+    "Fuses the depth maps of a dense workspace into one point cloud, as "
+    "stereo_fusion does, on NVIDIA GPUs and also without any. It knows what "
+    "tsar_refine knows of each depth: how precise it is, how certain, and on "
+    "which plane it lies; points that other images see through are left out. "
+    "Writes fused.ply, with normals and colours, and fused.ply.vis, the images "
+    "that see each point, for poisson_mesher and delaunay_mesher.";
+
+template <typename T>
+void Override(T given, T* value) {
+  if (given >= 0) {
+    *value = given;
+  }
+}
+
+void PrintSummary(const FuseSummary& summary, const FuseCommand& command) {
+  std::cout << "Fused " << summary.num_images
+            << (summary.num_images == 1 ? " image" : " images") << " into "
+            << summary.num_points
+            << " points: " << Printable(command.output_path) << "\n";
+  PrintMasks(summary.num_masks, summary.num_images, std::cout);
+  std::cout << "Time: " << summary.seconds << " s on " << summary.devices
+            << "\n";
+  PrintPeakMemory(summary.gpu_memory, std::cout);
+  if (summary.num_points == 0) {
+    std::cout << "No image agrees with another one on any point: see that the "
+                 "maps are geometric ones and the poses right, or lower "
+                 "--TsarFuse.min_num_views\n";
+  }
+  std::cout << std::flush;
+}
+
+}  // namespace
+
+void FuseCommand::AddTo(OptionSet* set) {
+  set->AddRequired("workspace_path",
+                   &workspace_path,
+                   "The dense workspace, refined or not.");
+  set->AddRequired("output_path",
+                   &output_path,
+                   "The PLY file to write; beside it, with .vis behind its "
+                   "name, the images that see each point. Files that are there "
+                   "are replaced with --overwrite 1 alone.");
+  AddMapType(
+      "input_type",
+      &input_type,
+      "The maps to fuse. If not given: geometric, or photometric where only "
+      "those were refined or are there.",
+      set);
+  set->Add("image_list_path",
+           &image_list_path,
+           "A text file with one image name per line: the pixels of these "
+           "alone become points; all others are asked about them. If empty, "
+           "all.");
+  set->Add("mask_path",
+           &mask_path,
+           "The folder with masks of the undistorted images, named as for "
+           "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), depths "
+           "count as missing.");
+  set->Add("bounding_box_path",
+           &bounding_box_path,
+           "A text file with the smallest x, y and z of the points to keep, "
+           "then the largest, as for stereo_fusion. If empty, all are kept.");
+  set->Add("overwrite", &overwrite, "Replace a cloud that is there.");
+  const std::string group = "TsarFuse.";
+  set->AddChoice(group + "preset",
+                 &preset,
+                 FusionPresetNames(),
+                 "default: depths weighted by precision and confidence; paper: "
+                 "the fusion of the TSAR-MVS paper, two views and the mean of "
+                 "what agrees; colmap: the thresholds of stereo_fusion, and "
+                 "medians. The options below that are -1 come from it.");
+  set->Add(group + "min_num_views",
+           &min_num_views,
+           "Images that have to agree on a point, its own included.",
+           {-1, kMaxFusionSources + 1});
+  set->Add(group + "max_reproj_error",
+           &max_reproj_error,
+           "How far a pixel may lie from where another image's depth leads "
+           "back to, in pixels.",
+           {-1, 1e6});
+  set->Add(group + "max_depth_error",
+           &max_depth_error,
+           "How far depths may differ, as a share of the depth.",
+           {-1, 1});
+  set->Add(group + "max_normal_error",
+           &max_normal_error,
+           "How far normals may differ, in degrees.",
+           {-1, 90});
+  set->Add(group + "check_num_images",
+           &check_num_images,
+           "Other images that are asked about the points of an image: those "
+           "that it was matched with, then those that share most sparse "
+           "points with it.",
+           {-1, kMaxFusionSources});
+  set->Add(group + "point_spacing",
+           &point_spacing,
+           "Of each square of so many pixels of an image, the one in the "
+           "middle becomes a point; 1 gives the densest cloud.",
+           {-1, 1000});
+  AddDeviceArguments(group, &devices, set);
+  set->Add(group + "num_threads",
+           &devices.num_threads,
+           "Number of CPU threads; -1: one for each core.",
+           {-1, 4096});
+}
+
+FusionOptions FuseCommand::Fusion() const {
+  FusionOptions fusion = PresetFusionOptions(ParseFusionPreset(preset));
+  Override(min_num_views, &fusion.min_num_views);
+  Override(max_reproj_error, &fusion.max_reproj_error);
+  Override(max_depth_error, &fusion.max_depth_error);
+  Override(max_normal_error, &fusion.max_normal_error);
+  Override(check_num_images, &fusion.check_num_images);
+  Override(point_spacing, &fusion.point_spacing);
+  return fusion;
+}
+
+FuseSummary FuseCommand::Run(Progress& progress,
+                             const std::function<bool()>& should_stop) const {
+  FuseWorkspaceOptions options;
+  options.fusion = Fusion();
+  options.devices = devices.Parse();
+  options.output_path = output_path;
+  options.image_list_path = image_list_path;
+  options.mask_path = mask_path;
+  if (!bounding_box_path.empty()) {
+    options.bounding_box = ReadBoundingBox(bounding_box_path);
+  }
+  const Workspace workspace =
+      OpenWorkspaceToExport(workspace_path, ParseMapType(input_type));
+  for (const std::string& path : {output_path, output_path + ".vis"}) {
+    RequireWritableOutput(workspace_path, path, "point cloud", overwrite);
+  }
+  return FuseWorkspace(workspace, options, progress, should_stop);
+}
+
+int RunTsarFuse(int argc, char** argv) {
+  FuseCommand command;
+  OptionSet options("tsar_fuse",
+                    kSummary,
+                    "tsar_fuse --workspace_path dense --output_path "
+                    "dense/fused.ply");
+  command.AddTo(&options);
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  const FuseSummary summary =
+      command.Run(progress, [&] { return interruption.Requested(); });
+  PrintSummary(summary, command);
+  return 0;
+}
+
+}  // namespace tsar

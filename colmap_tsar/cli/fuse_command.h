@@ -1,0 +1,46 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/fusion/fuse_workspace.h"
+
+#include <functional>
+#include <string>
+
+namespace tsar {
+
+// What a user of tsar_fuse gives, on the command line or from Python.
+struct FuseCommand {
+  std::string workspace_path;
+  std::string output_path;
+  std::string input_type;
+  std::string image_list_path;
+  std::string mask_path;
+  std::string bounding_box_path;
+  bool overwrite = false;
+  std::string preset = "default";
+  // -1: that of the preset.
+  int min_num_views = -1;
+  double max_reproj_error = -1.0;
+  double max_depth_error = -1.0;
+  double max_normal_error = -1.0;
+  int check_num_images = -1;
+  int point_spacing = -1;
+  DeviceArguments devices;
+
+  void AddTo(OptionSet* set);
+
+  // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceToExport,
+  // ReadBoundingBox and FuseWorkspace throw.
+  FuseSummary Run(Progress& progress,
+                  const std::function<bool()>& should_stop) const;
+
+ private:
+  FusionOptions Fusion() const;
+};
+
+}  // namespace tsar

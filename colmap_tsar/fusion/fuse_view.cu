@@ -1,0 +1,345 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/fusion/fuse_view.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/scan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+// Depths that are larger by so many of the largest errors are of another
+// surface.
+constexpr float kOtherSurfaceErrors = 4.f;
+// Below this cosine between the ray and its normal a plane tells nothing of the
+// depth along the ray.
+constexpr float kMinCosine = 0.1f;
+
+struct Source {
+  ImageView<const FusionPixel> pixels;
+  Intrinsics intrinsics;
+  RelativePose to_source;
+  RelativePose from_source;
+  int is_fused;
+  int comes_first;  // Of two equal pixels its own is taken.
+};
+
+struct Thresholds {
+  FusionStatistic statistic;
+  int min_num_views;
+  float max_squared_reproj_error;
+  float max_depth_error;
+  float min_normal_cosine;
+  int reject_contradicted;
+  int spacing;
+};
+
+TSAR_HD float ConfidenceOf(const FusionPixel& pixel) {
+  return static_cast<float>(pixel.confidence) / 255.f;
+}
+
+TSAR_HD float SigmaOf(const FusionPixel& pixel) {
+  return static_cast<float>(pixel.sigma) * kSigmaStep * pixel.depth;
+}
+
+// A depth of a pixel by one image, and what it is worth.
+struct Vote {
+  float depth;
+  float weight;
+};
+
+// What the images that agree say of one pixel.
+struct Votes {
+  TSAR_HD void Add(const FusionPixel& pixel, const Vec3f& normal, Vote vote) {
+    depths[count] = vote.depth;
+    ++count;
+    weighted_depth += vote.weight * vote.depth;
+    weight += vote.weight;
+    depth += vote.depth;
+    normals = normals + normal;
+    red += pixel.color.r;
+    green += pixel.color.g;
+    blue += pixel.color.b;
+  }
+
+  // The mean of the two middle ones where their number is even.
+  TSAR_HD float Median() {
+    for (int i = 1; i < count; ++i) {
+      const float value = depths[i];
+      int k = i;
+      for (; k > 0 && depths[k - 1] > value; --k) {
+        depths[k] = depths[k - 1];
+      }
+      depths[k] = value;
+    }
+    return 0.5f * (depths[(count - 1) / 2] + depths[count / 2]);
+  }
+
+  float depths[kMaxFusionSources + 1];
+  int count = 0;
+  float weighted_depth = 0.f;
+  float weight = 0.f;
+  float depth = 0.f;
+  Vec3f normals;
+  int red = 0;
+  int green = 0;
+  int blue = 0;
+};
+
+struct FuseKernel {
+  ImageView<const FusionPixel> pixels;
+  Intrinsics intrinsics;
+  const Source* sources;
+  int num_sources;
+  Thresholds thresholds;
+  ImageView<FusedPoint> points;
+  int* is_point;  // Of each point.
+
+  TSAR_HD void operator()(int column, int row) const {
+    const int spacing = thresholds.spacing;
+    const int x = column * spacing + spacing / 2;
+    const int y = row * spacing + spacing / 2;
+    FusedPoint point;
+    if (pixels.Contains(x, y) && pixels(x, y).depth > 0.f) {
+      Fuse(x, y, &point);
+    }
+    points(column, row) = point;
+    is_point[points.Index(column, row)] = point.is_point;
+  }
+
+ private:
+  enum class Opinion { kNone, kAgrees, kSeesThrough };
+
+  // What a source says of a pixel's point.
+  TSAR_HD Opinion Ask(const Source& source,
+                      int x,
+                      int y,
+                      const Vec3f& point,
+                      const Vec3f& normal,
+                      FusionPixel* found,
+                      Vec3f* found_point,
+                      Vec3f* found_normal) const {
+    const Vec3f there = source.to_source * point;
+    if (!(there.z > 0.f)) {
+      return Opinion::kNone;
+    }
+    float u = 0.f;
+    float v = 0.f;
+    source.intrinsics.Project(there, &u, &v);
+    // Also false where it is no number.
+    if (!(u > -0.5f && v > -0.5f &&
+          u < static_cast<float>(source.pixels.width) - 0.5f &&
+          v < static_cast<float>(source.pixels.height) - 0.5f)) {
+      return Opinion::kNone;
+    }
+    const int column = static_cast<int>(u + 0.5f);
+    const int row = static_cast<int>(v + 0.5f);
+    if (!source.pixels.Contains(column, row)) {
+      return Opinion::kNone;
+    }
+    *found = source.pixels(column, row);
+    if (!(found->depth > 0.f)) {
+      return Opinion::kNone;
+    }
+    const float error = (found->depth - there.z) / found->depth;
+    if (fabsf(error) > thresholds.max_depth_error) {
+      return error > kOtherSurfaceErrors * thresholds.max_depth_error
+                 ? Opinion::kSeesThrough
+                 : Opinion::kNone;
+    }
+    *found_point =
+        source.from_source * (source.intrinsics.Ray(static_cast<float>(column),
+                                                    static_cast<float>(row)) *
+                              found->depth);
+    if (!(found_point->z > 0.f)) {
+      return Opinion::kNone;
+    }
+    intrinsics.Project(*found_point, &u, &v);
+    const float dx = u - static_cast<float>(x);
+    const float dy = v - static_cast<float>(y);
+    if (!(dx * dx + dy * dy <= thresholds.max_squared_reproj_error)) {
+      return Opinion::kNone;
+    }
+    *found_normal = source.from_source.rotation * DecodeNormal(*found);
+    return Dot(normal, *found_normal) >= thresholds.min_normal_cosine
+               ? Opinion::kAgrees
+               : Opinion::kNone;
+  }
+
+  // Whether the source's pixel covers less of the surface.
+  TSAR_HD bool IsFiner(const Source& source,
+                       const FusionPixel& theirs,
+                       const FusionPixel& own) const {
+    const float their_size = theirs.depth * intrinsics.fx;
+    const float own_size = own.depth * source.intrinsics.fx;
+    return their_size < own_size ||
+           (their_size == own_size && source.comes_first != 0);
+  }
+
+  TSAR_HD Vote VoteOf(const FusionPixel& pixel,
+                      const Vec3f& ray,
+                      const Vec3f& point,
+                      const Vec3f& normal) const {
+    const float cosine = Dot(normal, ray);
+    const float on_plane = Dot(normal, point) / cosine;
+    const bool is_usable =
+        fabsf(cosine) > kMinCosine * Norm(ray) &&
+        fabsf(on_plane - point.z) <= thresholds.max_depth_error * point.z;
+    const float sigma = SigmaOf(pixel);
+    return {is_usable ? on_plane : point.z,
+            ConfidenceOf(pixel) / (sigma * sigma)};
+  }
+
+  TSAR_HD void Fuse(int x, int y, FusedPoint* fused) const {
+    const FusionPixel own = pixels(x, y);
+    const Vec3f ray =
+        intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+    const Vec3f point = ray * own.depth;
+    const Vec3f normal = DecodeNormal(own);
+    Votes votes;
+    const float own_sigma = SigmaOf(own);
+    votes.Add(
+        own, normal, {own.depth, ConfidenceOf(own) / (own_sigma * own_sigma)});
+    float agreeing = ConfidenceOf(own);
+    float contradicting = 0.f;
+    uint64_t agreeing_sources = 0;
+    for (int s = 0; s < num_sources; ++s) {
+      FusionPixel found;
+      Vec3f found_point;
+      Vec3f found_normal;
+      switch (Ask(sources[s],
+                  x,
+                  y,
+                  point,
+                  normal,
+                  &found,
+                  &found_point,
+                  &found_normal)) {
+        case Opinion::kAgrees:
+          if (sources[s].is_fused != 0 && IsFiner(sources[s], found, own)) {
+            return;
+          }
+          votes.Add(found,
+                    found_normal,
+                    VoteOf(found, ray, found_point, found_normal));
+          agreeing += ConfidenceOf(found);
+          agreeing_sources |= uint64_t{1} << s;
+          break;
+        case Opinion::kSeesThrough:
+          contradicting += ConfidenceOf(found);
+          break;
+        case Opinion::kNone:
+          break;
+      }
+    }
+    if (votes.count < thresholds.min_num_views ||
+        (thresholds.reject_contradicted != 0 && contradicting > agreeing)) {
+      return;
+    }
+    fused->position = ray * FusedDepth(own, &votes);
+    fused->normal = Normalized(votes.normals);
+    const int half = votes.count / 2;
+    fused->color = {static_cast<uint8_t>((votes.red + half) / votes.count),
+                    static_cast<uint8_t>((votes.green + half) / votes.count),
+                    static_cast<uint8_t>((votes.blue + half) / votes.count)};
+    fused->is_point = 1;
+    fused->sources = agreeing_sources;
+  }
+
+  TSAR_HD float FusedDepth(const FusionPixel& own, Votes* votes) const {
+    switch (thresholds.statistic) {
+      case FusionStatistic::kWeighted:
+        return own.plane != 0 || !(votes->weight > 0.f)
+                   ? own.depth
+                   : votes->weighted_depth / votes->weight;
+      case FusionStatistic::kMean:
+        return votes->depth / static_cast<float>(votes->count);
+      case FusionStatistic::kMedian:
+        return votes->Median();
+    }
+    return own.depth;
+  }
+};
+
+struct CompactKernel {
+  const FusedPoint* points;
+  const int* first;  // How many points there are before each.
+  FusedPoint* compact;
+
+  TSAR_HD void operator()(int64_t i) const {
+    if (points[i].is_point != 0) {
+      compact[first[i]] = points[i];
+    }
+  }
+};
+
+int NumSquares(int num_pixels, int spacing) {
+  return (num_pixels + spacing - 1) / spacing;
+}
+
+}  // namespace
+
+std::vector<FusedPoint> FuseView(const FusionInput& view,
+                                 int place,
+                                 const std::vector<FusionSourceInput>& sources,
+                                 const FusionOptions& options,
+                                 Device& device) {
+  std::vector<Source> inputs;
+  for (const FusionSourceInput& source : sources) {
+    inputs.push_back({source.view.pixels,
+                      source.view.camera.GetIntrinsics(),
+                      ComputeRelativePose(view.camera, source.view.camera),
+                      ComputeRelativePose(source.view.camera, view.camera),
+                      source.is_fused ? 1 : 0,
+                      source.place < place ? 1 : 0});
+  }
+  const Buffer<Source> device_sources(device, inputs);
+  const int width = NumSquares(view.pixels.width, options.point_spacing);
+  const int height = NumSquares(view.pixels.height, options.point_spacing);
+  DeviceImage<FusedPoint> points(device, width, height);
+  Buffer<int> is_point(device, points.View().NumPixels());
+  const float max_reproj_error = static_cast<float>(options.max_reproj_error);
+  ParallelFor(device,
+              width,
+              height,
+              FuseKernel{view.pixels,
+                         view.camera.GetIntrinsics(),
+                         device_sources.Data(),
+                         static_cast<int>(inputs.size()),
+                         {options.statistic,
+                          options.min_num_views,
+                          max_reproj_error * max_reproj_error,
+                          static_cast<float>(options.max_depth_error),
+                          static_cast<float>(std::cos(options.max_normal_error *
+                                                      M_PI / 180.0)),
+                          options.reject_contradicted ? 1 : 0,
+                          options.point_spacing},
+                         points.View(),
+                         is_point.Data()});
+  const Buffer<int> first =
+      ExclusiveSum(is_point.Data(), is_point.Size(), device);
+  int count = 0;
+  device.CopyToHost(&count, first.Data() + is_point.Size(), sizeof(count));
+  Buffer<FusedPoint> compact(device, static_cast<size_t>(count));
+  ParallelFor(device,
+              static_cast<int64_t>(is_point.Size()),
+              CompactKernel{points.View().data, first.Data(), compact.Data()});
+  return compact.ToHost();
+}
+
+int64_t FuseViewWorkingBytes(int width,
+                             int height,
+                             const FusionOptions& options) {
+  const int64_t num_squares =
+      int64_t{NumSquares(width, options.point_spacing)} *
+      NumSquares(height, options.point_spacing);
+  // The points twice, and their flags and sums with what summing takes.
+  return num_squares * static_cast<int64_t>(2 * sizeof(FusedPoint) + 16) +
+         static_cast<int64_t>(kMaxFusionSources * sizeof(Source)) + (1 << 20);
+}
+
+}  // namespace tsar

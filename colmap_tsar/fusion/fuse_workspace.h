@@ -1,0 +1,67 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/device_options.h"
+#include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/fusion/fusion_options.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace tsar {
+
+struct FuseWorkspaceOptions {
+  FusionOptions fusion;
+  DeviceOptions devices;
+  // The PLY file; that with the images of each point is written beside it.
+  std::filesystem::path output_path;
+  // A file of image names, see workspace/image_list.h: their pixels alone
+  // become points, and all others are asked about them. Empty: all images.
+  std::filesystem::path image_list_path;
+  // See workspace/image_mask.h; empty: none.
+  std::filesystem::path mask_path;
+  // In the world frame; points outside of it are left out.
+  std::optional<Eigen::AlignedBox3d> bounding_box;
+};
+
+struct FuseSummary {
+  int num_images = 0;
+  std::optional<int64_t> num_masks;  // See ExportSummary.
+  int64_t num_points = 0;
+  double seconds = 0.0;
+  std::string devices;  // "2 CPU threads", or the GPUs' names.
+  std::vector<RunSummary::GpuMemory> gpu_memory;
+};
+
+// Reads the corners of a box as COLMAP's bounding_box_path: the smallest x, y
+// and z, then the largest. Throws Error: kNotFound, kIo, kCorrupt.
+Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
+
+// Fuses the maps of a dense workspace, refined or not, into one cloud; see
+// FuseView and FusedCloudWriter. The same inputs and options give the same
+// bytes, whatever the devices, threads and memory.
+//
+// Images that stereo/fusion.cfg does not list are left out, as COLMAP does,
+// where there is such a file. Main memory holds the images at work, as far as
+// cache_size goes, but at least one image with those that it is compared with.
+//
+// Throws Error: kNotFound (no image has maps), kInterrupted once should_stop
+// returned true, and what Workspace::UseMasks, ReadImageList, WorkspaceLock
+// (shared), OpenGpus, FusionOptions::Check, the readers of maps and photos and
+// FusedCloudWriter throw.
+FuseSummary FuseWorkspace(Workspace workspace,
+                          const FuseWorkspaceOptions& options,
+                          Progress& progress,
+                          const std::function<bool()>& should_stop);
+
+}  // namespace tsar

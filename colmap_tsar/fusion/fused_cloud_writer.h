@@ -1,0 +1,58 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/fusion/fuse_view.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace tsar {
+
+// Points of one image as they stand in the files of COLMAP's stereo_fusion.
+struct EncodedPoints {
+  int64_t count = 0;
+  std::string points;      // Of the PLY file.
+  std::string visibility;  // Of the .vis file.
+};
+
+// In the world frame, single precision, as COLMAP. box: in the world frame;
+// points outside of it are left out. place: of the image, and of its sources,
+// in the file of the sparse model.
+EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
+                           const Camera& camera,
+                           const std::optional<Eigen::AlignedBox3d>& box,
+                           int place,
+                           const std::vector<int>& source_places);
+
+// The two files that COLMAP's stereo_fusion writes, fused.ply (binary; x, y, z,
+// normal, colour) and fused.ply.vis (for each point the images that agree on
+// it, for COLMAP's delaunay_mesher). They are there as a whole or not at all.
+class FusedCloudWriter {
+ public:
+  // path: of the PLY file. Throws what AtomicFile throws.
+  explicit FusedCloudWriter(const ContainedPath& path);
+
+  // Throws Error kIo, naming the file, where it cannot be written.
+  void Add(const EncodedPoints& points);
+
+  int64_t NumPoints() const { return num_points_; }
+
+  void Commit();
+
+ private:
+  ContainedPath visibility_path_;
+  AtomicFile points_;
+  AtomicFile visibility_;
+  int64_t num_points_ = 0;
+};
+
+}  // namespace tsar

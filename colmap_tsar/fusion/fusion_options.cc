@@ -1,0 +1,72 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/fusion/fusion_options.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+
+#include <algorithm>
+
+namespace tsar {
+namespace {
+
+void Require(bool condition, const char* option, const std::string& range) {
+  if (!condition) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName(option) + " has to be " + range);
+  }
+}
+
+}  // namespace
+
+void FusionOptions::Check() const {
+  Require(min_num_views >= 1 && min_num_views <= kMaxFusionSources + 1,
+          "min_num_views",
+          "from 1 to " + std::to_string(kMaxFusionSources + 1));
+  Require(max_reproj_error > 0.0, "max_reproj_error", "above 0");
+  Require(max_depth_error > 0.0 && max_depth_error < 1.0,
+          "max_depth_error",
+          "above 0 and below 1");
+  Require(max_normal_error > 0.0 && max_normal_error < 90.0,
+          "max_normal_error",
+          "above 0 and below 90");
+  Require(check_num_images >= 1 && check_num_images <= kMaxFusionSources,
+          "check_num_images",
+          "from 1 to " + std::to_string(kMaxFusionSources));
+  Require(point_spacing >= 1, "point_spacing", "1 or more");
+}
+
+const std::vector<std::string>& FusionPresetNames() {
+  static const std::vector<std::string> names = {"default", "paper", "colmap"};
+  return names;
+}
+
+FusionPreset ParseFusionPreset(const std::string& name) {
+  const std::vector<std::string>& names = FusionPresetNames();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("preset") + " has to be default, paper or colmap");
+  }
+  return static_cast<FusionPreset>(found - names.begin());
+}
+
+FusionOptions PresetFusionOptions(FusionPreset preset) {
+  FusionOptions options;
+  if (preset != FusionPreset::kDefault) {
+    options.reject_contradicted = false;
+  }
+  if (preset == FusionPreset::kPaper) {
+    options.statistic = FusionStatistic::kMean;
+    options.point_spacing = 1;
+  } else if (preset == FusionPreset::kColmap) {
+    options.statistic = FusionStatistic::kMedian;
+    options.max_normal_error = 10.0;
+    options.min_num_views = 3;
+    options.check_num_images = 50;
+  }
+  return options;
+}
+
+}  // namespace tsar

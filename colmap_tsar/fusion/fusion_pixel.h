@@ -1,0 +1,51 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace tsar {
+
+// All that fusion needs of one pixel, in as many bytes as a GPU reads at once.
+struct alignas(16) FusionPixel {
+  float depth = 0.f;  // z in the camera's frame; 0: none.
+  // The normal, towards the camera, by EncodeNormal().
+  int16_t normal_x = 0;
+  int16_t normal_y = 0;
+  Rgb color;
+  uint8_t confidence = 0;  // See confidence_level.h.
+  // The standard deviation relative to the depth, in kSigmaStep; at least 1.
+  uint16_t sigma = 1;
+  uint16_t plane = 0;  // The number of the scene's plane, 0: none.
+};
+static_assert(sizeof(FusionPixel) == 16);
+
+constexpr float kSigmaStep = 1.f / (1 << 18);
+
+// Unit vectors by the octahedral map (Cigolle et al., A survey of efficient
+// representations for independent unit vectors, JCGT 2014), to about 1e-4
+// radians.
+void EncodeNormal(const Vec3f& normal, FusionPixel* pixel);
+
+TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
+  float x = static_cast<float>(pixel.normal_x) / 32767.f;
+  float y = static_cast<float>(pixel.normal_y) / 32767.f;
+  const float z = 1.f - fabsf(x) - fabsf(y);
+  if (z < 0.f) {
+    const float folded_x = (1.f - fabsf(y)) * (x < 0.f ? -1.f : 1.f);
+    y = (1.f - fabsf(x)) * (y < 0.f ? -1.f : 1.f);
+    x = folded_x;
+  }
+  return Normalized({x, y, z});
+}
+
+// The level of a standard deviation relative to the depth.
+uint16_t EncodeSigma(float relative_sigma);
+
+}  // namespace tsar

@@ -1,0 +1,59 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/fusion/fusion_view.h"
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/export/image_maps.h"
+
+#include <cstddef>
+#include <limits>
+
+namespace tsar {
+namespace {
+
+// The standard deviation of a matched depth, in relative depths of one pixel of
+// disparity.
+constexpr float kPixelsOfDisparity = 0.25f;
+
+}  // namespace
+
+FusionView LoadFusionView(const Workspace& workspace,
+                          int image,
+                          const std::vector<int>& sources) {
+  const ImageMaps maps = ReadImageMaps(workspace, image);
+  const int width = maps.depth.Width();
+  const int height = maps.depth.Height();
+  const Image<Rgb> color = workspace.ReadImage(image, width, height);
+  const auto camera_of = [&](int i) -> const Camera& {
+    return workspace.Model().images[static_cast<size_t>(i)].camera;
+  };
+  FusionView view{camera_of(image).Resized(width, height), {width, height}};
+  std::vector<Camera> cameras;
+  for (const int source : sources) {
+    cameras.push_back(camera_of(source));
+  }
+  const DepthResolution resolution =
+      ComputeDisparityScale(view.camera, cameras);
+  for (size_t i = 0; i < maps.depth.NumPixels(); ++i) {
+    const float depth = maps.depth.Data()[i];
+    if (!(depth > 0.f)) {
+      continue;
+    }
+    FusionPixel& pixel = view.pixels.Data()[i];
+    pixel.depth = depth;
+    EncodeNormal(maps.normal.Data()[i], &pixel);
+    pixel.color = color.Data()[i];
+    pixel.confidence = maps.confidence.Empty()
+                           ? std::numeric_limits<uint8_t>::max()
+                           : maps.confidence.Data()[i];
+    pixel.sigma = EncodeSigma(maps.sigma.Empty()
+                                  ? kPixelsOfDisparity *
+                                        resolution.RelativeDepthError(depth)
+                                  : maps.sigma.Data()[i] / depth);
+    pixel.plane = maps.planes.Empty() ? uint16_t{0} : maps.planes.Data()[i];
+  }
+  return view;
+}
+
+}  // namespace tsar

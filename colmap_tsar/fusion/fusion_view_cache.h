@@ -1,0 +1,69 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/controllers/lru_map.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/fusion/fuse_view.h"
+#include "colmap_tsar/fusion/fusion_view.h"
+
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+
+// Images in main memory, by their places in the sparse model.
+class FusionViewCache {
+ public:
+  // Calls load(i) for each i in [0, count), in parallel.
+  using LoadAll = std::function<void(size_t count,
+                                     const std::function<void(size_t)>& load)>;
+  using Load = std::function<FusionView(int image)>;
+  using NumPixels = std::function<int64_t(int image)>;
+
+  FusionViewCache(int64_t max_bytes, NumPixels num_pixels, Load load)
+      : max_bytes_(max_bytes),
+        num_pixels_(std::move(num_pixels)),
+        load_(std::move(load)) {}
+
+  // Has these images, without a repetition, in memory until the next call.
+  // Others go, those that were used longest ago first, as far as max_bytes
+  // needs it.
+  void Hold(const std::vector<int>& images, const LoadAll& load_all);
+
+  // One that is held.
+  const FusionView& Get(int image) { return *views_.Find(image); }
+
+ private:
+  const int64_t max_bytes_;
+  const NumPixels num_pixels_;
+  const Load load_;
+  int64_t num_bytes_ = 0;
+  LruMap<int, FusionView> views_;
+};
+
+// The images of a cache as a device sees them: a GPU gets copies, which stay
+// there while max_bytes allow; the CPU reads those of the cache.
+class FusionDevice {
+ public:
+  FusionDevice(Device& device, int64_t max_bytes)
+      : device_(device), max_bytes_(max_bytes) {}
+
+  Device& GetDevice() { return device_; }
+
+  // In the order of the images, which the cache holds; until the next call.
+  std::vector<FusionInput> Use(const std::vector<int>& images,
+                               FusionViewCache& cache);
+
+ private:
+  Device& device_;
+  const int64_t max_bytes_;
+  int64_t num_bytes_ = 0;
+  LruMap<int, DeviceImage<FusionPixel>> copies_;
+};
+
+}  // namespace tsar
