@@ -20,8 +20,8 @@ namespace {
 constexpr const char* kSummary =
     "Fuses the depth maps of a dense workspace into one point cloud, as "
     "stereo_fusion does, on NVIDIA GPUs and also without any. It knows what "
-    "tsar_refine knows of each depth: how precise it is, how certain, and on "
-    "which plane it lies; points that other images see through are left out. "
+    "tsar_refine knows of each depth: how precise it is and how certain; "
+    "points that other images see through are left out. "
     "Writes fused.ply, with normals and colours, and fused.ply.vis, the images "
     "that see each point, for poisson_mesher and delaunay_mesher.";
 

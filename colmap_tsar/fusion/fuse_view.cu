@@ -66,6 +66,18 @@ struct Votes {
     blue += pixel.color.b;
   }
 
+  TSAR_HD float Depth(FusionStatistic statistic) {
+    switch (statistic) {
+      case FusionStatistic::kWeighted:
+        return weighted_depth / weight;
+      case FusionStatistic::kMean:
+        return depth / static_cast<float>(count);
+      case FusionStatistic::kMedian:
+        break;
+    }
+    return Median();
+  }
+
   // The mean of the two middle ones where their number is even.
   TSAR_HD float Median() {
     for (int i = 1; i < count; ++i) {
@@ -240,7 +252,7 @@ struct FuseKernel {
         (thresholds.reject_contradicted != 0 && contradicting > agreeing)) {
       return;
     }
-    fused->position = ray * FusedDepth(own, &votes);
+    fused->position = ray * votes.Depth(thresholds.statistic);
     fused->normal = Normalized(votes.normals);
     const int half = votes.count / 2;
     fused->color = {static_cast<uint8_t>((votes.red + half) / votes.count),
@@ -248,20 +260,6 @@ struct FuseKernel {
                     static_cast<uint8_t>((votes.blue + half) / votes.count)};
     fused->is_point = 1;
     fused->sources = agreeing_sources;
-  }
-
-  TSAR_HD float FusedDepth(const FusionPixel& own, Votes* votes) const {
-    switch (thresholds.statistic) {
-      case FusionStatistic::kWeighted:
-        return own.plane != 0 || !(votes->weight > 0.f)
-                   ? own.depth
-                   : votes->weighted_depth / votes->weight;
-      case FusionStatistic::kMean:
-        return votes->depth / static_cast<float>(votes->count);
-      case FusionStatistic::kMedian:
-        return votes->Median();
-    }
-    return own.depth;
   }
 };
 

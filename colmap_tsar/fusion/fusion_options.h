@@ -11,9 +11,7 @@ namespace tsar {
 
 // Which depth a fused point takes from the pixels that agree on it.
 enum class FusionStatistic : int32_t {
-  // The mean by confidence / sigma^2; a pixel on a plane of the scene keeps
-  // the depth of the plane.
-  kWeighted,
+  kWeighted,  // Their mean by confidence / sigma^2.
   kMean,
   kMedian,
 };

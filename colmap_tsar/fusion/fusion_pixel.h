@@ -22,7 +22,6 @@ struct alignas(16) FusionPixel {
   uint8_t confidence = 0;  // See confidence_level.h.
   // The standard deviation relative to the depth, in kSigmaStep; at least 1.
   uint16_t sigma = 1;
-  uint16_t plane = 0;  // The number of the scene's plane, 0: none.
 };
 static_assert(sizeof(FusionPixel) == 16);
 

@@ -51,7 +51,6 @@ FusionView LoadFusionView(const Workspace& workspace,
                                   ? kPixelsOfDisparity *
                                         resolution.RelativeDepthError(depth)
                                   : maps.sigma.Data()[i] / depth);
-    pixel.plane = maps.planes.Empty() ? uint16_t{0} : maps.planes.Data()[i];
   }
   return view;
 }
