@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/export/image_maps.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 
@@ -46,7 +47,7 @@ FusionView LoadFusionView(const Workspace& workspace,
     pixel.color = color.Data()[i];
     pixel.confidence = maps.confidence.Empty()
                            ? std::numeric_limits<uint8_t>::max()
-                           : maps.confidence.Data()[i];
+                           : std::max(maps.confidence.Data()[i], uint8_t{1});
     pixel.sigma = EncodeSigma(maps.sigma.Empty()
                                   ? kPixelsOfDisparity *
                                         resolution.RelativeDepthError(depth)
