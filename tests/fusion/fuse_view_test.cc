@@ -1,0 +1,236 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/fusion/fuse_view.h"
+
+#include <cstring>
+
+#include "tests/fusion/drawn_wall.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+using Wall = DrawnWall;
+
+// Views that look at the wall from places ten pixels apart.
+std::vector<FusionView> ViewsSideBySide(int count) {
+  std::vector<FusionView> views;
+  for (int i = 0; i < count; ++i) {
+    views.push_back(Wall::View(i));
+  }
+  return views;
+}
+
+// Of the only point of a view whose other pixels have no depth.
+struct OnePixel {
+  static constexpr int kX = 25;
+  static constexpr int kY = 15;
+
+  explicit OnePixel(FusionView* view) {
+    const FusionPixel kept = view->pixels(kX, kY);
+    view->pixels = Image<FusionPixel>(Wall::kWidth, Wall::kHeight);
+    view->pixels(kX, kY) = kept;
+  }
+};
+
+TEST(FuseViewTest, EqualPixelsOfTwoImagesBecomeOnePointOfTheFirst) {
+  const std::vector<FusionView> views = ViewsSideBySide(2);
+  const std::vector<FusedPoint> first =
+      Wall::Fuse(views, 0, Wall::DensestOptions());
+  // The second image sees all but ten columns.
+  ASSERT_EQ(first.size(), 30u * Wall::kHeight);
+  EXPECT_TRUE(Wall::Fuse(views, 1, Wall::DensestOptions()).empty());
+  for (const FusedPoint& point : first) {
+    EXPECT_NEAR(point.position.z, Wall::kDepth, 1e-5f);
+    EXPECT_GE(point.position.x, -1.01f);
+    EXPECT_NEAR(point.normal.z, -1.f, 1e-6f);
+    EXPECT_EQ(point.color.r, 100);
+    EXPECT_EQ(point.sources, 1u);
+  }
+}
+
+TEST(FuseViewTest, TheFinerPixelBecomesThePoint) {
+  const std::vector<FusionView> views = {Wall::View(0), Wall::View(0, 2.0)};
+  const std::vector<FusedPoint> far =
+      Wall::Fuse(views, 0, Wall::DensestOptions());
+  const std::vector<FusedPoint> near =
+      Wall::Fuse(views, 1, Wall::DensestOptions());
+  EXPECT_EQ(near.size(), size_t{Wall::kWidth} * Wall::kHeight);
+  // Whatever the near image sees is left to it.
+  EXPECT_TRUE(far.empty());
+}
+
+TEST(FuseViewTest, NothingIsLeftToAnImageThatIsNotFused) {
+  const std::vector<FusionView> views = ViewsSideBySide(2);
+  const std::vector<FusedPoint> points =
+      FuseView(Wall::InputOf(views[1]),
+               1,
+               {{Wall::InputOf(views[0]), /*is_fused=*/false, -1}},
+               Wall::DensestOptions(),
+               *Device::CreateCpu(1));
+  EXPECT_EQ(points.size(), 30u * Wall::kHeight);
+}
+
+TEST(FuseViewTest, AsManyImagesAsAskedForHaveToAgree) {
+  const std::vector<FusionView> views = ViewsSideBySide(3);
+  FusionOptions options = Wall::DensestOptions();
+  options.min_num_views = 3;
+  EXPECT_EQ(Wall::Fuse(views, 0, options).size(), 20u * Wall::kHeight);
+  options.min_num_views = 1;
+  EXPECT_EQ(Wall::Fuse(views, 0, options).size(),
+            size_t{Wall::kWidth} * Wall::kHeight);
+  options.min_num_views = 4;
+  EXPECT_TRUE(Wall::Fuse(views, 0, options).empty());
+}
+
+TEST(FuseViewTest, DepthsAndNormalsBeyondTheErrorsDoNotAgree) {
+  std::vector<FusionView> views = ViewsSideBySide(2);
+  OnePixel one(&views[0]);
+  const auto count = [&](float depth, const Vec3f& normal) {
+    views[0].pixels(OnePixel::kX, OnePixel::kY).depth = depth;
+    EncodeNormal(normal, &views[0].pixels(OnePixel::kX, OnePixel::kY));
+    return Wall::Fuse(views, 0, Wall::DensestOptions()).size();
+  };
+  const Vec3f towards = {0.f, 0.f, -1.f};
+  const auto turned = [](double degrees) {
+    const double angle = degrees * M_PI / 180.0;
+    return Vec3f{static_cast<float>(std::sin(angle)),
+                 0.f,
+                 static_cast<float>(-std::cos(angle))};
+  };
+  EXPECT_EQ(count(Wall::kDepth, towards), 1u);
+  EXPECT_EQ(count(0.991f * Wall::kDepth, towards), 1u);
+  EXPECT_EQ(count(0.989f * Wall::kDepth, towards), 0u);
+  EXPECT_EQ(count(Wall::kDepth, turned(29.9)), 1u);
+  EXPECT_EQ(count(Wall::kDepth, turned(30.1)), 0u);
+}
+
+TEST(FuseViewTest, WhereADepthLeadsBackToHasToBeNear) {
+  // Seen from far to the side, a small error of the depth is a large shift.
+  std::vector<FusionView> views = {Wall::View(0), Wall::View(40)};
+  views[1].camera.cx += 40 * Wall::kFocalLength / Wall::kDepth;
+  OnePixel one(&views[0]);
+  FusionOptions options = Wall::DensestOptions();
+  FusionPixel& pixel = views[0].pixels(OnePixel::kX, OnePixel::kY);
+  pixel.depth = 0.991f * Wall::kDepth;  // 4 pixels beside itself.
+  EXPECT_TRUE(Wall::Fuse(views, 0, options).empty());
+  options.max_reproj_error = 4.5;
+  EXPECT_EQ(Wall::Fuse(views, 0, options).size(), 1u);
+}
+
+TEST(FuseViewTest, APointThatMoreCertainImagesSeeThroughIsLeftOut) {
+  // Two images agree on something in the air, two see the wall behind it.
+  std::vector<FusionView> views;
+  for (int i = 0; i < 4; ++i) {
+    views.push_back(Wall::View(0.5 * i));
+  }
+  for (int i = 0; i < 2; ++i) {
+    for (FusionPixel& pixel : views[static_cast<size_t>(i)].pixels) {
+      pixel.depth = 3.f;
+      pixel.confidence = 100;
+    }
+  }
+  const auto count = [&](uint8_t confidence, bool reject) {
+    for (int i = 2; i < 4; ++i) {
+      for (FusionPixel& pixel : views[static_cast<size_t>(i)].pixels) {
+        pixel.confidence = confidence;
+      }
+    }
+    FusionOptions options = Wall::DensestOptions();
+    options.reject_contradicted = reject;
+    // What all four see.
+    size_t num_common = 0;
+    for (const FusedPoint& point : Wall::Fuse(views, 0, options)) {
+      num_common += point.position.x > 0.f ? 1 : 0;
+    }
+    return num_common;
+  };
+  EXPECT_EQ(count(150, true), 0u);
+  EXPECT_GT(count(150, false), 0u);
+  EXPECT_EQ(count(90, true), count(150, false));
+}
+
+TEST(FuseViewTest, TheDepthIsTheMeanTheMedianOrWeightedByPrecision) {
+  std::vector<FusionView> views = ViewsSideBySide(3);
+  const float depths[] = {4.f, 4.03f, 4.02f};
+  const uint8_t confidences[] = {50, 100, 200};
+  const float sigmas[] = {0.01f, 0.02f, 0.01f};
+  double weighted = 0.0;
+  double weights = 0.0;
+  for (size_t i = 0; i < 3; ++i) {
+    for (FusionPixel& pixel : views[i].pixels) {
+      pixel.depth = depths[i];
+      pixel.confidence = confidences[i];
+      pixel.sigma = EncodeSigma(sigmas[i]);
+    }
+    const double weight =
+        confidences[i] / std::pow(double{sigmas[i]} * depths[i], 2);
+    weighted += weight * depths[i];
+    weights += weight;
+  }
+  OnePixel one(&views[0]);
+  FusionOptions options = Wall::DensestOptions();
+  const auto depth = [&](FusionStatistic statistic) {
+    options.statistic = statistic;
+    const std::vector<FusedPoint> points = Wall::Fuse(views, 0, options);
+    EXPECT_EQ(points.size(), 1u);
+    return points.empty() ? 0.f : points[0].position.z;
+  };
+  EXPECT_NEAR(depth(FusionStatistic::kMean), 12.05f / 3.f, 1e-5f);
+  EXPECT_NEAR(depth(FusionStatistic::kMedian), 4.02f, 1e-5f);
+  EXPECT_NEAR(depth(FusionStatistic::kWeighted), weighted / weights, 1e-4);
+}
+
+TEST(FuseViewTest, SourcesAreTheBitsOfANumberAndColorsAreAveraged) {
+  std::vector<FusionView> views = ViewsSideBySide(3);
+  for (FusionPixel& pixel : views[1].pixels) {
+    pixel.depth = 2.f;  // Does not agree.
+    pixel.confidence = 1;
+  }
+  for (FusionPixel& pixel : views[2].pixels) {
+    pixel.color = {103, 150, 0};
+  }
+  OnePixel one(&views[0]);
+  const std::vector<FusedPoint> points =
+      Wall::Fuse(views, 0, Wall::DensestOptions());
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points[0].sources, 2u);
+  EXPECT_EQ(points[0].color.r, 102);  // 101.5.
+  EXPECT_EQ(points[0].color.g, 150);
+  EXPECT_EQ(points[0].color.b, 100);
+}
+
+TEST(FuseViewTest, OnePixelOfEachSquareBecomesAPoint) {
+  const std::vector<FusionView> views = ViewsSideBySide(2);
+  FusionOptions options;
+  options.min_num_views = 1;
+  options.point_spacing = 7;
+  const std::vector<FusedPoint> points = Wall::Fuse(views, 0, options);
+  // The squares at the right and lower border have no middle: 40 = 5 * 7 + 5
+  // does, and 30 = 4 * 7 + 2 does not.
+  ASSERT_EQ(points.size(), 6u * 4u);
+  const Intrinsics intrinsics = views[0].camera.GetIntrinsics();
+  float x = 0.f;
+  float y = 0.f;
+  intrinsics.Project(points[7].position, &x, &y);
+  EXPECT_NEAR(x, 10.f, 1e-4f);
+  EXPECT_NEAR(y, 10.f, 1e-4f);
+}
+
+TEST(FuseViewTest, ThreadsDoNotChangeABit) {
+  const std::vector<FusionView> views = ViewsSideBySide(3);
+  const FusionOptions options = Wall::DensestOptions();
+  const std::vector<FusedPoint> one = Wall::Fuse(views, 0, options, 1);
+  const std::vector<FusedPoint> many = Wall::Fuse(views, 0, options, 7);
+  ASSERT_EQ(one.size(), many.size());
+  for (size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].position, many[i].position);
+    EXPECT_EQ(one[i].normal, many[i].normal);
+    EXPECT_EQ(one[i].sources, many[i].sources);
+  }
+}
+
+}  // namespace
+}  // namespace tsar
