@@ -2,19 +2,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/evaluation/depth_evaluation.h"
 #include "colmap_tsar/evaluation/tolerances.h"
+#include "colmap_tsar/fusion/fused_pixel_evaluation.h"
 
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -25,9 +32,10 @@ const char kHelp[] =
     "Scores a reconstruction against ground truth.\n\n"
     "Usage:\n"
     "  tsar_evaluate depth [options]  depth maps, pixel by pixel\n"
-    "  tsar_evaluate cloud [options]  a fused cloud, by the ETH3D measure\n\n"
-    "tsar_evaluate depth --help and tsar_evaluate cloud --help explain the "
-    "options.\n";
+    "  tsar_evaluate cloud [options]  a fused cloud, by the ETH3D measure\n"
+    "  tsar_evaluate fused_pixels [options]  the pixels that become points, by "
+    "the TSAR-MVS paper's measure\n\n"
+    "tsar_evaluate depth --help, and so on, explains the options.\n";
 
 // As --help_json of the other commands, with "forms" in place of options.
 void PrintFormsJson() {
@@ -36,8 +44,10 @@ void PrintFormsJson() {
       {"summary", "Scores a reconstruction against ground truth."},
       {"forms",
        {{{"name", "depth"}, {"summary", "Depth maps, pixel by pixel"}},
-        {{"name", "cloud"},
-         {"summary", "A fused cloud, by the ETH3D measure"}}}}};
+        {{"name", "cloud"}, {"summary", "A fused cloud, by the ETH3D measure"}},
+        {{"name", "fused_pixels"},
+         {"summary",
+          "The pixels that become points, by the TSAR-MVS paper's measure"}}}}};
   std::cout << json.dump(2) << "\n";
 }
 
@@ -54,6 +64,11 @@ std::string Share(double value) {
   TextStream text;
   text << std::fixed << std::setprecision(4) << value;
   return text.str();
+}
+
+double ShareOf(int64_t part, int64_t all) {
+  return static_cast<double>(part) /
+         static_cast<double>(std::max<int64_t>(all, 1));
 }
 
 std::string Tolerance(double value) {
@@ -236,14 +251,104 @@ int EvaluateCloud(int argc, char** argv) {
   return 0;
 }
 
+void PrintJson(const FusedPixelEvaluation& evaluation,
+               const std::vector<double>& tolerances) {
+  Json json;
+  json["num_images"] = evaluation.num_images;
+  json["num_known"] = evaluation.num_known;
+  json["num_fused"] = evaluation.num_fused;
+  json["scores"] = Json::array();
+  for (size_t t = 0; t < tolerances.size(); ++t) {
+    json["scores"].push_back(
+        {{"tolerance", tolerances[t]},
+         {"right", ShareOf(evaluation.num_right[t], evaluation.num_fused)}});
+  }
+  std::cout << json.dump(2) << "\n";
+}
+
+void PrintTable(const FusedPixelEvaluation& evaluation,
+                const std::vector<double>& tolerances) {
+  std::cout << evaluation.num_images << " images, " << evaluation.num_fused
+            << " of " << evaluation.num_known
+            << " pixels with ground truth became a point\n";
+  PrintRow({"tolerance", "right"});
+  for (size_t t = 0; t < tolerances.size(); ++t) {
+    PrintRow({Tolerance(tolerances[t]),
+              Share(ShareOf(evaluation.num_right[t], evaluation.num_fused))});
+  }
+}
+
+int RunEvaluateFusedPixels(int argc, char** argv) {
+  FusedPixelOptions evaluation_options;
+  std::string workspace_path;
+  std::string input_type = ToString(MapType::kGeometric);
+  std::string ground_truth_path;
+  std::string mask_path;
+  std::string tolerances = "0.02,0.1";
+  bool json = false;
+  DeviceArguments devices;
+  OptionSet options(
+      "tsar_evaluate fused_pixels",
+      "Fuses the maps of a dense workspace as the TSAR-MVS paper does and "
+      "compares, of each point, the pixel that became the point with ground "
+      "truth depth: the measure of the paper's ablation. It tells how good the "
+      "depths are that reach the cloud, each surface once, however many images "
+      "see it.",
+      "tsar_evaluate fused_pixels --workspace_path dense");
+  options.AddRequired("workspace_path",
+                      &workspace_path,
+                      "Folder of the dense workspace, refined or not.");
+  AddMapType("input_type", &input_type, "Which of the maps to fuse.", &options);
+  options.Add("ground_truth_path",
+              &ground_truth_path,
+              "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 = "
+              "unknown, of the size of the maps. If empty, ground_truth/depth "
+              "in the workspace.");
+  options.Add("mask_path",
+              &mask_path,
+              "The folder with masks of the undistorted images, named as for "
+              "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), depths "
+              "count as missing.");
+  options.Add("tolerances",
+              &tolerances,
+              "A depth is right if it is off by less than this; rising numbers "
+              "with commas, in units of the model (metres, if it has them).");
+  options.Add("json", &json, "Print JSON instead of a table.");
+  AddDeviceArguments("", &devices, &options);
+  options.Add("num_threads",
+              &devices.num_threads,
+              "Number of CPU threads; -1: one for each core.",
+              {-1, 4096});
+  if (!options.Parse(argc, argv)) {
+    return 0;
+  }
+  evaluation_options.ground_truth_path = ground_truth_path;
+  evaluation_options.tolerances = ParseTolerances(tolerances);
+  evaluation_options.devices = devices.Parse();
+  Workspace workspace(workspace_path, *ParseMapType(input_type));
+  workspace.UseMasks(mask_path);
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  const FusedPixelEvaluation evaluation =
+      EvaluateFusedPixels(workspace, evaluation_options, progress, [&] {
+        return interruption.Requested();
+      });
+  json ? PrintJson(evaluation, evaluation_options.tolerances)
+       : PrintTable(evaluation, evaluation_options.tolerances);
+  return 0;
+}
+
 }  // namespace
 
 int RunTsarEvaluate(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "depth" || what == "cloud") {
+  const std::map<std::string, CommandFunction> forms = {
+      {"depth", &EvaluateDepth},
+      {"cloud", &EvaluateCloud},
+      {"fused_pixels", &RunEvaluateFusedPixels}};
+  if (const auto form = forms.find(what); form != forms.end()) {
     argv[1] = argv[0];
-    return what == "depth" ? EvaluateDepth(argc - 1, argv + 1)
-                           : EvaluateCloud(argc - 1, argv + 1);
+    return form->second(argc - 1, argv + 1);
   }
   if (what == "-h" || what == "--help") {
     std::cout << kHelp;
@@ -254,7 +359,8 @@ int RunTsarEvaluate(int argc, char** argv) {
     return 0;
   }
   throw Error(ErrorCode::kBadOption,
-              "tsar_evaluate: say what to evaluate, depth or cloud; see "
+              "tsar_evaluate: say what to evaluate, depth, cloud or "
+              "fused_pixels; see "
               "tsar_evaluate --help");
 }
 

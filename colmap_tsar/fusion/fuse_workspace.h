@@ -52,8 +52,7 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 // bytes, whatever the devices, threads and memory.
 //
 // Images that stereo/fusion.cfg does not list are left out, as COLMAP does,
-// where there is such a file. Main memory holds the images at work, as far as
-// cache_size goes, but at least one image with those that it is compared with.
+// where there is such a file. For memory see FusionRun.
 //
 // Throws Error: kNotFound (no image has maps), kInterrupted once should_stop
 // returned true, and what Workspace::UseMasks, ReadImageList, WorkspaceLock

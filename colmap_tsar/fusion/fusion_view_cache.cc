@@ -37,7 +37,7 @@ void FusionViewCache::Hold(const std::vector<int>& images,
     num_bytes_ -= BytesOf(oldest->pixels);
   }
   std::vector<FusionView> loaded(missing.size());
-  load_all(missing.size(), [&](size_t i) { loaded[i] = load_(missing[i]); });
+  load_all(missing, [&](size_t i) { loaded[i] = load_(missing[i]); });
   for (size_t i = 0; i < missing.size(); ++i) {
     num_bytes_ += BytesOf(loaded[i].pixels);
     views_.Add(missing[i], std::move(loaded[i]));

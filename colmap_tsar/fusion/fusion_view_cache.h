@@ -19,8 +19,8 @@ namespace tsar {
 // Images in main memory, by their places in the sparse model.
 class FusionViewCache {
  public:
-  // Calls load(i) for each i in [0, count), in parallel.
-  using LoadAll = std::function<void(size_t count,
+  // Calls load(i) for the place i of each of these images, in parallel.
+  using LoadAll = std::function<void(const std::vector<int>& images,
                                      const std::function<void(size_t)>& load)>;
   using Load = std::function<FusionView(int image)>;
   using NumPixels = std::function<int64_t(int image)>;

@@ -143,7 +143,7 @@ TEST_F(FuseWorkspaceTest, MapsThatAreCutOffEndTheRunAndNothingIsWritten) {
 TEST_F(FuseWorkspaceTest, AnInterruptedRunLeavesTheFormerCloud) {
   WriteText(output_, "former");
   int num_questions = 0;
-  ExpectError(ErrorCode::kInterrupted, {"no cloud was written"}, [&] {
+  ExpectError(ErrorCode::kInterrupted, {"nothing was written"}, [&] {
     Fuse([&] { return ++num_questions > 5; });
   });
   EXPECT_EQ(ReadText(output_), "former");

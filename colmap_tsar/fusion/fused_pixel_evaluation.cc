@@ -1,0 +1,111 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/fusion/fused_pixel_evaluation.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/evaluation/tolerances.h"
+#include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/fusion/fusion_run.h"
+#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace tsar {
+namespace {
+
+FusedPixelEvaluation EvaluateImage(const FusedImage& fused,
+                                   const Image<float>& truth,
+                                   const std::vector<double>& tolerances) {
+  FusedPixelEvaluation evaluation;
+  evaluation.num_images = 1;
+  evaluation.num_known = std::count_if(
+      truth.begin(), truth.end(), [](float depth) { return depth > 0.f; });
+  evaluation.num_right.assign(tolerances.size(), 0);
+  const Intrinsics intrinsics = fused.view->camera.GetIntrinsics();
+  for (const FusedPoint& point : fused.points) {
+    // It lies on the ray of its pixel.
+    float x = 0.f;
+    float y = 0.f;
+    intrinsics.Project(point.position, &x, &y);
+    const int column = static_cast<int>(std::lround(x));
+    const int row = static_cast<int>(std::lround(y));
+    const float known = truth(column, row);
+    if (!(known > 0.f)) {
+      continue;
+    }
+    ++evaluation.num_fused;
+    const float error = std::abs(fused.view->pixels(column, row).depth - known);
+    for (size_t t = 0; t < tolerances.size(); ++t) {
+      evaluation.num_right[t] +=
+          error < static_cast<float>(tolerances[t]) ? 1 : 0;
+    }
+  }
+  return evaluation;
+}
+
+void Add(const FusedPixelEvaluation& image, FusedPixelEvaluation* sum) {
+  sum->num_images += image.num_images;
+  sum->num_known += image.num_known;
+  sum->num_fused += image.num_fused;
+  for (size_t t = 0; t < image.num_right.size(); ++t) {
+    sum->num_right[t] += image.num_right[t];
+  }
+}
+
+}  // namespace
+
+FusedPixelEvaluation EvaluateFusedPixels(
+    const Workspace& workspace,
+    const FusedPixelOptions& options,
+    Progress& progress,
+    const std::function<bool()>& should_stop) {
+  CheckTolerances(options.tolerances);
+  options.fusion.Check();
+  if (options.fusion.point_spacing != 1) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("point_spacing") + " has to be 1 here");
+  }
+  const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  const std::filesystem::path folder =
+      options.ground_truth_path.empty()
+          ? workspace.Root() / "ground_truth" / "depth"
+          : options.ground_truth_path;
+  const std::vector<bool> all(workspace.Model().images.size(), true);
+  const FusionPlan plan =
+      PlanFusion(workspace, {all, all}, options.fusion.check_num_images);
+  FusionRun run(workspace, plan, options.fusion, options.devices);
+  std::vector<FusedPixelEvaluation> of_images(plan.order.size());
+  FusedPixelEvaluation sum;
+  sum.num_right.assign(options.tolerances.size(), 0);
+  run.Run(
+      [&](size_t place, const FusedImage& fused) {
+        const std::filesystem::path path =
+            folder /
+            (workspace.Model().images[static_cast<size_t>(fused.image)].name +
+             ".bin");
+        if (Exists(path)) {
+          const Image<float> truth = RequireSizeOf(
+              fused.view->pixels, "the depth map", path, ReadDepthMap(path));
+          of_images[place] = EvaluateImage(fused, truth, options.tolerances);
+        }
+      },
+      [&](size_t place) { Add(of_images[place], &sum); },
+      progress,
+      should_stop);
+  if (sum.num_images == 0) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there is no ground truth (NAME.bin) of an image that "
+                      "is fused",
+                      "give its folder as " + OptionName("ground_truth_path"));
+  }
+  return sum;
+}
+
+}  // namespace tsar

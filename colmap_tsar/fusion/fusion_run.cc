@@ -1,0 +1,204 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/fusion/fusion_run.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/main_memory.h"
+#include "colmap_tsar/store/for_each_image.h"
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr int64_t kPixelBytes = sizeof(FusionPixel);
+
+void StopIfAsked(const std::function<bool()>& should_stop) {
+  if (should_stop()) {
+    throw Error(ErrorCode::kInterrupted, "interrupted; nothing was written");
+  }
+}
+
+}  // namespace
+
+FusionRun::FusionRun(const Workspace& workspace,
+                     const FusionPlan& plan,
+                     const FusionOptions& fusion,
+                     const DeviceOptions& devices)
+    : workspace_(workspace),
+      plan_(plan),
+      fusion_(fusion),
+      device_options_(devices),
+      cache_(
+          CacheBytes(),
+          [this](int image) { return NumPixels(image); },
+          [this](int image) {
+            return LoadFusionView(
+                workspace_, image, plan_.matched[static_cast<size_t>(image)]);
+          }) {
+  MeasureImages();
+  OpenDevices();
+}
+
+void FusionRun::Run(const UsePoints& use,
+                    const Finish& finish,
+                    Progress& progress,
+                    const std::function<bool()>& should_stop) {
+  progress.Start(static_cast<int>(plan_.order.size()), "Fusion:");
+  for (Group group; group.end < plan_.order.size();) {
+    group = GroupFrom(group.end);
+    Load(group, should_stop);
+    std::atomic<size_t> next = group.begin;
+    ThreadPool threads(
+        static_cast<int>(std::min(devices_.size(), group.end - group.begin)));
+    threads.Run(
+        static_cast<int64_t>(devices_.size()), [&](int64_t begin, int64_t end) {
+          for (int64_t d = begin; d < end; ++d) {
+            for (size_t i = next++; i < group.end; i = next++) {
+              StopIfAsked(should_stop);
+              use(i, Fuse(plan_.order[i], &devices_[static_cast<size_t>(d)]));
+            }
+          }
+        });
+    for (size_t i = group.begin; i < group.end; ++i) {
+      finish(i);
+      progress.Advance(/*was_work=*/true);
+    }
+  }
+  StopIfAsked(should_stop);
+  progress.Finish();
+}
+
+std::vector<RunSummary::GpuMemory> FusionRun::PeakGpuMemory() const {
+  std::vector<RunSummary::GpuMemory> peaks;
+  for (const GpuWorkers& gpu : gpus_) {
+    peaks.push_back({gpu.name, gpu.devices[0]->PeakMemory()});
+  }
+  return peaks;
+}
+
+int64_t FusionRun::CacheBytes() const {
+  return std::min(static_cast<int64_t>(1e9 * device_options_.cache_size),
+                  MainMemoryBytes() / 5 * 4);
+}
+
+std::vector<int> FusionRun::ImagesOf(int image) const {
+  std::vector<int> images = {image};
+  images.insert(images.end(), SourcesOf(image).begin(), SourcesOf(image).end());
+  return images;
+}
+
+// Of all images that are used.
+void FusionRun::MeasureImages() {
+  num_pixels_.assign(workspace_.Model().images.size(), 0);
+  for (const int image : plan_.order) {
+    for (const int needed : ImagesOf(image)) {
+      int64_t& num_pixels = num_pixels_[static_cast<size_t>(needed)];
+      if (num_pixels == 0) {
+        const MapSize size =
+            ReadMapSize(workspace_.Paths(needed, workspace_.Type()).depth);
+        num_pixels = int64_t{size.width} * size.height;
+        max_width_ = std::max(max_width_, size.width);
+        max_height_ = std::max(max_height_, size.height);
+      }
+    }
+  }
+}
+
+void FusionRun::OpenDevices() {
+  MemoryPlan memory;
+  memory.uploaded_view = kPixelBytes * max_width_ * max_height_;
+  memory.work = FuseViewWorkingBytes(max_width_, max_height_, fusion_) +
+                memory.uploaded_view;
+  for (const int image : plan_.order) {
+    memory.num_sources =
+        std::max(memory.num_sources, static_cast<int>(SourcesOf(image).size()));
+  }
+  gpus_ = OpenGpus(device_options_,
+                   memory,
+                   static_cast<int>(plan_.order.size()),
+                   GpuSystem::Cuda());
+  for (const GpuWorkers& gpu : gpus_) {
+    description_ += (description_.empty() ? "" : ", ") + gpu.name;
+    for (const std::unique_ptr<Device>& device : gpu.devices) {
+      devices_.emplace_back(*device, gpu.bytes_per_device - memory.work);
+    }
+  }
+  if (devices_.empty()) {
+    cpu_ = Device::CreateCpu(device_options_.num_threads);
+    description_ =
+        std::to_string(cpu_->Threads().NumThreads()) + " CPU threads";
+    devices_.emplace_back(*cpu_, 0);
+  }
+}
+
+FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
+  const size_t max_size =
+      2 * std::max<size_t>(devices_.size(),
+                           std::max(1u, std::thread::hardware_concurrency()));
+  Group group = {begin, begin, {}};
+  std::vector<bool> is_needed(num_pixels_.size(), false);
+  int64_t num_bytes = 0;
+  for (size_t i = begin; i < std::min(begin + max_size, plan_.order.size());
+       ++i) {
+    std::vector<int> added;
+    // With its points, of which there are at most as many as pixels.
+    int64_t num_new_bytes = kPixelBytes * NumPixels(plan_.order[i]);
+    for (const int image : ImagesOf(plan_.order[i])) {
+      if (!is_needed[static_cast<size_t>(image)]) {
+        added.push_back(image);
+        num_new_bytes += kPixelBytes * NumPixels(image);
+      }
+    }
+    if (i > begin && num_bytes + num_new_bytes > CacheBytes()) {
+      break;
+    }
+    for (const int image : added) {
+      is_needed[static_cast<size_t>(image)] = true;
+      group.needed.push_back(image);
+    }
+    num_bytes += num_new_bytes;
+    group.end = i + 1;
+  }
+  return group;
+}
+
+void FusionRun::Load(const Group& group,
+                     const std::function<bool()>& should_stop) {
+  cache_.Hold(
+      group.needed,
+      [&](const std::vector<int>& images,
+          const std::function<void(size_t)>& load) {
+        ForEachImage(
+            workspace_, images, device_options_.num_threads, [&](size_t i) {
+              StopIfAsked(should_stop);
+              load(i);
+            });
+      });
+}
+
+FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
+  const std::vector<FusionInput> inputs = device->Use(ImagesOf(image), cache_);
+  std::vector<FusionSourceInput> sources;
+  for (size_t i = 1; i < inputs.size(); ++i) {
+    const int place =
+        plan_.places[static_cast<size_t>(SourcesOf(image)[i - 1])];
+    sources.push_back({inputs[i], place >= 0, place});
+  }
+  return {image,
+          &cache_.Get(image),
+          FuseView(inputs[0],
+                   plan_.places[static_cast<size_t>(image)],
+                   sources,
+                   fusion_,
+                   device->GetDevice()),
+          &SourcesOf(image)};
+}
+
+}  // namespace tsar

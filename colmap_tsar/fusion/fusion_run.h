@@ -1,0 +1,101 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/controllers/device_options.h"
+#include "colmap_tsar/controllers/gpu_workers.h"
+#include "colmap_tsar/controllers/run_summary.h"
+#include "colmap_tsar/fusion/fuse_view.h"
+#include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/fusion/fusion_view_cache.h"
+#include "colmap_tsar/store/workspace.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The points that one image becomes.
+struct FusedImage {
+  int image = 0;  // In the sparse model.
+  // At the size of the maps, in the workspace's memory until the call ends.
+  const FusionView* view = nullptr;
+  std::vector<FusedPoint> points;
+  const std::vector<int>* sources = nullptr;  // Of the points' bits.
+};
+
+// Fuses the images of a plan, as many side by side as there are devices. Main
+// memory holds the images at work, as far as cache_size goes, but at least one
+// image with those that it is compared with.
+class FusionRun {
+ public:
+  // All references must outlive this object. Throws what OpenGpus and
+  // ReadMapSize throw.
+  FusionRun(const Workspace& workspace,
+            const FusionPlan& plan,
+            const FusionOptions& fusion,
+            const DeviceOptions& devices);
+
+  // Called from several threads; place: of the image in the plan's order.
+  using UsePoints = std::function<void(size_t place, FusedImage fused)>;
+  // Called in the plan's order, after UsePoints for that place.
+  using Finish = std::function<void(size_t place)>;
+
+  // Throws Error kInterrupted once should_stop returned true, and what the
+  // readers of maps and photos and the functions throw.
+  void Run(const UsePoints& use,
+           const Finish& finish,
+           Progress& progress,
+           const std::function<bool()>& should_stop);
+
+  // "2 CPU threads", or the GPUs' names.
+  const std::string& Description() const { return description_; }
+  std::vector<RunSummary::GpuMemory> PeakGpuMemory() const;
+
+ private:
+  int64_t CacheBytes() const;
+  int64_t NumPixels(int image) const {
+    return num_pixels_[static_cast<size_t>(image)];
+  }
+  const std::vector<int>& SourcesOf(int image) const {
+    return plan_.sources[static_cast<size_t>(image)];
+  }
+  // The image and those that it is compared with.
+  std::vector<int> ImagesOf(int image) const;
+
+  void MeasureImages();
+  void OpenDevices();
+
+  // Images that follow each other in the plan and are worked on together: as
+  // many as the memory holds with those that they are compared with, and no
+  // more than keep all threads at work.
+  struct Group {
+    size_t begin = 0;
+    size_t end = 0;
+    std::vector<int> needed;  // Images that are to be in memory.
+  };
+  Group GroupFrom(size_t begin) const;
+  void Load(const Group& group, const std::function<bool()>& should_stop);
+  FusedImage Fuse(int image, FusionDevice* device);
+
+  const Workspace& workspace_;
+  const FusionPlan& plan_;
+  const FusionOptions& fusion_;
+  const DeviceOptions& device_options_;
+  std::vector<int64_t> num_pixels_;  // By image; 0 where it is not used.
+  int max_width_ = 0;
+  int max_height_ = 0;
+  FusionViewCache cache_;
+  std::string description_;
+  std::vector<GpuWorkers> gpus_;
+  std::unique_ptr<Device> cpu_;
+  // After the devices whose memory they hold.
+  std::vector<FusionDevice> devices_;
+};
+
+}  // namespace tsar
