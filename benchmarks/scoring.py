@@ -49,13 +49,25 @@ class Scorer:
             run([self.colmap, "stereo_fusion", "--workspace_path", workspace,
                  "--input_type", map_type, "--output_path", cloud_path,
                  "--StereoFusion.num_threads", "1"], self.colmap_environment)
-            output = run([self.program, "tsar_evaluate", "cloud",
-                          "--input_path", cloud_path, "--ground_truth_path",
-                          self.scans, "--tolerances",
-                          comma_list(self.cloud_tolerances), "--json", "1"])
-            cloud = json.loads(output)
-            scores["points"] = cloud["num_points"]
-            for row in cloud["scores"]:
-                key = f"cloud_{row['tolerance']:g}"
-                scores[key] = [row["completeness"], row["accuracy"], row["f1"]]
+            scores.update(self._score_cloud(cloud_path))
         return scores
+
+    def score_tsar_fuse(self, workspace, cloud_path, map_type, device):
+        """Scores of the cloud that tsar_fuse makes of the workspace's maps."""
+        if not self.has_scans:
+            return {}
+        run([self.program, "tsar_fuse", "--workspace_path", workspace,
+             "--input_type", map_type, "--output_path", cloud_path,
+             "--overwrite", "1", "--TsarFuse.device", device])
+        return {f"tsar_fuse_{key}": value
+                for key, value in self._score_cloud(cloud_path).items()}
+
+    def _score_cloud(self, cloud_path):
+        cloud = json.loads(run([
+            self.program, "tsar_evaluate", "cloud", "--input_path", cloud_path,
+            "--ground_truth_path", self.scans, "--tolerances",
+            comma_list(self.cloud_tolerances), "--json", "1"]))
+        return {"points": cloud["num_points"],
+                **{f"cloud_{row['tolerance']:g}":
+                   [row["completeness"], row["accuracy"], row["f1"]]
+                   for row in cloud["scores"]}}

@@ -347,6 +347,12 @@ def check_rule(folder):
     report = "\n".join(report_lines(old, "unknown"))
     check("0.100 → 0.510 ± 0.010" in report and "### Testing scenes" in report,
           "a table for each role")
+    check("Clouds of" not in report, "no clouds by tsar_fuse, no table of them")
+    for one in old:
+        one["scores"].update({
+            "points": 100, "tsar_fuse_points": 300,
+            "tsar_fuse_cloud_0.05": [0.5, 0.5, one["scores"]["harm"] * 11]})
+    check_cloud_table(report_lines(old, "unknown"))
     runs = [one for size in (640, 1280) for noise in (0, 4)
             for one in make_runs("a", "tuning", [0.5], size, noise)]
     pictures = write_plots(runs, folder)
@@ -356,6 +362,25 @@ def check_rule(folder):
         curves = list(xml.etree.ElementTree.parse(path).iter(
             space + "polyline"))
         check(len(curves) == 2, f"{path.name} shows F1 and HARM")
+
+
+def check_cloud_table(report):
+    at = next(i for i, line in enumerate(report)
+              if line.startswith("### Clouds of the refined maps"))
+    head, _, *rows = ([word.strip() for word in line.split("|")[1:-1]]
+                      for line in report[at + 2:at + 10])
+    column = head.index("F1 5 cm")
+    check([(row[0].split(",")[0], row[2], row[column]) for row in rows] == [
+        ("a", "stereo_fusion", "0.510 ± 0.010"),
+        ("a", "tsar_fuse", "0.561 ± 0.011"),
+        ("b", "stereo_fusion", "0.710 ± 0.010"),
+        ("b", "tsar_fuse", "0.781 ± 0.011"),
+        ("**mean of 2**", "stereo_fusion", "0.610 ± 0.007"),
+        ("**mean of 2**", "tsar_fuse", "0.671 ± 0.008")],
+        "clouds by both fusions, one under the other")
+    check([row[head.index("points")] for row in rows[:2]]
+          == ["100 ± 0", "300 ± 0"] and rows[0][head.index("F1 2 cm")] == "-",
+          "points, and scores that are missing")
 
 
 def check_texture():

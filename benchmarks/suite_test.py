@@ -36,20 +36,19 @@ class Suite:
     def __init__(self, program, folder):
         self.folder = folder
         self.common = [sys.executable, FOLDER / "suite", "--program", program,
-                       "--device", "cpu", "--no_fusion", "--cache",
-                       folder / "cache"]
+                       "--device", "cpu", "--cache", folder / "cache"]
 
-    def __call__(self, *options, results="results"):
+    def __call__(self, *options, results="results", fuse=False):
         """What it printed."""
         output = run([*self.common, "--results", self.folder / results,
-                      *options])
+                      *([] if fuse else ["--no_fusion"]), *options])
         print(output)
         return output
 
     def fail(self, *options):
         """Its one line of error."""
         done = subprocess.run(
-            [str(word) for word in [*self.common, "--results",
+            [str(word) for word in [*self.common, "--no_fusion", "--results",
                                     self.folder / "results", *options]],
             capture_output=True, text=True, check=False)
         check(done.returncode == 1 and done.stderr.startswith("ERROR: ")
@@ -117,6 +116,32 @@ def check_other_inputs(suite, scene):
           "without ground truth the sparse model tells")
 
 
+def check_clouds(suite, scene):
+    if shutil.which("colmap") is None:
+        print("skipped: clouds; there is no COLMAP")
+        return
+    with_scans = suite.folder / "with_scans"
+    shutil.copytree(scene, with_scans)
+    shutil.copytree(suite.folder / "sample" / "scans", with_scans / "scans")
+    options = (with_scans, "--seeds", 1, "--keep", suite.folder / "kept")
+    output = suite(*options, results="clouds", fuse=True)
+    check("by stereo_fusion and by tsar_fuse" in output, "a table of clouds")
+    (one,) = suite.runs("clouds")
+    for key in ("cloud_0.05", "tsar_fuse_cloud_0.05"):
+        check(one["scores"][key][2] > 0, f"{key} is measured")
+    check("tsar_fuse_points" not in one["before"],
+          "the maps before are fused by COLMAP alone")
+    records = suite.records("clouds")
+    suite(*options, results="clouds")
+    check(suite.records("clouds") == records,
+          "runs with clouds serve where none are asked for")
+    for path in (suite.folder / "clouds" / "runs").glob("*.json"):
+        path.unlink()
+    suite(*options, results="clouds", fuse=True)
+    check(suite.runs("clouds")[0]["scores"] == one["scores"],
+          "kept clouds are replaced, and are the same")
+
+
 def check_sizes(suite, scene):
     if importlib.util.find_spec("cv2") is None:
         print("skipped: other sizes and noise; there is no OpenCV for Python")
@@ -167,6 +192,7 @@ def main():
     suite = Suite(program, folder)
     check_resumption(suite, scene)
     check_other_inputs(suite, scene)
+    check_clouds(suite, scene)
     check_sizes(suite, scene)
     check_errors(suite, scene)
     shutil.rmtree(folder)

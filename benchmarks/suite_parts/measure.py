@@ -22,8 +22,8 @@ from suite_parts.sparse_model import read_model
 
 DEPTH_TOLERANCES = (0.02, 0.05)
 CLOUD_TOLERANCES = (0.02, 0.05, 0.1)
-# Raised where the same maps would get other scores.
-VERSION = 3
+# Raised where the same maps would get other scores, or more of them.
+VERSION = 4
 
 
 def hash_of_file(path):
@@ -65,7 +65,7 @@ class Measurer:
                 return path, json.loads(path.read_text())
         return path, None
 
-    def _score(self, configuration, workspace, maps, folder):
+    def _score(self, configuration, workspace, maps, folder, refined):
         """Scores of a workspace by itself, before or after refinement."""
         scene = configuration.path
         scores = {}
@@ -76,6 +76,10 @@ class Measurer:
                             self.colmap_lib)
             cloud = folder / "fused.ply" if self.fuse else None
             scores = scorer.score(workspace, cloud, maps.type)
+            if refined and self.fuse:
+                scores.update(scorer.score_tsar_fuse(
+                    workspace, folder / "tsar_fused.ply", maps.type,
+                    self.device))
         model = read_model(workspace / "sparse")
         return {**scores, **measure_outliers(scene, maps),
                 **check_sparse(model, maps)}, model
@@ -86,7 +90,8 @@ class Measurer:
         if stored is None:
             with tempfile.TemporaryDirectory(prefix="tsar_suite_") as folder:
                 stored, _ = self._score(configuration, workspace,
-                                        Maps(workspace), Path(folder))
+                                        Maps(workspace), Path(folder),
+                                        refined=False)
             write_json(path, stored)
         return stored
 
@@ -117,7 +122,8 @@ class Measurer:
             seconds = time.monotonic() - start
             before = Maps(workspace)
             after = Maps(output, before.type)
-            scores, model = self._score(configuration, output, after, folder)
+            scores, model = self._score(configuration, output, after, folder,
+                                        refined=True)
             scores.update(measure_truth(configuration.path, before, after))
             scores.update(check_view_agreement(model, after))
             scores.update(check_planes(configuration.path, model, after))

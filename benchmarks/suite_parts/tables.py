@@ -34,6 +34,12 @@ COLUMNS = (
     ("calibration error", "calibration_error", None, 3),
     ("largest gap", "calibration_gap", None, 3),
     ("seconds", "seconds", None, 1))
+# Those of clouds; the keys of tsar_fuse's begin with its name.
+CLOUD_COLUMNS = (("points", "points", None, 0), *(
+    (f"{name} {centimetres} cm", f"cloud_{centimetres / 100:g}", index, 3)
+    for centimetres in (2, 5, 10)
+    for name, index in (("F1", 2), ("completeness", 0), ("accuracy", 1))))
+FUSIONS = (("stereo_fusion", ""), ("tsar_fuse", "tsar_fuse_"))
 IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")
 # Those by which variants are set beside each other.
 VARIANT_COLUMNS = tuple(column for column in COLUMNS if column[0] in (
@@ -130,6 +136,31 @@ def role_table(role, rows):
     return table_lines(f"### {role.capitalize()} scenes", head, lines)
 
 
+def cloud_table(rows):
+    """The refined maps' clouds by both fusions, one under the other; nothing
+    without any by tsar_fuse."""
+    def cells_of(fused, prefix):
+        means = [mean_of_samples(fused, prefix + key, index)
+                 for _, key, index, _ in CLOUD_COLUMNS]
+        return ["-" if mean is None else cell(None, *mean[1:], digits)
+                for mean, (*_, digits) in zip(means, CLOUD_COLUMNS)]
+
+    rows = [row for row in rows if row.sample("tsar_fuse_points")]
+    if not rows:
+        return []
+    groups = [(row.name, row.identity["variant"], [row]) for row in rows]
+    for variant in dict.fromkeys(row.identity["variant"] for row in rows):
+        own = [row for row in rows if row.identity["variant"] == variant]
+        groups.append((f"**mean of {len(own)}**", variant, own))
+    return table_lines("### Clouds of the refined maps by stereo_fusion and by "
+                       "tsar_fuse",
+                       ["scene", "variant", "fusion",
+                        *(column[0] for column in CLOUD_COLUMNS)],
+                       [[name, variant, fusion, *cells_of(own, prefix)]
+                        for name, variant, own in groups
+                        for fusion, prefix in FUSIONS])
+
+
 def variant_table(title, key, index, digits, rows):
     """A row per variant and a column per scene, with the mean change against
     the first variant; nothing where there is no such score."""
@@ -181,6 +212,7 @@ def report_lines(runs, commit):
     for role in dict.fromkeys(row.identity["role"] for row in rows):
         lines += role_table(role, [row for row in rows
                                    if row.identity["role"] == role])
+    lines += cloud_table(rows)
     if len({row.identity["variant"] for row in rows}) > 1:
         for column in VARIANT_COLUMNS:
             lines += variant_table(*column, rows)

@@ -15,15 +15,13 @@ has CUDA and an NVIDIA GPU); tsar, tsar_stereo of this project; none, nowhere: p
 the maps into {}/dense/stereo yourself. auto (the default): colmap where
 it can run, else tsar"""
 PRESETS = ("default", "paper", "paper_strict")
-# The paper counts matches beside the reference view and asks for more than one;
-# COLMAP counts the reference view as well.
-FUSIONS = {"colmap": {},
-           "paper": {"max_depth_error": 0.01, "max_normal_error": 30,
-                     "max_reproj_error": 2, "min_num_pixels": 3}}
+# The preset of tsar_fuse for the refined maps; None: stereo_fusion fuses them.
+FUSIONS = {"colmap": None, "paper": "paper", "tsar": "default"}
 FUSION_HELP = """\
-what makes a point of the clouds: colmap (the default), what stereo_fusion does by
-default; paper, what the paper does: depths within 1 %%, normals within 30 degrees,
-pixels within 2, in the reference view and two others"""
+what fuses the refined maps: colmap (the default), stereo_fusion; tsar, tsar_fuse,
+which weights depths by their precision and confidence; paper, tsar_fuse as the paper
+fuses: depths within 1 %%, normals within 30 degrees, pixels within 2, the mean of
+what agrees. The maps before refinement are always fused by stereo_fusion"""
 
 
 def new_parser(script, description, epilog=None):
@@ -54,8 +52,8 @@ def add_options(parser, scene_folder):
                         help="preset of tsar_refine (default: default)")
     parser.add_argument("--fusion", choices=tuple(FUSIONS), default="colmap", help=FUSION_HELP)
     parser.add_argument("--min_num_pixels", type=int, metavar="N",
-                        help="views that must see a point, the reference view among them "
-                        "(default: 5, or 3 with --fusion paper)")
+                        help="views that must see a point of either cloud, the reference view "
+                        "among them (default: 5 for stereo_fusion, 2 for tsar_fuse)")
     parser.add_argument("--colmap", metavar="PATH", help="COLMAP (default: the one on the path)")
     parser.add_argument("--colmap_tsar", metavar="PATH", help="this project's program "
                         "(default: build/bin/colmap_tsar, or the one on the path)")

@@ -85,33 +85,43 @@ def make_maps(scene, args, programs, masks):
                    "stereo": args.stereo, "options": options, **programs.versions})
 
 
-def fusion_options(args, masks):
-    """What differs from COLMAP's defaults, name by value."""
-    options = dict(FUSIONS[args.fusion])
-    if args.min_num_pixels is not None:
-        options["min_num_pixels"] = args.min_num_pixels
-    options = {f"StereoFusion.{name}": value for name, value in options.items()}
-    if masks:
-        options["StereoFusion.mask_path"] = str(masks)
-    return {**options, **args.passed.get("stereo_fusion", {})}
+def fusion_command(args, masks, preset):
+    """The command that fuses, and its options, name by value. preset: that of
+    tsar_fuse; None: COLMAP fuses."""
+    if preset is None:
+        command, options = "stereo_fusion", {}
+        if args.min_num_pixels is not None:
+            options["StereoFusion.min_num_pixels"] = args.min_num_pixels
+        if masks:
+            options["StereoFusion.mask_path"] = str(masks)
+    else:
+        command, options = "tsar_fuse", {"TsarFuse.preset": preset, **mask_options(masks)}
+        if args.min_num_pixels is not None:
+            options["TsarFuse.min_num_views"] = args.min_num_pixels
+    return command, {**options, **args.passed.get(command, {})}
 
 
-def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, inputs=(), **key):
-    options = fusion_options(args, masks)
+def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, preset=None, inputs=(),
+         **key):
+    command, options = fusion_command(args, masks, preset)
+    program, of_program = ((programs.colmap, "colmap") if preset is None
+                           else (programs.tsar, "colmap_tsar"))
 
     def action(step):
         part = scene.folder / f"part.{cloud}"
-        remove(part)
-        step.run(programs.colmap, "stereo_fusion", "--workspace_path", workspace,
-                 "--input_type", input_type, "--output_path", part, *as_words(options))
+        # Of a stopped attempt; tsar_fuse replaces no cloud that is there.
+        for left in scene.folder.glob(f"{part.name}*"):
+            remove(left)
+        step.run(program, command, "--workspace_path", workspace, "--input_type", input_type,
+                 "--output_path", part, *as_words(options))
         if not part.exists() or not is_whole(part):
-            raise DatasetError(f"{scene.name}: {name}: COLMAP wrote no cloud, or half of one; "
+            raise DatasetError(f"{scene.name}: {name}: {command} wrote no cloud, or half of one; "
                                f"see {step.log}")
         os.replace(f"{part}.vis", f"{scene.folder / cloud}.vis")
         os.replace(part, scene.folder / cloud)
 
     scene.step(name, action, outputs=[cloud], options={
-        "type": input_type, "colmap": programs.versions["colmap"], **options},
+        "type": input_type, of_program: programs.versions[of_program], **options},
                inputs=[*inputs, *files_named_by(options)], **key)
 
 
@@ -141,7 +151,7 @@ def reconstruct(scene, args, programs, masks=None):
     fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", masks, **origin)
     refine(scene, args, programs, input_type, masks, **origin)
     fuse(scene, args, programs, "fusion_after", scene.folder / REFINED, input_type, "after.ply",
-         masks, after=["refinement"])
+         masks, FUSIONS[args.fusion], after=["refinement"])
 
 
 def evaluate(step, programs, cloud, project, output, options):

@@ -15,9 +15,9 @@ TOLERANCES = "0.01,0.02,0.05,0.1,0.2,0.5"  # Metres; those of the benchmark.
 
 DESCRIPTION = """\
 Reconstructs scenes of ETH3D's high-resolution multi-view benchmark: a COLMAP dense
-workspace, depth maps (by COLMAP or tsar_stereo), tsar_refine, stereo_fusion. Makes
-a submission of them, and scores the scenes that come with laser scans before and
-after refinement.
+workspace, depth maps (by COLMAP or tsar_stereo), tsar_refine, stereo_fusion or
+tsar_fuse. Makes a submission of them, and scores the scenes that come with laser
+scans before and after refinement.
 
 Unpack the archives SCENE_dslr_undistorted.7z, and for training scenes
 SCENE_scan_eval.7z too, into one folder, so that there are

@@ -35,7 +35,8 @@ PNG). The steps:
                       where COLMAP has no CUDA or there is no NVIDIA GPU)
   fusion_before       the cloud of these maps (stereo_fusion), to compare with
   refinement          tsar_refine: wrong depths go, bare surfaces are filled
-  fusion_after        the cloud of the refined maps
+  fusion_after        the cloud of the refined maps (stereo_fusion, or tsar_fuse with
+                      --fusion tsar)
   report              a page to look at (tsar_report)
   mesh, texture       if asked for: poisson_mesher or delaunay_mesher, and
                       mesh_texturer, which puts the photos on the mesh
@@ -146,10 +147,9 @@ def warn_of_long_stereo(scene, args, programs, photos, names):
 
 def take_fewer_views(args, num_images):
     """As many views of a point as there are, where stereo_fusion asks for more."""
-    if args.min_num_pixels is None:
-        usual = FUSIONS[args.fusion].get("min_num_pixels", FUSION_VIEWS)
-        if num_images < usual:
-            args.min_num_pixels = num_images
+    if args.min_num_pixels is None and num_images < FUSION_VIEWS:
+        args.passed.setdefault("stereo_fusion", {}).setdefault(
+            "StereoFusion.min_num_pixels", num_images)
 
 
 def camera_options(scene, photos, names, passed):
@@ -261,8 +261,9 @@ def summarize(scene, args):
 def commands_of(args):
     """The commands that take options from the command line."""
     stereo = {"colmap": ["patch_match_stereo"], "tsar": ["tsar_stereo"], "none": []}[args.stereo]
+    own_fusion = ["tsar_fuse"] if FUSIONS[args.fusion] else []
     return ["feature_extractor", f"{matcher_of(args)}_matcher", "mapper", *stereo,
-            "stereo_fusion", "tsar_refine", *product_commands(args)]
+            "stereo_fusion", "tsar_refine", *own_fusion, *product_commands(args)]
 
 
 def main():

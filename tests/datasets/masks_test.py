@@ -44,6 +44,11 @@ class MasksTest(StandInTest):
                          ["a.jpg.png.png", "left/c d.png.png"])
         self.assertEqual(list(self.output.glob("*.part")), [])
 
+    def test_tsar_fuse_gets_them(self):
+        _, calls = self.run_well(*self.options, "--fusion", "tsar")
+        (fusion,) = [c for c in calls if c.startswith("tsar_fuse")]
+        self.assertIn(f" --mask_path {self.output / 'masks'}", fusion)
+
     def test_masks_are_inputs(self):
         self.run_well(*self.options)
         self.assertEqual(self.commands(*self.options), [])

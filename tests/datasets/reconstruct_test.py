@@ -84,6 +84,44 @@ class ReconstructTest(StandInTest):
         self.refuses("--TsarRefine.scene_planes: has no value", "--TsarRefine.scene_planes",
                      "--mesh")
 
+    def test_fusion_of_the_refined_maps(self):
+        self.run_well("--mesh")
+        before = (self.output / "before.ply").stat()
+        for fusion, preset in (("tsar", "default"), ("paper", "paper")):
+            _, calls = self.run_well("--mesh", "--fusion", fusion)
+            self.assertEqual([c.split()[0] for c in calls],
+                             ["tsar_fuse", "tsar_report", "poisson_mesher"])
+            self.assertIn(f"--workspace_path {self.output}/refined --input_type geometric",
+                          calls[0])
+            self.assertTrue(calls[0].endswith(f"--TsarFuse.preset {preset}"), calls[0])
+            self.assertEqual(self.commands("--mesh", "--fusion", fusion), [])
+        self.assertEqual((self.output / "before.ply").stat(), before)
+        self.assertEqual((self.output / "after.ply.vis").read_text(), "vis")
+        self.assertEqual(list(self.output.glob("part.*")), [])
+        _, calls = self.run_well("--fusion", "tsar", "--min_num_pixels", 4,
+                                 "--TsarFuse.max_normal_error", 20)
+        self.assertTrue(calls[0].endswith("--StereoFusion.min_num_pixels 4"), calls[0])
+        self.assertTrue(calls[1].endswith("--TsarFuse.min_num_views 4 "
+                                          "--TsarFuse.max_normal_error 20"), calls[1])
+        self.refuses("--TsarFuse.max_normal_error: none of the commands of this run",
+                     "--TsarFuse.max_normal_error", 20)
+
+    def test_what_a_stopped_fusion_left(self):
+        for fusion, command in (("tsar", "tsar_fuse"), ("colmap", "stereo_fusion"),
+                                ("paper", "tsar_fuse")):
+            self.run_well("--fusion", fusion)
+            (self.output / "after.ply").unlink()
+            self.write("half", "1")
+            self.refuses(f"fusion_after: {command} wrote no cloud, or half of one",
+                         "--fusion", fusion)
+            (self.root / "half").unlink()
+            self.assertFalse((self.output / "after.ply").exists())
+            self.assertTrue((self.output / "part.after.ply.vis").exists())
+            self.write("out/part.after.ply.tmp", "")  # As a killed tsar_fuse leaves it.
+            self.assertEqual(self.commands("--fusion", fusion), [command, "tsar_report"])
+            self.assertTrue(ply.is_whole(self.output / "after.ply"))
+            self.assertEqual(list(self.output.glob("part.*")), [])
+
     def test_photos_of_one_camera(self):
         text, calls = self.run_well()
         self.assertIn("taken as those of one camera", text)
@@ -174,6 +212,8 @@ class ReconstructTest(StandInTest):
         self.assertEqual(len((self.output / "dense/stereo/fusion.cfg").read_text().split("\n")), 5)
         # Fewer images than stereo_fusion wants views.
         self.assertIn("min_num_pixels 4", (self.output / "logs/fusion_after.log").read_text())
+        _, calls = self.run_well("--fusion", "tsar")
+        self.assertTrue(calls[0].endswith("--TsarFuse.preset default"), calls[0])
         text, _ = self.run_well()  # Told each time.
         self.assertIn("4 of 6 photos", text)
         self.assertNotIn("sharp photos", text)

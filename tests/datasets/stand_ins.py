@@ -12,6 +12,7 @@ STAND_IN_FOLDER names. Files there tell it what to do otherwise:
   old        COLMAP has no mesh_texturer
   tree       vocab_tree_matcher brings its own tree
   nothing    clouds have no points
+  half       clouds are cut off
   no_texture mesh_texturer writes nothing
 """
 import os
@@ -37,6 +38,7 @@ OPTIONS = {
     "mesh_texturer": "MeshTextureMapping.min_cos_normal_angle",
     "tsar_stereo": "TsarStereo.num_levels",
     "tsar_refine": "TsarRefine.scene_planes",
+    "tsar_fuse": "TsarFuse.max_normal_error TsarFuse.min_num_views",
 }
 
 
@@ -121,8 +123,18 @@ def tsar_refine(given):
 
 def stereo_fusion(given):
     is_refined = (pathlib.Path(given["workspace_path"]) / "is_refined").exists()
-    write_ply(given["output_path"], 0 if told("nothing") else AFTER if is_refined else BEFORE)
-    pathlib.Path(given["output_path"] + ".vis").write_text("vis")
+    cloud = pathlib.Path(given["output_path"])
+    write_ply(cloud, 0 if told("nothing") else AFTER if is_refined else BEFORE)
+    if told("half"):
+        cloud.write_bytes(cloud.read_bytes()[:-1])
+    pathlib.Path(f"{cloud}.vis").write_text("vis")
+
+
+def tsar_fuse(given):
+    for ending in ("", ".vis"):
+        if os.path.exists(given["output_path"] + ending):
+            sys.exit("is there already")
+    stereo_fusion(given)
 
 
 def poisson_mesher(given):
@@ -154,7 +166,8 @@ COMMANDS = {
     "feature_extractor": feature_extractor, "exhaustive_matcher": matcher,
     "sequential_matcher": matcher, "vocab_tree_matcher": matcher, "mapper": mapper,
     "model_converter": lambda given: None, "image_undistorter": image_undistorter,
-    "patch_match_stereo": make_maps, "tsar_stereo": make_maps, "tsar_refine": tsar_refine, "stereo_fusion": stereo_fusion,
+    "patch_match_stereo": make_maps, "tsar_stereo": make_maps, "tsar_refine": tsar_refine,
+    "stereo_fusion": stereo_fusion, "tsar_fuse": tsar_fuse,
     "poisson_mesher": poisson_mesher, "delaunay_mesher": delaunay_mesher,
     "mesh_texturer": mesh_texturer,
     "tsar_report": lambda given: make_folder(given["report_path"], "index.html"),
