@@ -82,13 +82,14 @@ void FuseCommand::AddTo(OptionSet* set) {
            "then the largest, as for stereo_fusion. If empty, all are kept.");
   set->Add("overwrite", &overwrite, "Replace a cloud that is there.");
   const std::string group = "TsarFuse.";
-  set->AddChoice(group + "preset",
-                 &preset,
-                 FusionPresetNames(),
-                 "default: depths weighted by precision and confidence; paper: "
-                 "the fusion of the TSAR-MVS paper, two views and the mean of "
-                 "what agrees; colmap: the thresholds of stereo_fusion, and "
-                 "medians. The options below that are -1 come from it.");
+  set->AddChoice(
+      group + "preset",
+      &preset,
+      FusionPresetNames(),
+      "default: depths weighted by precision and confidence; paper: "
+      "the fusion of the TSAR-MVS paper, three views and the mean of "
+      "what agrees; colmap: the thresholds of stereo_fusion, and "
+      "medians. The options below that are -1 come from it.");
   set->Add(group + "min_num_views",
            &min_num_views,
            "Images that have to agree on a point, its own included.",

@@ -302,7 +302,7 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
   options.Add("ground_truth_path",
               &ground_truth_path,
               "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 = "
-              "unknown, of the size of the maps. If empty, ground_truth/depth "
+              "unknown. If empty, ground_truth/depth "
               "in the workspace.");
   options.Add("mask_path",
               &mask_path,

@@ -79,11 +79,6 @@ Image<uint8_t> FindTextureless(const fs::path& path,
   return textureless;
 }
 
-// The pixel among `to` pixels that covers the centre of pixel i among `from`.
-int NearestPixel(int i, int from, int to) {
-  return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
-}
-
 // Adds one image's pixels to the scores of one area, all or that of the ground
 // truth's pixels that are not 0. mask: of the estimate; may be empty.
 void AddPixels(const Image<float>& estimate,
@@ -131,6 +126,10 @@ std::vector<fs::path> FindMasks(const fs::path& folder,
 }
 
 }  // namespace
+
+int NearestPixel(int i, int from, int to) {
+  return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
+}
 
 double DepthScore::Precision() const {
   return static_cast<double>(num_right) / std::max<int64_t>(num_estimated, 1);

@@ -12,6 +12,10 @@
 
 namespace tsar {
 
+// The pixel among `to` pixels that covers the centre of pixel i among `from`:
+// where ground truth is looked up that is of another size than the map.
+int NearestPixel(int i, int from, int to);
+
 struct DepthEvaluationOptions {
   // The maps to score: "geometric" or "photometric".
   std::string input_type = "geometric";

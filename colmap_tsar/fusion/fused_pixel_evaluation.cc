@@ -6,13 +6,14 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/evaluation/depth_evaluation.h"
 #include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 #include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/workspace/map_shape.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -24,8 +25,16 @@ FusedPixelEvaluation EvaluateImage(const FusedImage& fused,
                                    const std::vector<double>& tolerances) {
   FusedPixelEvaluation evaluation;
   evaluation.num_images = 1;
-  evaluation.num_known = std::count_if(
-      truth.begin(), truth.end(), [](float depth) { return depth > 0.f; });
+  const auto truth_at = [&](int x, int y) {
+    const Image<FusionPixel>& pixels = fused.view->pixels;
+    return truth(NearestPixel(x, pixels.Width(), truth.Width()),
+                 NearestPixel(y, pixels.Height(), truth.Height()));
+  };
+  for (int y = 0; y < fused.view->pixels.Height(); ++y) {
+    for (int x = 0; x < fused.view->pixels.Width(); ++x) {
+      evaluation.num_known += truth_at(x, y) > 0.f ? 1 : 0;
+    }
+  }
   evaluation.num_right.assign(tolerances.size(), 0);
   const Intrinsics intrinsics = fused.view->camera.GetIntrinsics();
   for (const FusedPoint& point : fused.points) {
@@ -35,7 +44,7 @@ FusedPixelEvaluation EvaluateImage(const FusedImage& fused,
     intrinsics.Project(point.position, &x, &y);
     const int column = static_cast<int>(std::lround(x));
     const int row = static_cast<int>(std::lround(y));
-    const float known = truth(column, row);
+    const float known = truth_at(column, row);
     if (!(known > 0.f)) {
       continue;
     }
@@ -90,8 +99,13 @@ FusedPixelEvaluation EvaluateFusedPixels(
             (workspace.Model().images[static_cast<size_t>(fused.image)].name +
              ".bin");
         if (Exists(path)) {
-          const Image<float> truth = RequireSizeOf(
-              fused.view->pixels, "the depth map", path, ReadDepthMap(path));
+          const Image<float> truth = ReadDepthMap(path);
+          const Image<FusionPixel>& pixels = fused.view->pixels;
+          RequireShape(path,
+                       {truth.Width(), truth.Height()},
+                       {pixels.Width(), pixels.Height()},
+                       "the depth map",
+                       "give ground truth of this image");
           of_images[place] = EvaluateImage(fused, truth, options.tolerances);
         }
       },

@@ -36,10 +36,12 @@ struct FusedPixelEvaluation {
 
 // The measure of the ablation in the TSAR-MVS paper (section 5.3): of each
 // point of the fused cloud one pixel is chosen, the one that became the point,
-// and the depth that the map has there is compared with the truth.
+// and the depth that the map has there is compared with the truth. Where map
+// and ground truth differ in size, the ground truth is looked up at the map's
+// pixels.
 //
 // Throws Error: kNotFound (no image has maps, or none that is fused ground
-// truth), kMismatch (a ground truth is not of the size of the map), kBadOption
+// truth), kMismatch (a ground truth is not of the shape of the map), kBadOption
 // (tolerances, point_spacing), and what FusionRun and ReadDepthMap throw.
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,

@@ -59,6 +59,7 @@ FusionOptions PresetFusionOptions(FusionPreset preset) {
   }
   if (preset == FusionPreset::kPaper) {
     options.statistic = FusionStatistic::kMean;
+    options.min_num_views = 3;
     options.point_spacing = 1;
   } else if (preset == FusionPreset::kColmap) {
     options.statistic = FusionStatistic::kMedian;

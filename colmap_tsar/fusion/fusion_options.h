@@ -46,9 +46,9 @@ constexpr int kMaxFusionSources = 64;
 
 enum class FusionPreset {
   kDefault,
-  // Section 4 of the TSAR-MVS paper: depths within 1 %, normals within 30
-  // degrees, reprojection errors of 2 pixels at most, two views that agree,
-  // and the mean of all.
+  // The fusion of the TSAR-MVS paper (section 4): depths within 1 %, normals
+  // within 30 degrees, reprojection errors of 2 pixels at most, more than one
+  // other view that agrees, and the mean of all.
   kPaper,
   // The thresholds of COLMAP's stereo_fusion, and medians.
   kColmap,

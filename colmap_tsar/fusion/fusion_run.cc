@@ -63,12 +63,12 @@ void FusionRun::Run(const UsePoints& use,
             for (size_t i = next++; i < group.end; i = next++) {
               StopIfAsked(should_stop);
               use(i, Fuse(plan_.order[i], &devices_[static_cast<size_t>(d)]));
+              progress.Advance(/*was_work=*/true);
             }
           }
         });
     for (size_t i = group.begin; i < group.end; ++i) {
       finish(i);
-      progress.Advance(/*was_work=*/true);
     }
   }
   StopIfAsked(should_stop);

@@ -13,8 +13,8 @@ namespace tsar {
 
 // The map as it is. Throws Error kMismatch, naming its file, where it is not of
 // the size of another map of the image. other_name: such as "the depth map".
-template <typename T, typename Other>
-Image<T> RequireSizeOf(const Image<Other>& other,
+template <typename T>
+Image<T> RequireSizeOf(const Image<float>& other,
                        const std::string& other_name,
                        const std::filesystem::path& path,
                        Image<T> map) {

@@ -16,7 +16,7 @@ TEST(FusionOptionsTest, PresetsAreValidAndThePapersIsAsPrinted) {
   EXPECT_EQ(paper.max_depth_error, 0.01);
   EXPECT_EQ(paper.max_normal_error, 30.0);
   EXPECT_EQ(paper.max_reproj_error, 2.0);
-  EXPECT_EQ(paper.min_num_views, 2);
+  EXPECT_EQ(paper.min_num_views, 3);
   EXPECT_EQ(paper.statistic, FusionStatistic::kMean);
   EXPECT_FALSE(paper.reject_contradicted);
   ExpectError(ErrorCode::kBadOption,
