@@ -4,6 +4,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/cli/export_command.h"
+#include "colmap_tsar/cli/fuse_command.h"
 #include "colmap_tsar/cli/import_command.h"
 #include "colmap_tsar/cli/name_suggestion.h"
 #include "colmap_tsar/cli/option_set.h"
@@ -12,6 +13,7 @@
 #include "colmap_tsar/cli/report_command.h"
 #include "colmap_tsar/cli/stereo_command.h"
 #include "colmap_tsar/export/export_workspace.h"
+#include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/import/import_workspace.h"
 #include "colmap_tsar/import/undo_import.h"
 #include "colmap_tsar/report/write_page.h"
@@ -203,6 +205,26 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   return dict;
 }
 
+py::dict Fuse(const py::dict& options, const py::tuple& listeners) {
+  const auto command = ToCommand<FuseCommand>(options);
+  FuseSummary summary;
+  WorkWhileServingPython(
+      "fuse",
+      ToPythonListeners(listeners),
+      [&](Progress& progress, const std::function<bool()>& should_stop) {
+        summary = command.Run(progress, should_stop);
+      });
+  py::dict dict;
+  dict["output_path"] = std::filesystem::path(command.output_path);
+  dict["device"] = summary.devices;
+  dict["num_images"] = summary.num_images;
+  dict["num_masks"] = summary.num_masks;
+  dict["num_points"] = summary.num_points;
+  dict["wall_seconds"] = summary.seconds;
+  dict["peak_gpu_memory"] = ToDict(summary.gpu_memory);
+  return dict;
+}
+
 py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
   const ImportOptions import = ToCommand<ImportCommand>(options).Parse();
   ImportSummary summary;
@@ -293,6 +315,7 @@ py::dict Export(const py::dict& options, const py::tuple& listeners) {
 void BindCommands(py::module_* module) {
   module->def("help_json_of_refine", &HelpJson<RefineCommand>);
   module->def("help_json_of_stereo", &HelpJson<StereoCommand>);
+  module->def("help_json_of_fuse", &HelpJson<FuseCommand>);
   module->def("help_json_of_import", &HelpJson<ImportCommand>);
   module->def("help_json_of_report", &HelpJson<ReportCommand>);
   module->def("help_json_of_export", &HelpJson<ExportCommand>);
@@ -303,6 +326,7 @@ void BindCommands(py::module_* module) {
               py::arg("workspace_path"),
               py::arg("conflicts"));
   module->def("stereo", &Stereo, py::arg("options"), py::arg("listeners"));
+  module->def("fuse", &Fuse, py::arg("options"), py::arg("listeners"));
   module->def(
       "import_maps", &ImportMaps, py::arg("options"), py::arg("listeners"));
   module->def("undo_imports",

@@ -26,7 +26,11 @@ import typing
 OF_TYPING = "Literal|Mapping|Optional|Sequence|Union"
 
 # What the methods have as parameters of their own.
-OWN = {"ImportKeywords": {"input_path", "format"}, "ExportKeywords": {"output_path", "format"}}
+OWN = {
+    "FuseKeywords": {"output_path"},
+    "ImportKeywords": {"input_path", "format"},
+    "ExportKeywords": {"output_path", "format"},
+}
 
 
 def annotation_text(annotation):
@@ -39,7 +43,7 @@ def annotation_text(annotation):
 
 def main(path):
     lines = []
-    for name in ("Refine", "Stereo", "Import", "Report", "Export"):
+    for name in ("Refine", "Stereo", "Fuse", "Import", "Report", "Export"):
         kind = name + "Keywords"
         lines += ["", f"class {kind}(typing.TypedDict, total=False):"]
         lines += [

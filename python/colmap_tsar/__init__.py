@@ -49,6 +49,7 @@ from ._planes import Planes, Polygon, read_plane_map, read_planes
 from ._refine import refine, restore
 from ._summaries import (
     ExportSummary,
+    FuseSummary,
     ImportSummary,
     RefineSummary,
     ReportSummary,
@@ -69,6 +70,7 @@ __all__ = [
     "Error",
     "ExportSummary",
     "FileError",
+    "FuseSummary",
     "ImportSummary",
     "MismatchError",
     "NotFoundError",

@@ -164,6 +164,7 @@ class CommandOptions:
 
 REFINE = CommandOptions("refine", _core.help_json_of_refine())
 STEREO = CommandOptions("stereo", _core.help_json_of_stereo())
+FUSE = CommandOptions("fuse", _core.help_json_of_fuse())
 IMPORT = CommandOptions("import_maps", _core.help_json_of_import())
 REPORT = CommandOptions("report", _core.help_json_of_report())
 EXPORT = CommandOptions("export", _core.help_json_of_export())

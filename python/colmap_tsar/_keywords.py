@@ -47,6 +47,23 @@ class StereoKeywords(typing.TypedDict, total=False):
     filter_min_num_consistent: int
     filter_geom_consistency_max_cost: float
 
+class FuseKeywords(typing.TypedDict, total=False):
+    image_list_path: typing.Union[str, os.PathLike[str], None]
+    mask_path: typing.Union[str, os.PathLike[str], None]
+    bounding_box_path: typing.Union[str, os.PathLike[str], None]
+    overwrite: bool
+    preset: typing.Literal['default', 'paper', 'colmap']
+    min_num_views: int
+    max_reproj_error: float
+    max_depth_error: float
+    max_normal_error: float
+    check_num_images: int
+    point_spacing: int
+    device: typing.Literal['auto', 'cuda', 'cpu']
+    gpu_index: typing.Union[str, float, typing.Sequence[float]]
+    cache_size: float
+    num_threads: int
+
 class ImportKeywords(typing.TypedDict, total=False):
     normal_path: typing.Union[str, os.PathLike[str], None]
     output_type: typing.Literal['geometric', 'photometric']

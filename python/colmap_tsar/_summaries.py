@@ -90,6 +90,25 @@ class StereoSummary(PrintedResult):
 
 
 @dataclasses.dataclass(frozen=True)
+class FuseSummary(Result):
+    """What Workspace.fuse() wrote."""
+
+    output_path: pathlib.Path
+    """The cloud; beside it, with .vis behind its name, the images that see each
+    point."""
+    device: str
+    """Where it was computed, in words."""
+    num_images: int
+    """Images whose pixels could become points."""
+    num_masks: Optional[int]
+    """Of num_images, those with a mask; None where no masks were given."""
+    num_points: int
+    wall_seconds: float
+    peak_gpu_memory: Dict[str, int]
+    """The most bytes held at a time on each GPU."""
+
+
+@dataclasses.dataclass(frozen=True)
 class ImportSummary(PrintedResult):
     """What Workspace.import_maps() did. str() of it is the account that the command
     prints."""

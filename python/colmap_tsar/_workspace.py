@@ -7,13 +7,14 @@ import typing
 from typing import Any, Callable, Iterator, Optional, Tuple, Union
 
 from . import _core
-from ._command_options import EXPORT, IMPORT, REFINE, REPORT, STEREO
+from ._command_options import EXPORT, FUSE, IMPORT, REFINE, REPORT, STEREO
 from ._images import WorkspaceImage
 from ._planes import Planes, read_planes
 from ._progress import tell_steps
 from ._refine import refine_with_listeners, restore
 from ._summaries import (
     ExportSummary,
+    FuseSummary,
     ImportSummary,
     RefineSummary,
     ReportSummary,
@@ -26,6 +27,7 @@ if typing.TYPE_CHECKING:
 
     from ._keywords import (
         ExportKeywords,
+        FuseKeywords,
         ImportKeywords,
         RefineKeywords,
         ReportKeywords,
@@ -145,6 +147,19 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
             **_core.stereo(self._to_command(STEREO, options), tell_steps(progress))
         )
 
+    def fuse(
+        self,
+        output_path: _Path,
+        *,
+        progress: _Progress = True,
+        **options: "Unpack[FuseKeywords]",
+    ) -> FuseSummary:
+        """Fuses the maps into one point cloud, as stereo_fusion does, on NVIDIA GPUs and
+        also without any: what the command tsar_fuse does."""
+        given = {"output_path": output_path, **options}
+        command = {**self._to_command(FUSE, given), **self._to_type()}
+        return FuseSummary(**_core.fuse(command, tell_steps(progress)))
+
     def import_maps(
         self,
         input_path: _Path,
@@ -209,6 +224,7 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
 
 REFINE.document(Workspace.refine)
 STEREO.document(Workspace.stereo)
+FUSE.document(Workspace.fuse)
 IMPORT.document(Workspace.import_maps)
 REPORT.document(Workspace.report)
 EXPORT.document(Workspace.export)

@@ -26,6 +26,7 @@ class OptionsTest(unittest.TestCase):
             (colmap_tsar.refine, "tsar_refine"),
             (Workspace.refine, "tsar_refine"),
             (Workspace.stereo, "tsar_stereo"),
+            (Workspace.fuse, "tsar_fuse"),
             (Workspace.import_maps, "tsar_import"),
             (Workspace.report, "tsar_report"),
             (Workspace.export, "tsar_export"),

@@ -26,6 +26,7 @@ workspace.refine(preset="paper", experiment={"segment": False, "num_iterations":
 colmap_tsar.refine("dense", seed=1, pass_="observe", experiment="segment=0")
 share: float = summary.counts["depth_after"] / summary.counts["pixels"]
 workspace.stereo(num_levels=1, device="auto", gpu_index=0)
+fused: int = workspace.fuse("fused.ply", preset="paper", max_reproj_error=1).num_points
 workspace.report(tolerances=[0.1, 0.2])
 names = [image.name.upper() for image in workspace.images]
 image: colmap_tsar.WorkspaceImage = workspace["a.jpg"]
@@ -38,6 +39,7 @@ MISUSE = (
     "colmap_tsar.refine('dense', scene_planes='no')",
     "workspace.stereo(num_levels='two')",
     "workspace.stereo(device='gpu')",
+    "workspace.fuse('fused.ply', min_num_views=2.5)",
     "workspace.import_maps('maps', format='depth', overwrite='no')",
     "workspace.report(max_points=[1])",
     "workspace[3]",

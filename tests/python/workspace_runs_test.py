@@ -76,6 +76,15 @@ class WorkspaceRunsTest(SampleTest):
             (self.ws.stereo, {"device": 1}, TypeError, "^device: give one of auto"),
             (self.ws.stereo, {"workspace_path": "x"}, TypeError, "no option 'workspace"),
             (self.ws.stereo, {}, colmap_tsar.UnsupportedError, "give overwrite=True"),
+            (self.ws.fuse, {"output_path": "a", "preset": "x"}, ValueError, "^preset: 'x"),
+            (
+                *(self.ws.fuse, {"output_path": "a", "min_num_views": 0}),
+                *(ValueError, "^min_num_views has to be"),
+            ),
+            (
+                *(self.ws.fuse, {"output_path": self.workspace / "images" / "a.ply"}),
+                *(colmap_tsar.Error, "images"),
+            ),
             (self.ws.report, {}, colmap_tsar.NotFoundError, "run tsar_refine"),
             (self.ws.report, {"tolerances": [2, 1]}, ValueError, "^tolerances: .*rise"),
             (self.ws.export, {"output_path": "a", "format": "x"}, ValueError, "^format: 'x"),
@@ -117,6 +126,35 @@ class WorkspaceRunsTest(SampleTest):
         )
         self.assertRegex(passes[0], "^Pass 1 of [0-9]$")
         self.assertEqual(self.ws.stereo(**run, progress=False).num_skipped, 3)
+
+    def test_fuse_is_the_command(self):
+        output = self.folder / "by_method" / "fused.ply"
+        other = self.folder / "by_program" / "fused.ply"
+        output.parent.mkdir()
+        other.parent.mkdir()
+        steps = []
+        run = {"device": "cpu", "preset": "colmap", "point_spacing": 4}
+        summary = self.ws.fuse(output, **run, progress=lambda *step: steps.append(step))
+        run_program(
+            *("tsar_fuse", "--workspace_path", self.workspace, "--output_path", other),
+            *(part for name in run for part in (f"--TsarFuse.{name}", run[name])),
+        )
+        self.assertEqual(digests(output.parent), digests(other.parent))
+        self.assertEqual(set(digests(output.parent)), {"fused.ply", "fused.ply.vis"})
+        self.assertEqual(summary.output_path, output)
+        self.assertEqual((summary.num_images, summary.num_masks), (8, None))
+        self.assertGreater(summary.num_points, 0)
+        header = f"element vertex {summary.num_points}\n".encode()
+        self.assertIn(header, output.read_bytes()[:1000])
+        self.assertRegex(summary.device, "CPU")
+        self.assertEqual([done for _, done, _ in steps], list(range(9)))
+        with self.assertRaisesRegex(colmap_tsar.Error, "fused.ply.*overwrite=True"):
+            self.ws.fuse(output, progress=False)
+        chosen = colmap_tsar.Workspace(self.workspace, input_type="photometric")
+        photometric = chosen.fuse(self.folder / "photometric.ply", **run, progress=False)
+        self.assertNotEqual(photometric.num_points, summary.num_points)
+        with self.assertRaises(Enough):
+            self.ws.fuse(self.folder / "stopped.ply", **run, progress=stop_at_the_first)
 
     def test_what_progress_raises_ends_the_work_and_is_raised(self):
         run = {"device": "cpu", "num_threads": 1}
