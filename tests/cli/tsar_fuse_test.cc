@@ -1,0 +1,135 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/workspace/map_io.h"
+
+#include <filesystem>
+
+#include "tests/cli/command_test.h"
+#include "tests/support/synthetic_workspace.h"
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TsarFuseTest : public CommandTest<&RunTsarFuse> {
+ protected:
+  void SetUp() override { MakeSyntheticWorkspace(root_); }
+
+  Outcome Fuse(const Words& more = {}) const {
+    Words arguments = {
+        "--output_path", output_.string(), "--TsarFuse.device", "cpu"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Run(arguments);
+  }
+
+  uintmax_t FuseAnew(const Words& more) const {
+    Words arguments = {"--overwrite", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = Fuse(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return fs::file_size(output_);
+  }
+
+  const fs::path output_ = folder_.Path() / "fused.ply";
+};
+
+TEST_F(TsarFuseTest, TellsHowManyPointsItWroteWhere) {
+  const Outcome outcome = Fuse();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::HasSubstr("Fused 4 images into "));
+  EXPECT_THAT(outcome.out,
+              testing::HasSubstr(" points: " + output_.string() + "\n"));
+  EXPECT_TRUE(fs::is_regular_file(output_.string() + ".vis"));
+}
+
+TEST_F(TsarFuseTest, ReplacesACloudOnlyWhereToldTo) {
+  WriteText(output_.string() + ".vis", "former");
+  const Outcome outcome = Fuse();
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err,
+              testing::AllOf(testing::HasSubstr(output_.string() + ".vis"),
+                             testing::HasSubstr("--overwrite 1")));
+  EXPECT_FALSE(fs::exists(output_));
+  EXPECT_EQ(Fuse({"--overwrite", "1"}).exit_code, 0);
+}
+
+TEST_F(TsarFuseTest, OptionsComeBeforeThoseOfThePreset) {
+  const uintmax_t by_default = FuseAnew({});
+  const uintmax_t dense = FuseAnew({"--TsarFuse.point_spacing", "1"});
+  EXPECT_GT(dense, 3 * by_default);
+  // The paper's fusion takes every pixel.
+  EXPECT_GT(FuseAnew({"--TsarFuse.preset", "paper"}), 3 * by_default);
+  EXPECT_LT(
+      FuseAnew({"--TsarFuse.preset", "paper", "--TsarFuse.point_spacing", "2"}),
+      dense / 2);
+  EXPECT_LT(FuseAnew({"--TsarFuse.min_num_views", "4"}), by_default);
+}
+
+TEST_F(TsarFuseTest, KeepsWhatIsInTheBox) {
+  const fs::path box = folder_.Path() / "box.txt";
+  WriteText(box, "-100 -100 -100 100 100 100\n");
+  const uintmax_t all = FuseAnew({});
+  EXPECT_EQ(FuseAnew({"--bounding_box_path", box.string()}), all);
+  WriteText(box, "-100 -100 -100 0 100 100\n");
+  EXPECT_LT(FuseAnew({"--bounding_box_path", box.string()}), all);
+}
+
+TEST_F(TsarFuseTest, RefusesWhatCannotBe) {
+  const auto expect_failure = [&](const Words& more, const std::string& text) {
+    Words arguments = {"--output_path", output_.string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    ExpectFailure(arguments, {text});
+  };
+  expect_failure({"--TsarFuse.preset", "other"}, "--TsarFuse.preset");
+  expect_failure({"--TsarFuse.max_normal_error", "90"},
+                 "--TsarFuse.max_normal_error");
+  expect_failure({"--TsarFuse.min_num_views", "0"}, "--TsarFuse.min_num_views");
+  expect_failure({"--bounding_box_path", "/nowhere/box.txt"},
+                 "/nowhere/box.txt");
+  ExpectFailure({"--output_path", (root_ / "stereo/fused.ply").string()},
+                {"--output_path"});
+}
+
+class TsarEvaluateFusedPixelsTest : public CommandTest<&RunTsarEvaluate> {};
+
+TEST_F(TsarEvaluateFusedPixelsTest, ComparesEachPointOnceWithTheTruth) {
+  MakeSyntheticWorkspace(root_);
+  const fs::path truth = folder_.Path() / "truth";
+  for (const std::string& name : SyntheticWorkspace::Names()) {
+    const ContainedPath path(truth, name + ".bin");
+    CreateFolders(path.Parent());
+    WriteDepthMap(path,
+                  Image<float>(SyntheticWorkspace::kWidth,
+                               SyntheticWorkspace::kHeight,
+                               static_cast<float>(SyntheticWorkspace::kDepth)));
+  }
+  const auto evaluate = [&](const std::string& tolerances) {
+    const Outcome outcome = Run({"fused_pixels",
+                                 "--ground_truth_path",
+                                 truth.string(),
+                                 "--device",
+                                 "cpu",
+                                 "--json",
+                                 "1",
+                                 "--tolerances",
+                                 tolerances});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const nlohmann::json scores = evaluate("0.001,0.5");
+  const int num_pixels =
+      SyntheticWorkspace::kWidth * SyntheticWorkspace::kHeight;
+  EXPECT_EQ(scores["num_images"], 4);
+  EXPECT_EQ(scores["num_known"], 4 * num_pixels);
+  // Once, though all four see it.
+  EXPECT_GT(scores["num_fused"], num_pixels / 2);
+  EXPECT_LT(scores["num_fused"], 2 * num_pixels);
+  EXPECT_LT(scores["scores"][0]["right"], 0.5);
+  EXPECT_GT(scores["scores"][1]["right"], 0.99);
+}
+
+}  // namespace
+}  // namespace tsar
