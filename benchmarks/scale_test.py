@@ -112,7 +112,7 @@ def main():
     output = run([sys.executable, FOLDER / "scale", "--program",
                   program, "--device", "cpu", "--num_images", 24, 5,
                   "--folder", folder / "work", "--plot", folder / "scale.svg",
-                  "--passes",
+                  "--passes", "--fuse",
                   "--also", "resume", "restore", "output"])
     print(output)
     lines = output.splitlines()
@@ -121,6 +121,11 @@ def main():
           "numbers of images are those of whole copies, in order")
     check(all(float(cell) > 0 for row in sizes for cell in row[1:6]),
           "times and memory are positive")
+    fusions = table(lines, "### tsar_fuse by the number of images")
+    check([row[0] for row in fusions] == ["8", "24"],
+          "clouds are fused of the same numbers of images")
+    check(all(float(cell) > 0 for row in fusions for cell in row[2:]),
+          "fusion takes time and memory")
     passes = table(
         lines, "### Processor ms per image and peak memory (GB) by pass")
     check([row[0] for row in passes] == ["8", "24"],
