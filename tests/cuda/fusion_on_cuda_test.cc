@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "tests/cuda/cuda_test.h"
-#include "tests/support/room_workspace.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
@@ -28,17 +28,17 @@ class FusionOnCudaTest : public CudaTest {
         Workspace(room_.root, MapType::kGeometric), options, progress, [] {
           return false;
         });
-    EXPECT_GT(summary.num_points, 1000);
+    EXPECT_GT(summary.num_points, 500);
     return ReadText(options.output_path) +
            ReadText(options.output_path.string() + ".vis");
   }
 
   const TemporaryFolder folder_;
-  const RoomWorkspace room_ = RoomWorkspace(folder_.Path() / "dense");
+  const std::filesystem::path root_ = folder_.Path() / "dense";
 };
 
 TEST_F(FusionOnCudaTest, CloudsHaveTheSameBytesOnAllDevices) {
-  room_.Write();
+  MakeSyntheticWorkspace(root_);
   for (const FusionPreset preset :
        {FusionPreset::kDefault, FusionPreset::kPaper, FusionPreset::kColmap}) {
     const std::string on_cpu = Fuse(preset, DeviceChoice::kCpu, 1.0);
