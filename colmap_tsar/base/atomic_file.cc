@@ -93,9 +93,14 @@ class DescriptorBuffer : public std::streambuf {
 
   // So that what is known at the end alone can be written at the beginning.
   pos_type seekpos(pos_type position, std::ios_base::openmode) override {
-    return Flush() && lseek(descriptor_, position, SEEK_SET) >= 0
-               ? position
-               : pos_type(off_type(-1));
+    if (!Flush()) {
+      return pos_type(off_type(-1));
+    }
+    if (lseek(descriptor_, position, SEEK_SET) < 0) {
+      error_ = errno;
+      return pos_type(off_type(-1));
+    }
+    return position;
   }
 
  private:

@@ -27,7 +27,7 @@ constexpr const char* kSummary =
 
 template <typename T>
 void Override(T given, T* value) {
-  if (given >= 0) {
+  if (given != -1) {
     *value = given;
   }
 }
@@ -42,9 +42,9 @@ void PrintSummary(const FuseSummary& summary, const FuseCommand& command) {
             << "\n";
   PrintPeakMemory(summary.gpu_memory, std::cout);
   if (summary.num_points == 0) {
-    std::cout << "No image agrees with another one on any point: see that the "
-                 "maps are geometric ones and the poses right, or lower "
-                 "--TsarFuse.min_num_views\n";
+    std::cout << "No point was kept: see that the maps are geometric ones, the "
+                 "poses right, several images used and the bounding box around "
+                 "them, or lower --TsarFuse.min_num_views\n";
   }
   std::cout << std::flush;
 }

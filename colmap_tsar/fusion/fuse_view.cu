@@ -18,14 +18,18 @@ constexpr float kOtherSurfaceErrors = 4.f;
 // Below this cosine between the ray and its normal a plane tells nothing of the
 // depth along the ray.
 constexpr float kMinCosine = 0.1f;
+// Steps of the sizes of pixels by which it is chosen whose become points, well
+// above the differences of depths that agree.
+constexpr float kSizeStep = 1.5f;
+constexpr int kMaxSizeSteps = 200;
 
 struct Source {
   ImageView<const FusionPixel> pixels;
   Intrinsics intrinsics;
   RelativePose to_source;
   RelativePose from_source;
-  int is_fused;
-  int comes_first;  // Of two equal pixels its own is taken.
+  int may_own;
+  int comes_first;
 };
 
 struct Thresholds {
@@ -42,8 +46,23 @@ TSAR_HD float ConfidenceOf(const FusionPixel& pixel) {
   return static_cast<float>(pixel.confidence) / 255.f;
 }
 
-TSAR_HD float SigmaOf(const FusionPixel& pixel) {
-  return static_cast<float>(pixel.sigma) * kSigmaStep * pixel.depth;
+// By the precision relative to the depth: depths that agree are about equal.
+TSAR_HD float WeightOf(const FusionPixel& pixel) {
+  const float sigma = static_cast<float>(pixel.sigma) * kSigmaStep;
+  return ConfidenceOf(pixel) / (sigma * sigma);
+}
+
+// How large a pixel is, in powers of kSizeStep: rounded down, of 0 and above
+// exactly by the same products on every device.
+TSAR_HD int SizeStep(float size) {
+  int step = 0;
+  for (; size >= kSizeStep && step < kMaxSizeSteps; ++step) {
+    size *= 1.f / kSizeStep;
+  }
+  for (; size < 1.f && step > -kMaxSizeSteps; --step) {
+    size *= kSizeStep;
+  }
+  return step;
 }
 
 // A depth of a pixel by one image, and what it is worth.
@@ -113,14 +132,17 @@ struct FuseKernel {
 
   TSAR_HD void operator()(int column, int row) const {
     const int spacing = thresholds.spacing;
+    // The last squares may be cut off.
+    const int last_x = pixels.width - 1;
+    const int last_y = pixels.height - 1;
     const int x = column * spacing + spacing / 2;
     const int y = row * spacing + spacing / 2;
     FusedPoint point;
-    if (pixels.Contains(x, y) && pixels(x, y).depth > 0.f) {
-      Fuse(x, y, &point);
+    if (pixels(x < last_x ? x : last_x, y < last_y ? y : last_y).depth > 0.f) {
+      Fuse(x < last_x ? x : last_x, y < last_y ? y : last_y, &point);
     }
     points(column, row) = point;
-    is_point[points.Index(column, row)] = point.is_point;
+    is_point[points.Index(column, row)] = point.column >= 0 ? 1 : 0;
   }
 
  private:
@@ -177,19 +199,27 @@ struct FuseKernel {
       return Opinion::kNone;
     }
     *found_normal = source.from_source.rotation * DecodeNormal(*found);
-    return Dot(normal, *found_normal) >= thresholds.min_normal_cosine
-               ? Opinion::kAgrees
-               : Opinion::kNone;
+    return AreAlike(normal, *found_normal) ? Opinion::kAgrees : Opinion::kNone;
   }
 
-  // Whether the source's pixel covers less of the surface.
-  TSAR_HD bool IsFiner(const Source& source,
-                       const FusionPixel& theirs,
-                       const FusionPixel& own) const {
-    const float their_size = theirs.depth * intrinsics.fx;
-    const float own_size = own.depth * source.intrinsics.fx;
-    return their_size < own_size ||
-           (their_size == own_size && source.comes_first != 0);
+  // An unknown normal is like any.
+  TSAR_HD bool AreAlike(const Vec3f& a, const Vec3f& b) const {
+    const Vec3f unknown;
+    return a == unknown || b == unknown ||
+           Dot(a, b) >= thresholds.min_normal_cosine;
+  }
+
+  // Whether the surface is left to the source.
+  TSAR_HD bool IsOwnedBy(const Source& source,
+                         const FusionPixel& theirs,
+                         const FusionPixel& own) const {
+    if (source.may_own == 0) {
+      return false;
+    }
+    const int their_step = SizeStep(theirs.depth / source.intrinsics.fx);
+    const int own_step = SizeStep(own.depth / intrinsics.fx);
+    return their_step < own_step ||
+           (their_step == own_step && source.comes_first != 0);
   }
 
   TSAR_HD Vote VoteOf(const FusionPixel& pixel,
@@ -201,9 +231,7 @@ struct FuseKernel {
     const bool is_usable =
         fabsf(cosine) > kMinCosine * Norm(ray) &&
         fabsf(on_plane - point.z) <= thresholds.max_depth_error * point.z;
-    const float sigma = SigmaOf(pixel);
-    return {is_usable ? on_plane : point.z,
-            ConfidenceOf(pixel) / (sigma * sigma)};
+    return {is_usable ? on_plane : point.z, WeightOf(pixel)};
   }
 
   TSAR_HD void Fuse(int x, int y, FusedPoint* fused) const {
@@ -213,9 +241,7 @@ struct FuseKernel {
     const Vec3f point = ray * own.depth;
     const Vec3f normal = DecodeNormal(own);
     Votes votes;
-    const float own_sigma = SigmaOf(own);
-    votes.Add(
-        own, normal, {own.depth, ConfidenceOf(own) / (own_sigma * own_sigma)});
+    votes.Add(own, normal, {own.depth, WeightOf(own)});
     float agreeing = ConfidenceOf(own);
     float contradicting = 0.f;
     uint64_t agreeing_sources = 0;
@@ -232,7 +258,7 @@ struct FuseKernel {
                   &found_point,
                   &found_normal)) {
         case Opinion::kAgrees:
-          if (sources[s].is_fused != 0 && IsFiner(sources[s], found, own)) {
+          if (IsOwnedBy(sources[s], found, own)) {
             return;
           }
           votes.Add(found,
@@ -258,7 +284,8 @@ struct FuseKernel {
     fused->color = {static_cast<uint8_t>((votes.red + half) / votes.count),
                     static_cast<uint8_t>((votes.green + half) / votes.count),
                     static_cast<uint8_t>((votes.blue + half) / votes.count)};
-    fused->is_point = 1;
+    fused->column = x;
+    fused->row = y;
     fused->sources = agreeing_sources;
   }
 };
@@ -269,7 +296,7 @@ struct CompactKernel {
   FusedPoint* compact;
 
   TSAR_HD void operator()(int64_t i) const {
-    if (points[i].is_point != 0) {
+    if (points[i].column >= 0) {
       compact[first[i]] = points[i];
     }
   }
@@ -292,7 +319,7 @@ std::vector<FusedPoint> FuseView(const FusionInput& view,
                       source.view.camera.GetIntrinsics(),
                       ComputeRelativePose(view.camera, source.view.camera),
                       ComputeRelativePose(source.view.camera, view.camera),
-                      source.is_fused ? 1 : 0,
+                      source.may_own ? 1 : 0,
                       source.place < place ? 1 : 0});
   }
   const Buffer<Source> device_sources(device, inputs);

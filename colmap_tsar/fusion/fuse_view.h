@@ -25,9 +25,9 @@ struct FusionInput {
 // Another image that is asked about them.
 struct FusionSourceInput {
   FusionInput view;
-  // Whether its pixels become points, so that what it sees with a finer pixel
-  // is left to it.
-  bool is_fused = true;
+  // Whether what both see may be left to it: its pixels become points, and it
+  // asks this image in turn.
+  bool may_own = true;
   // Its place in the order of all images, by which one of two equal pixels is
   // chosen.
   int place = 0;
@@ -37,7 +37,9 @@ struct FusedPoint {
   Vec3f position;  // In the frame of the image's camera.
   Vec3f normal;    // The same; a unit vector, or zero where none is known.
   Rgb color;
-  uint8_t is_point = 0;  // 0: there is none.
+  // Its pixel.
+  int column = -1;  // Below 0: there is no point.
+  int row = -1;
   // Bit i: source i agrees. The image itself always does.
   uint64_t sources = 0;
 };
@@ -47,9 +49,14 @@ struct FusedPoint {
 //
 // A source agrees on a pixel where the depth that it has there is about that of
 // the pixel's point, its own point leads back to about the pixel, and the
-// normals are alike. It sees through the point where its depth is larger by
-// four times the largest error. What a source agrees on whose pixel covers
-// less of the surface (depth / focal length) is left to that source.
+// normals are alike, as far as they are known. It sees through the point where
+// its depth is larger by four times the largest error.
+//
+// A surface that several images see becomes points of the one whose pixels
+// cover least of it (depth / focal length), in steps of a factor of 1.5, and of
+// the first one among those in the same step. By the exact size, of views that
+// are about equally far away always the depth that errs most towards its camera
+// would be chosen.
 //
 // The point lies on the ray of the pixel. The depth that a source gives it is
 // where the ray meets the plane through the source's point with its normal.

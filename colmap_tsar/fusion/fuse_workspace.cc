@@ -6,50 +6,17 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 #include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/workspace/image_list.h"
 
 #include <cstddef>
 #include <utility>
 
 namespace tsar {
-namespace {
-
-std::vector<bool> ReadListed(const Workspace& workspace,
-                             const std::filesystem::path& list,
-                             const std::string& option) {
-  std::vector<bool> listed(workspace.Model().images.size(), list.empty());
-  if (!list.empty()) {
-    for (const ListedImage& image :
-         ReadImageList(list, workspace.Model(), option)) {
-      listed[static_cast<size_t>(image.image)] = true;
-    }
-  }
-  return listed;
-}
-
-ChosenImages ChooseImages(const Workspace& workspace,
-                          const std::filesystem::path& list) {
-  const std::filesystem::path config =
-      workspace.Root() / "stereo" / "fusion.cfg";
-  ChosenImages chosen;
-  chosen.used = ReadListed(workspace,
-                           Exists(config) ? config : std::filesystem::path(),
-                           "fusion.cfg");
-  chosen.fused = ReadListed(workspace, list, OptionName("image_list_path"));
-  for (size_t i = 0; i < chosen.used.size(); ++i) {
-    chosen.fused[i] = chosen.fused[i] && chosen.used[i];
-  }
-  return chosen;
-}
-
-}  // namespace
 
 Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path) {
   InputFile file(path);

@@ -80,7 +80,9 @@ EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
   for (const FusedPoint& point : points) {
     const Eigen::Vector3d position =
         to_world * ToEigen(point.position) + center;
-    if (box && !box->contains(position)) {
+    // Beyond the range of floats, of damaged maps.
+    if (!position.cast<float>().allFinite() ||
+        (box && !box->contains(position))) {
       continue;
     }
     AppendVector(position, &encoded.points);

@@ -36,20 +36,14 @@ FusedPixelEvaluation EvaluateImage(const FusedImage& fused,
     }
   }
   evaluation.num_right.assign(tolerances.size(), 0);
-  const Intrinsics intrinsics = fused.view->camera.GetIntrinsics();
   for (const FusedPoint& point : fused.points) {
-    // It lies on the ray of its pixel.
-    float x = 0.f;
-    float y = 0.f;
-    intrinsics.Project(point.position, &x, &y);
-    const int column = static_cast<int>(std::lround(x));
-    const int row = static_cast<int>(std::lround(y));
-    const float known = truth_at(column, row);
+    const float known = truth_at(point.column, point.row);
     if (!(known > 0.f)) {
       continue;
     }
     ++evaluation.num_fused;
-    const float error = std::abs(fused.view->pixels(column, row).depth - known);
+    const float depth = fused.view->pixels(point.column, point.row).depth;
+    const float error = std::abs(depth - known);
     for (size_t t = 0; t < tolerances.size(); ++t) {
       evaluation.num_right[t] +=
           error < static_cast<float>(tolerances[t]) ? 1 : 0;
@@ -67,6 +61,45 @@ void Add(const FusedPixelEvaluation& image, FusedPixelEvaluation* sum) {
   }
 }
 
+// Of the images that are fused; empty where there is none. Throws Error
+// kNotFound where none has ground truth.
+std::vector<std::filesystem::path> FindTruths(
+    const Workspace& workspace,
+    const FusionPlan& plan,
+    const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> paths;
+  bool has_any = false;
+  for (const int image : plan.order) {
+    const std::string& name =
+        workspace.Model().images[static_cast<size_t>(image)].name;
+    paths.push_back(folder / (name + ".bin"));
+    if (Exists(paths.back())) {
+      has_any = true;
+    } else {
+      paths.back().clear();
+    }
+  }
+  if (!has_any) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there is no ground truth (NAME.bin) of an image that "
+                      "is fused",
+                      "give its folder as " + OptionName("ground_truth_path"));
+  }
+  return paths;
+}
+
+Image<float> ReadTruth(const std::filesystem::path& path,
+                       const Image<FusionPixel>& pixels) {
+  Image<float> truth = ReadDepthMap(path);
+  RequireShape(path,
+               {truth.Width(), truth.Height()},
+               {pixels.Width(), pixels.Height()},
+               "the depth map",
+               "give ground truth of this image");
+  return truth;
+}
+
 }  // namespace
 
 FusedPixelEvaluation EvaluateFusedPixels(
@@ -81,44 +114,30 @@ FusedPixelEvaluation EvaluateFusedPixels(
                 OptionName("point_spacing") + " has to be 1 here");
   }
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
-  const std::filesystem::path folder =
-      options.ground_truth_path.empty()
-          ? workspace.Root() / "ground_truth" / "depth"
-          : options.ground_truth_path;
-  const std::vector<bool> all(workspace.Model().images.size(), true);
-  const FusionPlan plan =
-      PlanFusion(workspace, {all, all}, options.fusion.check_num_images);
+  const FusionPlan plan = PlanFusion(
+      workspace, ChooseImages(workspace), options.fusion.check_num_images);
+  const std::vector<std::filesystem::path> truths =
+      FindTruths(workspace,
+                 plan,
+                 options.ground_truth_path.empty()
+                     ? workspace.Root() / "ground_truth" / "depth"
+                     : options.ground_truth_path);
   FusionRun run(workspace, plan, options.fusion, options.devices);
   std::vector<FusedPixelEvaluation> of_images(plan.order.size());
   FusedPixelEvaluation sum;
   sum.num_right.assign(options.tolerances.size(), 0);
   run.Run(
       [&](size_t place, const FusedImage& fused) {
-        const std::filesystem::path path =
-            folder /
-            (workspace.Model().images[static_cast<size_t>(fused.image)].name +
-             ".bin");
-        if (Exists(path)) {
-          const Image<float> truth = ReadDepthMap(path);
-          const Image<FusionPixel>& pixels = fused.view->pixels;
-          RequireShape(path,
-                       {truth.Width(), truth.Height()},
-                       {pixels.Width(), pixels.Height()},
-                       "the depth map",
-                       "give ground truth of this image");
-          of_images[place] = EvaluateImage(fused, truth, options.tolerances);
+        if (!truths[place].empty()) {
+          of_images[place] =
+              EvaluateImage(fused,
+                            ReadTruth(truths[place], fused.view->pixels),
+                            options.tolerances);
         }
       },
       [&](size_t place) { Add(of_images[place], &sum); },
       progress,
       should_stop);
-  if (sum.num_images == 0) {
-    throw Error::File(ErrorCode::kNotFound,
-                      folder.string(),
-                      "there is no ground truth (NAME.bin) of an image that "
-                      "is fused",
-                      "give its folder as " + OptionName("ground_truth_path"));
-  }
   return sum;
 }
 

@@ -4,8 +4,11 @@
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/controllers/neighbour_order.h"
 #include "colmap_tsar/export/image_maps.h"
+#include "colmap_tsar/workspace/image_list.h"
 #include "colmap_tsar/workspace/patch_match_config.h"
 
 #include <algorithm>
@@ -14,8 +17,7 @@
 namespace tsar {
 namespace {
 
-// Images whose points were triangulated by no angle say nothing of depth, but
-// may see the same surface.
+// As COLMAP's fusion, which asks whatever shares points.
 constexpr double kMinTriangulationAngle = 0.0;
 
 // The images of the problems, the order of which keeps neighbours together,
@@ -38,7 +40,35 @@ std::vector<int> AllInOrder(const Workspace& workspace) {
   return order;
 }
 
+std::vector<bool> ReadListed(const Workspace& workspace,
+                             const std::filesystem::path& list,
+                             const std::string& option) {
+  std::vector<bool> listed(workspace.Model().images.size(), list.empty());
+  if (!list.empty()) {
+    for (const ListedImage& image :
+         ReadImageList(list, workspace.Model(), option)) {
+      listed[static_cast<size_t>(image.image)] = true;
+    }
+  }
+  return listed;
+}
+
 }  // namespace
+
+ChosenImages ChooseImages(const Workspace& workspace,
+                          const std::filesystem::path& list) {
+  const std::filesystem::path config =
+      workspace.Root() / "stereo" / "fusion.cfg";
+  ChosenImages chosen;
+  chosen.used = ReadListed(workspace,
+                           Exists(config) ? config : std::filesystem::path(),
+                           "fusion.cfg");
+  chosen.fused = ReadListed(workspace, list, OptionName("image_list_path"));
+  for (size_t i = 0; i < chosen.used.size(); ++i) {
+    chosen.fused[i] = chosen.fused[i] && chosen.used[i];
+  }
+  return chosen;
+}
 
 FusionPlan PlanFusion(const Workspace& workspace,
                       const ChosenImages& chosen,
@@ -64,17 +94,21 @@ FusionPlan PlanFusion(const Workspace& workspace,
         workspace.Root().string(),
         "no image to fuse has " + ToString(workspace.Type()) +
             " depth and normal maps",
-        "run patch_match_stereo or tsar_stereo on it first, or choose the "
-        "other --input_type");
+        "run patch_match_stereo or tsar_stereo on it first, choose the other "
+        "--input_type, or see which images stereo/fusion.cfg and the image "
+        "list name");
   }
-  plan.matched.resize(model.images.size());
+  std::vector<std::vector<int>> matched(model.images.size());
   for (const StereoProblem& problem : workspace.Problems()) {
-    plan.matched[static_cast<size_t>(problem.reference)] = problem.sources;
+    matched[static_cast<size_t>(problem.reference)] = problem.sources;
   }
   const SourceSelector selector(model);
   plan.sources.resize(model.images.size());
-  for (const int image : plan.order) {
-    const auto i = static_cast<size_t>(image);
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    if (!has_maps[i]) {
+      continue;
+    }
+    const auto image = static_cast<int>(i);
     std::vector<int>& sources = plan.sources[i];
     const auto add = [&](const std::vector<int>& others) {
       for (const int other : others) {
@@ -85,9 +119,9 @@ FusionPlan PlanFusion(const Workspace& workspace,
         }
       }
     };
-    add(plan.matched[i]);
     add(selector.SelectSources(
         image, check_num_images, kMinTriangulationAngle));
+    add(matched[i]);
   }
   return plan;
 }

@@ -25,16 +25,22 @@ void FusionOptions::Check() const {
           "min_num_views",
           "from 1 to " + std::to_string(kMaxFusionSources + 1));
   Require(max_reproj_error > 0.0, "max_reproj_error", "above 0");
-  Require(max_depth_error > 0.0 && max_depth_error < 1.0,
+  // Beyond, four times that cannot be exceeded: nothing would contradict.
+  Require(max_depth_error > 0.0 && max_depth_error < 0.25,
           "max_depth_error",
-          "above 0 and below 1");
+          "above 0 and below 0.25");
   Require(max_normal_error > 0.0 && max_normal_error < 90.0,
           "max_normal_error",
           "above 0 and below 90");
   Require(check_num_images >= 1 && check_num_images <= kMaxFusionSources,
           "check_num_images",
           "from 1 to " + std::to_string(kMaxFusionSources));
-  Require(point_spacing >= 1, "point_spacing", "1 or more");
+  Require(point_spacing >= 1 && point_spacing <= kMaxPointSpacing,
+          "point_spacing",
+          "from 1 to " + std::to_string(kMaxPointSpacing));
+  Require(min_num_views <= check_num_images + 1,
+          "min_num_views",
+          "no more than one more than " + OptionName("check_num_images"));
 }
 
 const std::vector<std::string>& FusionPresetNames() {

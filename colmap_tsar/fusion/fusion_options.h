@@ -30,8 +30,8 @@ struct FusionOptions {
   // Leaves out points that are less certain by the images that agree than by
   // those that see through them, each by the confidence of its depth there.
   bool reject_contradicted = true;
-  // Other images that are asked about a point: those of patch-match.cfg first,
-  // then those that share most sparse points. At most kMaxFusionSources.
+  // Other images that are asked about a point: those that share most sparse
+  // points, then those of patch-match.cfg. At most kMaxFusionSources.
   int check_num_images = 20;
   // Of each square of so many pixels of an image, the one in the middle becomes
   // a point.
@@ -43,6 +43,7 @@ struct FusionOptions {
 
 // The sources of one image are the bits of a number.
 constexpr int kMaxFusionSources = 64;
+constexpr int kMaxPointSpacing = 1000;
 
 enum class FusionPreset {
   kDefault,

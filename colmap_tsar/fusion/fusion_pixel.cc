@@ -11,7 +11,8 @@ void EncodeNormal(const Vec3f& normal, FusionPixel* pixel) {
   const float sum =
       std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
   if (!(sum > 0.f)) {
-    pixel->normal_x = pixel->normal_y = 0;
+    pixel->normal_x = FusionPixel::kNoNormal;
+    pixel->normal_y = 0;
     return;
   }
   float x = normal.x / sum;

@@ -14,9 +14,11 @@ namespace tsar {
 
 // All that fusion needs of one pixel, in as many bytes as a GPU reads at once.
 struct alignas(16) FusionPixel {
+  static constexpr int16_t kNoNormal = -32768;
+
   float depth = 0.f;  // z in the camera's frame; 0: none.
   // The normal, towards the camera, by EncodeNormal().
-  int16_t normal_x = 0;
+  int16_t normal_x = kNoNormal;
   int16_t normal_y = 0;
   Rgb color;
   uint8_t confidence = 0;  // See confidence_level.h.
@@ -29,10 +31,13 @@ constexpr float kSigmaStep = 1.f / (1 << 18);
 
 // Unit vectors by the octahedral map (Cigolle et al., A survey of efficient
 // representations for independent unit vectors, JCGT 2014), to about 1e-4
-// radians.
+// radians; the zero vector, which stands for an unknown normal, exactly.
 void EncodeNormal(const Vec3f& normal, FusionPixel* pixel);
 
 TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
+  if (pixel.normal_x == FusionPixel::kNoNormal) {
+    return {};
+  }
   float x = static_cast<float>(pixel.normal_x) / 32767.f;
   float y = static_cast<float>(pixel.normal_y) / 32767.f;
   const float z = 1.f - fabsf(x) - fabsf(y);

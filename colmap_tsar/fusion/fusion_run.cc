@@ -39,8 +39,7 @@ FusionRun::FusionRun(const Workspace& workspace,
           CacheBytes(),
           [this](int image) { return NumPixels(image); },
           [this](int image) {
-            return LoadFusionView(
-                workspace_, image, plan_.matched[static_cast<size_t>(image)]);
+            return LoadFusionView(workspace_, image, SourcesOf(image));
           }) {
   MeasureImages();
   OpenDevices();
@@ -138,6 +137,16 @@ void FusionRun::OpenDevices() {
   }
 }
 
+// The points of an image, and what they become, if every pixel that may be one
+// is seen by all.
+int64_t FusionRun::ResultBytes(int image) const {
+  constexpr int64_t kEncodedBytes = 32;
+  const auto num_sources = static_cast<int64_t>(SourcesOf(image).size());
+  return NumPixels(image) / (fusion_.point_spacing * fusion_.point_spacing) *
+         (2 * static_cast<int64_t>(sizeof(FusedPoint)) + kEncodedBytes +
+          4 * (1 + num_sources));
+}
+
 FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
   const size_t max_size =
       2 * std::max<size_t>(devices_.size(),
@@ -148,8 +157,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
   for (size_t i = begin; i < std::min(begin + max_size, plan_.order.size());
        ++i) {
     std::vector<int> added;
-    // With its points, of which there are at most as many as pixels.
-    int64_t num_new_bytes = kPixelBytes * NumPixels(plan_.order[i]);
+    int64_t num_new_bytes = ResultBytes(plan_.order[i]);
     for (const int image : ImagesOf(plan_.order[i])) {
       if (!is_needed[static_cast<size_t>(image)]) {
         added.push_back(image);
@@ -187,9 +195,14 @@ FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
   const std::vector<FusionInput> inputs = device->Use(ImagesOf(image), cache_);
   std::vector<FusionSourceInput> sources;
   for (size_t i = 1; i < inputs.size(); ++i) {
-    const int place =
-        plan_.places[static_cast<size_t>(SourcesOf(image)[i - 1])];
-    sources.push_back({inputs[i], place >= 0, place});
+    const int source = SourcesOf(image)[i - 1];
+    const std::vector<int>& asked = SourcesOf(source);
+    const int place = plan_.places[static_cast<size_t>(source)];
+    sources.push_back(
+        {inputs[i],
+         place >= 0 &&
+             std::find(asked.begin(), asked.end(), image) != asked.end(),
+         place});
   }
   return {image,
           &cache_.Get(image),

@@ -23,7 +23,7 @@ namespace tsar {
 // The points that one image becomes.
 struct FusedImage {
   int image = 0;  // In the sparse model.
-  // At the size of the maps, in the workspace's memory until the call ends.
+  // At the size of the maps; until the call ends.
   const FusionView* view = nullptr;
   std::vector<FusedPoint> points;
   const std::vector<int>* sources = nullptr;  // Of the points' bits.
@@ -40,6 +40,8 @@ class FusionRun {
             const FusionPlan& plan,
             const FusionOptions& fusion,
             const DeviceOptions& devices);
+  FusionRun(const FusionRun&) = delete;
+  FusionRun& operator=(const FusionRun&) = delete;
 
   // Called from several threads; place: of the image in the plan's order.
   using UsePoints = std::function<void(size_t place, FusedImage fused)>;
@@ -67,6 +69,7 @@ class FusionRun {
   }
   // The image and those that it is compared with.
   std::vector<int> ImagesOf(int image) const;
+  int64_t ResultBytes(int image) const;
 
   void MeasureImages();
   void OpenDevices();

@@ -48,10 +48,11 @@ FusionView LoadFusionView(const Workspace& workspace,
     pixel.confidence = maps.confidence.Empty()
                            ? std::numeric_limits<uint8_t>::max()
                            : std::max(maps.confidence.Data()[i], uint8_t{1});
-    pixel.sigma = EncodeSigma(maps.sigma.Empty()
-                                  ? kPixelsOfDisparity *
-                                        resolution.RelativeDepthError(depth)
-                                  : maps.sigma.Data()[i] / depth);
+    const float sigma = maps.sigma.Empty() ? 0.f : maps.sigma.Data()[i];
+    pixel.sigma =
+        EncodeSigma(sigma > 0.f ? sigma / depth
+                                : kPixelsOfDisparity *
+                                      resolution.RelativeDepthError(depth));
   }
   return view;
 }

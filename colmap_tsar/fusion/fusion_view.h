@@ -19,9 +19,9 @@ struct FusionView {
 };
 
 // The maps of an image as they are in the workspace now, without what is
-// masked. sources: the images that it was matched with, in the sparse model;
-// by their distances it is told how precise depths are that have no sigma map.
-// Depths without a confidence map are certain. Errors as ReadImageMaps() and
+// masked. sources: images that see the same, in the sparse model; by their
+// distances it is told how precise depths are whose sigma is not known. Depths
+// without a confidence map are certain. Errors as ReadImageMaps() and
 // Workspace::ReadImage().
 FusionView LoadFusionView(const Workspace& workspace,
                           int image,

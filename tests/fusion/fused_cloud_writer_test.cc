@@ -27,7 +27,7 @@ class FusedCloudWriterTest : public testing::Test {
     point.position = {0.f, 0.f, z};
     point.normal = {0.f, 0.f, -1.f};
     point.color = {1, 2, 3};
-    point.is_point = 1;
+    point.column = point.row = 0;
     point.sources = sources;
     return point;
   }

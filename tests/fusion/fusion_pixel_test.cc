@@ -38,6 +38,14 @@ TEST(FusionPixelTest, AxesComeBackExactly) {
   }
 }
 
+TEST(FusionPixelTest, AnUnknownNormalStaysUnknown) {
+  FusionPixel pixel;
+  EXPECT_EQ(DecodeNormal(pixel), Vec3f());
+  EncodeNormal({1.f, 0.f, 0.f}, &pixel);
+  EncodeNormal({}, &pixel);
+  EXPECT_EQ(DecodeNormal(pixel), Vec3f());
+}
+
 TEST(FusionPixelTest, SigmaKeepsItsValueWithinAStepAndIsNeverZero) {
   for (const float sigma : {1e-5f, 1e-3f, 0.01f, 0.2f}) {
     EXPECT_NEAR(
