@@ -33,8 +33,7 @@ const char kHelp[] =
     "Usage:\n"
     "  tsar_evaluate depth [options]  depth maps, pixel by pixel\n"
     "  tsar_evaluate cloud [options]  a fused cloud, by the ETH3D measure\n"
-    "  tsar_evaluate fused_pixels [options]  the pixels that become points, by "
-    "the TSAR-MVS paper's measure\n\n"
+    "  tsar_evaluate fused_pixels [options]  pixels that become points\n\n"
     "tsar_evaluate depth --help, and so on, explains the options.\n";
 
 // As --help_json of the other commands, with "forms" in place of options.

@@ -10,7 +10,8 @@ namespace {
 TEST(TsarEvaluate, NeedsToKnowWhatToEvaluate) {
   const Outcome outcome = RunWith({"tsar_evaluate"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.err.find("depth or cloud"), std::string::npos);
+  EXPECT_NE(outcome.err.find("depth, cloud or fused_pixels"),
+            std::string::npos);
   EXPECT_EQ(RunWith({"tsar_evaluate", "mesh"}).exit_code, 1);
 }
 
