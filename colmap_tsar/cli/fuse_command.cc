@@ -10,6 +10,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/export/export_workspace.h"
 
+#include <iomanip>
 #include <iostream>
 
 #include <unistd.h>
@@ -38,8 +39,8 @@ void PrintSummary(const FuseSummary& summary, const FuseCommand& command) {
             << summary.num_points
             << " points: " << Printable(command.output_path) << "\n";
   PrintMasks(summary.num_masks, summary.num_images, std::cout);
-  std::cout << "Time: " << summary.seconds << " s on " << summary.devices
-            << "\n";
+  std::cout << "Time: " << std::fixed << std::setprecision(1) << summary.seconds
+            << " s on " << Printable(summary.devices) << "\n";
   PrintPeakMemory(summary.gpu_memory, std::cout);
   if (summary.num_points == 0) {
     std::cout << "No point was kept: see that the maps are geometric ones, the "

@@ -42,6 +42,8 @@ TEST_F(TsarFuseTest, TellsHowManyPointsItWroteWhere) {
   EXPECT_THAT(outcome.out, testing::HasSubstr("Fused 4 images into "));
   EXPECT_THAT(outcome.out,
               testing::HasSubstr(" points: " + output_.string() + "\n"));
+  EXPECT_THAT(outcome.out,
+              testing::ContainsRegex("\nTime: [0-9]+\\.[0-9] s on [0-9]+ CPU"));
   EXPECT_TRUE(fs::is_regular_file(output_.string() + ".vis"));
 }
 
