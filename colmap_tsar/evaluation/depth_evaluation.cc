@@ -127,6 +127,11 @@ std::vector<fs::path> FindMasks(const fs::path& folder,
 
 }  // namespace
 
+fs::path GroundTruthFolder(const fs::path& workspace_path,
+                           const fs::path& given) {
+  return given.empty() ? workspace_path / "ground_truth" / "depth" : given;
+}
+
 int NearestPixel(int i, int from, int to) {
   return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
 }
@@ -145,9 +150,8 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
                                   const DepthEvaluationOptions& options) {
   CheckTolerances(options.tolerances);
   const OpenCvWithoutThreads opencv_without_threads;
-  const fs::path truth_folder = options.ground_truth_path.empty()
-                                    ? workspace_path / "ground_truth" / "depth"
-                                    : options.ground_truth_path;
+  const fs::path truth_folder =
+      GroundTruthFolder(workspace_path, options.ground_truth_path);
   const fs::path map_folder = workspace_path / "stereo" / "depth_maps";
 
   DepthEvaluation evaluation;

@@ -16,12 +16,18 @@ namespace tsar {
 // where ground truth is looked up that is of another size than the map.
 int NearestPixel(int i, int from, int to);
 
+// Where the ground truth of a workspace lies: in the given folder, or, where
+// that is empty, in ground_truth/depth of the workspace.
+std::filesystem::path GroundTruthFolder(
+    const std::filesystem::path& workspace_path,
+    const std::filesystem::path& given);
+
 struct DepthEvaluationOptions {
   // The maps to score: "geometric" or "photometric".
   std::string input_type = "geometric";
 
-  // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
-  // empty: ground_truth/depth in the workspace.
+  // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown), or
+  // empty; see GroundTruthFolder.
   std::filesystem::path ground_truth_path;
 
   // The folder with the masks of images, see workspace/image_mask.h; empty:

@@ -5,8 +5,9 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/matching/reprojection.cuh"
+#include "colmap_tsar/pipeline/confidence_level.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace tsar {
@@ -43,7 +44,7 @@ struct Thresholds {
 };
 
 TSAR_HD float ConfidenceOf(const FusionPixel& pixel) {
-  return static_cast<float>(pixel.confidence) / 255.f;
+  return ConfidenceOfLevel(pixel.confidence);
 }
 
 // By the precision relative to the depth: depths that agree are about equal.
@@ -52,8 +53,7 @@ TSAR_HD float WeightOf(const FusionPixel& pixel) {
   return ConfidenceOf(pixel) / (sigma * sigma);
 }
 
-// How large a pixel is, in powers of kSizeStep: rounded down, of 0 and above
-// exactly by the same products on every device.
+// How much of the surface a pixel covers, in powers of kSizeStep, rounded down.
 TSAR_HD int SizeStep(float size) {
   int step = 0;
   for (; size >= kSizeStep && step < kMaxSizeSteps; ++step) {
@@ -131,15 +131,11 @@ struct FuseKernel {
   int* is_point;  // Of each point.
 
   TSAR_HD void operator()(int column, int row) const {
-    const int spacing = thresholds.spacing;
-    // The last squares may be cut off.
-    const int last_x = pixels.width - 1;
-    const int last_y = pixels.height - 1;
-    const int x = column * spacing + spacing / 2;
-    const int y = row * spacing + spacing / 2;
+    const int x = Middle(column, pixels.width);
+    const int y = Middle(row, pixels.height);
     FusedPoint point;
-    if (pixels(x < last_x ? x : last_x, y < last_y ? y : last_y).depth > 0.f) {
-      Fuse(x < last_x ? x : last_x, y < last_y ? y : last_y, &point);
+    if (pixels(x, y).depth > 0.f) {
+      Fuse(x, y, &point);
     }
     points(column, row) = point;
     is_point[points.Index(column, row)] = point.column >= 0 ? 1 : 0;
@@ -147,6 +143,12 @@ struct FuseKernel {
 
  private:
   enum class Opinion { kNone, kAgrees, kSeesThrough };
+
+  // Of a square along one side of the image; the last one may be cut off.
+  TSAR_HD int Middle(int square, int num_pixels) const {
+    const int middle = square * thresholds.spacing + thresholds.spacing / 2;
+    return middle < num_pixels ? middle : num_pixels - 1;
+  }
 
   // What a source says of a pixel's point.
   TSAR_HD Opinion Ask(const Source& source,
@@ -158,21 +160,14 @@ struct FuseKernel {
                       Vec3f* found_point,
                       Vec3f* found_normal) const {
     const Vec3f there = source.to_source * point;
-    if (!(there.z > 0.f)) {
-      return Opinion::kNone;
-    }
-    float u = 0.f;
-    float v = 0.f;
-    source.intrinsics.Project(there, &u, &v);
-    // Also false where it is no number.
-    if (!(u > -0.5f && v > -0.5f &&
-          u < static_cast<float>(source.pixels.width) - 0.5f &&
-          v < static_cast<float>(source.pixels.height) - 0.5f)) {
-      return Opinion::kNone;
-    }
-    const int column = static_cast<int>(u + 0.5f);
-    const int row = static_cast<int>(v + 0.5f);
-    if (!source.pixels.Contains(column, row)) {
+    int column = 0;
+    int row = 0;
+    if (!FindPixel(source.intrinsics,
+                   source.pixels.width,
+                   source.pixels.height,
+                   there,
+                   &column,
+                   &row)) {
       return Opinion::kNone;
     }
     *found = source.pixels(column, row);
@@ -192,6 +187,8 @@ struct FuseKernel {
     if (!(found_point->z > 0.f)) {
       return Opinion::kNone;
     }
+    float u = 0.f;
+    float v = 0.f;
     intrinsics.Project(*found_point, &u, &v);
     const float dx = u - static_cast<float>(x);
     const float dy = v - static_cast<float>(y);
@@ -212,12 +209,11 @@ struct FuseKernel {
   // Whether the surface is left to the source.
   TSAR_HD bool IsOwnedBy(const Source& source,
                          const FusionPixel& theirs,
-                         const FusionPixel& own) const {
+                         int own_step) const {
     if (source.may_own == 0) {
       return false;
     }
     const int their_step = SizeStep(theirs.depth / source.intrinsics.fx);
-    const int own_step = SizeStep(own.depth / intrinsics.fx);
     return their_step < own_step ||
            (their_step == own_step && source.comes_first != 0);
   }
@@ -242,6 +238,7 @@ struct FuseKernel {
     const Vec3f normal = DecodeNormal(own);
     Votes votes;
     votes.Add(own, normal, {own.depth, WeightOf(own)});
+    const int own_step = SizeStep(own.depth / intrinsics.fx);
     float agreeing = ConfidenceOf(own);
     float contradicting = 0.f;
     uint64_t agreeing_sources = 0;
@@ -258,7 +255,7 @@ struct FuseKernel {
                   &found_point,
                   &found_normal)) {
         case Opinion::kAgrees:
-          if (IsOwnedBy(sources[s], found, own)) {
+          if (IsOwnedBy(sources[s], found, own_step)) {
             return;
           }
           votes.Add(found,

@@ -116,12 +116,10 @@ FusedPixelEvaluation EvaluateFusedPixels(
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   const FusionPlan plan = PlanFusion(
       workspace, ChooseImages(workspace), options.fusion.check_num_images);
-  const std::vector<std::filesystem::path> truths =
-      FindTruths(workspace,
-                 plan,
-                 options.ground_truth_path.empty()
-                     ? workspace.Root() / "ground_truth" / "depth"
-                     : options.ground_truth_path);
+  const std::vector<std::filesystem::path> truths = FindTruths(
+      workspace,
+      plan,
+      GroundTruthFolder(workspace.Root(), options.ground_truth_path));
   FusionRun run(workspace, plan, options.fusion, options.devices);
   std::vector<FusedPixelEvaluation> of_images(plan.order.size());
   FusedPixelEvaluation sum;

@@ -3,13 +3,21 @@
 
 #include "colmap_tsar/fusion/fusion_options.h"
 
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 
-#include <algorithm>
+#include <array>
+#include <utility>
 
 namespace tsar {
 namespace {
+
+constexpr std::array kPresetNames = {
+    std::pair(FusionPreset::kDefault, "default"),
+    std::pair(FusionPreset::kPaper, "paper"),
+    std::pair(FusionPreset::kColmap, "colmap"),
+};
 
 void Require(bool condition, const char* option, const std::string& range) {
   if (!condition) {
@@ -44,18 +52,22 @@ void FusionOptions::Check() const {
 }
 
 const std::vector<std::string>& FusionPresetNames() {
-  static const std::vector<std::string> names = {"default", "paper", "colmap"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [preset, name] : kPresetNames) {
+      all.emplace_back(name);
+    }
+    return all;
+  }();
   return names;
 }
 
 FusionPreset ParseFusionPreset(const std::string& name) {
-  const std::vector<std::string>& names = FusionPresetNames();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("preset") + " has to be default, paper or colmap");
+  if (const auto preset = FindEnumValue(kPresetNames, name)) {
+    return *preset;
   }
-  return static_cast<FusionPreset>(found - names.begin());
+  throw Error(ErrorCode::kBadOption,
+              OptionName("preset") + " has to be default, paper or colmap");
 }
 
 FusionOptions PresetFusionOptions(FusionPreset preset) {

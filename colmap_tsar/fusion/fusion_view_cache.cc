@@ -10,10 +10,29 @@
 namespace tsar {
 namespace {
 
-template <typename AnyImage>
-int64_t BytesOf(const AnyImage& image) {
-  return int64_t{image.Width()} * image.Height() *
+int64_t BytesOf(const DeviceImage<FusionPixel>& copy) {
+  return int64_t{copy.Width()} * copy.Height() *
          static_cast<int64_t>(sizeof(FusionPixel));
+}
+
+int64_t BytesOf(const FusionView& view) {
+  return int64_t{view.pixels.Width()} * view.pixels.Height() *
+         static_cast<int64_t>(sizeof(FusionPixel));
+}
+
+// Drops what was used longest ago, until the new bytes have room or nothing is
+// left but what is used now: the num_used latest.
+template <typename Value>
+void MakeRoom(int64_t num_new_bytes,
+              int64_t max_bytes,
+              size_t num_used,
+              LruMap<int, Value>* values,
+              int64_t* num_bytes) {
+  while (values->Size() > num_used && *num_bytes + num_new_bytes > max_bytes) {
+    const std::optional<Value> oldest =
+        values->TakeOldest([](const Value&) { return true; });
+    *num_bytes -= BytesOf(*oldest);
+  }
 }
 
 }  // namespace
@@ -31,15 +50,11 @@ void FusionViewCache::Hold(const std::vector<int>& images,
   }
   // Those that are used now are the newest.
   const size_t num_used = images.size() - missing.size();
-  while (views_.Size() > num_used && num_bytes_ + num_new_bytes > max_bytes_) {
-    const std::optional<FusionView> oldest =
-        views_.TakeOldest([](const FusionView&) { return true; });
-    num_bytes_ -= BytesOf(oldest->pixels);
-  }
+  MakeRoom(num_new_bytes, max_bytes_, num_used, &views_, &num_bytes_);
   std::vector<FusionView> loaded(missing.size());
   load_all(missing, [&](size_t i) { loaded[i] = load_(missing[i]); });
   for (size_t i = 0; i < missing.size(); ++i) {
-    num_bytes_ += BytesOf(loaded[i].pixels);
+    num_bytes_ += BytesOf(loaded[i]);
     views_.Add(missing[i], std::move(loaded[i]));
   }
 }
@@ -61,12 +76,8 @@ std::vector<FusionInput> FusionDevice::Use(const std::vector<int>& images,
   for (const int image : images) {
     const FusionView& view = cache.Get(image);
     if (copies_.Find(image) == nullptr) {
-      const int64_t num_bytes = BytesOf(view.pixels);
-      while (copies_.Size() > num_used && num_bytes_ + num_bytes > max_bytes_) {
-        const auto oldest = copies_.TakeOldest(
-            [](const DeviceImage<FusionPixel>&) { return true; });
-        num_bytes_ -= BytesOf(*oldest);
-      }
+      const int64_t num_bytes = BytesOf(view);
+      MakeRoom(num_bytes, max_bytes_, num_used, &copies_, &num_bytes_);
       copies_.Add(image, DeviceImage<FusionPixel>(device_, view.pixels));
       num_bytes_ += num_bytes;
       ++num_used;

@@ -7,6 +7,29 @@
 
 namespace tsar {
 
+// The pixel of a raster that a point in its camera's frame projects to. False
+// where the point is behind the camera or beside the raster, or is no number.
+TSAR_HD inline bool FindPixel(const Intrinsics& intrinsics,
+                              int width,
+                              int height,
+                              const Vec3f& point,
+                              int* column,
+                              int* row) {
+  if (!(point.z > 0.f)) {
+    return false;
+  }
+  float u = 0.f;
+  float v = 0.f;
+  intrinsics.Project(point, &u, &v);
+  if (!(u >= -0.5f) || !(v >= -0.5f) || !(u < width - 0.5f) ||
+      !(v < height - 0.5f)) {
+    return false;
+  }
+  *column = static_cast<int>(u + 0.5f);
+  *row = static_cast<int>(v + 0.5f);
+  return true;
+}
+
 // A point of the reference's frame, seen through the depth map of a source: the
 // surface point that the source has where it sees the given one, in the
 // reference's frame, with the pixel that it projects to there.
@@ -22,19 +45,16 @@ TSAR_HD inline bool LookThroughSource(const Intrinsics& reference,
                                       const Vec3f& point,
                                       SeenThroughSource* seen) {
   const RelativePose& pose = source.from_reference;
-  const Vec3f source_point = pose * point;
-  if (!(source_point.z > 0.f)) {
+  int column = 0;
+  int row = 0;
+  if (!FindPixel(source.intrinsics,
+                 source.depth.width,
+                 source.depth.height,
+                 pose * point,
+                 &column,
+                 &row)) {
     return false;
   }
-  float u = 0.f;
-  float v = 0.f;
-  source.intrinsics.Project(source_point, &u, &v);
-  if (!(u >= -0.5f) || !(v >= -0.5f) || !(u < source.depth.width - 0.5f) ||
-      !(v < source.depth.height - 0.5f)) {
-    return false;
-  }
-  const int column = static_cast<int>(u + 0.5f);
-  const int row = static_cast<int>(v + 0.5f);
   const float source_depth = source.depth(column, row);
   if (!(source_depth > 0.f)) {
     return false;

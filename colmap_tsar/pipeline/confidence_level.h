@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/macros.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -18,7 +20,7 @@ inline uint8_t ToConfidenceLevel(float confidence) {
              : uint8_t{0};
 }
 
-inline float ConfidenceOfLevel(uint8_t level) {
+TSAR_HD inline float ConfidenceOfLevel(uint8_t level) {
   return static_cast<float>(level) / 255.f;
 }
 

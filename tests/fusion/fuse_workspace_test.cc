@@ -149,7 +149,7 @@ TEST_F(FuseWorkspaceTest, AnInterruptedRunLeavesTheFormerCloud) {
   EXPECT_EQ(ReadText(output_), "former");
 }
 
-TEST(ReadBoundingBoxTest, TakesSixNumbersAndNothingElse) {
+TEST(ReadBoundingBoxTest, NeedsSixNumbersOfABox) {
   const TemporaryFolder folder;
   const fs::path path = folder.Path() / "box.txt";
   WriteText(path, "-1 -2 -3\n4 5 6.5\n");
