@@ -5,9 +5,11 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/priors/depth_prior.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 namespace tsar {
 
@@ -28,6 +30,8 @@ struct ViewData {
   Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
+  // From outside; null where there is none.
+  std::shared_ptr<const DepthPrior> prior;
   // Whether hardly a depth is missing in the map to refine (see
   // pipeline/unmatched_depths.h), also where no normal tells of it.
   bool is_unfiltered = false;

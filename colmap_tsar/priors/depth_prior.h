@@ -1,0 +1,32 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// What the values of a depth prior mean, up to unknown factors of its image.
+enum class PriorType : uint8_t {
+  kAuto = 0,      // Whichever of the others fits measured depths best.
+  kMetric = 1,    // Depth times one factor.
+  kRelative = 2,  // Depth times one factor, plus a constant.
+  kInverse = 3,   // Inverse depth times one factor, plus a constant.
+};
+
+// Depth and normals of one image from outside: a network or a sensor. Its
+// raster covers the whole photo and may have any size.
+struct DepthPrior {
+  PriorType type = PriorType::kAuto;
+  // As in the file; 0, negative and not finite: none. May be empty.
+  Image<float> values;
+  // Unit vectors in the camera's frame, towards the camera; (0, 0, 0): none.
+  // May be empty, or of another size than `values`.
+  Image<Vec3f> normals;
+};
+
+}  // namespace tsar
