@@ -18,7 +18,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/pipeline/depth_sigma.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/store/scene_model_file.h"

@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/import/target_workspace.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_paths.h"

@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/plane_export/export_planes.h"
 #include "colmap_tsar/plane_export/plane_view.h"
 

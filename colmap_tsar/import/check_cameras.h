@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/import/formats/stored_camera.h"
+#include "colmap_tsar/formats/stored_camera.h"
 #include "colmap_tsar/workspace/sparse_model.h"
 
 #include <vector>

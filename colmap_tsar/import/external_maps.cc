@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/import/formats/dense_maps.h"
-#include "colmap_tsar/import/formats/float_map.h"
-#include "colmap_tsar/import/formats/depth_image.h"
+#include "colmap_tsar/formats/dense_maps.h"
+#include "colmap_tsar/formats/depth_image.h"
+#include "colmap_tsar/formats/float_map.h"
 #include "colmap_tsar/import/normals_from_depth.h"
 #include "colmap_tsar/workspace/map_shape.h"
 

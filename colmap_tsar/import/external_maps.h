@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/import/formats/stored_camera.h"
+#include "colmap_tsar/formats/stored_camera.h"
 #include "colmap_tsar/workspace/map_io.h"
 
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/import/formats/depth_image.h"
+#include "colmap_tsar/formats/depth_image.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
 

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/import/formats/float_map.h"
-#include "colmap_tsar/import/formats/dense_maps.h"
+#include "colmap_tsar/formats/dense_maps.h"
+#include "colmap_tsar/formats/float_map.h"
 #include "colmap_tsar/import/image_order.h"
 #include "colmap_tsar/import/match_formats.h"
 

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
 

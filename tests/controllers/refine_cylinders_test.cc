@@ -3,7 +3,7 @@
 
 // Whole runs on a room with a bare column.
 
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/pipeline/compose.h"
 #include "colmap_tsar/store/scene_model_file.h"
 #include "colmap_tsar/workspace/map_io.h"

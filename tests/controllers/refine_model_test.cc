@@ -5,7 +5,7 @@
 // them.
 
 #include "colmap_tsar/controllers/scene_model_store.h"
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/store/restore.h"

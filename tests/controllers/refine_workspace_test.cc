@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 #include "colmap_tsar/store/restore.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/workspace/map_io.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/import/external_writers.h"
+#include "tests/support/external_writers.h"
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 

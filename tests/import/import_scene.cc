@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "tests/import/external_writers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include <Eigen/Geometry>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/import/match_images.h"
 
-#include "tests/import/external_writers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {

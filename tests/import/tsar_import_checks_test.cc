@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "tests/import/external_writers.h"
 #include "tests/import/tsar_import_testing.h"
+#include "tests/support/external_writers.h"
 
 namespace tsar {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <chrono>
 
-#include "tests/import/external_writers.h"
 #include "tests/import/tsar_import_testing.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/synthetic_workspace.h"
 
 namespace tsar {

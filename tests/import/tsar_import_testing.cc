@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/import/external_writers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/synthetic_workspace.h"
 
 namespace tsar {

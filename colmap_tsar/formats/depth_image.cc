@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/depth_image.h"
+#include "colmap_tsar/formats/depth_image.h"
 
 #include "colmap_tsar/base/picture_file.h"
-#include "colmap_tsar/import/formats/array_files.h"
-#include "colmap_tsar/import/formats/exr_header.h"
+#include "colmap_tsar/formats/array_files.h"
+#include "colmap_tsar/formats/exr_header.h"
 #include "colmap_tsar/workspace/png.h"
 #include "colmap_tsar/workspace/tiff_strips.h"
 

@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/dense_maps.h"
+#include "colmap_tsar/formats/dense_maps.h"
 
 #include <limits>
 
-#include "tests/import/external_writers.h"
-#include "tests/import/formats/format_readers.h"
+#include "tests/formats/format_readers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/import/formats/float_map.h"
-#include "colmap_tsar/import/formats/stored_camera.h"
+#include "colmap_tsar/formats/float_map.h"
+#include "colmap_tsar/formats/stored_camera.h"
 
 #include <cstdint>
 #include <span>

@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/array_files.h"
+#include "colmap_tsar/formats/array_files.h"
 
 #include <bit>
 #include <limits>
 
-#include "tests/import/external_writers.h"
-#include "tests/import/formats/format_readers.h"
+#include "tests/formats/format_readers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/gray_png.h"
+#include "colmap_tsar/formats/gray_png.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/import/formats/float_map.h"
+#include "colmap_tsar/formats/float_map.h"
 #include "colmap_tsar/workspace/png.h"
 
 #include <optional>

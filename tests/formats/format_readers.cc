@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "tests/import/formats/format_readers.h"
+#include "tests/formats/format_readers.h"
 
-#include "colmap_tsar/import/formats/dense_maps.h"
-#include "colmap_tsar/import/formats/depth_image.h"
-#include "colmap_tsar/import/formats/array_files.h"
+#include "colmap_tsar/formats/array_files.h"
+#include "colmap_tsar/formats/dense_maps.h"
+#include "colmap_tsar/formats/depth_image.h"
 
 #include "tests/support/test_workspace.h"
 #include <opencv2/imgcodecs.hpp>

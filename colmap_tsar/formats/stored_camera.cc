@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/stored_camera.h"
+#include "colmap_tsar/formats/stored_camera.h"
 
-#include "colmap_tsar/import/formats/float_map.h"
+#include "colmap_tsar/formats/float_map.h"
 
 #include <cmath>
 #include <sstream>

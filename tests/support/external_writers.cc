@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "tests/import/external_writers.h"
+#include "tests/support/external_writers.h"
 
 #include <array>
 #include <bit>

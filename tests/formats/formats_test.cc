@@ -1,15 +1,15 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/depth_image.h"
-#include "colmap_tsar/import/formats/float_map.h"
+#include "colmap_tsar/formats/depth_image.h"
+#include "colmap_tsar/formats/float_map.h"
 
 #include <algorithm>
 #include <functional>
 #include <random>
 
-#include "tests/import/external_writers.h"
-#include "tests/import/formats/format_readers.h"
+#include "tests/formats/format_readers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>

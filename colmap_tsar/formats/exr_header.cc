@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/exr_header.h"
+#include "colmap_tsar/formats/exr_header.h"
 
-#include "colmap_tsar/import/formats/float_map.h"
+#include "colmap_tsar/formats/float_map.h"
 
 #include <array>
 #include <string_view>

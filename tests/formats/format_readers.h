@@ -3,13 +3,13 @@
 
 #pragma once
 
-#include "colmap_tsar/import/formats/float_map.h"
+#include "colmap_tsar/formats/float_map.h"
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "tests/import/external_writers.h"
+#include "tests/support/external_writers.h"
 #include <opencv2/core.hpp>
 
 namespace tsar {

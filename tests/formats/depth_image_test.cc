@@ -1,15 +1,15 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/depth_image.h"
+#include "colmap_tsar/formats/depth_image.h"
 
-#include "colmap_tsar/import/formats/exr_header.h"
+#include "colmap_tsar/formats/exr_header.h"
 
 #include <array>
 #include <cmath>
 
-#include "tests/import/external_writers.h"
-#include "tests/import/formats/format_readers.h"
+#include "tests/formats/format_readers.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/png_files.h"
 #include "tests/support/test_workspace.h"
 #include <opencv2/core.hpp>

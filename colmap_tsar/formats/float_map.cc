@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/formats/float_map.h"
+#include "colmap_tsar/formats/float_map.h"
 
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
