@@ -11,6 +11,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/priors/prior_type.h"
 #include "colmap_tsar/report/debug_pictures.h"
 #include "colmap_tsar/store/input_folders.h"
 #include "colmap_tsar/store/restore.h"
@@ -66,6 +67,30 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "the maps hold is no evidence for anything, and the refined "
                "maps have no depth. Images without a mask are used as a "
                "whole.");
+  options->Add(
+      "prior_path",
+      &command->prior_path,
+      "The folder with depth priors of the undistorted images: depth and "
+      "normals that a network or a sensor tells from one image. Depth, or "
+      "inverse depth, of a.jpg is a.jpg.EXT or a.EXT, its normals are "
+      "a.jpg.normal.EXT or a.normal.EXT, with npy, exr, pfm, png, tif or tiff "
+      "for EXT; those of images in subfolders are in the same subfolders. An "
+      "image may have both, one of the two, or none. Any size will do that has "
+      "the image's shape. 0 is no depth; PNG files of depth have 16 bits. "
+      "Normals are unit vectors in the camera's frame (x right, y down, z "
+      "forward) towards the camera; in PNG files 0 stands for -1 and the "
+      "largest value for 1.");
+  options->AddChoice(
+      "prior_type",
+      &command->prior_type,
+      {ToString(PriorType::kAuto),
+       ToString(PriorType::kMetric),
+       ToString(PriorType::kRelative),
+       ToString(PriorType::kInverse)},
+      "What the files of depth in prior_path hold. metric: depth, up to one "
+      "factor for each image. relative: the same plus a constant. inverse: "
+      "inverse depth (disparity) times a factor plus a constant. auto: "
+      "for each image, what fits its measured depths best.");
   options->Add("output_path",
                &command->output_path,
                "Write a second workspace here, with links to the images, and "
@@ -178,6 +203,11 @@ int RestoreWorkspace(const RefineCommand& command) {
     throw Error(ErrorCode::kBadOption,
                 "--restore puts whole maps back; leave --mask_path out");
   }
+  if (!command.prior_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                "--restore puts maps back as they were; leave --prior_path "
+                "out");
+  }
   const WorkspaceLock lock(command.workspace_path);
   const RestoreResult result = Restore(
       command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
@@ -213,6 +243,8 @@ RunSummary RefineCommand::Run(Progress& progress,
   workspace.output_path = output_path;
   workspace.image_list_path = image_list_path;
   workspace.mask_path = mask_path;
+  workspace.prior_path = prior_path;
+  workspace.prior_type = ParsePriorType(prior_type);
   workspace.input_type = ParseMapType(input_type);
   workspace.devices = devices.Parse();
   workspace.shard = ParseShard(shard);

@@ -20,6 +20,8 @@ struct RefineCommand {
   std::string input_type;
   std::string image_list_path;
   std::string mask_path;
+  std::string prior_path;
+  std::string prior_type = "auto";
   std::string output_path;
   bool restore = false;
   std::string restore_conflicts = "report";

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/priors/prior_type.h"
 #include "colmap_tsar/store/originals.h"
 
 #include <cstddef>
@@ -16,6 +17,7 @@ namespace {
 constexpr const char* kCamera = "camera";
 constexpr const char* kPhoto = "photo";
 constexpr const char* kMask = "mask";
+constexpr const char* kPrior = "prior";
 constexpr const char* kMaps = "maps";
 constexpr const char* kCosts = "costs";
 constexpr const char* kSources = "sources";
@@ -45,6 +47,7 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
     compare(kCamera, {"its camera", false});
     compare(kPhoto, {"its photo", false});
     compare(kMask, {"its mask", false});
+    compare(kPrior, {"its depth prior", false});
     compare(kCosts, {"its cost maps", true});
   }
   compare(kMaps, {"its maps", true});
@@ -154,6 +157,9 @@ InputState InputFingerprints::Read(int image) const {
     if (workspace_.HasMask(image)) {
       state[kMask] = FingerprintOf(FileState(workspace_.MaskPath(image)));
     }
+    if (workspace_.Priors().HasPrior(image)) {
+      state[kPrior] = PriorOf(image);
+    }
     std::string costs;
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       costs += FileState(workspace_.CostPath(image, type)) + " ";
@@ -188,6 +194,12 @@ std::string InputFingerprints::MapsOf(int image) const {
         FileState(originals.depth) + " " + FileState(originals.normal) + " ";
   }
   return FingerprintOf(text);
+}
+
+std::string InputFingerprints::PriorOf(int image) const {
+  const PriorFiles& files = workspace_.Priors().FilesOf(image);
+  return FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
+                       " " + ToString(workspace_.Priors().Type()));
 }
 
 const std::string& InputFingerprints::Name(int image) const {

@@ -10,8 +10,8 @@
 namespace tsar {
 
 // Reads image number `image` with all its evidence, of which there is none
-// where the image is masked. Throws what the workspace's readers throw;
-// kMismatch when two of its maps differ in size.
+// where the image is masked, and its depth prior. Throws what the workspace's
+// readers throw; kMismatch when two of its maps differ in size.
 ViewData LoadView(const Workspace& workspace, int image);
 
 // The same at the size at which it is judged, or where max_side says else:

@@ -107,14 +107,17 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
 }
 
 int64_t ViewBytes(const WorkspaceOverview& overview) {
-  return ViewDataBytes(overview.max_num_pixels, overview.has_costs);
+  return ViewDataBytes(overview.max_num_pixels, overview.has_costs) +
+         overview.prior_memory.prior;
 }
 
 int64_t LoadBytes(const WorkspaceOverview& overview) {
   // As it was decoded, and as it was scaled; maps are read in small pieces. The
-  // mask has been read before, and only its pixels of the map are left.
-  return BytesOf<Rgb>(overview.max_num_image_pixels) +
-         BytesOf<Rgb>(overview.max_num_pixels) +
+  // mask has been read before, and only its pixels of the map are left. The
+  // depth prior is read when the photo has been.
+  return std::max(BytesOf<Rgb>(overview.max_num_image_pixels) +
+                      BytesOf<Rgb>(overview.max_num_pixels),
+                  overview.prior_memory.to_read) +
          (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0);
 }
 
@@ -131,7 +134,8 @@ bool HasReducedViews(const WorkspaceOverview& overview) {
 }
 
 int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
-  return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs);
+  return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs) +
+         overview.prior_memory.prior;
 }
 
 int64_t BytesForViews(const MemoryPlan& plan) {

@@ -10,7 +10,7 @@ namespace tsar {
 
 namespace {
 
-Workspace OpenWithoutMasks(const WorkspaceRefineOptions& options) {
+Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
   Workspace workspace(options.workspace_path,
                       options.input_type.value_or(MapType::kGeometric));
   if (!options.input_type && !HasAnyMap(workspace, MapType::kGeometric) &&
@@ -25,8 +25,10 @@ Workspace OpenWithoutMasks(const WorkspaceRefineOptions& options) {
 }  // namespace
 
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
-  Workspace workspace = OpenWithoutMasks(options);
+  Workspace workspace = OpenMapsOf(options);
   workspace.UseMasks(options.mask_path);
+  workspace.UsePriors(options.prior_path, options.prior_type);
+  workspace.Priors().WarnOfStrayFiles();
   return workspace;
 }
 

@@ -148,6 +148,11 @@ bool CheckImage(const Workspace& workspace,
   CheckPhotoFile(workspace.ImagePath(image));
   workspace.CheckMask(image, {size->width, size->height});
   overview->has_masks = overview->has_masks || workspace.HasMask(image);
+  const PriorMemory prior = workspace.CheckPrior(image);
+  overview->prior_memory.prior =
+      std::max(overview->prior_memory.prior, prior.prior);
+  overview->prior_memory.to_read =
+      std::max(overview->prior_memory.to_read, prior.to_read);
   CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;

@@ -19,9 +19,10 @@ struct WorkspaceOverview {
   int64_t max_num_pixels = 0;        // Of the largest map.
   int max_side = 0;                  // Of the longest map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
-  int max_num_sources = 0;  // Of the image that uses most views with maps.
-  bool has_costs = false;   // Whether some image has exported costs.
-  bool has_masks = false;   // Whether some image has a mask.
+  int max_num_sources = 0;   // Of the image that uses most views with maps.
+  bool has_costs = false;    // Whether some image has exported costs.
+  bool has_masks = false;    // Whether some image has a mask.
+  PriorMemory prior_memory;  // The most that depth priors of an image take.
 };
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.
@@ -33,7 +34,8 @@ bool HasAnyMap(const Workspace& workspace, MapType type);
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
-// not of its image's shape), and what Workspace::CheckMask throws.
+// not of its image's shape), and what Workspace::CheckMask and CheckPrior
+// throw. Depth priors are read.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Finds the originals of all images of which some are stored, so that what

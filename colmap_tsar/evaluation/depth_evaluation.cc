@@ -109,7 +109,7 @@ void AddPixels(const Image<float>& estimate,
 std::vector<fs::path> FindMasks(const fs::path& folder,
                                 const fs::path& images,
                                 std::vector<std::string> names) {
-  RequireNoImageFolder(folder, images, OptionName("mask_path"));
+  RequireNoImageFolder(folder, images, "masks", OptionName("mask_path"));
   const size_t num_names = names.size();
   std::error_code error;
   for (fs::recursive_directory_iterator entry(images, error), end;

@@ -84,10 +84,10 @@ DepthImage ParsePng(std::span<const uint8_t> bytes, const std::string& name) {
   return image;
 }
 
-// TIFF and EXR.
-DepthImage ParsePicture(std::span<const uint8_t> bytes,
-                        const std::string& extension,
-                        const std::string& name) {
+// TIFF and EXR, with the channels in OpenCV's order.
+cv::Mat DecodeChecked(std::span<const uint8_t> bytes,
+                      const std::string& extension,
+                      const std::string& name) {
   constexpr size_t kMaxBytes = size_t{1} << 31;
   const ByteReader reader(bytes, name);
   if (bytes.empty() || bytes.size() >= kMaxBytes) {
@@ -103,7 +103,7 @@ DepthImage ParsePicture(std::span<const uint8_t> bytes,
       throw reader.Corrupt("the TIFF file is damaged: " + defect);
     }
   }
-  const cv::Mat pixels = DecodePicture(bytes, cv::IMREAD_UNCHANGED);
+  cv::Mat pixels = DecodePicture(bytes, cv::IMREAD_UNCHANGED);
   if (pixels.empty() && extension == ".exr" &&
       !cv::haveImageWriter("depth.exr")) {
     throw Error::File(ErrorCode::kUnsupported,
@@ -114,6 +114,31 @@ DepthImage ParsePicture(std::span<const uint8_t> bytes,
   if (pixels.empty()) {
     throw reader.Corrupt("not a readable picture");
   }
+  return pixels;
+}
+
+// Values as they are, of one channel or of three.
+FloatMap ToFloatMap(const cv::Mat& pixels) {
+  FloatMap map;
+  map.width = pixels.cols;
+  map.height = pixels.rows;
+  map.channels = pixels.channels();
+  map.values.resize(pixels.total() * static_cast<size_t>(pixels.channels()));
+  cv::Mat target(
+      pixels.rows, pixels.cols, CV_32FC(pixels.channels()), map.values.data());
+  pixels.convertTo(target, CV_32F);
+  if (map.channels == 3) {
+    for (size_t i = 0; i < map.values.size(); i += 3) {
+      std::swap(map.values[i], map.values[i + 2]);
+    }
+  }
+  return map;
+}
+
+DepthImage ParsePicture(std::span<const uint8_t> bytes,
+                        const std::string& extension,
+                        const std::string& name) {
+  const cv::Mat pixels = DecodeChecked(bytes, extension, name);
   const int depth = pixels.depth();
   if ((depth != CV_16U && depth != CV_32F && depth != CV_64F) ||
       (pixels.channels() != 1 && pixels.channels() != 3)) {
@@ -122,27 +147,92 @@ DepthImage ParsePicture(std::span<const uint8_t> bytes,
                       "a picture, not a depth map",
                       "save depth in one channel of 16 bits or of floats");
   }
-  DepthImage image;
-  image.is_integer = depth == CV_16U;
-  image.map.width = pixels.cols;
-  image.map.height = pixels.rows;
-  image.map.channels = pixels.channels();
-  image.map.values.resize(pixels.total() *
-                          static_cast<size_t>(pixels.channels()));
-  cv::Mat target(pixels.rows,
-                 pixels.cols,
-                 CV_32FC(pixels.channels()),
-                 image.map.values.data());
-  pixels.convertTo(target, CV_32F);
-  if (image.map.channels == 3) {
-    for (size_t i = 0; i < image.map.values.size(); i += 3) {
-      std::swap(image.map.values[i], image.map.values[i + 2]);
-    }
-  }
+  DepthImage image = {ToFloatMap(pixels), depth == CV_16U};
   if (HasThreeEqualChannels(image.map)) {
     KeepFirstChannel(&image.map);
   }
   return image;
+}
+
+// A normal map; where its values are integers, they reach up to max_value.
+struct StoredNormals {
+  FloatMap map;
+  std::optional<float> max_value;
+};
+
+StoredNormals ParseNormalPng(std::span<const uint8_t> bytes,
+                             const std::string& name) {
+  const ByteReader reader(bytes, name);
+  const std::optional<PngHeader> header = ReadPngHeader(bytes);
+  if (!header) {
+    throw reader.Corrupt("not a PNG file");
+  }
+  StoredNormals normals;
+  normals.max_value = 65535.f;
+  if (!header->has_colors) {
+    normals.map.channels = 1;
+    return normals;
+  }
+  const Image<Rgb16> values =
+      DecodePng16(bytes, [&](const std::string& defect) {
+        return reader.Corrupt("the PNG file is damaged: " + defect);
+      });
+  normals.map.width = values.Width();
+  normals.map.height = values.Height();
+  normals.map.channels = 3;
+  normals.map.values.reserve(3 * values.NumPixels());
+  for (const Rgb16& value : values) {
+    for (const uint16_t element : {value.r, value.g, value.b}) {
+      normals.map.values.push_back(element);
+    }
+  }
+  return normals;
+}
+
+StoredNormals ParseStoredNormals(std::span<const uint8_t> bytes,
+                                 const std::string& extension,
+                                 const std::string& name) {
+  if (extension == ".pfm") {
+    return {ParsePfm(bytes, name), std::nullopt};
+  }
+  if (extension == ".png") {
+    return ParseNormalPng(bytes, name);
+  }
+  if (extension == ".npy") {
+    NpyArray array = ParseNpy(bytes, name);
+    return {std::move(array.map),
+            array.is_integer ? std::optional(65535.f) : std::nullopt};
+  }
+  const cv::Mat pixels = DecodeChecked(bytes, extension, name);
+  switch (pixels.channels() == 3 ? pixels.depth() : -1) {
+    case CV_8U:
+      return {ToFloatMap(pixels), 255.f};
+    case CV_16U:
+      return {ToFloatMap(pixels), 65535.f};
+    case CV_32F:
+    case CV_64F:
+      return {ToFloatMap(pixels), std::nullopt};
+    default:
+      return {};
+  }
+}
+
+// Integers from 0 on stand for -1 to 1. What is far from a unit vector then,
+// such as black, is none.
+void DecodeIntegers(float max_value, std::vector<float>* values) {
+  constexpr float kMinNorm = 0.5f;
+  constexpr float kMaxNorm = 1.5f;
+  for (size_t i = 0; i < values->size(); i += 3) {
+    float* normal = values->data() + i;
+    float squares = 0.f;
+    for (int c = 0; c < 3; ++c) {
+      normal[c] = 2.f * normal[c] / max_value - 1.f;
+      squares += normal[c] * normal[c];
+    }
+    if (squares < kMinNorm * kMinNorm || squares > kMaxNorm * kMaxNorm) {
+      std::fill_n(normal, 3, 0.f);
+    }
+  }
 }
 
 }  // namespace
@@ -169,6 +259,23 @@ DepthImage ParseDepthImage(std::span<const uint8_t> bytes,
     return ParsePng(bytes, path.string());
   }
   return ParsePicture(bytes, extension, path.string());
+}
+
+FloatMap ParseNormalImage(std::span<const uint8_t> bytes,
+                          const std::filesystem::path& path) {
+  StoredNormals normals =
+      ParseStoredNormals(bytes, LowerExtension(path), path.string());
+  if (normals.map.channels != 3) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "not a map of normals, which has three channels",
+                      "save normals as PNG in colours, or as EXR, TIFF, PFM or "
+                      "NPY of floats");
+  }
+  if (normals.max_value) {
+    DecodeIntegers(*normals.max_value, &normals.map.values);
+  }
+  return std::move(normals.map);
 }
 
 }  // namespace tsar

@@ -33,4 +33,11 @@ bool IsDepthImageName(const std::filesystem::path& path);
 DepthImage ParseDepthImage(std::span<const uint8_t> bytes,
                            const std::filesystem::path& path);
 
+// Reads the same formats as normals, three values for each pixel, as floats: as
+// they are stored or, where these are integers (also of 8 bits, in PNG and
+// TIFF), 2 * value / largest value - 1; (0, 0, 0) where that is far from a unit
+// vector. Throws Error: kCorrupt, kUnsupported (not of three channels).
+FloatMap ParseNormalImage(std::span<const uint8_t> bytes,
+                          const std::filesystem::path& path);
+
 }  // namespace tsar

@@ -39,7 +39,7 @@ struct ViewData {
   size_t NumBytes() const;
 };
 
-// Bytes of a view with maps of this many pixels.
+// Bytes of a view with maps of this many pixels, without its prior.
 int64_t ViewDataBytes(int64_t num_pixels, bool has_costs);
 
 }  // namespace tsar

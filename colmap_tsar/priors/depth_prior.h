@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tsar {
@@ -27,6 +28,11 @@ struct DepthPrior {
   // Unit vectors in the camera's frame, towards the camera; (0, 0, 0): none.
   // May be empty, or of another size than `values`.
   Image<Vec3f> normals;
+
+  size_t NumBytes() const {
+    return values.NumPixels() * sizeof(float) +
+           normals.NumPixels() * sizeof(Vec3f);
+  }
 };
 
 }  // namespace tsar

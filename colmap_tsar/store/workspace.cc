@@ -8,8 +8,8 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
-#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/image_mask.h"
+#include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/photo.h"
 #include "colmap_tsar/workspace/workspace_model.h"
 
@@ -61,6 +61,14 @@ void RequireMap(OriginalState state,
                       std::string("the image has no ") + kind + " map",
                       "run patch_match_stereo for this image");
   }
+}
+
+std::vector<std::string> NamesOf(const SparseModel& model) {
+  std::vector<std::string> names;
+  for (const SparseModel::ModelImage& image : model.images) {
+    names.push_back(image.name);
+  }
+  return names;
 }
 
 }  // namespace
@@ -137,12 +145,9 @@ void Workspace::UseMasks(const std::filesystem::path& folder) {
   if (folder.empty()) {
     return;
   }
-  RequireNoImageFolder(folder, root_ / "images", OptionName("mask_path"));
-  std::vector<std::string> names;
-  for (const SparseModel::ModelImage& image : model_.images) {
-    names.push_back(image.name);
-  }
-  masks_ = FindImageMasks(folder, names, OptionName("mask_path"));
+  RequireNoImageFolder(
+      folder, root_ / "images", "masks", OptionName("mask_path"));
+  masks_ = FindImageMasks(folder, NamesOf(model_), OptionName("mask_path"));
 }
 
 std::filesystem::path Workspace::MaskPath(int image) const {
@@ -150,9 +155,13 @@ std::filesystem::path Workspace::MaskPath(int image) const {
                         : masks_.at(static_cast<size_t>(image));
 }
 
-MaskSizes Workspace::SizesOfMask(int image, const RasterSize& maps) const {
+RasterSize Workspace::SizeOfImage(int image) const {
   const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
-  return {{camera.width, camera.height}, maps};
+  return {camera.width, camera.height};
+}
+
+MaskSizes Workspace::SizesOfMask(int image, const RasterSize& maps) const {
+  return {SizeOfImage(image), maps};
 }
 
 Image<uint8_t> Workspace::ReadMask(int image, const RasterSize& maps) const {
@@ -174,6 +183,27 @@ void Workspace::CheckMask(int image, const RasterSize& maps) const {
   if (HasMask(image)) {
     CheckImageMask(MaskPath(image), SizesOfMask(image, maps));
   }
+}
+
+void Workspace::UsePriors(const std::filesystem::path& folder, PriorType type) {
+  priors_ = PriorFolder();
+  if (folder.empty()) {
+    return;
+  }
+  RequireNoImageFolder(
+      folder, root_ / "images", "depth priors", OptionName("prior_path"));
+  priors_ = PriorFolder(folder, type, NamesOf(model_));
+}
+
+std::shared_ptr<const DepthPrior> Workspace::ReadPrior(int image) const {
+  return priors_.HasPrior(image)
+             ? std::make_shared<const DepthPrior>(tsar::ReadPrior(
+                   priors_.FilesOf(image), priors_.Type(), SizeOfImage(image)))
+             : nullptr;
+}
+
+PriorMemory Workspace::CheckPrior(int image) const {
+  return tsar::CheckPrior(priors_.FilesOf(image), SizeOfImage(image));
 }
 
 bool Workspace::HasMaps(int image, MapType type) const {

@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/priors/depth_prior.h"
+#include "colmap_tsar/priors/prior_folder.h"
 #include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/map_paths.h"
 #include "colmap_tsar/workspace/map_reader.h"
@@ -13,6 +15,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace tsar {
@@ -92,6 +95,16 @@ class Workspace {
   // Looks at the mask of an image without reading it, see CheckImageMask.
   void CheckMask(int image, const RasterSize& maps) const;
 
+  // From now on, images have the depth priors in this folder, see
+  // priors/prior_folder.h; none where it is empty. Throws Error: what
+  // PriorFolder throws, kBadOption (it is the folder of the images).
+  void UsePriors(const std::filesystem::path& folder, PriorType type);
+  const PriorFolder& Priors() const { return priors_; }
+  // Null where the image has none. Throws what ReadPrior throws.
+  std::shared_ptr<const DepthPrior> ReadPrior(int image) const;
+  // Throws what CheckPrior throws; of an image without a prior, zeros.
+  PriorMemory CheckPrior(int image) const;
+
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
 
@@ -108,6 +121,7 @@ class Workspace {
   DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
 
  private:
+  RasterSize SizeOfImage(int image) const;
   MaskSizes SizesOfMask(int image, const RasterSize& maps) const;
 
   std::filesystem::path root_;
@@ -115,6 +129,7 @@ class Workspace {
   bool is_output_ = false;
   std::vector<bool> trusts_stored_;           // By image; empty: of none.
   std::vector<std::filesystem::path> masks_;  // By image; empty: of none.
+  PriorFolder priors_;
   MapType type_;
   std::filesystem::path model_folder_;
   SparseModel model_;

@@ -128,15 +128,16 @@ class MaskFile {
 
 }  // namespace
 
-void RequireNoImageFolder(const std::filesystem::path& masks,
+void RequireNoImageFolder(const std::filesystem::path& folder,
                           const std::filesystem::path& images,
+                          const std::string& content,
                           const std::string& option) {
   std::error_code error;
-  if (std::filesystem::equivalent(masks, images, error)) {
+  if (std::filesystem::equivalent(folder, images, error)) {
     throw Error::File(ErrorCode::kBadOption,
-                      masks.string(),
+                      folder.string(),
                       "is the folder of the images",
-                      "give that of their masks as " + option);
+                      "give that of their " + content + " as " + option);
   }
 }
 

@@ -14,10 +14,12 @@
 
 namespace tsar {
 
-// Throws Error, kBadOption, where a folder of masks is that of the images.
-// option: what names the folder.
-void RequireNoImageFolder(const std::filesystem::path& masks,
+// Throws Error, kBadOption, where a folder of something else is that of the
+// images. content: what it should hold, such as "masks"; option: what names the
+// folder.
+void RequireNoImageFolder(const std::filesystem::path& folder,
                           const std::filesystem::path& images,
+                          const std::string& content,
                           const std::string& option);
 
 // Masks as COLMAP's mask_path takes them: that of the image sub/a.jpg is

@@ -63,12 +63,15 @@ class PngDecoder {
   // T: the pixels that are wanted.
   template <typename T>
   Image<T> Decode() {
-    constexpr bool kIsRgb = std::is_same_v<T, Rgb>;
+    constexpr bool kIsRgb = std::is_same_v<T, Rgb> || std::is_same_v<T, Rgb16>;
     auto image = Image<T>::Uninitialized(
         static_cast<int>(png_get_image_width(png_, info_)),
         static_cast<int>(png_get_image_height(png_, info_)));
     Guard([&] {
-      if constexpr (sizeof(T) == 2) {
+      if constexpr (std::is_same_v<T, Rgb16>) {
+        png_set_swap(png_);
+        png_set_expand_16(png_);
+      } else if constexpr (sizeof(T) == 2) {
         png_set_swap(png_);
       } else {
         png_set_strip_16(png_);
@@ -177,7 +180,8 @@ std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
   return PngHeader{ReadBigEndian(head.subspan(16)),
                    ReadBigEndian(head.subspan(20)),
                    head[24],
-                   head[25] == PNG_COLOR_TYPE_GRAY};
+                   head[25] == PNG_COLOR_TYPE_GRAY,
+                   (head[25] & PNG_COLOR_MASK_COLOR) != 0};
 }
 
 Image<Rgb> DecodePng(std::span<const uint8_t> bytes, const PngError& error) {
@@ -193,6 +197,12 @@ Image<uint8_t> DecodeGrayPng(std::span<const uint8_t> bytes,
 Image<uint16_t> DecodeGray16Png(std::span<const uint8_t> bytes,
                                 const PngError& error) {
   return PngDecoder(bytes, error).Decode<uint16_t>();
+}
+
+Image<Rgb16> DecodePng16(std::span<const uint8_t> bytes,
+                         const PngError& error) {
+  static_assert(sizeof(Rgb16) == 6);
+  return PngDecoder(bytes, error).Decode<Rgb16>();
 }
 
 }  // namespace tsar

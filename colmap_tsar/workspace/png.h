@@ -25,6 +25,7 @@ struct PngHeader {
   uint32_t height = 0;
   int bits_per_channel = 0;
   bool is_gray = false;  // Without transparency.
+  bool has_colors = false;
 };
 
 // Of a file that begins with these bytes, of which there should be at least
@@ -45,5 +46,14 @@ Image<uint8_t> DecodeGrayPng(std::span<const uint8_t> bytes,
 // The same of a gray picture of 16 bits.
 Image<uint16_t> DecodeGray16Png(std::span<const uint8_t> bytes,
                                 const PngError& error);
+
+struct Rgb16 {
+  uint16_t r = 0;
+  uint16_t g = 0;
+  uint16_t b = 0;
+};
+
+// The pixels of any PNG file, of 16 bits: 255 of 8 bits becomes 65535.
+Image<Rgb16> DecodePng16(std::span<const uint8_t> bytes, const PngError& error);
 
 }  // namespace tsar

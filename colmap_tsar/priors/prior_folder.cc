@@ -1,0 +1,180 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/priors/prior_folder.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/formats/depth_image.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string_view>
+#include <system_error>
+
+namespace tsar {
+namespace {
+
+using Path = std::filesystem::path;
+
+constexpr std::string_view kNormalSuffix = ".normal";
+
+std::string WithoutExtension(const std::string& name) {
+  return Path(name).replace_extension().generic_string();
+}
+
+std::string Advice() { return "check " + OptionName("prior_path"); }
+
+// What a file of the folder may be.
+struct Match {
+  int image = -1;
+  bool is_normals = false;
+};
+
+class NameMatcher {
+ public:
+  explicit NameMatcher(const std::vector<std::string>& names) : names_(names) {
+    for (size_t i = 0; i < names.size(); ++i) {
+      images_of_[names[i]].insert(static_cast<int>(i));
+      images_of_[WithoutExtension(names[i])].insert(static_cast<int>(i));
+    }
+  }
+
+  // path: of the file; name: below the folder. No image where it is of none.
+  Match Find(const Path& path, const std::string& name) const {
+    const std::string stem = WithoutExtension(name);
+    std::vector<Match> matches;
+    AddMatches(stem, false, &matches);
+    if (stem.ends_with(kNormalSuffix)) {
+      AddMatches(
+          stem.substr(0, stem.size() - kNormalSuffix.size()), true, &matches);
+    }
+    if (matches.size() > 1) {
+      throw Error::File(ErrorCode::kMismatch,
+                        path.string(),
+                        "may be of the image " + Name(matches[0]) + " or of " +
+                            Name(matches[1]),
+                        "put the image's extension before the file's own");
+    }
+    return matches.empty() ? Match() : matches.front();
+  }
+
+ private:
+  void AddMatches(const std::string& key,
+                  bool is_normals,
+                  std::vector<Match>* matches) const {
+    const auto found = images_of_.find(key);
+    if (found != images_of_.end()) {
+      for (const int image : found->second) {
+        matches->push_back({image, is_normals});
+      }
+    }
+  }
+
+  const std::string& Name(const Match& match) const {
+    return names_[static_cast<size_t>(match.image)];
+  }
+
+  const std::vector<std::string>& names_;
+  std::map<std::string, std::set<int>> images_of_;
+};
+
+// In the order of their names.
+std::vector<Path> ListDepthImages(const Path& folder) {
+  std::vector<Path> files;
+  for (const TreeEntry& entry : ListTree({folder, {}})) {
+    if (IsDepthImageName(entry.path)) {
+      files.push_back(entry.path);
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Error NoPriors(const Path& folder, const std::vector<std::string>& names) {
+  std::string example;
+  if (!names.empty()) {
+    const std::string& name = names.front();
+    const std::string stem = WithoutExtension(name);
+    example = "; depth of " + name + " would be " + name + ".npy or " + stem +
+              ".npy, its normals " + name + ".normal.npy or " + stem +
+              ".normal.npy (or .exr, .pfm, .png, .tif, .tiff)";
+  }
+  return Error::File(ErrorCode::kNotFound,
+                     folder.string(),
+                     "holds no depth prior of any image" + example,
+                     Advice());
+}
+
+}  // namespace
+
+PriorFolder::PriorFolder(const Path& folder,
+                         PriorType type,
+                         const std::vector<std::string>& image_names)
+    : folder_(folder), type_(type), files_(image_names.size()) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there is no such folder of depth priors",
+                      Advice());
+  }
+  const NameMatcher matcher(image_names);
+  bool has_any = false;
+  for (const Path& path : ListDepthImages(folder)) {
+    const Match match =
+        matcher.Find(path, path.lexically_relative(folder).generic_string());
+    if (match.image < 0) {
+      // Folders may have such names as well.
+      if (IsFile(path) && num_stray_files_++ == 0) {
+        first_stray_file_ = path;
+      }
+      continue;
+    }
+    PriorFiles& files = files_[static_cast<size_t>(match.image)];
+    Path& place = match.is_normals ? files.normals : files.depth;
+    if (!place.empty()) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          path.string(),
+          std::string(match.is_normals ? "are normals" : "is depth") +
+              " of the image " + image_names[static_cast<size_t>(match.image)] +
+              ", and so " + (match.is_normals ? "are those in " : "is ") +
+              place.string(),
+          "take one of the two away");
+    }
+    place = path;
+    has_any = true;
+  }
+  if (!has_any) {
+    throw NoPriors(folder, image_names);
+  }
+}
+
+const PriorFiles& PriorFolder::FilesOf(int image) const {
+  static const PriorFiles none;
+  return files_.empty() ? none : files_.at(static_cast<size_t>(image));
+}
+
+std::optional<int64_t> PriorFolder::Count(
+    const std::vector<int>& images) const {
+  if (files_.empty()) {
+    return std::nullopt;
+  }
+  return std::count_if(
+      images.begin(), images.end(), [&](int image) { return HasPrior(image); });
+}
+
+void PriorFolder::WarnOfStrayFiles() const {
+  if (num_stray_files_ > 0) {
+    Warn(folder_.string() + ": " + std::to_string(num_stray_files_) +
+         (num_stray_files_ == 1 ? " file belongs" : " files belong") +
+         " to no image, such as " + first_stray_file_.string());
+  }
+}
+
+}  // namespace tsar

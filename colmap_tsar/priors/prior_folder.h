@@ -1,0 +1,52 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/priors/read_prior.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// A folder with the depth priors of images, which are given by their places in
+// a list of names. The depth of the image sub/a.jpg is sub/a.jpg.EXT or
+// sub/a.EXT in the folder, its normals are sub/a.jpg.normal.EXT or
+// sub/a.normal.EXT, where EXT is one of the extensions of IsDepthImageName().
+// An image may have depth, normals, both or none.
+class PriorFolder {
+ public:
+  // No folder: no image has a prior.
+  PriorFolder() = default;
+  // Throws Error: kNotFound (there is no such folder, or it holds no prior of
+  // any of the images; names the option prior_path), kMismatch (an image has
+  // two files of the same kind, or a file may be of two images), kIo.
+  PriorFolder(const std::filesystem::path& folder,
+              PriorType type,
+              const std::vector<std::string>& image_names);
+
+  bool HasPrior(int image) const { return !FilesOf(image).Empty(); }
+  const PriorFiles& FilesOf(int image) const;
+  // What the values of all depth files mean.
+  PriorType Type() const { return type_; }
+
+  // How many of the images have a prior; nothing where there is no folder.
+  std::optional<int64_t> Count(const std::vector<int>& images) const;
+
+  // Warns of files that belong to no image, by their number and one of them.
+  void WarnOfStrayFiles() const;
+
+ private:
+  std::filesystem::path folder_;
+  PriorType type_ = PriorType::kAuto;
+  std::vector<PriorFiles> files_;  // By image; empty: no folder.
+  size_t num_stray_files_ = 0;
+  std::filesystem::path first_stray_file_;
+};
+
+}  // namespace tsar
