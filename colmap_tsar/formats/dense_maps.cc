@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/formats/dense_maps.h"
 
+#include "colmap_tsar/base/option_name.h"
+
 #include <array>
 #include <optional>
 
@@ -12,6 +14,11 @@ namespace {
 // OpenCV's numbers for a matrix of one and of three floats per element.
 constexpr int32_t kOneFloat = 5;
 constexpr int32_t kThreeFloats = 21;
+
+// Which of these formats a file has, its name does not tell.
+std::string Advice() {
+  return "check " + OptionName("format") + ", or make the file again";
+}
 
 struct MatrixHeader {
   size_t num_bytes = 0;
@@ -101,7 +108,7 @@ FloatMap ReadMap(int width, int height, int channels, ByteReader* reader) {
 }  // namespace
 
 FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name) {
-  ByteReader reader(bytes, name);
+  ByteReader reader(bytes, name, Advice());
   const auto type = reader.Read<int32_t>();
   FloatMap map;
   map.height = reader.Read<int32_t>();
@@ -118,7 +125,7 @@ FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name) {
 }
 
 FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name) {
-  ByteReader reader(bytes, name);
+  ByteReader reader(bytes, name, Advice());
   const std::optional<MatrixHeader> with_version = ReadHeader(bytes, true);
   const std::optional<MatrixHeader> without = ReadHeader(bytes, false);
   if (with_version.has_value() == without.has_value()) {
@@ -139,7 +146,7 @@ FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name) {
 }
 
 Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name) {
-  ByteReader reader(bytes, name);
+  ByteReader reader(bytes, name, Advice());
   const Header header = ReadHeader(&reader);
   if ((header.content & kHasDepth) == 0) {
     throw Error::File(ErrorCode::kUnsupported,
@@ -178,7 +185,7 @@ Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name) {
 
 std::string ParseDmapImageName(std::span<const uint8_t> bytes,
                                const std::string& name) {
-  ByteReader reader(bytes, name);
+  ByteReader reader(bytes, name, Advice());
   return ReadHeader(&reader).image_name;
 }
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/formats/float_map.h"
 
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
 #include <bit>
@@ -22,7 +23,7 @@ void RequireChannels(const FloatMap& map,
                       std::string(kind) + " has " + std::to_string(channels) +
                           " channel(s), this file has " +
                           std::to_string(map.channels),
-                      "check the format and the file's name");
+                      "check " + OptionName("format") + " and the file's name");
   }
 }
 
@@ -63,10 +64,7 @@ std::span<const uint8_t> ByteReader::Take(size_t num_bytes) {
 }
 
 Error ByteReader::Corrupt(const std::string& what) const {
-  return Error::File(ErrorCode::kCorrupt,
-                     name_,
-                     what,
-                     "check the format, or make the file again");
+  return Error::File(ErrorCode::kCorrupt, name_, what, advice_);
 }
 
 size_t RequireExactLength(const ByteReader& reader,

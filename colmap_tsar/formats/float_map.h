@@ -27,9 +27,12 @@ std::vector<uint8_t> ReadFileBytes(const std::filesystem::path& path,
 // the file cannot hold. All errors are kCorrupt and name the file.
 class ByteReader {
  public:
-  // name: the file, for messages. The bytes must outlive the reader.
-  ByteReader(std::span<const uint8_t> bytes, const std::string& name)
-      : bytes_(bytes), name_(name) {}
+  // name: the file, for messages; advice: what to do where its content breaks
+  // the format. The bytes must outlive the reader.
+  ByteReader(std::span<const uint8_t> bytes,
+             const std::string& name,
+             const std::string& advice = "make the file again")
+      : bytes_(bytes), name_(name), advice_(advice) {}
 
   size_t NumLeft() const { return bytes_.size(); }
 
@@ -58,6 +61,7 @@ class ByteReader {
  private:
   std::span<const uint8_t> bytes_;
   std::string name_;
+  std::string advice_;
 };
 
 // A raster as other programs store it: row by row, the channels of a pixel side

@@ -58,6 +58,47 @@ TEST(DepthImage, ReadsExrWhereOpenCvCan) {
   });
 }
 
+TEST(NormalImage, HasThreeChannelsOfFloatsOrOfEncodedIntegers) {
+  const std::string floats =
+      NpyBytes("<f4", "(1, 2, 3)", FloatData({0, 0, -1, 5, 6, 7}));
+  EXPECT_THAT(ParseNormalImage(AsBytes(floats), "a.npy").values,
+              ElementsAre(0, 0, -1, 5, 6, 7));
+  std::string integers;
+  for (const uint16_t value : {0, 0, 0, 65535, 32767, 32768}) {
+    Append(value, &integers);
+  }
+  const std::vector<float> decoded =
+      ParseNormalImage(AsBytes(NpyBytes("<u2", "(1, 2, 3)", integers)), "a.npy")
+          .values;
+  // Black is no direction.
+  EXPECT_EQ(std::vector<float>(decoded.begin(), decoded.begin() + 3),
+            std::vector<float>(3));
+  EXPECT_EQ(decoded[3], 1.f);
+  EXPECT_NEAR(decoded[4], 0.f, 1e-4f);
+  EXPECT_NEAR(decoded[5], 0.f, 1e-4f);
+  // Three equal channels are still three.
+  const cv::Mat zeros(2, 3, CV_32FC3, cv::Scalar::all(0));
+  EXPECT_EQ(ParseNormalImage(AsBytes(EncodedPicture(".tiff", zeros)), "a.tiff")
+                .channels,
+            3);
+  for (const int type : {CV_8UC1, CV_16UC1}) {
+    const cv::Mat gray(2, 3, type, cv::Scalar(9));
+    for (const char* name : {"a.png", "a.tiff"}) {
+      ExpectError(ErrorCode::kUnsupported, {name, "three channels"}, [&] {
+        ParseNormalImage(
+            AsBytes(EncodedPicture(
+                std::filesystem::path(name).extension().string(), gray)),
+            name);
+      });
+    }
+  }
+  ExpectError(ErrorCode::kUnsupported, {"a.npy", "three channels"}, [&] {
+    ParseNormalImage(
+        AsBytes(NpyBytes("<f4", "(2, 3)", FloatData(std::vector<float>(6)))),
+        "a.npy");
+  });
+}
+
 TEST(DepthImage, RefusesPngHeadersThatNoFileCanHold) {
   const std::string bytes =
       PngFile(PngHeaderContent(1000000, 2, 16, 0), PngChunk("IDAT", "12345"));
