@@ -138,6 +138,7 @@ py::dict ToDict(const RunSummary& summary) {
   dict["num_refined"] = summary.num_refined;
   dict["num_skipped"] = summary.num_skipped;
   dict["num_masks"] = summary.num_masks;
+  dict["num_priors"] = summary.num_priors;
   dict["kept"] = kept;
   dict["num_sources_without_maps"] = summary.num_sources_without_maps;
   dict["counts"] = summary.counts;

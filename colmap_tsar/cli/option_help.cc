@@ -27,6 +27,7 @@ const Lines& MostUsed(const std::string& command) {
         {"restore", "put the original maps back"},
         {"image_list_path", "refine the images of this list alone"},
         {"mask_path", "the folder with masks of the images"},
+        {"prior_path", "the folder with their depth priors"},
         {"TsarRefine.device", "where to compute"},
         {"TsarRefine.min_confidence", "leave doubtful depths out"}}},
       {"tsar_stereo",

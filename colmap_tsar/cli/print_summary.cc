@@ -51,6 +51,13 @@ std::string Images(int64_t count) {
   return std::to_string(count) + (count == 1 ? " image" : " images");
 }
 
+void PrintPriors(const RunSummary& summary, std::ostream& out) {
+  if (summary.num_priors) {
+    out << "  depth priors for " << *summary.num_priors << " of "
+        << Images(summary.num_images) << "\n";
+  }
+}
+
 void PrintImages(const RunSummary& summary, std::ostream& out) {
   if (summary.pass == RefinePass::kObserve) {
     out << "Shard " << ToString(summary.shard) << ", "
@@ -58,6 +65,7 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
         << " observed, " << summary.num_skipped
         << " observed before or not to be observed\n";
     PrintMasks(summary.num_masks, summary.num_images, out);
+    PrintPriors(summary, out);
     return;
   }
   if (summary.pass == RefinePass::kModel) {
@@ -81,6 +89,7 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
   }
   out << "\n";
   PrintMasks(summary.num_masks, summary.num_images, out);
+  PrintPriors(summary, out);
   for (size_t i = 0; i < std::min(summary.kept.size(), kMaxKeptListed); ++i) {
     out << "  kept "
         << Printable(summary.kept[i].name + ": " + summary.kept[i].reason)

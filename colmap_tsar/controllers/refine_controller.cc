@@ -286,6 +286,7 @@ RunSummary RefineController::Summarize(const RefineRun& run,
   summary.peak_gpu_memory = PeakGpuMemory(devices_);
   summary.num_images = static_cast<int>(Images().size());
   summary.num_masks = run.NumMasks();
+  summary.num_priors = run.NumPriors();
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
     const int image = run.catalogue.Reference(Images()[i]);
     summary.Add(run.catalogue.Name(image), outcome.reports[i]);

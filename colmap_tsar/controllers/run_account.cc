@@ -88,6 +88,7 @@ Manifest ManifestAccount::Build() const {
         std::to_string(run_.catalogue.NumListed());
   }
   NoteMasks(run_.NumMasks(), &manifest);
+  NotePriors(run_.NumPriors(), &manifest);
   return manifest;
 }
 
@@ -117,6 +118,7 @@ void ShardAccount::Begin() {
                           run_.options.shard);
   record_.runtime = ShardRuntime(run_.options.devices, run_.devices);
   record_.num_masks = run_.NumMasks();
+  record_.num_priors = run_.NumPriors();
   for (const size_t index : run_.Images()) {
     record_.images.push_back(
         {run_.catalogue.Name(run_.catalogue.Reference(index)),

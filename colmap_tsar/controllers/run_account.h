@@ -54,6 +54,10 @@ struct RefineRun {
   std::optional<int64_t> NumMasks() const {
     return CountMasks(workspace, ReferencesOf(workspace, Images()));
   }
+  // The same of depth priors.
+  std::optional<int64_t> NumPriors() const {
+    return workspace.Priors().Count(ReferencesOf(workspace, Images()));
+  }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };
 

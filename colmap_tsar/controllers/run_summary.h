@@ -42,6 +42,8 @@ struct RunSummary {
   int num_not_listed = 0;
   // Of the images, those with a mask; nothing where no masks were given.
   std::optional<int64_t> num_masks;
+  // The same of depth priors.
+  std::optional<int64_t> num_priors;
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
   int64_t num_sources_without_maps = 0;
   std::map<std::string, int64_t> counts;  // Sums over the refined images.

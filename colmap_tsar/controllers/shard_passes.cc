@@ -109,15 +109,17 @@ std::map<std::string, std::string> RuntimeOfShards(
   return runtime;
 }
 
-// By what the shards were run with, whatever masks the merge is given.
-std::optional<int64_t> MasksOfShards(const std::vector<ShardRecord>& shards) {
-  std::optional<int64_t> num_masks;
+// The sum of num_masks or num_priors: by what the shards were run with,
+// whatever the merge is given.
+std::optional<int64_t> SumOfShards(const std::vector<ShardRecord>& shards,
+                                   std::optional<int64_t> ShardRecord::*count) {
+  std::optional<int64_t> sum;
   for (const ShardRecord& shard : shards) {
-    if (shard.num_masks) {
-      num_masks = num_masks.value_or(0) + *shard.num_masks;
+    if (shard.*count) {
+      sum = sum.value_or(0) + *(shard.*count);
     }
   }
-  return num_masks;
+  return sum;
 }
 
 void RequireAllDone(const Workspace& workspace, const Manifest& manifest) {
@@ -179,10 +181,14 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
                                     RefineOptionsText(refine_options),
                                     HashRefineOptions(refine_options));
   RequireAllDone(workspace, manifest);
-  const std::optional<int64_t> num_masks = MasksOfShards(shards);
+  const std::optional<int64_t> num_masks =
+      SumOfShards(shards, &ShardRecord::num_masks);
+  const std::optional<int64_t> num_priors =
+      SumOfShards(shards, &ShardRecord::num_priors);
   if (!shards.empty()) {
     manifest.runtime = RuntimeOfShards(shards);
     NoteMasks(num_masks, &manifest);
+    NotePriors(num_priors, &manifest);
     WriteManifest(workspace, manifest);
   }
   EvidenceStore::Clear(workspace);
@@ -198,6 +204,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   summary.num_images = static_cast<int>(manifest.images.size());
   summary.num_refined = manifest.NumImages(ImageStatus::kDone);
   summary.num_masks = num_masks;
+  summary.num_priors = num_priors;
   for (const Manifest::Entry& entry : manifest.images) {
     if (entry.status == ImageStatus::kKept) {
       summary.kept.push_back({entry.image, entry.note});

@@ -172,8 +172,9 @@ std::optional<int64_t> PriorFolder::Count(
 void PriorFolder::WarnOfStrayFiles() const {
   if (num_stray_files_ > 0) {
     Warn(folder_.string() + ": " + std::to_string(num_stray_files_) +
-         (num_stray_files_ == 1 ? " file belongs" : " files belong") +
-         " to no image, such as " + first_stray_file_.string());
+         (num_stray_files_ == 1 ? " file belongs to no image, such as "
+                                : " files belong to no image, such as ") +
+         first_stray_file_.string());
   }
 }
 

@@ -56,6 +56,12 @@ void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest) {
   }
 }
 
+void NotePriors(const std::optional<int64_t>& num_priors, Manifest* manifest) {
+  if (num_priors) {
+    manifest->runtime["depth_priors"] = std::to_string(*num_priors);
+  }
+}
+
 void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
   nlohmann::json images = nlohmann::json::array();
   for (const Manifest::Entry& entry : manifest.images) {

@@ -43,8 +43,10 @@ Manifest BuildManifest(const Workspace& workspace,
                        const std::map<std::string, std::string>& options,
                        const std::string& options_hash);
 
-// Notes of how many images masks were used; nothing where none were given.
+// Note of how many images masks and depth priors were used; nothing where none
+// were given.
 void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest);
+void NotePriors(const std::optional<int64_t>& num_priors, Manifest* manifest);
 
 // In one step.
 void WriteManifest(const Workspace& workspace, const Manifest& manifest);

@@ -93,6 +93,9 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
     if (json.contains("num_masks")) {
       record.num_masks = json["num_masks"].get<int64_t>();
     }
+    if (json.contains("num_priors")) {
+      record.num_priors = json["num_priors"].get<int64_t>();
+    }
     for (const nlohmann::json& image : json.at("images")) {
       record.images.push_back(
           {image.at("image").get<std::string>(),
@@ -138,6 +141,9 @@ void WriteShardRecord(const std::filesystem::path& root,
                          {"images", images}};
   if (record.num_masks) {
     json["num_masks"] = *record.num_masks;
+  }
+  if (record.num_priors) {
+    json["num_priors"] = *record.num_priors;
   }
   WriteJson(GetShardPath(root, record.pass, record.index, record.count), json);
 }

@@ -47,6 +47,8 @@ struct ShardRecord {
   std::map<std::string, std::string> runtime;
   // Of the images, those with a mask; nothing where no masks were given.
   std::optional<int64_t> num_masks;
+  // The same of depth priors.
+  std::optional<int64_t> num_priors;
   std::vector<Entry> images;
 };
 

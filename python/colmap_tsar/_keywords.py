@@ -7,6 +7,8 @@ import typing
 class RefineKeywords(typing.TypedDict, total=False):
     image_list_path: typing.Union[str, os.PathLike[str], None]
     mask_path: typing.Union[str, os.PathLike[str], None]
+    prior_path: typing.Union[str, os.PathLike[str], None]
+    prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
     output_path: typing.Union[str, os.PathLike[str], None]
     preset: typing.Literal['default', 'paper', 'paper_strict']
     device: typing.Literal['auto', 'cuda', 'cpu']

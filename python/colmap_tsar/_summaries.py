@@ -31,6 +31,8 @@ class RefineSummary(PrintedResult):
     """Images that had been refined before with the same options."""
     num_masks: Optional[int]
     """Of num_images, those with a mask; None where no masks were given."""
+    num_priors: Optional[int]
+    """The same of depth priors."""
     kept: Dict[str, str]
     """Images that keep COLMAP's maps: name and reason."""
     num_sources_without_maps: int

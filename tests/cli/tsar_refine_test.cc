@@ -6,6 +6,7 @@
 #include <map>
 
 #include "tests/cli/tsar_refine_fixture.h"
+#include "tests/support/external_writers.h"
 #include "tests/support/mask_files.h"
 
 namespace tsar {
@@ -93,6 +94,27 @@ TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasks) {
       testing::HasSubstr("4 images: 4 refined\n  masks for 1 of 4 images\n"));
   ExpectFailure({"--mask_path", masks.string(), "--restore", "1"},
                 {"leave --mask_path out"});
+}
+
+TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
+  const std::filesystem::path priors = folder_.Path() / "priors";
+  ExpectFailure({"--prior_path", priors.string()},
+                {"ERROR: " + priors.string() + ": there is no such folder",
+                 "check --prior_path"});
+  std::filesystem::create_directories(priors / "left");
+  WriteText(priors / "left/v2.pfm",
+            PfmBytes(4, 3, 1, std::vector<float>(12, 2.f), true));
+  const Outcome outcome =
+      Run({"--prior_path", priors.string(), "--prior_type", "metric"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              testing::HasSubstr(
+                  "4 images: 4 refined\n  depth priors for 1 of 4 images\n"));
+  ExpectFailure({"--prior_path", priors.string(), "--restore", "1"},
+                {"leave --prior_path out"});
+  ExpectFailure({"--prior_type", "metric"}, {"--prior_type", "--prior_path"});
+  ExpectFailure({"--prior_path", priors.string(), "--prior_type", "depth"},
+                {"--prior_type", "auto, metric, relative, inverse"});
 }
 
 TEST_F(TsarRefineTest, RefinesListedImagesAlone) {

@@ -40,6 +40,23 @@ TEST(PlanRefinement, CountsCosts) {
   EXPECT_EQ(with_costs.work, plan.work);
 }
 
+TEST(PlanRefinement, CountsPriors) {
+  for (const int64_t num_pixels : {1000000, 10000000}) {
+    WorkspaceOverview overview = OverviewOf(num_pixels, 2);
+    const MemoryPlan plan = PlanRefinement({}, overview);
+    overview.prior_memory = {5000, 1000};
+    const MemoryPlan with_priors = PlanRefinement({}, overview);
+    EXPECT_EQ(with_priors.view, plan.view + 5000);
+    EXPECT_EQ(with_priors.whole_view,
+              plan.whole_view + (plan.whole_view > 0 ? 5000 : 0));
+    // A prior is read after the photo, which takes more.
+    EXPECT_EQ(with_priors.load, plan.load);
+    EXPECT_EQ(with_priors.work, plan.work);
+    overview.prior_memory.to_read = 10 * num_pixels;
+    EXPECT_EQ(PlanRefinement({}, overview).load, plan.load + 4 * num_pixels);
+  }
+}
+
 TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {
   WorkspaceOverview overview = OverviewOf(1000000, 10);
   EXPECT_EQ(NumEvidenceViews(overview, 2), 33u);

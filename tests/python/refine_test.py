@@ -1,6 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """refine() and restore() on the sample scene."""
+import array
 import contextlib
 import io
 import json
@@ -90,6 +91,20 @@ class RefineTest(SampleTest):
         self.assertIsNone(refine(self.workspace, **QUICK).num_masks)
         with self.assertRaises(colmap_tsar.NotFoundError):
             refine(self.workspace, **QUICK, mask_path=self.workspace / "sparse")
+
+    def test_depth_priors(self):
+        priors = self.workspace / "priors"
+        priors.mkdir()
+        depth = array.array("f", [1.0]) * (64 * 48)
+        (priors / "v000.pfm").write_bytes(b"Pf\n64 48\n-1\n" + depth.tobytes())
+        summary = refine(self.workspace, **QUICK, prior_path=priors, prior_type="inverse")
+        self.assertEqual(summary.num_priors, 1)
+        self.assertIn("depth priors for 1 of 3 images", str(summary))
+        self.assertIsNone(refine(self.workspace, **QUICK).num_priors)
+        with self.assertRaisesRegex(colmap_tsar.NotFoundError, "no depth prior of any image"):
+            refine(self.workspace, **QUICK, prior_path=self.workspace / "sparse")
+        with self.assertRaisesRegex(colmap_tsar.BadOptionError, "prior_type"):
+            refine(self.workspace, **QUICK, prior_path=priors, prior_type="depth")
 
     def test_second_workspace(self):
         before = digests(self.workspace)

@@ -25,6 +25,7 @@ ShardRecord MakeRecord(int index) {
   record.is_complete = true;
   record.runtime = {{"host", "here"}};
   record.num_masks = index;
+  record.num_priors = index + 1;
   record.images = {
       {"a.png", State::kObserved, {{"camera", "e"}, {"maps", "f"}}, ""},
       {"left/b.png", State::kNothing, {{"maps", "none"}}, ""},
@@ -55,6 +56,7 @@ TEST(ShardRecordTest, GivesBackWhatWasWritten) {
   EXPECT_TRUE(read.is_complete);
   EXPECT_EQ(read.runtime, written.runtime);
   EXPECT_EQ(read.num_masks, 2);
+  EXPECT_EQ(read.num_priors, 3);
   ASSERT_EQ(read.images.size(), written.images.size());
   for (size_t i = 0; i < read.images.size(); ++i) {
     EXPECT_EQ(read.images[i].image, written.images[i].image);
@@ -67,14 +69,17 @@ TEST(ShardRecordTest, GivesBackWhatWasWritten) {
 
 TEST(ShardRecordTest, NoMasksAreNotTheSameAsNoneOfItsImages) {
   const TemporaryFolder folder;
-  ShardRecord record = MakeRecord(0);
-  for (const std::optional<int64_t>& num_masks :
-       {std::optional<int64_t>(0), std::optional<int64_t>()}) {
-    record.num_masks = num_masks;
-    WriteShardRecord(folder.Path(), record);
-    EXPECT_EQ(
-        ReadShardRecord(GetShardPath(folder.Path(), "observe", 0, 3)).num_masks,
-        num_masks);
+  for (std::optional<int64_t> ShardRecord::*count :
+       {&ShardRecord::num_masks, &ShardRecord::num_priors}) {
+    ShardRecord record = MakeRecord(0);
+    for (const std::optional<int64_t>& number :
+         {std::optional<int64_t>(0), std::optional<int64_t>()}) {
+      record.*count = number;
+      WriteShardRecord(folder.Path(), record);
+      EXPECT_EQ(
+          ReadShardRecord(GetShardPath(folder.Path(), "observe", 0, 3)).*count,
+          number);
+    }
   }
 }
 
