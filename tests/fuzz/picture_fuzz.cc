@@ -16,6 +16,7 @@ namespace {
 template <const char* kName>
 void ReadDepthImage(std::span<const uint8_t> input) {
   Accepts([&] { ParseDepthImage(input, kName); });
+  Accepts([&] { ParseNormalImage(input, kName); });
 }
 
 void ReadGrayMap(std::span<const uint8_t> input) {
