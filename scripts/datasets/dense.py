@@ -125,9 +125,9 @@ def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, prese
                inputs=[*inputs, *files_named_by(options)], **key)
 
 
-def refine(scene, args, programs, input_type, masks, inputs=(), **key):
+def refine(scene, args, programs, input_type, masks, priors=None, inputs=(), **key):
     options = {"TsarRefine.preset": args.preset, **args.passed.get("tsar_refine", {}),
-               **mask_options(masks)}
+               **mask_options(masks), **(priors or {})}
     scene.step(
         "refinement", lambda step: step.run(
             programs.tsar, "tsar_refine", "--workspace_path", scene.folder / WORKSPACE,
@@ -138,9 +138,10 @@ def refine(scene, args, programs, input_type, masks, inputs=(), **key):
                  "colmap_tsar": programs.versions["colmap_tsar"]}, **key)
 
 
-def reconstruct(scene, args, programs, masks=None):
+def reconstruct(scene, args, programs, masks=None, priors=None):
     """Depth maps, refinement and the clouds before.ply and after.ply from the
-    scene's workspace. masks: the folder with those of its images."""
+    scene's workspace. masks: the folder with those of its images; priors: the
+    options of tsar_refine for depth priors, name by value."""
     dense = scene.folder / WORKSPACE
     make_maps(scene, args, programs, masks)
     # Maps that were put there by hand are inputs; others belong to their step.
@@ -149,7 +150,7 @@ def reconstruct(scene, args, programs, masks=None):
     geometric = any(".geometric." in path.name for path in maps_of(dense))
     input_type = "geometric" if geometric else "photometric"
     fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", masks, **origin)
-    refine(scene, args, programs, input_type, masks, **origin)
+    refine(scene, args, programs, input_type, masks, priors, **origin)
     fuse(scene, args, programs, "fusion_after", scene.folder / REFINED, input_type, "after.ply",
          masks, FUSIONS[args.fusion], after=["refinement"])
 

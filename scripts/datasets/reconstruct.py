@@ -200,6 +200,20 @@ def make_masks(scene, programs, folder, names, size):
     return undistort_masks(scene, programs, folder, names, size) if names else None
 
 
+def prior_options(args):
+    """The options of tsar_refine for depth priors, name by value."""
+    if not args.prior_path:
+        if args.prior_type:
+            raise DatasetError(f"--prior_type {args.prior_type}: says what depth priors mean; "
+                               "give --prior_path as well")
+        return {}
+    folder = pathlib.Path(args.prior_path).resolve()
+    if not folder.is_dir():
+        raise DatasetError(f"--prior_path {args.prior_path}: no such folder")
+    return {"prior_path": str(folder),
+            **({"prior_type": args.prior_type} if args.prior_type else {})}
+
+
 def reconstruct(args, programs):
     if args.undistorted_size is not None and args.undistorted_size < 16:
         raise DatasetError(f"--undistorted_size {args.undistorted_size}: is below 16")
@@ -208,6 +222,7 @@ def reconstruct(args, programs):
     names = read_photos(photos, output)
     masks = pathlib.Path(args.mask_path).resolve() if args.mask_path else None
     masked = find_masks(masks, photos, output, names) if masks else []
+    priors = prior_options(args)
     check_matcher(args, programs, len(names), lambda text: print(text, flush=True))
     check_products(args, programs)
     scene = dense.Scene(output.name, output, plan=[
@@ -222,7 +237,7 @@ def reconstruct(args, programs):
         scene, lambda step: undistort(step, programs, photos, scene.folder / "sparse", size),
         after=["sparse"], options={**size, "colmap": programs.versions["colmap"]})
     dense_masks = make_masks(scene, programs, masks, [n for n in masked if n in found], size)
-    dense.reconstruct(scene, args, programs, dense_masks)
+    dense.reconstruct(scene, args, programs, dense_masks, priors)
     make_report(scene, programs)
     make_products(scene, args, programs, dense_masks)
     summarize(scene, args)
@@ -283,6 +298,13 @@ def main():
                         "ignored, by features as well as by depth maps and clouds. Photos without "
                         "one are used as a whole. Masks get gray borders when they are "
                         "undistorted, and gray is not masked: draw them some pixels too wide")
+    parser.add_argument("--prior_path", metavar="PRIORS",
+                        help="folder with depth priors of the undistorted images, for "
+                        "tsar_refine, whose help says how they are named; made of "
+                        "OUTPUT/dense/images after a first run, they have only the "
+                        "refinement and what follows it done anew")
+    parser.add_argument("--prior_type", choices=("auto", "metric", "relative", "inverse"),
+                        help="what the depth priors hold (default: auto)")
     parser.add_argument("--undistorted_size", type=int, metavar="PIXELS",
                         help="longer side of the undistorted images (default: as the photos)")
     add_options(parser, "OUTPUT")

@@ -84,6 +84,22 @@ class ReconstructTest(StandInTest):
         self.refuses("--TsarRefine.scene_planes: has no value", "--TsarRefine.scene_planes",
                      "--mesh")
 
+    def test_depth_priors_are_of_the_refinement(self):
+        self.run_well()
+        prior = self.write("priors/a.npy", "1")
+        options = ("--prior_path", prior.parent, "--prior_type", "metric")
+        _, calls = self.run_well(*options)
+        self.assertEqual([c.split()[0] for c in calls],
+                         ["tsar_refine", "stereo_fusion", "tsar_report"])
+        self.assertIn(f"--prior_path {prior.parent} --prior_type metric", calls[0])
+        self.assertEqual(self.commands(*options), [])
+        prior.write_text("22")  # The priors are inputs.
+        self.assertEqual(self.commands(*options)[0], "tsar_refine")
+        _, calls = self.run_well("--prior_path", prior.parent)
+        self.assertNotIn("--prior_type", calls[0])
+        self.refuses("no such folder", "--prior_path", prior)
+        self.refuses("give --prior_path as well", "--prior_type", "metric")
+
     def test_fusion_of_the_refined_maps(self):
         self.run_well("--mesh")
         before = (self.output / "before.ply").stat()
