@@ -183,6 +183,10 @@ SITUATIONS = {
     "The folder of masks holds none": lambda: write("masks/v000.png", png(8, 640, 480)),
     "A mask is of another size": lambda: write("masks/v000.jpg.png", png(8, 100, 80)),
     "A mask is no mask": lambda: write("masks/v000.jpg.png", png(16, 640, 480)),
+    "The folder of depth priors holds none": lambda: write("priors/v000.jpg", ""),
+    "A depth prior is of another shape": lambda: write(
+        "priors/v000.pfm", b"Pf\n6 8\n-1\n" + struct.pack("<48f", *[1.0] * 48)),
+    "A depth prior is a picture": lambda: write("priors/v000.png", png(8, 640, 480)),
     "The originals are gone": lambda: write(
         "dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement"),
     "Restoring leaves maps as they are": depth_alone_made_anew,
