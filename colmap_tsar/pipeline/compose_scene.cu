@@ -95,17 +95,37 @@ struct ContestKernel {
       return;
     }
     const float rival = rivals(x, y);
+    const PriorDepth prior = inputs.prior.At(x, y);
     if (!(rival > 0.f)) {
-      own_depth(x, y) = kStands;
+      own_depth(x, y) = StandsAgainstPrior(x, y, prior) ? kStands : kGivesWay;
       return;
     }
     const float gap = GapInPixels(contested(x, y), rival, resolution);
     const Rival plane{
         votes_on_rivals(x, y), gap, SuperpixelAt(inputs, x, y).label.margin};
     const MeasurementSupport own = SupportAt(inputs, votes(x, y), x, y);
-    own_depth(x, y) = LogOddsAgainst(plane, own) > min_log_odds ? kStands
-                      : gap <= kOnSurface                       ? kMoves
-                                                                : kGivesWay;
+    const float log_odds = LogOddsAgainst(plane, own) +
+                           LogLikelihoodRatio(prior, contested(x, y)) -
+                           LogLikelihoodRatio(prior, rival);
+    own_depth(x, y) = log_odds > min_log_odds ? kStands
+                      : gap <= kOnSurface     ? kMoves
+                                              : kGivesWay;
+  }
+
+  // Where there is no plane.
+  TSAR_HD bool StandsAgainstPrior(int x, int y, const PriorDepth& prior) const {
+    const float log_ratio = LogLikelihoodRatio(prior, contested(x, y));
+    if (log_ratio >= 0.f) {
+      return true;
+    }
+    const float before =
+        ConfidenceInSurface({DepthKind::kStanding,
+                             SupportAt(inputs, votes(x, y), x, y),
+                             {},
+                             0.f,
+                             0.f});
+    return PosteriorProbability(before, log_ratio) >
+           PosteriorProbability(0.5f, min_log_odds);
   }
 };
 
@@ -125,6 +145,13 @@ struct ComposeSceneKernel {
     }
     const Plane plane = inputs.scene_planes.At(x, y);
     const bool has_plane = plane.Valid();
+    if (const PriorDepth prior = inputs.prior.At(x, y);
+        !has_plane && prior.depth > 0.f) {
+      depth(x, y) = prior.depth;
+      normal(x, y) = inputs.prior.NormalAt(x, y);
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
+      return;
+    }
     depth(x, y) =
         has_plane ? plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)) : 0.f;
     normal(x, y) = has_plane ? plane.normal : Vec3f{};
@@ -151,13 +178,45 @@ struct SceneConfidenceKernel {
       confidence(x, y) = 0.f;
       return;
     }
+    const PriorDepth prior = inputs.prior.At(x, y);
+    if (static_cast<Provenance>(provenance(x, y)) == Provenance::kPrior) {
+      confidence(x, y) =
+          ProbabilityWithin(prior, kSameSurface) >= min_fill_confidence
+              ? Bounded(ProbabilityWithin(prior, kRight))
+              : 0.f;
+      return;
+    }
     const DepthEvidence evidence = EvidenceAt(x, y);
     const bool is_measured =
         static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
+    const float in_surface = ConfidenceInSurface(evidence);
+    // The prior tells which surface, not how precisely.
+    const float with_prior = PosteriorProbability(
+        in_surface, LogLikelihoodRatio(prior, depth(x, y)));
     confidence(x, y) =
-        is_measured || ConfidenceInSurface(evidence) >= min_fill_confidence
-            ? ConfidenceOf(evidence)
+        is_measured || with_prior >= min_fill_confidence
+            ? inputs.prior.depth.Empty()
+                  ? ConfidenceOf(evidence)
+                  : Bounded(ConfidenceOf(evidence) * with_prior / in_surface)
             : 0.f;
+  }
+
+  // What confidence is the probability of; and how far a prior may be off and
+  // still be on the right surface.
+  static constexpr float kRight = 0.01f;
+  static constexpr float kSameSurface = 0.03f;
+
+  TSAR_HD static float Bounded(float probability) {
+    return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
+  }
+
+  // Of a prior's relative error, by an approximation of the normal distribution
+  // that is right to 0.01.
+  TSAR_HD static float ProbabilityWithin(const PriorDepth& prior, float error) {
+    constexpr float kTwoOverPi = 0.63661977f;
+    const float share = error / prior.sigma;
+    return (1.f - prior.outlier_share) *
+           sqrtf(1.f - ExpOfNegative(-kTwoOverPi * share * share));
   }
 
   TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {

@@ -12,6 +12,7 @@
 #include "colmap_tsar/pipeline/depth_confidence.h"
 #include "colmap_tsar/pipeline/view_votes.h"
 #include "colmap_tsar/planes/group_planes.h"
+#include "colmap_tsar/priors/prior_raster.h"
 #include "colmap_tsar/scene_planes/inverse_depth_error.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/superpixels/samples.h"
@@ -51,6 +52,7 @@ struct ComposeSceneInputs {
   const ComposedSuperpixel* of_superpixel = nullptr;
   // ComputeTexture() of the raster.
   ImageView<const float> texture;
+  PriorRaster prior{};  // May be empty.
 };
 
 // Of the superpixel under a pixel of the map.

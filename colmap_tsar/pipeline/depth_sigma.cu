@@ -63,6 +63,10 @@ struct SceneSigmaKernel {
       return;
     }
     const auto source = static_cast<Provenance>(provenance(x, y));
+    if (source == Provenance::kPrior) {
+      sigma(x, y) = ToPositiveHalf(z * inputs.prior.At(x, y).sigma);
+      return;
+    }
     const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
     const bool is_on_plane = IsOnPlane(inputs.scene_planes, x, y, z);
     const float matching = Matching(source, is_on_plane, superpixel) *

@@ -9,6 +9,7 @@
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
@@ -23,10 +24,11 @@ namespace tsar {
 // What the stages of a single view found, in main memory.
 struct MeasuredImage {
   EvidenceInputs inputs;
-  Image<Rgb> color;        // Of the raster of the inputs.
-  Image<float> gray;       // Of the same.
-  Image<uint8_t> ratings;  // See ViewEvidence::ratings.
-  Camera camera;           // Of the maps.
+  Image<Rgb> color;                         // Of the raster of the inputs.
+  Image<float> gray;                        // Of the same.
+  Image<uint8_t> ratings;                   // See ViewEvidence::ratings.
+  Camera camera;                            // Of the maps.
+  std::shared_ptr<const DepthPrior> prior;  // Null: none.
 };
 
 struct RefineResult {

@@ -75,6 +75,23 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   return inputs;
 }
 
+// The measurements that a prior is aligned by: those on texture of their own.
+// On bare surfaces errors are shared by whole areas, of all views alike, and a
+// prior would follow them.
+Image<RayDepth> SamplesToAlignBy(const EvidenceInputs& inputs) {
+  constexpr float kMinOwnTexture = 0.5f;
+  const EvidenceOptions options;
+  Image<RayDepth> samples = inputs.samples;
+  for (size_t i = 0; i < samples.NumPixels(); ++i) {
+    if (!(inputs.texture.Data()[i] > options.min_texture) ||
+        (!inputs.fattening_weight.Empty() &&
+         inputs.fattening_weight.Data()[i] < kMinOwnTexture)) {
+      samples.Data()[i] = {};
+    }
+  }
+  return samples;
+}
+
 // Keeps of the planes of superpixels those that the view as a whole needs:
 // most of the hundreds say the same, and every neighbour would have to look at
 // each of them.
@@ -223,7 +240,8 @@ RefineResult MeasureImage(
       PackRatings(
           surfaces.trusted.View(), surfaces.confirmations.View(), device)
           .ToHost(),
-      views.ReferenceCamera()});
+      views.ReferenceCamera(),
+      reference.prior});
   timer.Finish("download");
   return result;
 }
@@ -242,7 +260,15 @@ void MakeEvidence(const RefineOptions& options,
                                inputs.num_superpixels,
                                PatchRadius(measured.gray, measured.camera));
   }
-  GatheredEvidence gathered = GatherEvidence(measured.inputs, {});
+  EvidenceOptions evidence_options;
+  if (measured.prior != nullptr) {
+    measured.inputs.prior =
+        AlignPrior(*measured.prior, SamplesToAlignBy(measured.inputs));
+    evidence_options.tolerance = static_cast<float>(
+        PlaneTolerance(options, MeasureNoise(measured.inputs)));
+    timer.Finish("prior");
+  }
+  GatheredEvidence gathered = GatherEvidence(measured.inputs, evidence_options);
   gathered.evidence.color = std::move(measured.color);
   gathered.evidence.ratings = std::move(measured.ratings);
   timer.Finish("evidence");
@@ -294,12 +320,20 @@ RefineResult ComposeImage(
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<float> texture = RasterTexture(evidence, device);
+  const DeviceImage<float> prior_depth(device, evidence.prior.depth);
+  const DeviceImage<float> prior_sigma(device, evidence.prior.sigma);
   timer.Finish("upload");
   const ComposeSceneInputs inputs{std::as_const(ratings).View(),
                                   view.OnMap(scene_planes),
                                   device_superpixels.View(),
                                   of_superpixel.Data(),
-                                  texture.View()};
+                                  texture.View(),
+                                  {prior_depth.View(),
+                                   prior_sigma.View(),
+                                   evidence.prior.outlier_share,
+                                   view.MapIntrinsics(),
+                                   view.hypotheses.depth.Width(),
+                                   view.hypotheses.depth.Height()}};
   const ViewSurfaces surfaces{views, found.planes_of_sources};
   ComposedMap composed = ComposeScene(std::move(view.hypotheses),
                                       inputs,

@@ -19,6 +19,7 @@ enum class Provenance : uint8_t {
   kRegionPlane = 4,
   kOtherViews = 5,  // Their planes, where they measured these.
   kGuessed = 6,     // Planes of the scene that no view measured there.
+  kPrior = 7,       // A depth prior from outside.
 };
 
 // The result for one image; all have the size of the original maps.

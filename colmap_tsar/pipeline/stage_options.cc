@@ -118,12 +118,14 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   return planes;
 }
 
+double PlaneTolerance(const RefineOptions& options, double noise) {
+  return std::clamp(
+      options.plane_tolerance * noise, kMinTolerance, kMaxTolerance);
+}
+
 SceneOptions MakeSceneOptions(const RefineOptions& options,
                               const std::vector<ObservedView>& views) {
-  const double tolerance =
-      std::clamp(options.plane_tolerance * MedianNoise(views),
-                 kMinTolerance,
-                 kMaxTolerance);
+  const double tolerance = PlaneTolerance(options, MedianNoise(views));
   SceneOptions scene;
   scene.discovery.tolerance = tolerance;
   scene.discovery.min_gain = options.min_scene_plane;

@@ -55,6 +55,10 @@ struct SceneOptions {
   ComposeSceneOptions composition;
 };
 
+// How far depths may lie off a plane, in relative depths of one pixel of
+// disparity. noise: see ViewEvidence.
+double PlaneTolerance(const RefineOptions& options, double noise);
+
 // views: those that see the scene; the tolerance follows from their noise.
 SceneOptions MakeSceneOptions(const RefineOptions& options,
                               const std::vector<ObservedView>& views);

@@ -18,6 +18,8 @@ struct DepthObservation {
   double depth = 0.0;
   double sigma = 1.0;   // Expected error of the depth, in its units; above 0.
   double weight = 1.0;  // How many observations it counts for; not below 0.
+  // Deviations up to this many tolerances count as none.
+  double slack = 0.0;
 
   Eigen::Vector3d Point() const { return center + depth * ray; }
 };

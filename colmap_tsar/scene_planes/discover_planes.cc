@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -45,7 +46,8 @@ class Discovery {
         fitter_(observations, scorer_, options.tolerance, device) {}
 
   std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
-    ChooseCandidates(candidates);
+    ChooseCandidates(candidates,
+                     std::vector<float>(observations_.Count(), 0.f));
     do {
       FitToAssigned();
     } while (DropAndMergePlanes(
@@ -56,13 +58,22 @@ class Discovery {
     return std::move(planes_);
   }
 
+  // Planes for superpixels of which none of the known ones explains enough.
+  // best: what is reached in each superpixel.
+  std::vector<ScoredPlane> Extend(const std::vector<WorldPlane>& candidates,
+                                  std::vector<float> best) {
+    ChooseCandidates(candidates, std::move(best));
+    return std::move(planes_);
+  }
+
   // That the planes were aligned to.
   const std::optional<ManhattanFrame>& Frame() const { return frame_; }
 
  private:
-  void ChooseCandidates(const std::vector<WorldPlane>& candidates) {
+  // best: the scores that are reached in each superpixel already.
+  void ChooseCandidates(const std::vector<WorldPlane>& candidates,
+                        std::vector<float> best) {
     LazyGreedySelection selection(candidates, scorer_, *device_);
-    std::vector<float> best(observations_.Count(), 0.f);
     while (static_cast<int>(planes_.size()) < options_.max_planes) {
       const LazyGreedySelection::Choice choice = selection.Next(best);
       if (choice.candidate < 0 || choice.gain < options_.min_gain) {
@@ -183,6 +194,61 @@ WorldPlane ToWorld(const WorldPlane& plane, const Camera& reference) {
   return {normal, plane.offset - normal.dot(reference.Center())};
 }
 
+// Adds planes that priors alone tell of, for superpixels that no measurement
+// places on a plane. What measurements tell is found first, without priors:
+// these cannot tell planes apart that are as close as their errors.
+// candidates: in the reference's frame.
+void AddPlanesOfPriors(const std::vector<ObservedView>& views,
+                       const std::vector<WorldPlane>& candidates,
+                       const SuperpixelMatches& matches,
+                       const DiscoverPlanesOptions& options,
+                       Device& device,
+                       DiscoveredPlanes* discovered) {
+  if (std::all_of(views.begin(), views.end(), [](const ObservedView& view) {
+        return view.evidence->errors.empty();
+      })) {
+    return;
+  }
+  const Camera& reference = views[0].camera;
+  const SuperpixelObservations observations(
+      views, options.max_weight, ObservationsOf::kPriors);
+  const PlaneScorer scorer(observations, options.tolerance, device);
+  std::vector<WorldPlane> known;
+  for (const ScenePlane& plane : discovered->planes) {
+    known.push_back(FromWorld(plane.plane, reference));
+  }
+  std::vector<float> best(observations.Count(), 0.f);
+  for (const ScoredPlane& plane : ScorePlanes(scorer, known, device)) {
+    for (const int k : plane.superpixels) {
+      best[k] = std::max(best[k], plane.scores[k]);
+    }
+  }
+  std::vector<int*> assigned;
+  for (std::vector<int>& of_view : discovered->assignment) {
+    for (int& plane : of_view) {
+      if (plane >= 0) {
+        best[assigned.size()] = std::numeric_limits<float>::max();
+      }
+      assigned.push_back(&plane);
+    }
+  }
+  for (const ScoredPlane& plane :
+       Discovery(observations, matches, options, device)
+           .Extend(candidates, best)) {
+    const auto number = static_cast<int>(discovered->planes.size());
+    double support = 0.0;
+    for (const int k : plane.superpixels) {
+      if (plane.scores[k] > best[k]) {
+        best[k] = plane.scores[k];
+        support += best[k];
+        *assigned[k] = number;
+      }
+    }
+    discovered->planes.push_back(
+        {ToWorld(plane.plane, reference), support, -1});
+  }
+}
+
 }  // namespace
 
 ObservedView MakeObservedView(const ViewEvidence& evidence,
@@ -264,6 +330,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
       plane = found >= 0 ? places[found] : -1;
     }
   }
+  AddPlanesOfPriors(views, local_candidates, matches, options, device, &result);
   return result;
 }
 

@@ -59,7 +59,8 @@ struct ScenePlane {
 };
 
 struct DiscoveredPlanes {
-  std::vector<ScenePlane> planes;  // By falling support.
+  // By falling support; those that priors alone tell of come last.
+  std::vector<ScenePlane> planes;
   // assignment[view][superpixel] is the index of the plane that explains the
   // superpixel's observations best, or -1 where none explains any.
   std::vector<std::vector<int>> assignment;

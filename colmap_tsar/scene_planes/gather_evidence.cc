@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
 #include "colmap_tsar/scene_planes/observe_pixels.h"
+#include "colmap_tsar/scene_planes/prior_planes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -105,34 +106,81 @@ size_t Spaced(size_t i, size_t count, size_t size) {
   return (2 * i + 1) * size / (2 * count);
 }
 
+// Adds an evenly spaced sample of some pixels' observations, of which the
+// confidences are scaled by `share`.
+void AddSample(const Image<PixelObservation>& observed,
+               const std::vector<int>& pixels,
+               size_t count,
+               float share,
+               ViewEvidence* evidence) {
+  for (size_t i = 0; i < count; ++i) {
+    PixelObservation pixel =
+        observed.Data()[pixels[Spaced(i, count, pixels.size())]];
+    pixel.observation.confidence *= share;
+    evidence->observations.push_back(pixel.observation);
+    evidence->sources.push_back(pixel.source);
+    evidence->errors.push_back(pixel.error);
+  }
+}
+
+float SumOfConfidences(const Image<PixelObservation>& observed,
+                       const std::vector<int>& pixels) {
+  float sum = 0.f;
+  for (const int pixel : pixels) {
+    sum += observed.Data()[pixel].observation.confidence;
+  }
+  return sum;
+}
+
 void AddObservations(const EvidenceInputs& inputs,
                      const RegionCandidates& regions,
                      const EvidenceOptions& options,
                      ViewEvidence* evidence) {
-  const Image<Observation> observations =
+  const Image<PixelObservation> observed =
       ObservePixels(inputs, regions, options, &evidence->confident_depth);
-  const std::vector<std::vector<int>> observed = PixelsOfSuperpixels(
-      inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
-        return observations.Data()[i].confidence > 0.f;
-      });
+  const auto pixels_of = [&](bool is_prior) {
+    return PixelsOfSuperpixels(
+        inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
+          const PixelObservation& pixel = observed.Data()[i];
+          return pixel.observation.confidence > 0.f &&
+                 (pixel.source == ObservationSource::kPrior) == is_prior;
+        });
+  };
+  const std::vector<std::vector<int>> own = pixels_of(false);
+  const std::vector<std::vector<int>> of_prior = pixels_of(true);
   evidence->first_observation.push_back(0);
-  for (const std::vector<int>& pixels : observed) {
-    float weight = 0.f;
-    for (const int pixel : pixels) {
-      weight += observations.Data()[pixel].confidence;
+  for (size_t k = 0; k < own.size(); ++k) {
+    const float own_weight = SumOfConfidences(observed, own[k]);
+    const float prior_weight = SumOfConfidences(observed, of_prior[k]);
+    evidence->weights.push_back(own_weight + prior_weight);
+    const size_t first = evidence->observations.size();
+    AddSample(
+        observed,
+        own[k],
+        std::min(own[k].size(),
+                 static_cast<size_t>(options.max_observations_per_superpixel)),
+        1.f,
+        evidence);
+    float sampled = 0.f;
+    for (size_t i = first; i < evidence->observations.size(); ++i) {
+      sampled += evidence->observations[i].confidence;
     }
-    evidence->weights.push_back(weight);
     const size_t count =
-        std::min(pixels.size(),
-                 static_cast<size_t>(options.max_observations_per_superpixel));
-    for (size_t i = 0; i < count; ++i) {
-      const int pixel = pixels[Spaced(i, count, pixels.size())];
-      evidence->observations.push_back(observations.Data()[pixel]);
-      evidence->is_measured.push_back(
-          IsMeasured(inputs.samples.Data()[pixel]) ? 1 : 0);
-    }
+        std::min(of_prior[k].size(),
+                 static_cast<size_t>(options.max_priors_per_superpixel));
+    // So that both weigh in the sample what they weigh in the superpixel.
+    const float rate = own_weight > 0.f ? sampled / own_weight : 1.f;
+    AddSample(observed,
+              of_prior[k],
+              count,
+              rate * static_cast<float>(of_prior[k].size()) /
+                  static_cast<float>(std::max<size_t>(count, 1)),
+              evidence);
     evidence->first_observation.push_back(
         static_cast<int>(evidence->observations.size()));
+  }
+  if (inputs.prior.Empty()) {
+    evidence->errors.clear();
   }
 }
 
@@ -217,7 +265,8 @@ void AddBorders(const EvidenceInputs& inputs,
   }
 }
 
-// The spread of measurements about their superpixels' planes.
+}  // namespace
+
 float MeasureNoise(const EvidenceInputs& inputs) {
   std::vector<float> residuals;
   for (size_t i = 0; i < inputs.samples.NumPixels(); ++i) {
@@ -237,8 +286,6 @@ float MeasureNoise(const EvidenceInputs& inputs) {
   return kMedianToSigma * *middle;
 }
 
-}  // namespace
-
 GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
                                 const EvidenceOptions& options) {
   GatheredEvidence gathered;
@@ -256,11 +303,15 @@ GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
   AddObservations(inputs, regions, options, &evidence);
   AddConfirmed(inputs, options, &evidence);
   AddBorders(inputs, options, &evidence);
+  evidence.prior = inputs.prior;
   evidence.candidates = regions.planes;
   std::copy_if(inputs.superpixel_planes.begin(),
                inputs.superpixel_planes.end(),
                std::back_inserter(evidence.candidates),
                [](const Plane& plane) { return plane.Valid(); });
+  const std::vector<Plane> of_prior = ProposePlanesOfPrior(evidence);
+  evidence.candidates.insert(
+      evidence.candidates.end(), of_prior.begin(), of_prior.end());
   gathered.num_region_planes = static_cast<int>(regions.planes.size());
   return gathered;
 }

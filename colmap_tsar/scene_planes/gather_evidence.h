@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane_fit.h"
+#include "colmap_tsar/priors/align_prior.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstdint>
@@ -28,7 +29,15 @@ struct EvidenceOptions {
   // It counts less where measurements in the same superpixel lie off the plane:
   // further than this, as a multiple of RelativeDepthError().
   float max_region_plane_residual = 6.f;
+  // What a pixel counts whose depth a prior tells, where none of this is known:
+  // errors of priors are those of whole surfaces.
+  float confidence_of_prior = 0.1f;
+  // The error of a prior at which it still speaks for a plane, in its standard
+  // deviations; and that of measurements, in expected ones.
+  float prior_tolerance = 2.f;
+  float tolerance = 1.f;
   int max_observations_per_superpixel = 32;
+  int max_priors_per_superpixel = 12;
   int max_confirmed_per_superpixel = 12;
   // The weight of a pair of pixels across a border is
   // base + contrast exp(-edge / scale), edge in grey levels.
@@ -49,6 +58,7 @@ struct EvidenceInputs {
   Image<float> texture;
   Image<float> contrast;
   Image<float> fattening_weight;  // May be empty: 1 everywhere.
+  AlignedPrior prior;             // May be empty.
   Intrinsics intrinsics;          // Of the raster.
   DepthResolution resolution;
 };
@@ -59,6 +69,10 @@ struct GatheredEvidence {
   // How many of its candidates, which are the first, are planes of regions.
   int num_region_planes = 0;
 };
+
+// The spread of measurements about their superpixels' planes, in relative
+// depths of one pixel of disparity; 0 where no superpixel has a plane.
+float MeasureNoise(const EvidenceInputs& inputs);
 
 GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
                                 const EvidenceOptions& options);

@@ -326,6 +326,8 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
   std::vector<std::vector<DepthObservation>> superpixels =
       MeasuredSuperpixels(views, discovered, support);
   const SuperpixelObservations observations(views, discovery.max_weight);
+  const SuperpixelObservations of_priors(
+      views, discovery.max_weight, ObservationsOf::kPriors);
   const std::vector<std::vector<int>> members = MembersOf(discovered);
   const Eigen::Matrix3d to_world = views[0].camera.rotation.transpose();
   const Eigen::Vector3d origin = views[0].camera.Center();
@@ -333,17 +335,22 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
   for (size_t p = 0; p < members.size(); ++p) {
     MeasuredScenePlane plane;
     plane.found = discovered.planes[p];
-    size_t count = 0;
-    for (const int k : members[p]) {
-      count += static_cast<size_t>(observations.NumObservations(k));
-    }
-    observations.Sample(
-        members[p], kMaxPlaneSamples, [&](DepthObservation sample) {
-          sample.center = to_world * sample.center + origin;
-          sample.ray = to_world * sample.ray;
-          sample.sigma *= discovery.tolerance;
-          plane.observations.push_back(sample);
-        });
+    const auto count_of = [&](const SuperpixelObservations& of_members) {
+      size_t count = 0;
+      for (const int k : members[p]) {
+        count += static_cast<size_t>(of_members.NumObservations(k));
+      }
+      return count;
+    };
+    const SuperpixelObservations& sampled =
+        count_of(observations) > 0 ? observations : of_priors;
+    const size_t count = count_of(sampled);
+    sampled.Sample(members[p], kMaxPlaneSamples, [&](DepthObservation sample) {
+      sample.center = to_world * sample.center + origin;
+      sample.ray = to_world * sample.ray;
+      sample.sigma *= discovery.tolerance;
+      plane.observations.push_back(sample);
+    });
     for (DepthObservation& sample : plane.observations) {
       sample.weight *= static_cast<double>(count) /
                        static_cast<double>(plane.observations.size());

@@ -154,7 +154,8 @@ class LineTest {
         const RayDepth& sample = evidence_.observations[i].sample;
         const Vec3f ray = {sample.x, sample.y, 1.f};
         const float place = axis.Place(ray);
-        if (evidence_.is_measured[i] == 0 || std::isnan(place)) {
+        if (evidence_.sources[i] != ObservationSource::kMeasured ||
+            std::isnan(place)) {
           continue;
         }
         const float max_gap = options_.tolerance * sample.z *

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/observe_pixels.h"
 
+#include "colmap_tsar/priors/prior_likelihood.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -83,6 +85,31 @@ float ConfidenceOfFill(const RegionPlaneSupport& support,
                           : 0.f;
 }
 
+PriorDepth PriorAt(const AlignedPrior& prior, int x, int y) {
+  return prior.Empty()
+             ? PriorDepth{}
+             : PriorDepth{
+                   prior.depth(x, y), prior.sigma(x, y), prior.outlier_share};
+}
+
+// Of confidence 0 where there is no prior.
+PixelObservation ObservePrior(const EvidenceInputs& inputs,
+                              int x,
+                              int y,
+                              const EvidenceOptions& options) {
+  const PriorDepth prior = PriorAt(inputs.prior, x, y);
+  if (!(prior.depth > 0.f)) {
+    return {};
+  }
+  const Vec3f ray = inputs.intrinsics.Ray(x, y);
+  const float expected =
+      options.tolerance * inputs.resolution.RelativeDepthError(prior.depth);
+  return {{{ray.x, ray.y, prior.depth},
+           options.confidence_of_prior * (1.f - prior.outlier_share)},
+          ObservationSource::kPrior,
+          std::max(options.prior_tolerance * prior.sigma / expected, 1.f)};
+}
+
 }  // namespace
 
 bool IsMeasured(const RayDepth& sample) {
@@ -97,13 +124,13 @@ float Residual(const RayDepth& sample,
          (sample.z * resolution.RelativeDepthError(sample.z));
 }
 
-Image<Observation> ObservePixels(const EvidenceInputs& inputs,
-                                 const RegionCandidates& regions,
-                                 const EvidenceOptions& options,
-                                 Image<float>* confident_depth) {
+Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
+                                      const RegionCandidates& regions,
+                                      const EvidenceOptions& options,
+                                      Image<float>* confident_depth) {
   const int width = inputs.superpixels.Width();
   const int height = inputs.superpixels.Height();
-  Image<Observation> observations(width, height);
+  Image<PixelObservation> observations(width, height);
   *confident_depth = Image<float>(width, height);
   const std::vector<RegionPlaneSupport> supports =
       MeasureRegionPlaneSupport(inputs, regions, options);
@@ -112,20 +139,30 @@ Image<Observation> ObservePixels(const EvidenceInputs& inputs,
       const RayDepth& sample = inputs.samples(x, y);
       const int number = regions.of_pixels(x, y);
       if (IsMeasured(sample)) {
-        observations(x, y) = {sample,
-                              ConfidenceOfMeasurement(inputs, x, y, options)};
+        observations(x, y) = {
+            {sample, ConfidenceOfMeasurement(inputs, x, y, options)},
+            ObservationSource::kMeasured};
         (*confident_depth)(x, y) =
             HasTexture(inputs, x, y, options) ? sample.z : 0.f;
-      } else if (number > 0) {
+        continue;
+      }
+      if (number > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =
             regions.planes[static_cast<size_t>(number - 1)].Depth(ray);
         if (depth > 0.f && std::isfinite(depth)) {
           const RegionPlaneSupport& support =
               supports[static_cast<size_t>(inputs.superpixels(x, y))];
-          observations(x, y) = {{ray.x, ray.y, depth},
-                                ConfidenceOfFill(support, options)};
+          // Unless a prior contradicts it, the plane of the region tells more.
+          if (LogLikelihoodRatio(PriorAt(inputs.prior, x, y), depth) >= 0.f) {
+            observations(x, y) = {
+                {{ray.x, ray.y, depth}, ConfidenceOfFill(support, options)},
+                ObservationSource::kRegionPlane};
+          }
         }
+      }
+      if (!(observations(x, y).observation.confidence > 0.f)) {
+        observations(x, y) = ObservePrior(inputs, x, y, options);
       }
     }
   }

@@ -31,12 +31,18 @@ struct RegionCandidates {
   Image<uint16_t> of_pixels;
 };
 
+struct PixelObservation {
+  Observation observation;
+  ObservationSource source = ObservationSource::kMeasured;
+  float error = 1.f;  // See ViewEvidence::errors.
+};
+
 // The observation of each pixel, of confidence 0 where there is none: what was
-// measured, and elsewhere the plane of the pixel's region. confident_depth: of
-// ViewEvidence.
-Image<Observation> ObservePixels(const EvidenceInputs& inputs,
-                                 const RegionCandidates& regions,
-                                 const EvidenceOptions& options,
-                                 Image<float>* confident_depth);
+// measured, elsewhere the plane of the pixel's region, or what a prior says.
+// confident_depth: of ViewEvidence.
+Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
+                                      const RegionCandidates& regions,
+                                      const EvidenceOptions& options,
+                                      Image<float>* confident_depth);
 
 }  // namespace tsar

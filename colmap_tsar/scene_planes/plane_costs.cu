@@ -70,7 +70,8 @@ struct CostKernel {
   const SuperpixelData* superpixels;
   const PlaneData* planes;
   const Observation* observations;
-  const uint8_t* is_measured;
+  const ObservationSource* observation_sources;
+  const float* errors;  // Null: all 1.
   const RayDepth* confirmed;
   PixelGroupsView pixels;  // Of the superpixels.
   const PlanePoint* cells;
@@ -112,10 +113,17 @@ struct CostKernel {
     for (int i = 0; i < superpixel.num_observations; ++i) {
       const int number = superpixel.first_observation + i;
       const Observation& observation = observations[number];
-      const float share = ResidualShare(observation.sample, plane);
+      const ObservationSource source = observation_sources[number];
+      const float share = ResidualShare(
+          observation.sample,
+          plane,
+          errors == nullptr ? 1.f : errors[number],
+          source == ObservationSource::kPrior ? kSlackOfPrior : 0.f);
       cost += observation.confidence * share * share;
-      explained += share < 1.f ? observation.confidence : 0.f;
-      if (is_measured[number] != 0) {
+      explained += share < 1.f && source != ObservationSource::kPrior
+                       ? observation.confidence
+                       : 0.f;
+      if (source == ObservationSource::kMeasured) {
         measured.Add(share, observation.confidence);
       }
     }
@@ -140,23 +148,27 @@ struct CostKernel {
     const float weight = options.confirmed_weight *
                          superpixel.confirmed_pixels / superpixel.num_confirmed;
     for (int i = 0; i < superpixel.num_confirmed; ++i) {
-      const float share =
-          ResidualShare(confirmed[superpixel.first_confirmed + i], plane);
+      const float share = ResidualShare(
+          confirmed[superpixel.first_confirmed + i], plane, 1.f, 0.f);
       result->cost += weight * share * share;
       measured->Add(share, weight);
     }
   }
 
-  // How far a depth lies off a plane, as a share of the tolerance, at most 1.
+  // How far a depth lies off a plane beyond the slack, as a share of the
+  // tolerance for so large an error, at most 1.
   TSAR_HD float ResidualShare(const RayDepth& sample,
-                              const Plane& plane) const {
+                              const Plane& plane,
+                              float error,
+                              float slack) const {
     const float depth = plane.Depth({sample.x, sample.y, 1.f});
     if (!(depth > 0.f)) {
       return 1.f;
     }
     const float residual = fabsf(depth - sample.z) /
                            (sample.z * resolution.RelativeDepthError(sample.z));
-    return fminf(residual / options.tolerance, 1.f);
+    return fminf(fmaxf(residual / (options.tolerance * error) - slack, 0.f),
+                 1.f);
   }
 
   TSAR_HD void AddOtherViews(int superpixel,
@@ -303,7 +315,8 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
       device, MakeSuperpixelData(evidence, intrinsics));
   const Buffer<PlaneData> device_planes(device, MakePlaneData(planes, support));
   const Buffer<Observation> observations(device, evidence.observations);
-  const Buffer<uint8_t> is_measured(device, evidence.is_measured);
+  const Buffer<ObservationSource> observation_sources(device, evidence.sources);
+  const Buffer<float> errors(device, evidence.errors);
   const Buffer<RayDepth> confirmed(device, evidence.confirmed);
   const Buffer<PlanePoint> cells(device, support.cells);
   const auto [min_depth, max_depth] = DepthRange(evidence);
@@ -315,7 +328,8 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
               CostKernel{superpixels.Data(),
                          device_planes.Data(),
                          observations.Data(),
-                         is_measured.Data(),
+                         observation_sources.Data(),
+                         evidence.errors.empty() ? nullptr : errors.Data(),
                          confirmed.Data(),
                          inputs.Pixels(),
                          cells.Data(),

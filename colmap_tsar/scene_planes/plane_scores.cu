@@ -78,9 +78,12 @@ struct ScoreKernel {
                             normal.y * block.ray_y[i] +
                             normal.z * block.ray_z[i];
         const float steepness = fabsf(slope);
-        const float ratio = (slope + height * block.inverse_distance[i]) *
-                            block.precision[i] /
-                            (steepness > kMinSlope ? steepness : kMinSlope);
+        const float deviation =
+            fabsf(slope + height * block.inverse_distance[i]) *
+                block.precision[i] /
+                (steepness > kMinSlope ? steepness : kMinSlope) -
+            block.slack[i];
+        const float ratio = deviation > 0.f ? deviation : 0.f;
         const float share = 1.f - ratio * ratio;
         shares[i] = share > 0.f ? share : 0.f;
       }
@@ -175,8 +178,11 @@ PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
       block.precision[lane] = static_cast<float>(
           observation.depth / (observation.sigma * tolerance));
       block.weight[lane] = static_cast<float>(observation.weight);
+      block.slack[lane] = static_cast<float>(observation.slack);
       box.extend(observation.Point());
-      reach = std::max(reach, observation.sigma * tolerance * length);
+      reach = std::max(
+          reach,
+          (1.0 + observation.slack) * observation.sigma * tolerance * length);
     }
     balls[k] = BallAround(box, kReachMargin * reach);
   };

@@ -26,6 +26,7 @@ struct ObservationBlock {
   float inverse_distance[kSize] = {};  // One over the length along it.
   float precision[kSize] = {};  // One over the tolerance, which is relative.
   float weight[kSize] = {};
+  float slack[kSize] = {};  // See DepthObservation.
 };
 
 // Planes that pass by it come near none of a superpixel's observations.

@@ -60,12 +60,14 @@ void AddSuperpixel(const ObservedView& view,
     depth.center = center;
     depth.ray = to_world * Eigen::Vector3d(sample.x, sample.y, 1.0);
     depth.depth = sample.z;
-    depth.sigma = sample.z * resolution.RelativeDepthError(sample.z);
+    depth.sigma = sample.z * resolution.RelativeDepthError(sample.z) *
+                  evidence.ErrorOf(static_cast<size_t>(i));
     if (!(std::abs(NormalizedResidual(plane, depth)) < options.tolerance)) {
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
-    if (observation.confidence >= options.min_measured_confidence) {
+    if (observation.confidence >= options.min_measured_confidence &&
+        !evidence.IsOfPrior(static_cast<size_t>(i))) {
       ++num_measured;
       confidence += observation.confidence;
       mean.ray += depth.ray;

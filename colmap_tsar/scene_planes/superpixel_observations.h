@@ -15,6 +15,10 @@
 
 namespace tsar {
 
+// Of a superpixel's observations those of the views themselves, measured or on
+// planes of regions, or those of their priors.
+enum class ObservationsOf { kViews, kPriors };
+
 // What DiscoverPlanes looks at: the superpixels of all views, one after the
 // other, with their observations in the frame of the first camera. Keeps
 // pointers into the views' evidence.
@@ -22,7 +26,8 @@ class SuperpixelObservations {
  public:
   // A superpixel counts for max_weight at most.
   SuperpixelObservations(const std::vector<ObservedView>& views,
-                         double max_weight);
+                         double max_weight,
+                         ObservationsOf which = ObservationsOf::kViews);
 
   int Count() const { return static_cast<int>(views_.size()); }
   // The number of each superpixel's view.
@@ -39,7 +44,8 @@ class SuperpixelObservations {
   DepthObservation At(int superpixel, int number) const;
 
   // Calls add(observation) for an evenly spaced sample of the observations of
-  // some superpixels, and returns the size of the sample.
+  // some superpixels, and returns the size of the
+  // sample.
   template <typename Function>
   size_t Sample(const std::vector<int>& members,
                 size_t max_samples,
@@ -74,11 +80,13 @@ class SuperpixelObservations {
   };
   struct Entry {
     const Observation* observations;
+    const float* errors;  // Null: all 1.
     int count;
     double weight;
     double confidences;  // The sum of the observations'.
   };
 
+  double slack_ = 0.0;
   std::vector<Frame> frames_;
   std::vector<int> views_;
   std::vector<Entry> entries_;

@@ -113,7 +113,8 @@ void SurfaceCosts::AddSamples(int s, Superpixel* superpixel) {
     const Observation& observation =
         evidence_.observations[static_cast<size_t>(k)];
     all += observation.confidence;
-    if (observation.confidence >= options_.min_confidence) {
+    if (observation.confidence >= options_.min_confidence &&
+        !evidence_.IsOfPrior(static_cast<size_t>(k))) {
       observations.push_back(observation);
       superpixel->confidence += observation.confidence;
     }
@@ -265,12 +266,16 @@ SuperpixelVotes SurfaceCosts::AskSources(const Superpixel& superpixel,
 
 bool SurfaceCosts::OpposesRegion(int s, const CurvedSurface& surface) const {
   const auto i = static_cast<size_t>(s);
-  const auto begin = evidence_.observations.begin();
+  std::vector<Observation> observations;
+  for (int k = evidence_.first_observation[i];
+       k < evidence_.first_observation[i + 1];
+       ++k) {
+    if (!evidence_.IsOfPrior(static_cast<size_t>(k))) {
+      observations.push_back(evidence_.observations[static_cast<size_t>(k)]);
+    }
+  }
   DepthSamples samples;
-  const SampleRange range =
-      samples.Add({begin + evidence_.first_observation[i],
-                   begin + evidence_.first_observation[i + 1]},
-                  resolution_);
+  const SampleRange range = samples.Add(observations, resolution_);
   std::vector<float> differences(range.PaddedCount());
   ComputeDifferences(surface, samples, range, differences.data());
   return std::any_of(

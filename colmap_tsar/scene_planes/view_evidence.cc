@@ -9,6 +9,15 @@
 
 namespace tsar {
 
+int ViewEvidence::FirstOfPrior(int superpixel) const {
+  int first = first_observation[static_cast<size_t>(superpixel) + 1];
+  while (first > first_observation[static_cast<size_t>(superpixel)] &&
+         IsOfPrior(static_cast<size_t>(first - 1))) {
+    --first;
+  }
+  return first;
+}
+
 std::vector<float> CountPixels(const ViewEvidence& evidence) {
   std::vector<float> num_pixels(evidence.weights.size(), 0.f);
   for (const uint16_t superpixel : evidence.superpixels) {

@@ -9,7 +9,9 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/priors/align_prior.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,9 +20,22 @@ namespace tsar {
 // A depth with its own ray, in the camera's frame, and how far it is to be
 // believed.
 struct Observation {
-  RayDepth sample;         // z > 0
-  float confidence = 0.f;  // in (0, 1]
+  RayDepth sample;  // z > 0
+  // In (0, 1]; above 1 where one observation stands for many of a prior.
+  float confidence = 0.f;
 };
+
+// Where the depth of an observation comes from.
+enum class ObservationSource : uint8_t {
+  kRegionPlane = 0,  // The plane of the pixel's region.
+  kMeasured = 1,     // What the view measured there.
+  kPrior = 2,        // A depth prior.
+};
+
+// The errors of a prior are those of whole surfaces. So that no plane is
+// preferred to another for following them, deviations up to the tolerance count
+// as none, and those of one more tolerance in full.
+constexpr float kSlackOfPrior = 1.f;
 
 // Where two superpixels touch.
 struct SuperpixelBorder {
@@ -57,10 +72,12 @@ struct ViewEvidence {
   // a sample of its pixels. NumSuperpixels() + 1 entries.
   std::vector<int> first_observation;
   std::vector<Observation> observations;
+  // For each observation its expected error, in relative depths of one pixel of
+  // disparity; empty where all are 1, as they are without a prior.
+  std::vector<float> errors;
+  std::vector<ObservationSource> sources;  // Of each observation.
   // What tells which plane a superpixel lies on, and not which planes there
-  // are. For each observation: 1 where its pixel was measured, 0 where the
-  // depth is that of the plane of its region.
-  std::vector<uint8_t> is_measured;
+  // are.
   // Depths that other views confirm and that the view itself did not trust.
   // Those of superpixel k are first_confirmed[k] to first_confirmed[k + 1]: a
   // sample of its pixels that have one, of which there are
@@ -78,6 +95,9 @@ struct ViewEvidence {
   // is empty up to there.
   Image<float> confident_depth;
 
+  // From outside; empty without.
+  AlignedPrior prior;
+
   // The image that the superpixels were made of.
   Image<Rgb> color;
 
@@ -85,6 +105,14 @@ struct ViewEvidence {
   // judged: that of the depth map, or of a reduced one.
   Image<uint8_t> ratings;
 
+  float ErrorOf(size_t observation) const {
+    return errors.empty() ? 1.f : errors[observation];
+  }
+  bool IsOfPrior(size_t observation) const {
+    return sources[observation] == ObservationSource::kPrior;
+  }
+  // A superpixel's observations of a prior are its last ones, from this on.
+  int FirstOfPrior(int superpixel) const;
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };
 

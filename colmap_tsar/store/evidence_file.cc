@@ -82,16 +82,26 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
     return "a superpixel's invalid weight";
   }
   if (first.front() != 0 || !std::ranges::is_sorted(first) ||
-      static_cast<size_t>(first.back()) != evidence.observations.size()) {
+      static_cast<size_t>(first.back()) != evidence.observations.size() ||
+      evidence.sources.size() != evidence.observations.size() ||
+      !(evidence.errors.empty() ||
+        evidence.errors.size() == evidence.observations.size())) {
     return "observations that are not those of the superpixels";
   }
-  if (!AllOf(evidence.observations, [](const Observation& observation) {
-        const RayDepth& sample = observation.sample;
-        return IsFinite(sample.x) & IsFinite(sample.y) &
-               IsFinitePositive(sample.z) & (observation.confidence > 0.f) &
-               (observation.confidence <= 1.f);
-      })) {
+  if (!AllOf(evidence.observations,
+             [](const Observation& observation) {
+               const RayDepth& sample = observation.sample;
+               return IsFinite(sample.x) & IsFinite(sample.y) &
+                      IsFinitePositive(sample.z) &
+                      IsFinitePositive(observation.confidence);
+             }) ||
+      !AllOf(evidence.errors, IsFinitePositive)) {
     return "an invalid observation";
+  }
+  if (!AllOf(evidence.sources, [](ObservationSource source) {
+        return source <= ObservationSource::kPrior;
+      })) {
+    return "an observation of an unknown kind";
   }
   if (!AllOf(evidence.candidates, [](const Plane& plane) {
         return IsFinite(plane.normal.x) & IsFinite(plane.normal.y) &
@@ -106,14 +116,17 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
     return std::nullopt;
   }
   const std::vector<int>& first_confirmed = evidence.first_confirmed;
-  if (evidence.ratings.Empty() ||
-      evidence.is_measured.size() != evidence.observations.size() ||
-      first_confirmed.size() != first.size() ||
+  if (evidence.ratings.Empty() || first_confirmed.size() != first.size() ||
       evidence.confirmed_pixels.size() != num_superpixels) {
     return "sizes that do not fit each other";
   }
-  if (!AllOf(evidence.is_measured, [](uint8_t flag) { return flag <= 1; })) {
-    return "an observation of an unknown kind";
+  const AlignedPrior& prior = evidence.prior;
+  if (!prior.Empty() &&
+      (!has_raster(prior.depth) || !has_raster(prior.sigma) ||
+       !AllOf(prior.depth, IsFiniteNotNegative) ||
+       !AllOf(prior.sigma, IsFiniteNotNegative) ||
+       !(prior.outlier_share > 0.f && prior.outlier_share < 1.f))) {
+    return "an invalid prior";
   }
   if (first_confirmed.front() != 0 ||
       !std::ranges::is_sorted(first_confirmed) ||
@@ -159,8 +172,11 @@ struct Header {
   Intrinsics intrinsics;
   float error_per_depth = 0.f;
   float noise = 0.f;
+  float prior_outlier_share = 0.f;
+  int32_t has_prior = 0;
   uint64_t num_superpixels = 0;
   uint64_t num_observations = 0;
+  uint64_t num_errors = 0;
   uint64_t num_confirmed = 0;
   uint64_t num_candidates = 0;
   uint64_t num_borders = 0;
@@ -177,6 +193,7 @@ struct Header {
         static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
     const uint64_t num_ratings = static_cast<uint64_t>(ratings_width) *
                                  static_cast<uint64_t>(ratings_height);
+    const uint64_t num_prior_pixels = has_prior != 0 ? num_pixels : 0;
     return {{num_pixels, sizeof(uint16_t)},
             {num_pixels, sizeof(float)},
             {num_pixels, sizeof(Rgb)},
@@ -184,8 +201,11 @@ struct Header {
             {num_superpixels, sizeof(int)},
             {1, sizeof(int)},
             {num_observations, sizeof(Observation)},
+            {num_observations, sizeof(ObservationSource)},
+            {num_errors, sizeof(float)},
             {num_candidates, sizeof(Plane)},
-            {num_observations, sizeof(uint8_t)},
+            {num_prior_pixels, sizeof(float)},
+            {num_prior_pixels, sizeof(float)},
             {num_superpixels, sizeof(int)},
             {1, sizeof(int)},
             {num_confirmed, sizeof(RayDepth)},
@@ -194,7 +214,7 @@ struct Header {
             {num_ratings, sizeof(uint8_t)}};
   }
 };
-static_assert(sizeof(Header) == 120);
+static_assert(sizeof(Header) == 136);
 
 // For writing and for reading.
 template <typename Evidence>
@@ -205,11 +225,14 @@ auto NeighbourArrays(Evidence& evidence) {
                      BytesOf(evidence.weights),
                      BytesOf(evidence.first_observation),
                      BytesOf(evidence.observations),
+                     BytesOf(evidence.sources),
+                     BytesOf(evidence.errors),
                      BytesOf(evidence.candidates)};
 }
 template <typename Evidence>
 auto OwnArrays(Evidence& evidence) {
-  return std::vector{BytesOf(evidence.is_measured),
+  return std::vector{BytesOf(evidence.prior.depth),
+                     BytesOf(evidence.prior.sigma),
                      BytesOf(evidence.first_confirmed),
                      BytesOf(evidence.confirmed),
                      BytesOf(evidence.confirmed_pixels),
@@ -235,7 +258,7 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/9,
+    /*version=*/10,
     &MissingEvidence,
     &CorruptEvidence};
 
@@ -265,7 +288,10 @@ void WriteEvidence(const ContainedPath& path,
   header.intrinsics = evidence.intrinsics;
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
+  header.prior_outlier_share = evidence.prior.outlier_share;
+  header.has_prior = evidence.prior.Empty() ? 0 : 1;
   header.num_superpixels = evidence.weights.size();
+  header.num_errors = evidence.errors.size();
   header.num_observations = evidence.observations.size();
   header.num_confirmed = evidence.confirmed.size();
   header.num_candidates = evidence.candidates.size();
@@ -297,10 +323,16 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.weights.resize(header.num_superpixels);
   evidence.first_observation.resize(header.num_superpixels + 1);
   evidence.observations.resize(header.num_observations);
+  evidence.sources.resize(header.num_observations);
+  evidence.errors.resize(header.num_errors);
   evidence.candidates.resize(header.num_candidates);
   reader.Read(NeighbourArrays(evidence), header.neighbour_fingerprint);
   if (parts == EvidenceParts::kAll) {
-    evidence.is_measured.resize(header.num_observations);
+    if (header.has_prior != 0) {
+      evidence.prior.outlier_share = header.prior_outlier_share;
+      evidence.prior.depth = Image<float>::Uninitialized(width, height);
+      evidence.prior.sigma = Image<float>::Uninitialized(width, height);
+    }
     evidence.first_confirmed.resize(header.num_superpixels + 1);
     evidence.confirmed.resize(header.num_confirmed);
     evidence.confirmed_pixels.resize(header.num_superpixels);

@@ -21,7 +21,7 @@ namespace tsar {
 
 enum class EvidenceParts {
   kAll,
-  // All but is_measured, the confirmed depths, borders and ratings, which stay
+  // All but the prior, the confirmed depths, borders and ratings, which stay
   // empty and are not even read from the disk.
   kForNeighbours,
 };

@@ -1,0 +1,248 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/priors/align_prior.h"
+
+#include "colmap_tsar/priors/correct_prior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+constexpr int kMinSamples = 200;
+// Priors of other images or scenes explain up to a quarter of the spread of
+// depths, which all images of rooms have in common: the floor is near.
+constexpr double kMinSkill = 0.4;
+// Blocks of the image's long side of which every second is left out to find how
+// well what was left out is predicted.
+constexpr int kNumBlocks = 5;
+// Beyond this many sigmas a prediction is an outlier.
+constexpr double kOutlier = 3.0;
+constexpr double kMinOutlierShare = 0.02;
+constexpr double kMaxOutlierShare = 0.5;
+// Steps of the prior within this share of the image's long side make depths
+// uncertain; steps below kFlat do not.
+constexpr double kEdgeWidth = 0.004;
+constexpr float kFlat = 0.03f;
+constexpr float kEdge = 0.1f;
+constexpr size_t kMinEdgeSamples = 50;
+
+bool IsMeasured(const RayDepth& sample) { return sample.z > 0.f; }
+
+// The prior's value in a pixel of the raster: interpolated where all four
+// neighbours have one, so that slanted surfaces do not become stairs.
+float ValueAt(const Image<float>& values,
+              const Image<RayDepth>& raster,
+              int x,
+              int y) {
+  const float u = (x + 0.5f) * values.Width() / raster.Width() - 0.5f;
+  const float v = (y + 0.5f) * values.Height() / raster.Height() - 0.5f;
+  const int x0 =
+      std::clamp(static_cast<int>(std::floor(u)), 0, values.Width() - 1);
+  const int y0 =
+      std::clamp(static_cast<int>(std::floor(v)), 0, values.Height() - 1);
+  const int x1 = std::min(x0 + 1, values.Width() - 1);
+  const int y1 = std::min(y0 + 1, values.Height() - 1);
+  const float s = std::clamp(u - static_cast<float>(x0), 0.f, 1.f);
+  const float t = std::clamp(v - static_cast<float>(y0), 0.f, 1.f);
+  const float corners[] = {
+      values(x0, y0), values(x1, y0), values(x0, y1), values(x1, y1)};
+  if (std::all_of(std::begin(corners), std::end(corners), [](float value) {
+        return value > 0.f && std::isfinite(value);
+      })) {
+    return (1.f - t) * ((1.f - s) * corners[0] + s * corners[1]) +
+           t * ((1.f - s) * corners[2] + s * corners[3]);
+  }
+  const float nearest = corners[(t < 0.5f ? 0 : 2) + (s < 0.5f ? 0 : 1)];
+  return nearest > 0.f && std::isfinite(nearest) ? nearest : 0.f;
+}
+
+// The largest minus the smallest value within `radius` along both axes.
+Image<float> LocalRange(const Image<float>& image, int radius) {
+  const auto along = [&](const Image<float>& source, bool rows, bool largest) {
+    Image<float> result(source.Width(), source.Height());
+    for (int y = 0; y < source.Height(); ++y) {
+      for (int x = 0; x < source.Width(); ++x) {
+        float best = source(x, y);
+        for (int d = -radius; d <= radius; ++d) {
+          const int i = rows ? x + d : x;
+          const int j = rows ? y : y + d;
+          if (source.Contains(i, j) && !std::isnan(source(i, j))) {
+            const float value = source(i, j);
+            best = std::isnan(best) ? value
+                   : largest        ? std::max(best, value)
+                                    : std::min(best, value);
+          }
+        }
+        result(x, y) = best;
+      }
+    }
+    return result;
+  };
+  const Image<float> high = along(along(image, true, true), false, true);
+  const Image<float> low = along(along(image, true, false), false, false);
+  Image<float> range(image.Width(), image.Height());
+  std::transform(high.begin(),
+                 high.end(),
+                 low.begin(),
+                 range.begin(),
+                 [](float a, float b) { return a - b; });
+  return range;
+}
+
+bool IsLeftOut(int x, int y, const Image<float>& image) {
+  const int side = std::max(image.Width(), image.Height());
+  return (x * kNumBlocks / side + y * kNumBlocks / side) % 2 == 1;
+}
+
+// Errors of the corrected prior where depths were measured, with what is known
+// of them.
+struct Prediction {
+  double error = 0.0;
+  double sigma = 0.0;
+  double step = 0.0;  // Beyond kFlat, within reach.
+};
+
+std::vector<Prediction> Predict(const Image<float>& residual,
+                                const Image<float>& steps,
+                                const PriorCorrection& correction,
+                                bool only_left_out) {
+  std::vector<Prediction> predictions;
+  for (int y = 0; y < residual.Height(); ++y) {
+    for (int x = 0; x < residual.Width(); ++x) {
+      if (!std::isnan(residual(x, y)) &&
+          (!only_left_out || IsLeftOut(x, y, residual))) {
+        predictions.push_back({residual(x, y) - correction.offset(x, y),
+                               correction.sigma(x, y),
+                               std::max(steps(x, y) - kFlat, 0.f)});
+      }
+    }
+  }
+  return predictions;
+}
+
+// How large errors are at steps of the prior, as a share of the step.
+double ErrorAtSteps(const std::vector<Prediction>& predictions) {
+  std::vector<double> shares;
+  for (const Prediction& prediction : predictions) {
+    if (prediction.step > kEdge - kFlat) {
+      shares.push_back(prediction.error / prediction.step);
+    }
+  }
+  return shares.size() >= kMinEdgeSamples
+             ? std::min(RobustSpread(std::move(shares)), 1.0)
+             : 0.5;
+}
+
+double SigmaOf(const Prediction& prediction, double error_at_steps) {
+  const double at_step = error_at_steps * prediction.step;
+  return std::sqrt(prediction.sigma * prediction.sigma + at_step * at_step);
+}
+
+std::string PercentText(double share) {
+  return std::to_string(std::lround(100.0 * share)) + " %";
+}
+
+}  // namespace
+
+AlignedPrior AlignPrior(const DepthPrior& prior,
+                        const Image<RayDepth>& samples) {
+  AlignedPrior aligned;
+  const int width = samples.Width();
+  const int height = samples.Height();
+  if (prior.values.Empty()) {
+    aligned.reason_to_drop = "it has no depth";
+    return aligned;
+  }
+  Image<float> values(width, height);
+  std::vector<PriorSample> measured;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      values(x, y) = ValueAt(prior.values, samples, x, y);
+      if (values(x, y) > 0.f && IsMeasured(samples(x, y))) {
+        measured.push_back({values(x, y), samples(x, y).z});
+      }
+    }
+  }
+  aligned.num_samples = static_cast<int>(measured.size());
+  if (aligned.num_samples < kMinSamples) {
+    aligned.reason_to_drop = "only " + std::to_string(measured.size()) +
+                             " of its pixels were measured";
+    return aligned;
+  }
+  aligned.fit = FitPrior(measured, prior.type);
+  if (aligned.fit.Skill() < kMinSkill) {
+    aligned.reason_to_drop = "it explains only " +
+                             PercentText(std::max(aligned.fit.Skill(), 0.0)) +
+                             " of the spread of the measured depths";
+    return aligned;
+  }
+  Image<float> log_depth(width, height, kNone);
+  Image<float> residual(width, height, kNone);
+  Image<float> kept(width, height, kNone);  // Not left out.
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double depth = aligned.fit.function.Depth(values(x, y));
+      if (!(depth > 0.0)) {
+        continue;
+      }
+      log_depth(x, y) = static_cast<float>(std::log(depth));
+      if (IsMeasured(samples(x, y))) {
+        residual(x, y) = std::log(samples(x, y).z) - log_depth(x, y);
+        kept(x, y) = IsLeftOut(x, y, residual) ? kNone : residual(x, y);
+      }
+    }
+  }
+  const Image<float> steps = LocalRange(
+      log_depth,
+      std::max(
+          1,
+          static_cast<int>(std::lround(kEdgeWidth * std::max(width, height)))));
+  const std::vector<Prediction> left_out =
+      Predict(residual, steps, CorrectPrior(log_depth, kept), true);
+  double stretch = 1.0;
+  double outlier_share = kMaxOutlierShare;
+  const double error_at_steps = ErrorAtSteps(left_out);
+  if (!left_out.empty()) {
+    std::vector<double> ratios;
+    for (const Prediction& prediction : left_out) {
+      ratios.push_back(prediction.error / SigmaOf(prediction, error_at_steps));
+    }
+    stretch = std::max(1.0, RobustSpread(ratios));
+    const auto num_outliers =
+        std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
+          return std::abs(ratio) > kOutlier * stretch;
+        });
+    outlier_share =
+        static_cast<double>(num_outliers) / static_cast<double>(ratios.size());
+  }
+  aligned.outlier_share = static_cast<float>(
+      std::clamp(outlier_share, kMinOutlierShare, kMaxOutlierShare));
+  const PriorCorrection correction = CorrectPrior(log_depth, residual);
+  aligned.depth = Image<float>(width, height);
+  aligned.sigma = Image<float>(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (!std::isnan(log_depth(x, y))) {
+        aligned.depth(x, y) =
+            std::exp(log_depth(x, y) + correction.offset(x, y));
+        aligned.sigma(x, y) = static_cast<float>(
+            stretch * SigmaOf({0.0,
+                               correction.sigma(x, y),
+                               std::max(steps(x, y) - kFlat, 0.f)},
+                              error_at_steps));
+      }
+    }
+  }
+  return aligned;
+}
+
+}  // namespace tsar
