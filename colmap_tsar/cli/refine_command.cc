@@ -66,6 +66,16 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "the maps hold is no evidence for anything, and the refined "
                "maps have no depth. Images without a mask are used as a "
                "whole.");
+  options->Add("region_path",
+               &command->region_path,
+               "The folder with label images of the undistorted images, "
+               "a.jpg.png or a.png for a.jpg, of any program for segmentation: "
+               "PNG files of one channel with 8 or 16 bits, a number for each "
+               "segment, which is one face or one object, and 0 for none. "
+               "Textureless parts of one segment are one region where the "
+               "regions between image edges have no plane, or one that most "
+               "depths measured in the segment contradict. Images may be "
+               "without one.");
   options->Add("output_path",
                &command->output_path,
                "Write a second workspace here, with links to the images, and "
@@ -178,6 +188,10 @@ int RestoreWorkspace(const RefineCommand& command) {
     throw Error(ErrorCode::kBadOption,
                 "--restore puts whole maps back; leave --mask_path out");
   }
+  if (!command.region_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                "--restore looks at no regions; leave --region_path out");
+  }
   const WorkspaceLock lock(command.workspace_path);
   const RestoreResult result = Restore(
       command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
@@ -213,6 +227,7 @@ RunSummary RefineCommand::Run(Progress& progress,
   workspace.output_path = output_path;
   workspace.image_list_path = image_list_path;
   workspace.mask_path = mask_path;
+  workspace.region_path = region_path;
   workspace.input_type = ParseMapType(input_type);
   workspace.devices = devices.Parse();
   workspace.shard = ParseShard(shard);

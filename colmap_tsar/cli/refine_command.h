@@ -20,6 +20,7 @@ struct RefineCommand {
   std::string input_type;
   std::string image_list_path;
   std::string mask_path;
+  std::string region_path;
   std::string output_path;
   bool restore = false;
   std::string restore_conflicts = "report";

@@ -16,6 +16,7 @@ namespace {
 constexpr const char* kCamera = "camera";
 constexpr const char* kPhoto = "photo";
 constexpr const char* kMask = "mask";
+constexpr const char* kRegions = "regions";
 constexpr const char* kMaps = "maps";
 constexpr const char* kCosts = "costs";
 constexpr const char* kSources = "sources";
@@ -45,6 +46,7 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
     compare(kCamera, {"its camera", false});
     compare(kPhoto, {"its photo", false});
     compare(kMask, {"its mask", false});
+    compare(kRegions, {"its regions", true});
     compare(kCosts, {"its cost maps", true});
   }
   compare(kMaps, {"its maps", true});
@@ -153,6 +155,9 @@ InputState InputFingerprints::Read(int image) const {
     state[kPhoto] = FingerprintOf(FileState(workspace_.ImagePath(image)));
     if (workspace_.HasMask(image)) {
       state[kMask] = FingerprintOf(FileState(workspace_.MaskPath(image)));
+    }
+    if (const auto path = workspace_.LabelImagePath(image); !path.empty()) {
+      state[kRegions] = FingerprintOf(FileState(path));
     }
     std::string costs;
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {

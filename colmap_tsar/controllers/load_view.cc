@@ -321,6 +321,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
       IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
   view.color = workspace.ReadImage(image, width, height);
   view.camera = CameraOfMaps(workspace, image, width, height);
+  view.segments = workspace.ReadLabels(image);
   return view;
 }
 
@@ -346,6 +347,7 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   }
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
+  reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }
 

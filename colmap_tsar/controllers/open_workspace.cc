@@ -27,6 +27,7 @@ Workspace OpenWithoutMasks(const WorkspaceRefineOptions& options) {
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   Workspace workspace = OpenWithoutMasks(options);
   workspace.UseMasks(options.mask_path);
+  workspace.UseLabelImages(options.region_path);
   return workspace;
 }
 

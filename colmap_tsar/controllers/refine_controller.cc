@@ -140,6 +140,7 @@ void RefineController::OpenOutput() {
   workspace_ = CreateOutputWorkspace(
       workspace_, options_.output_path, workspace_.Type());
   workspace_.UseMasks(options_.mask_path);
+  workspace_.UseLabelImages(options_.region_path);
   if (!lock_) {
     lock_.emplace(workspace_.Root());
   }

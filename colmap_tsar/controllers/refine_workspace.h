@@ -18,8 +18,8 @@
 
 namespace tsar {
 
-// What to work on and with; nothing here but input_type and mask_path changes a
-// result.
+// What to work on and with; nothing here but input_type, mask_path and
+// region_path changes a result.
 struct WorkspaceRefineOptions {
   std::filesystem::path workspace_path;
   // Where to make a second workspace with the results; empty: in place.
@@ -32,6 +32,9 @@ struct WorkspaceRefineOptions {
   // The folder with the masks of images, see workspace/image_mask.h; empty:
   // none. Masked pixels are no evidence for anything and get no depth.
   std::filesystem::path mask_path;
+  // The folder with the label images of images, see workspace/label_image.h;
+  // empty: none. Their segments correct the textureless regions.
+  std::filesystem::path region_path;
   DeviceOptions devices;
   // For several machines: which part of the images, and which pass over them.
   Shard shard;
@@ -49,11 +52,11 @@ struct WorkspaceRefineOptions {
 //
 // Before the first file is changed, everything that can be seen from the
 // outside of the files is checked. Throws Error: what CheckWorkspace,
-// Workspace::UseMasks, CreateOutputWorkspace, WorkspaceLock and the options'
-// Check throw; kDevice;
-// kInterrupted once should_stop returned true (it is called often, from several
-// threads); and what reading and writing an image throw. Whatever is thrown,
-// the images that were done stay done, and the same call goes on from there.
+// Workspace::UseMasks, UseLabelImages, CreateOutputWorkspace, WorkspaceLock and
+// the options' Check throw; kDevice; kInterrupted once should_stop returned
+// true (it is called often, from several threads); and what reading and writing
+// an image throw. Whatever is thrown, the images that were done stay done, and
+// the same call goes on from there.
 //
 // observer: where given, is shown what the stages find for each image. The maps
 // are the same, but images that were done before are done again. Passes other

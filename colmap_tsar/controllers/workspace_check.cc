@@ -148,6 +148,8 @@ bool CheckImage(const Workspace& workspace,
   CheckPhotoFile(workspace.ImagePath(image));
   workspace.CheckMask(image, {size->width, size->height});
   overview->has_masks = overview->has_masks || workspace.HasMask(image);
+  overview->max_num_label_pixels =
+      std::max(overview->max_num_label_pixels, workspace.CheckLabels(image));
   CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;

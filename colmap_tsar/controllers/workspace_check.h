@@ -22,6 +22,7 @@ struct WorkspaceOverview {
   int max_num_sources = 0;  // Of the image that uses most views with maps.
   bool has_costs = false;   // Whether some image has exported costs.
   bool has_masks = false;   // Whether some image has a mask.
+  int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.
 };
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.
@@ -33,7 +34,8 @@ bool HasAnyMap(const Workspace& workspace, MapType type);
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
-// not of its image's shape), and what Workspace::CheckMask throws.
+// not of its image's shape), and what Workspace::CheckMask and
+// CheckLabels throw.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Finds the originals of all images of which some are stored, so that what

@@ -281,6 +281,7 @@ ViewData ReduceView(const ViewData& view, int factor) {
   reducer.Add(view);
   ViewData reduced = reducer.Finish(view.color);
   reduced.num_not_finite = view.num_not_finite;
+  reduced.segments = view.segments;
   return reduced;
 }
 

@@ -9,7 +9,8 @@ size_t ViewData::NumBytes() const {
   return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
          normal.NumPixels() * sizeof(Vec3f) +
          is_to_refine.NumPixels() * sizeof(uint8_t) +
-         (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float);
+         (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float) +
+         segments.NumPixels() * sizeof(uint16_t);
 }
 
 int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {

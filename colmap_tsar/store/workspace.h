@@ -92,6 +92,19 @@ class Workspace {
   // Looks at the mask of an image without reading it, see CheckImageMask.
   void CheckMask(int image, const RasterSize& maps) const;
 
+  // From now on, images have the label images in this folder, see
+  // label_image.h; none where it is empty. Throws Error: what FindLabelImages
+  // throws, kBadOption (it is the folder of the images).
+  void UseLabelImages(const std::filesystem::path& folder);
+  // Empty where it has none.
+  std::filesystem::path LabelImagePath(int image) const;
+  // The segments of the image; empty where it has no label image. Throws what
+  // ReadLabelImage throws.
+  Image<uint16_t> ReadLabels(int image) const;
+  // Looks at the label image without reading it, see CheckLabelImage, and
+  // returns how many pixels it has; 0 where there is none.
+  int64_t CheckLabels(int image) const;
+
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
 
@@ -115,6 +128,7 @@ class Workspace {
   bool is_output_ = false;
   std::vector<bool> trusts_stored_;           // By image; empty: of none.
   std::vector<std::filesystem::path> masks_;  // By image; empty: of none.
+  std::vector<std::filesystem::path> label_images_;  // By image; as masks_.
   MapType type_;
   std::filesystem::path model_folder_;
   SparseModel model_;

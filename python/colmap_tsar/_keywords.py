@@ -7,6 +7,7 @@ import typing
 class RefineKeywords(typing.TypedDict, total=False):
     image_list_path: typing.Union[str, os.PathLike[str], None]
     mask_path: typing.Union[str, os.PathLike[str], None]
+    region_path: typing.Union[str, os.PathLike[str], None]
     output_path: typing.Union[str, os.PathLike[str], None]
     preset: typing.Literal['default', 'paper', 'paper_strict']
     device: typing.Literal['auto', 'cuda', 'cpu']

@@ -95,6 +95,18 @@ TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasks) {
                 {"leave --mask_path out"});
 }
 
+TEST_F(TsarRefineTest, TakesLabelImages) {
+  const std::filesystem::path regions = folder_.Path() / "regions";
+  ExpectFailure({"--region_path", regions.string()},
+                {"ERROR: " + regions.string() + ": there is no such folder",
+                 "check --region_path"});
+  WriteMask(regions / "left/v2.png", 48, 36, [](int x, int) { return x < 9; });
+  const Outcome outcome = Run({"--region_path", regions.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  ExpectFailure({"--region_path", regions.string(), "--restore", "1"},
+                {"leave --region_path out"});
+}
+
 TEST_F(TsarRefineTest, RefinesListedImagesAlone) {
   const std::string list = (folder_.Path() / "list.txt").string();
   WriteText(list, "v1.png\nv9.png\n");

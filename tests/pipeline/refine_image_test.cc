@@ -43,6 +43,52 @@ TEST_F(RefineImageTest, FillsTheBarePartWithTheWall) {
   EXPECT_GT(num_right, 0.95 * num_bare);
 }
 
+// A line divides the bare part in halves that are too small for regions; a
+// segment joins them.
+TEST_F(RefineImageTest, ASegmentIsOneRegionAcrossTheLinesInIt) {
+  SyntheticViewsOptions drawn;
+  drawn.width = 240;
+  drawn.height = 180;
+  drawn_ = MakeSyntheticViews(drawn);
+  ViewData& view = drawn_.views[0];
+  const int width = view.color.Width();
+  const int height = view.color.Height();
+  int num_bare = 0;
+  for (int y = 0; y < height; ++y) {
+    view.color(width / 2, y) = {0, 0, 0};
+    for (int x = 0; x < width; ++x) {
+      num_bare += IsBare(x, y) ? 1 : 0;
+    }
+  }
+  RefineOptions options;
+  const double scale = width / static_cast<double>(kMaxRasterSide);
+  options.min_region_size = static_cast<int>(0.6 * num_bare / (scale * scale));
+  const auto count_filled = [&] {
+    const RefinedMaps maps = Refine(options).maps;
+    ExpectSoundMaps(maps);
+    int num_filled = 0;
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (maps.provenance(x, y) ==
+            static_cast<uint8_t>(Provenance::kRegionPlane)) {
+          EXPECT_LT(RelativeError(maps.depth, x, y), 5e-3f);
+          ++num_filled;
+        }
+      }
+    }
+    return num_filled;
+  };
+  EXPECT_EQ(count_filled(), 0);
+  // At half the size.
+  view.segments = Image<uint16_t>(width / 2, height / 2);
+  for (int y = 0; y < height / 2; ++y) {
+    for (int x = 0; x < width / 2; ++x) {
+      view.segments(x, y) = IsBare(2 * x, 2 * y) ? 300 : 0;
+    }
+  }
+  EXPECT_GT(count_filled(), 0.7 * num_bare);
+}
+
 TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
   const Image<float> after = Refine().maps.depth;
   double error_before = 0.0;
