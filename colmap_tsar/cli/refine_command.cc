@@ -72,10 +72,9 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "a.jpg.png or a.png for a.jpg, of any program for segmentation: "
                "PNG files of one channel with 8 or 16 bits, a number for each "
                "segment, which is one face or one object, and 0 for none. "
-               "Textureless parts of one segment are one region where the "
-               "regions between image edges have no plane, or one that most "
-               "depths measured in the segment contradict. Images may be "
-               "without one.");
+               "The planes of a segment replace those of the regions between "
+               "image edges where most depths measured in it contradict these "
+               "and confirm its own. Images may be without one.");
   options->Add("output_path",
                &command->output_path,
                "Write a second workspace here, with links to the images, and "

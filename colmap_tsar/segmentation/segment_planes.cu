@@ -39,12 +39,8 @@ struct TakePlanesKernel {
 
   TSAR_HD void operator()(int64_t i) const {
     const int segment = segments[i];
-    if (segment < 0 || !segment_planes[i].Valid() ||
-        balances_of_segments[segment] < 0) {
-      return;
-    }
-    const int balance = balances_of_regions[segment];
-    if (balance < 0 || (balance == 0 && !region_planes[i].Valid())) {
+    if (segment >= 0 && segment_planes[i].Valid() &&
+        balances_of_segments[segment] > 0 && balances_of_regions[segment] < 0) {
       region_planes[i] = segment_planes[i];
     }
   }

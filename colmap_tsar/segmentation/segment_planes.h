@@ -10,15 +10,14 @@
 
 namespace tsar {
 
-// Puts the planes of segments where those of the regions between edges are
-// missing or wrong. In a segment, planes of one kind are contradicted where
-// more of the samples that have one are further from it than max_gap, as a
-// fraction of their depth, than nearer, and confirmed where fewer are. Where
-// the planes of the segment are not contradicted, its pixels take them if those
-// of the regions are; if these are neither that nor confirmed, only pixels
-// without one do. All else stays: where edges suffice, a segmentation has no
-// say, and a wrong one no effect. segments: of FindSegments(), with their
-// planes. samples: z = 0 for none.
+// Corrects the planes of the regions between edges by those of segments. In a
+// segment, planes of one kind are contradicted where more of the samples that
+// have one are further from it than max_gap, as a fraction of their depth, than
+// nearer, and confirmed where fewer are. Where those of the regions are
+// contradicted and those of the segment confirmed, the pixels of the segment
+// take these, as far as they reach. All else stays: where edges suffice, a
+// segmentation has no say, and a wrong one no effect.
+// segments: of FindSegments(), with their planes. samples: z = 0 for none.
 void TakePlanesOfSegments(const Regions& segments,
                           ImageView<const RayDepth> samples,
                           ImageView<const Plane> segment_planes,

@@ -73,13 +73,6 @@ std::vector<float> Depths(float first_four, float next_six, float last_two) {
   return depths;
 }
 
-TEST_F(SegmentPlanesTest, FillWhereNothingIsConfirmed) {
-  EXPECT_EQ(Take(), Depths(4.f, 4.f, 0.f));
-  Measure(0, 2, 4.f);
-  SetRegion(4, 8, 9.f);
-  EXPECT_EQ(Take(), Depths(4.f, 9.f, 9.f));
-}
-
 TEST_F(SegmentPlanesTest, ReplaceWhatMostSamplesContradict) {
   SetRegion(0, 12, 5.f);
   Measure(0, 3, 4.f);
@@ -105,9 +98,23 @@ TEST_F(SegmentPlanesTest, LeaveWhatMostSamplesConfirm) {
 }
 
 TEST_F(SegmentPlanesTest, AreNotTakenOnTrust) {
+  // Nothing is measured, or nothing where regions have planes.
+  SetRegion(4, 8, 5.f);
+  EXPECT_EQ(Take(), Depths(0.f, 5.f, 5.f));
+  Measure(0, 4, 4.f);
+  EXPECT_EQ(Take(), Depths(0.f, 5.f, 5.f));
+  // Both planes are contradicted.
+  Measure(0, 10, 7.f);
+  EXPECT_EQ(Take(), Depths(0.f, 5.f, 5.f));
+}
+
+TEST_F(SegmentPlanesTest, AreTakenAlsoBesideThePlanesThatTheyContradict) {
   SetRegion(0, 4, 5.f);
-  Measure(0, 6, 7.f);
-  EXPECT_EQ(Take(), Depths(5.f, 0.f, 0.f));
+  Measure(0, 10, 4.f);
+  of_segments_(9, 0) = {};
+  std::vector<float> expected = Depths(4.f, 4.f, 0.f);
+  expected[9] = 0.f;
+  EXPECT_EQ(Take(), expected);
 }
 
 }  // namespace
