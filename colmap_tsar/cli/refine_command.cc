@@ -91,6 +91,15 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
       "factor for each image. relative: the same plus a constant. inverse: "
       "inverse depth (disparity) times a factor plus a constant. auto: "
       "for each image, what fits its measured depths best.");
+  options->Add("region_path",
+               &command->region_path,
+               "The folder with label images of the undistorted images, "
+               "a.jpg.png or a.png for a.jpg, of any program for segmentation: "
+               "PNG files of one channel with 8 or 16 bits, a number for each "
+               "segment, which is one face or one object, and 0 for none. "
+               "The planes of a segment replace those of the regions between "
+               "image edges where most depths measured in it contradict these "
+               "and confirm its own. Images may be without one.");
   options->Add("output_path",
                &command->output_path,
                "Write a second workspace here, with links to the images, and "
@@ -207,6 +216,9 @@ int RestoreWorkspace(const RefineCommand& command) {
     throw Error(ErrorCode::kBadOption,
                 "--restore puts maps back as they were; leave --prior_path "
                 "out");
+  if (!command.region_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                "--restore looks at no regions; leave --region_path out");
   }
   const WorkspaceLock lock(command.workspace_path);
   const RestoreResult result = Restore(
@@ -245,6 +257,7 @@ RunSummary RefineCommand::Run(Progress& progress,
   workspace.mask_path = mask_path;
   workspace.prior_path = prior_path;
   workspace.prior_type = ParsePriorType(prior_type);
+  workspace.region_path = region_path;
   workspace.input_type = ParseMapType(input_type);
   workspace.devices = devices.Parse();
   workspace.shard = ParseShard(shard);

@@ -22,6 +22,7 @@ struct RefineCommand {
   std::string mask_path;
   std::string prior_path;
   std::string prior_type = "auto";
+  std::string region_path;
   std::string output_path;
   bool restore = false;
   std::string restore_conflicts = "report";

@@ -18,6 +18,7 @@ constexpr const char* kCamera = "camera";
 constexpr const char* kPhoto = "photo";
 constexpr const char* kMask = "mask";
 constexpr const char* kPrior = "prior";
+constexpr const char* kRegions = "regions";
 constexpr const char* kMaps = "maps";
 constexpr const char* kCosts = "costs";
 constexpr const char* kSources = "sources";
@@ -48,6 +49,7 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
     compare(kPhoto, {"its photo", false});
     compare(kMask, {"its mask", false});
     compare(kPrior, {"its depth prior", false});
+    compare(kRegions, {"its regions", true});
     compare(kCosts, {"its cost maps", true});
   }
   compare(kMaps, {"its maps", true});
@@ -159,6 +161,8 @@ InputState InputFingerprints::Read(int image) const {
     }
     if (workspace_.Priors().HasPrior(image)) {
       state[kPrior] = PriorOf(image);
+    if (const auto path = workspace_.LabelImagePath(image); !path.empty()) {
+      state[kRegions] = FingerprintOf(FileState(path));
     }
     std::string costs;
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {

@@ -322,6 +322,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
   view.color = workspace.ReadImage(image, width, height);
   view.camera = CameraOfMaps(workspace, image, width, height);
   view.prior = workspace.ReadPrior(image);
+  view.segments = workspace.ReadLabels(image);
   return view;
 }
 
@@ -348,6 +349,7 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
   reduced.prior = workspace.ReadPrior(image);
+  reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }
 

@@ -13,6 +13,7 @@
 #include "colmap_tsar/pipeline/unmatched_depths.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/workspace/label_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,6 +53,13 @@ int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
              : overview.max_num_pixels;
 }
 
+// What is kept of a label image.
+int64_t SegmentsBytes(const WorkspaceOverview& overview) {
+  return BytesOf<uint16_t>(
+      std::min(overview.max_num_label_pixels,
+               int64_t{kMaxLabelImageSide} * kMaxLabelImageSide));
+}
+
 }  // namespace
 
 MemoryPlan PlanRefinement(const RefineOptions& options,
@@ -71,15 +79,17 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.result =
       RefinedMapsBytes(num_pixels) +
       std::max(kEncodingBytesPerPixel * num_pixels, ReadMaskBytes(overview));
+  const int64_t segments_work =
+      overview.max_num_label_pixels > 0 ? SegmentsWorkingBytes(num_pixels) : 0;
   if (!NeedsEvidence(options)) {
-    plan.work = RefineImageWorkingBytes(options, num_pixels);
+    plan.work = RefineImageWorkingBytes(options, num_pixels) + segments_work;
     return plan;
   }
   const int64_t num_judged_pixels = NumJudgedPixels(overview);
   plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
   plan.label_work = LabelViewWorkingBytes(options, num_pixels, num_sources + 1);
   plan.work = std::max(
-      {MeasureImageWorkingBytes(options, num_judged_pixels),
+      {MeasureImageWorkingBytes(options, num_judged_pixels) + segments_work,
        plan.label_work,
        ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
   plan.result =
@@ -109,6 +119,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
 int64_t ViewBytes(const WorkspaceOverview& overview) {
   return ViewDataBytes(overview.max_num_pixels, overview.has_costs) +
          overview.prior_memory.prior;
+         SegmentsBytes(overview);
 }
 
 int64_t LoadBytes(const WorkspaceOverview& overview) {
@@ -119,6 +130,12 @@ int64_t LoadBytes(const WorkspaceOverview& overview) {
                       BytesOf<Rgb>(overview.max_num_pixels),
                   overview.prior_memory.to_read) +
          (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0);
+  // label image is read afterwards.
+  return std::max(
+      BytesOf<Rgb>(overview.max_num_image_pixels) +
+          BytesOf<Rgb>(overview.max_num_pixels) +
+          (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0),
+      BytesOf<uint16_t>(overview.max_num_label_pixels));
 }
 
 int64_t ReadMaskBytes(const WorkspaceOverview& overview) {
@@ -136,6 +153,7 @@ bool HasReducedViews(const WorkspaceOverview& overview) {
 int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
   return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs) +
          overview.prior_memory.prior;
+         SegmentsBytes(overview);
 }
 
 int64_t BytesForViews(const MemoryPlan& plan) {

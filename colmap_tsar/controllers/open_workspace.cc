@@ -29,6 +29,7 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
   workspace.Priors().WarnOfStrayFiles();
+  workspace.UseLabelImages(options.region_path);
   return workspace;
 }
 

@@ -21,6 +21,8 @@ namespace tsar {
 
 // What to work on and with; nothing here but input_type, the masks and the
 // depth priors changes a result.
+// What to work on and with; nothing here but input_type, mask_path and
+// region_path changes a result.
 struct WorkspaceRefineOptions {
   std::filesystem::path workspace_path;
   // Where to make a second workspace with the results; empty: in place.
@@ -37,6 +39,9 @@ struct WorkspaceRefineOptions {
   // empty: none. And what their values mean.
   std::filesystem::path prior_path;
   PriorType prior_type = PriorType::kAuto;
+  // The folder with the label images of images, see workspace/label_image.h;
+  // empty: none. Their segments correct the textureless regions.
+  std::filesystem::path region_path;
   DeviceOptions devices;
   // For several machines: which part of the images, and which pass over them.
   Shard shard;
@@ -55,6 +60,7 @@ struct WorkspaceRefineOptions {
 // Before the first file is changed, everything that can be seen from the
 // outside of the files is checked. Throws Error: what CheckWorkspace,
 // Workspace::UseMasks and UsePriors, CreateOutputWorkspace, WorkspaceLock and
+// Workspace::UseMasks, UseLabelImages, CreateOutputWorkspace, WorkspaceLock and
 // the options' Check throw; kDevice; kInterrupted once should_stop returned
 // true (it is called often, from several threads); and what reading and writing
 // an image throw. Whatever is thrown, the images that were done stay done, and

@@ -153,6 +153,8 @@ bool CheckImage(const Workspace& workspace,
       std::max(overview->prior_memory.prior, prior.prior);
   overview->prior_memory.to_read =
       std::max(overview->prior_memory.to_read, prior.to_read);
+  overview->max_num_label_pixels =
+      std::max(overview->max_num_label_pixels, workspace.CheckLabels(image));
   CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;

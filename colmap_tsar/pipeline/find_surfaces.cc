@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/pipeline/find_surfaces.h"
 
+#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/pipeline/fill_holes.h"
 #include "colmap_tsar/pipeline/score_hypotheses.h"
@@ -12,6 +13,7 @@
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/segmentation/roberts.h"
+#include "colmap_tsar/segmentation/segment_planes.h"
 #include "colmap_tsar/superpixels/correlation.h"
 
 #include <algorithm>
@@ -80,10 +82,18 @@ void RefineTrust(const DeviceViews& views,
   timer->Finish("refinement");
 }
 
-Regions SegmentTexturelessRegions(const DeviceViews& views,
-                                  const RefineOptions& options,
-                                  Device& device,
-                                  StageObserver* observer) {
+struct FoundRegions {
+  Regions between_edges;
+  // Of the label image; without labels where there is none.
+  Regions segments;
+};
+
+// segments: of the reference image's ViewData.
+FoundRegions SegmentTexturelessRegions(const DeviceViews& views,
+                                       const Image<uint16_t>& segments,
+                                       const RefineOptions& options,
+                                       Device& device,
+                                       StageObserver* observer) {
   const float threshold = static_cast<float>(options.edge_threshold);
   const DeviceImage<uint8_t> edges =
       options.edges_of_roots
@@ -91,12 +101,22 @@ Regions SegmentTexturelessRegions(const DeviceViews& views,
           : DetectRobertsEdges(views.RasterColor(), threshold, device);
   const DeviceImage<uint8_t> borders = DrawLineSegments(
       edges.View(), MakeHoughOptions(options, views.RasterScale()), device);
-  Regions regions = FindRegions(
-      borders.View(), MinRegionSize(options, views.RasterScale()), device);
+  const int min_size = MinRegionSize(options, views.RasterScale());
+  FoundRegions found;
+  found.between_edges = FindRegions(borders.View(), min_size, device);
+  if (!segments.Empty()) {
+    const DeviceImage<uint16_t> on_raster(
+        device,
+        ResizeNearest<uint16_t>(
+            segments, views.Raster().width, views.Raster().height));
+    found.segments =
+        FindSegments(on_raster.View(), borders.View(), min_size, device);
+  }
   ShowStage(observer, RefineStage::kEdges, edges, device);
   ShowStage(observer, RefineStage::kLines, borders, device);
-  ShowStage(observer, RefineStage::kRegions, regions.labels, device);
-  return regions;
+  ShowStage(
+      observer, RefineStage::kRegions, found.between_edges.labels, device);
+  return found;
 }
 
 // The depths that tell of the planes of regions, and where they may be used.
@@ -116,7 +136,34 @@ RegionEvidence EvidenceOfRegions(const DeviceViews& views,
           surfaces.trusted.View()};
 }
 
+// The planes that the samples give to the pixels of regions.
+DeviceImage<Plane> FitAndAssignPlanes(const DeviceViews& views,
+                                      const Regions& regions,
+                                      ImageView<const RayDepth> samples,
+                                      const RegionPlaneOptions& planes,
+                                      double max_boundary_gap,
+                                      Device& device) {
+  RegionPlanes fits =
+      FitRegionPlanes(regions, samples, views.Scale(), planes, device);
+  if (max_boundary_gap > 0.0) {
+    RejectByBoundary(regions,
+                     samples,
+                     views.RasterIntrinsics(),
+                     static_cast<float>(max_boundary_gap),
+                     device,
+                     &fits);
+  }
+  return AssignRegionPlanes(regions,
+                            fits,
+                            samples,
+                            views.RasterIntrinsics(),
+                            views.Scale(),
+                            planes,
+                            device);
+}
+
 DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
+                                    const Image<uint16_t>& segments,
                                     ImageView<const float> score,
                                     const RegionEvidence& evidence,
                                     uint32_t image_id,
@@ -124,8 +171,8 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                                     Device& device,
                                     StageTimer* timer,
                                     StageObserver* observer) {
-  const Regions regions =
-      SegmentTexturelessRegions(views, options, device, observer);
+  const FoundRegions found =
+      SegmentTexturelessRegions(views, segments, options, device, observer);
   timer->Finish("segmentation");
   const RegionPlaneOptions planes =
       MakeRegionPlaneOptions(options, views.RasterScale(), image_id);
@@ -136,23 +183,24 @@ DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
                          views.MapIntrinsics(),
                          views.Raster(),
                          device);
-  RegionPlanes fits =
-      FitRegionPlanes(regions, samples.View(), views.Scale(), planes, device);
-  if (options.max_boundary_gap > 0.0) {
-    RejectByBoundary(regions,
-                     samples.View(),
-                     views.RasterIntrinsics(),
-                     static_cast<float>(options.max_boundary_gap),
-                     device,
-                     &fits);
+  const auto planes_of = [&](const Regions& regions) {
+    return FitAndAssignPlanes(views,
+                              regions,
+                              samples.View(),
+                              planes,
+                              options.max_boundary_gap,
+                              device);
+  };
+  DeviceImage<Plane> pixel_planes = planes_of(found.between_edges);
+  if (found.segments.count > 0) {
+    const DeviceImage<Plane> segment_planes = planes_of(found.segments);
+    TakePlanesOfSegments(found.segments,
+                         samples.View(),
+                         segment_planes.View(),
+                         planes.max_boundary_error,
+                         pixel_planes.View(),
+                         device);
   }
-  DeviceImage<Plane> pixel_planes = AssignRegionPlanes(regions,
-                                                       fits,
-                                                       samples.View(),
-                                                       views.RasterIntrinsics(),
-                                                       views.Scale(),
-                                                       planes,
-                                                       device);
   ShowStage(observer, RefineStage::kRegionPlanes, pixel_planes, device);
   timer->Finish("region planes");
   return pixel_planes;
@@ -211,6 +259,7 @@ Surfaces FindSurfaces(const ViewData& reference,
   if (options.segment) {
     surfaces.region_planes =
         FindRegionPlanes(*views,
+                         reference.segments,
                          surfaces.score.View(),
                          EvidenceOfRegions(*views, surfaces),
                          image_id,

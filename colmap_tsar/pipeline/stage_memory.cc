@@ -62,6 +62,13 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
   return SingleViewBytes(options, 44, num_pixels);
 }
 
+int64_t SegmentsWorkingBytes(int64_t num_pixels) {
+  // While planes of segments are found, the regions between edges and the
+  // planes of their pixels.
+  return static_cast<int64_t>(sizeof(int) + sizeof(Plane)) *
+         MaxRasterPixels(num_pixels);
+}
+
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
                                  int64_t num_judged_pixels) {

@@ -11,6 +11,7 @@ size_t ViewData::NumBytes() const {
          is_to_refine.NumPixels() * sizeof(uint8_t) +
          (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float) +
          (prior ? prior->NumBytes() : 0);
+         segments.NumPixels() * sizeof(uint16_t);
 }
 
 int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {

@@ -30,6 +30,9 @@ struct ViewData {
   Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
+  // Of the image's label image (see workspace/label_image.h), which shows the
+  // whole image at a size of its own: 0 is no segment. Empty: there is none.
+  Image<uint16_t> segments;
   // From outside; null where there is none.
   std::shared_ptr<const DepthPrior> prior;
   // Whether hardly a depth is missing in the map to refine (see

@@ -20,6 +20,24 @@ struct OffEdges {
   TSAR_HD bool Connected(int /*i*/, int /*j*/) const { return true; }
 };
 
+struct InSegments {
+  const uint16_t* segments;
+  TSAR_HD bool Contains(int i) const { return segments[i] != 0; }
+  TSAR_HD bool Connected(int i, int j) const {
+    return segments[i] == segments[j];
+  }
+};
+
+struct DropEdgesKernel {
+  const uint8_t* edges;
+  int* labels;
+  TSAR_HD void operator()(int64_t i) const {
+    if (edges[i] != 0) {
+      labels[i] = -1;
+    }
+  }
+};
+
 struct IsLargeKernel {
   const int* sizes;
   int min_size;
@@ -97,28 +115,49 @@ DeviceImage<int> Repeat(ImageView<const int> labels,
   return result;
 }
 
+// Numbers the components with more than min_size pixels. labels: a pixel of its
+// component for each pixel, or -1.
+Regions NumberLarge(DeviceImage<int> labels, int min_size, Device& device) {
+  Regions regions;
+  regions.labels = std::move(labels);
+  const ImageView<int> view = regions.labels.View();
+  Buffer<int> sizes(device, view.NumPixels());
+  Fill(device, sizes.Data(), sizes.Size(), 0);
+  CountComponentPixels(device, view, sizes.Data());
+
+  const int64_t count = static_cast<int64_t>(view.NumPixels());
+  Buffer<int> is_large(device, view.NumPixels());
+  ParallelFor(
+      device, count, IsLargeKernel{sizes.Data(), min_size, is_large.Data()});
+  const Buffer<int> names =
+      ExclusiveSum(is_large.Data(), is_large.Size(), device);
+  ParallelFor(device, count, RenameKernel{names.Data(), view});
+  device.CopyToHost(&regions.count, names.Data() + count, sizeof(int));
+  return regions;
+}
+
 }  // namespace
 
 Regions FindRegions(ImageView<const uint8_t> edges,
                     int min_size,
                     Device& device) {
-  Regions regions;
-  regions.labels = DeviceImage<int>(device, edges.width, edges.height);
+  DeviceImage<int> labels(device, edges.width, edges.height);
   LabelComponents(
-      device, OffEdges{edges.data}, Connectivity::kFour, regions.labels.View());
-  Buffer<int> sizes(device, edges.NumPixels());
-  Fill(device, sizes.Data(), sizes.Size(), 0);
-  CountComponentPixels(device, regions.labels.View(), sizes.Data());
+      device, OffEdges{edges.data}, Connectivity::kFour, labels.View());
+  return NumberLarge(std::move(labels), min_size, device);
+}
 
-  const int64_t count = static_cast<int64_t>(edges.NumPixels());
-  Buffer<int> is_large(device, edges.NumPixels());
-  ParallelFor(
-      device, count, IsLargeKernel{sizes.Data(), min_size, is_large.Data()});
-  const Buffer<int> names =
-      ExclusiveSum(is_large.Data(), is_large.Size(), device);
-  ParallelFor(device, count, RenameKernel{names.Data(), regions.labels.View()});
-  device.CopyToHost(&regions.count, names.Data() + count, sizeof(int));
-  return regions;
+Regions FindSegments(ImageView<const uint16_t> segments,
+                     ImageView<const uint8_t> edges,
+                     int min_size,
+                     Device& device) {
+  DeviceImage<int> labels(device, segments.width, segments.height);
+  LabelComponents(
+      device, InSegments{segments.data}, Connectivity::kFour, labels.View());
+  ParallelFor(device,
+              static_cast<int64_t>(segments.NumPixels()),
+              DropEdgesKernel{edges.data, labels.View().data});
+  return NumberLarge(std::move(labels), min_size, device);
 }
 
 DeviceImage<int> GrowLabels(ImageView<const int> labels,

@@ -22,6 +22,14 @@ Regions FindRegions(ImageView<const uint8_t> edges,
                     int min_size,
                     Device& device);
 
+// The pixels off the edges in each connected part of a segment, where there are
+// more than min_size of them, numbered alike. Edges do not divide them.
+// segments: 0 for none.
+Regions FindSegments(ImageView<const uint16_t> segments,
+                     ImageView<const uint8_t> edges,
+                     int min_size,
+                     Device& device);
+
 // Gives the pixels without a label the smallest label among their four
 // neighbours, num_steps times over: each region grows by that many pixels and
 // never into another one.

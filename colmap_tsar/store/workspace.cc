@@ -9,6 +9,7 @@
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/workspace/image_mask.h"
+#include "colmap_tsar/workspace/label_image.h"
 #include "colmap_tsar/workspace/map_shape.h"
 #include "colmap_tsar/workspace/photo.h"
 #include "colmap_tsar/workspace/workspace_model.h"
@@ -204,6 +205,43 @@ std::shared_ptr<const DepthPrior> Workspace::ReadPrior(int image) const {
 
 PriorMemory Workspace::CheckPrior(int image) const {
   return tsar::CheckPrior(priors_.FilesOf(image), SizeOfImage(image));
+void Workspace::UseLabelImages(const std::filesystem::path& folder) {
+  label_images_.clear();
+  if (folder.empty()) {
+    return;
+  }
+  const std::string option = OptionName("region_path");
+  std::error_code error;
+  if (std::filesystem::equivalent(folder, root_ / "images", error)) {
+    throw Error::File(ErrorCode::kBadOption,
+                      folder.string(),
+                      "is the folder of the images",
+                      "give that of their label images as " + option);
+  }
+  std::vector<std::string> names;
+  for (const SparseModel::ModelImage& image : model_.images) {
+    names.push_back(image.name);
+  }
+  label_images_ = FindLabelImages(folder, names, option);
+}
+
+std::filesystem::path Workspace::LabelImagePath(int image) const {
+  return label_images_.empty() ? std::filesystem::path()
+                               : label_images_.at(static_cast<size_t>(image));
+}
+
+Image<uint16_t> Workspace::ReadLabels(int image) const {
+  const std::filesystem::path path = LabelImagePath(image);
+  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  return path.empty() ? Image<uint16_t>()
+                      : ReadLabelImage(path, {camera.width, camera.height});
+}
+
+int64_t Workspace::CheckLabels(int image) const {
+  const std::filesystem::path path = LabelImagePath(image);
+  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  return path.empty() ? 0
+                      : CheckLabelImage(path, {camera.width, camera.height});
 }
 
 bool Workspace::HasMaps(int image, MapType type) const {

@@ -104,6 +104,18 @@ class Workspace {
   std::shared_ptr<const DepthPrior> ReadPrior(int image) const;
   // Throws what CheckPrior throws; of an image without a prior, zeros.
   PriorMemory CheckPrior(int image) const;
+  // From now on, images have the label images in this folder, see
+  // label_image.h; none where it is empty. Throws Error: what FindLabelImages
+  // throws, kBadOption (it is the folder of the images).
+  void UseLabelImages(const std::filesystem::path& folder);
+  // Empty where it has none.
+  std::filesystem::path LabelImagePath(int image) const;
+  // The segments of the image; empty where it has no label image. Throws what
+  // ReadLabelImage throws.
+  Image<uint16_t> ReadLabels(int image) const;
+  // Looks at the label image without reading it, see CheckLabelImage, and
+  // returns how many pixels it has; 0 where there is none.
+  int64_t CheckLabels(int image) const;
 
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
@@ -130,6 +142,7 @@ class Workspace {
   std::vector<bool> trusts_stored_;           // By image; empty: of none.
   std::vector<std::filesystem::path> masks_;  // By image; empty: of none.
   PriorFolder priors_;
+  std::vector<std::filesystem::path> label_images_;  // By image; as masks_.
   MapType type_;
   std::filesystem::path model_folder_;
   SparseModel model_;

@@ -9,6 +9,7 @@ class RefineKeywords(typing.TypedDict, total=False):
     mask_path: typing.Union[str, os.PathLike[str], None]
     prior_path: typing.Union[str, os.PathLike[str], None]
     prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
+    region_path: typing.Union[str, os.PathLike[str], None]
     output_path: typing.Union[str, os.PathLike[str], None]
     preset: typing.Literal['default', 'paper', 'paper_strict']
     device: typing.Literal['auto', 'cuda', 'cpu']

@@ -32,6 +32,7 @@ def files_named_by(options):
     return [pathlib.Path(value).resolve() for name, value in options.items()
             if name.endswith(("mask_path", "prior_path", "vocab_tree_path"))
             and os.path.exists(value)]
+            if name.endswith(("mask_path", "region_path", "vocab_tree_path")) and os.path.exists(value)]
 
 
 def find_program(given, candidates, option):

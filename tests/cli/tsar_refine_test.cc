@@ -115,6 +115,16 @@ TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
   ExpectFailure({"--prior_type", "metric"}, {"--prior_type", "--prior_path"});
   ExpectFailure({"--prior_path", priors.string(), "--prior_type", "depth"},
                 {"--prior_type", "auto, metric, relative, inverse"});
+TEST_F(TsarRefineTest, TakesLabelImages) {
+  const std::filesystem::path regions = folder_.Path() / "regions";
+  ExpectFailure({"--region_path", regions.string()},
+                {"ERROR: " + regions.string() + ": there is no such folder",
+                 "check --region_path"});
+  WriteMask(regions / "left/v2.png", 48, 36, [](int x, int) { return x < 9; });
+  const Outcome outcome = Run({"--region_path", regions.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  ExpectFailure({"--region_path", regions.string(), "--restore", "1"},
+                {"leave --region_path out"});
 }
 
 TEST_F(TsarRefineTest, RefinesListedImagesAlone) {

@@ -6,6 +6,7 @@
 #include "colmap_tsar/controllers/device_view_cache.h"
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/pipeline/stage_memory.h"
 #include "colmap_tsar/scene_planes/discover_planes.h"
 
 #include <cstdint>
@@ -55,6 +56,27 @@ TEST(PlanRefinement, CountsPriors) {
     overview.prior_memory.to_read = 10 * num_pixels;
     EXPECT_EQ(PlanRefinement({}, overview).load, plan.load + 4 * num_pixels);
   }
+TEST(PlanRefinement, CountsLabelImages) {
+  RefineOptions alone;
+  alone.scene_planes = false;
+  WorkspaceOverview overview = OverviewOf(1000000, 2);
+  const MemoryPlan plan = PlanRefinement(alone, overview);
+  overview.max_num_label_pixels = 500000;
+  const MemoryPlan small = PlanRefinement(alone, overview);
+  EXPECT_EQ(small.view, plan.view + 2 * 500000);
+  EXPECT_EQ(small.work, plan.work + SegmentsWorkingBytes(1000000));
+  // They are read once the photo has been scaled.
+  EXPECT_EQ(small.load, plan.load);
+  // Large ones are decoded as a whole, and then reduced.
+  overview.max_num_label_pixels = 4000000;
+  const MemoryPlan large = PlanRefinement(alone, overview);
+  EXPECT_EQ(large.view, plan.view + 2 * 1024 * 1024);
+  EXPECT_EQ(large.load, 2 * 4000000);
+  // Views that are reduced keep theirs.
+  overview.max_num_pixels = 4000000;
+  const MemoryPlan reduced = PlanRefinement({}, overview);
+  overview.max_num_label_pixels = 0;
+  EXPECT_EQ(reduced.view, PlanRefinement({}, overview).view + 2 * 1024 * 1024);
 }
 
 TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {

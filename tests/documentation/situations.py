@@ -82,15 +82,15 @@ def lock():
     return file
 
 
-def png(bits, width, height):
-    """A grey picture of zeros."""
+def png(bits, width, height, channels=1):
+    """A picture of zeros: grey, or of three channels."""
     def chunk(kind, data):
         body = kind + data
         return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
-    rows = b"".join(b"\0" + bytes(width * bits // 8) for _ in range(height))
+    rows = b"".join(b"\0" + bytes(width * channels * bits // 8) for _ in range(height))
     return (b"\x89PNG\r\n\x1a\n"
-            + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0))
+            + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 2 if channels == 3 else 0, 0, 0, 0))
             + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
@@ -187,6 +187,9 @@ SITUATIONS = {
     "A depth prior is of another shape": lambda: write(
         "priors/v000.pfm", b"Pf\n6 8\n-1\n" + struct.pack("<48f", *[1.0] * 48)),
     "A depth prior is a picture": lambda: write("priors/v000.png", png(8, 640, 480)),
+    "The folder of label images holds none": lambda: write("labels/v000.tif", "II"),
+    "A label image is of another shape": lambda: write("labels/v000.png", png(16, 100, 100)),
+    "A label image is a picture": lambda: write("labels/v000.png", png(8, 640, 480, 3)),
     "The originals are gone": lambda: write(
         "dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement"),
     "Restoring leaves maps as they are": depth_alone_made_anew,

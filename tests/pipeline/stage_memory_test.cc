@@ -178,6 +178,28 @@ TEST_F(StageMemoryTest, HoldsForMapsOfAllShapes) {
   }
 }
 
+TEST_F(StageMemoryTest, HoldsForImagesWithSegments) {
+  for (const MapSize& size : {kSmall, kLong}) {
+    SCOPED_TRACE(std::to_string(size.width));
+    Draw(size);
+    drawn_.views[0].segments = Image<uint16_t>(size.width, size.height, 1);
+    const int64_t segments = SegmentsWorkingBytes(num_pixels_);
+    const RefineOptions options;
+    ExpectPlanned(
+        "measure with segments",
+        MeasureImageWorkingBytes(options, num_pixels_) + segments,
+        PeakBesideSources([&](auto sources, Device& device) {
+          MeasureImage(drawn_.views[0], std::move(sources), 1, options, device);
+        }));
+    ExpectPlanned(
+        "refine with segments",
+        RefineImageWorkingBytes(options, num_pixels_) + segments,
+        PeakBesideSources([&](auto sources, Device& device) {
+          RefineImage(drawn_.views[0], std::move(sources), 1, options, device);
+        }));
+  }
+}
+
 TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
   Draw({480, 360});
   const SyntheticViews whole = drawn_;

@@ -105,6 +105,16 @@ class RefineTest(SampleTest):
             refine(self.workspace, **QUICK, prior_path=self.workspace / "sparse")
         with self.assertRaisesRegex(colmap_tsar.BadOptionError, "prior_type"):
             refine(self.workspace, **QUICK, prior_path=priors, prior_type="depth")
+    def test_regions(self):
+        regions = self.workspace / "regions"
+        write_black_mask(regions / "v000.png", 320, 240)
+        plain = self.new_workspace("plain")
+        refine(plain, **QUICK)
+        refine(self.workspace, **QUICK, region_path=regions)
+        # A label image of zeros has no segment.
+        self.assertEqual(results(self.workspace), results(plain))
+        with self.assertRaises(colmap_tsar.NotFoundError):
+            refine(self.workspace, **QUICK, region_path=self.workspace / "sparse")
 
     def test_second_workspace(self):
         before = digests(self.workspace)

@@ -93,6 +93,28 @@ TEST_F(RegionsTest, OfAnImageWithoutEdgesIsOne) {
   EXPECT_EQ(count, 0);
 }
 
+TEST_F(RegionsTest, OfSegmentsReachAcrossEdgesAndEndAtTheirBorders) {
+  const auto find_in_row = [&](const std::vector<uint16_t>& segments,
+                               const std::vector<uint8_t>& edges) {
+    const int width = static_cast<int>(edges.size());
+    const Image<int> labels =
+        FindSegments(ImageView<const uint16_t>{segments.data(), width, 1},
+                     ImageView<const uint8_t>{edges.data(), width, 1},
+                     2,
+                     *device_)
+            .labels.ToHost();
+    return std::vector<int>(labels.begin(), labels.end());
+  };
+  EXPECT_EQ(find_in_row({9, 9, 9, 9, 9, 0, 0, 0}, {0, 0, 1, 0, 0, 0, 0, 0}),
+            (std::vector<int>{0, 0, -1, 0, 0, -1, -1, -1}));
+  EXPECT_EQ(find_in_row({5, 5, 5, 300, 300, 300, 5, 5, 5},
+                        {0, 0, 0, 0, 0, 0, 0, 0, 0}),
+            (std::vector<int>{0, 0, 0, 1, 1, 1, 2, 2, 2}));
+  // Two pixels, or two off the edges, are too few.
+  EXPECT_EQ(find_in_row({1, 1, 2, 2, 2, 3, 3, 3}, {0, 0, 0, 1, 0, 0, 0, 0}),
+            (std::vector<int>{-1, -1, -1, -1, -1, 0, 0, 0}));
+}
+
 TEST_F(RegionsTest, GrowByOnePixelPerStep) {
   Image<int> labels(21, 21, -1);
   labels(10, 10) = 3;
