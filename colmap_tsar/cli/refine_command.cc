@@ -216,6 +216,7 @@ int RestoreWorkspace(const RefineCommand& command) {
     throw Error(ErrorCode::kBadOption,
                 "--restore puts maps back as they were; leave --prior_path "
                 "out");
+  }
   if (!command.region_path.empty()) {
     throw Error(ErrorCode::kBadOption,
                 "--restore looks at no regions; leave --region_path out");

@@ -161,6 +161,7 @@ InputState InputFingerprints::Read(int image) const {
     }
     if (workspace_.Priors().HasPrior(image)) {
       state[kPrior] = PriorOf(image);
+    }
     if (const auto path = workspace_.LabelImagePath(image); !path.empty()) {
       state[kRegions] = FingerprintOf(FileState(path));
     }

@@ -14,10 +14,9 @@
 namespace tsar {
 
 // What the result of every image of a workspace depends on, beside the options
-// and the program. Photos, masks, depth priors and maps are told apart by their
-// and the program. Photos, masks, label images and maps are told apart by their
-// sizes and times, which links and renaming keep. Can be used from several
-// threads.
+// and the program. Photos, masks, depth priors, label images and maps are told
+// apart by their sizes and times, which links and renaming keep. Can be used
+// from several threads.
 class InputFingerprints {
  public:
   // workspace must outlive this object.
@@ -29,15 +28,11 @@ class InputFingerprints {
   }
 
   // What an image's view is loaded from: "camera", "photo", "mask" and "prior"
-  // where it has one, "maps" (the originals, of both types) and "costs"; "maps"
-  // alone where there is nothing to refine. It is that of the first call, which
-  // must come before the files are read and before the image's maps are
-  // changed. Throws what FindOriginals throws.
-  // What an image's view is loaded from: "camera", "photo", "mask" where it has
-  // one, "regions" where it has a label image, "maps" (the originals, of both
-  // types) and "costs"; "maps" alone where there is nothing to refine. It is
-  // that of the first call, which must come before the files are read and
-  // before the image's maps are changed. Throws what FindOriginals throws.
+  // where it has one, "regions" where it has a label image, "maps" (the
+  // originals, of both types) and "costs"; "maps" alone where there is nothing
+  // to refine. It is that of the first call, which must come before the files
+  // are read and before the image's maps are changed. Throws what FindOriginals
+  // throws.
   const InputState& OfView(int image);
 
   // One fingerprint of OfView().

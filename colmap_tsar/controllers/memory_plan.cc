@@ -118,24 +118,18 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
 
 int64_t ViewBytes(const WorkspaceOverview& overview) {
   return ViewDataBytes(overview.max_num_pixels, overview.has_costs) +
-         overview.prior_memory.prior;
-         SegmentsBytes(overview);
+         overview.prior_memory.prior + SegmentsBytes(overview);
 }
 
 int64_t LoadBytes(const WorkspaceOverview& overview) {
   // As it was decoded, and as it was scaled; maps are read in small pieces. The
   // mask has been read before, and only its pixels of the map are left. The
-  // depth prior is read when the photo has been.
-  return std::max(BytesOf<Rgb>(overview.max_num_image_pixels) +
-                      BytesOf<Rgb>(overview.max_num_pixels),
-                  overview.prior_memory.to_read) +
+  // depth prior and the label image are read when the photo has been.
+  return std::max({BytesOf<Rgb>(overview.max_num_image_pixels) +
+                       BytesOf<Rgb>(overview.max_num_pixels),
+                   overview.prior_memory.to_read,
+                   BytesOf<uint16_t>(overview.max_num_label_pixels)}) +
          (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0);
-  // label image is read afterwards.
-  return std::max(
-      BytesOf<Rgb>(overview.max_num_image_pixels) +
-          BytesOf<Rgb>(overview.max_num_pixels) +
-          (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0),
-      BytesOf<uint16_t>(overview.max_num_label_pixels));
 }
 
 int64_t ReadMaskBytes(const WorkspaceOverview& overview) {
@@ -152,8 +146,7 @@ bool HasReducedViews(const WorkspaceOverview& overview) {
 
 int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
   return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs) +
-         overview.prior_memory.prior;
-         SegmentsBytes(overview);
+         overview.prior_memory.prior + SegmentsBytes(overview);
 }
 
 int64_t BytesForViews(const MemoryPlan& plan) {

@@ -19,10 +19,8 @@
 
 namespace tsar {
 
-// What to work on and with; nothing here but input_type, the masks and the
-// depth priors changes a result.
-// What to work on and with; nothing here but input_type, mask_path and
-// region_path changes a result.
+// What to work on and with; nothing here but input_type, the masks, the depth
+// priors and the label images changes a result.
 struct WorkspaceRefineOptions {
   std::filesystem::path workspace_path;
   // Where to make a second workspace with the results; empty: in place.
@@ -59,12 +57,11 @@ struct WorkspaceRefineOptions {
 //
 // Before the first file is changed, everything that can be seen from the
 // outside of the files is checked. Throws Error: what CheckWorkspace,
-// Workspace::UseMasks and UsePriors, CreateOutputWorkspace, WorkspaceLock and
-// Workspace::UseMasks, UseLabelImages, CreateOutputWorkspace, WorkspaceLock and
-// the options' Check throw; kDevice; kInterrupted once should_stop returned
-// true (it is called often, from several threads); and what reading and writing
-// an image throw. Whatever is thrown, the images that were done stay done, and
-// the same call goes on from there.
+// Workspace::UseMasks, UsePriors and UseLabelImages, CreateOutputWorkspace,
+// WorkspaceLock and the options' Check throw; kDevice; kInterrupted once
+// should_stop returned true (it is called often, from several threads); and what
+// reading and writing an image throw. Whatever is thrown, the images that were
+// done stay done, and the same call goes on from there.
 //
 // observer: where given, is shown what the stages find for each image. The maps
 // are the same, but images that were done before are done again. Passes other

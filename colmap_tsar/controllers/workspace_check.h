@@ -23,9 +23,6 @@ struct WorkspaceOverview {
   bool has_costs = false;    // Whether some image has exported costs.
   bool has_masks = false;    // Whether some image has a mask.
   PriorMemory prior_memory;  // The most that depth priors of an image take.
-  int max_num_sources = 0;  // Of the image that uses most views with maps.
-  bool has_costs = false;   // Whether some image has exported costs.
-  bool has_masks = false;   // Whether some image has a mask.
   int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.
 };
 
@@ -38,10 +35,8 @@ bool HasAnyMap(const Workspace& workspace, MapType type);
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
-// not of its image's shape), and what Workspace::CheckMask and CheckPrior
-// throw. Depth priors are read.
-// not of its image's shape), and what Workspace::CheckMask and
-// CheckLabels throw.
+// not of its image's shape), and what Workspace::CheckMask, CheckPrior and
+// CheckLabels throw. Depth priors are read.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Finds the originals of all images of which some are stored, so that what

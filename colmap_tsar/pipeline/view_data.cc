@@ -10,7 +10,7 @@ size_t ViewData::NumBytes() const {
          normal.NumPixels() * sizeof(Vec3f) +
          is_to_refine.NumPixels() * sizeof(uint8_t) +
          (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float) +
-         (prior ? prior->NumBytes() : 0);
+         (prior ? prior->NumBytes() : 0) +
          segments.NumPixels() * sizeof(uint16_t);
 }
 

@@ -205,6 +205,8 @@ std::shared_ptr<const DepthPrior> Workspace::ReadPrior(int image) const {
 
 PriorMemory Workspace::CheckPrior(int image) const {
   return tsar::CheckPrior(priors_.FilesOf(image), SizeOfImage(image));
+}
+
 void Workspace::UseLabelImages(const std::filesystem::path& folder) {
   label_images_.clear();
   if (folder.empty()) {

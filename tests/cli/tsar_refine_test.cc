@@ -115,6 +115,8 @@ TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
   ExpectFailure({"--prior_type", "metric"}, {"--prior_type", "--prior_path"});
   ExpectFailure({"--prior_path", priors.string(), "--prior_type", "depth"},
                 {"--prior_type", "auto, metric, relative, inverse"});
+}
+
 TEST_F(TsarRefineTest, TakesLabelImages) {
   const std::filesystem::path regions = folder_.Path() / "regions";
   ExpectFailure({"--region_path", regions.string()},

@@ -56,6 +56,8 @@ TEST(PlanRefinement, CountsPriors) {
     overview.prior_memory.to_read = 10 * num_pixels;
     EXPECT_EQ(PlanRefinement({}, overview).load, plan.load + 4 * num_pixels);
   }
+}
+
 TEST(PlanRefinement, CountsLabelImages) {
   RefineOptions alone;
   alone.scene_planes = false;

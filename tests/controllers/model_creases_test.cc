@@ -55,7 +55,7 @@ class ModelCreasesTest : public DrawnRoomTest {
     ViewEvidence& evidence = room_.evidence[view];
     ViewEvidence kept = evidence;
     kept.observations.clear();
-    kept.is_measured.clear();
+    kept.sources.clear();
     for (size_t k = 0; k < evidence.weights.size(); ++k) {
       const int begin = evidence.first_observation[k];
       const int end = evidence.first_observation[k + 1];
@@ -67,7 +67,7 @@ class ModelCreasesTest : public DrawnRoomTest {
         if (room_.Hit(room_.cameras[view], {sample.x, sample.y, 1.0}).first !=
             surface) {
           kept.observations.push_back(observation);
-          kept.is_measured.push_back(1);
+          kept.sources.push_back(ObservationSource::kMeasured);
         }
       }
       const auto num_kept = static_cast<float>(kept.observations.size()) -

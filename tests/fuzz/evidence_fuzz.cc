@@ -51,7 +51,7 @@ std::vector<std::string> MakeSeeds() {
   evidence.observations.resize(1);
   evidence.observations[0].sample = {0.f, 0.f, 2.f};
   evidence.observations[0].confidence = 0.5f;
-  evidence.is_measured = {1};
+  evidence.sources = {ObservationSource::kMeasured};
   evidence.first_confirmed = {0, 1, 1};
   evidence.confirmed = {{0.f, 0.f, 2.f}};
   evidence.confirmed_pixels = {3, 0};

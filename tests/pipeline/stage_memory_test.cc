@@ -311,7 +311,7 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
                   NeighbourEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(for_neighbours));
     const size_t all =
-        for_neighbours + evidence.is_measured.size() +
+        for_neighbours + evidence.sources.size() +
         // Hardly a depth of this scene is confirmed and not trusted.
         std::min<size_t>(evidence.superpixels.NumPixels(),
                          static_cast<size_t>(

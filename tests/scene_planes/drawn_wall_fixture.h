@@ -127,7 +127,7 @@ class DrawnWallTest : public testing::Test {
       const std::function<Depth(const Eigen::Vector3d& point)>& depth,
       ViewEvidence* evidence) {
     evidence->observations.clear();
-    evidence->is_measured.clear();
+    evidence->sources.clear();
     const Intrinsics intrinsics = camera.GetIntrinsics();
     for (int s = 0; s < kNumSuperpixels; ++s) {
       evidence->first_observation[static_cast<size_t>(s)] =
@@ -143,7 +143,9 @@ class DrawnWallTest : public testing::Test {
               intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
           evidence->observations.push_back(
               {{ray.x, ray.y, static_cast<float>(of_pixel.z)}, 0.5f});
-          evidence->is_measured.push_back(of_pixel.is_measured ? 1 : 0);
+          evidence->sources.push_back(of_pixel.is_measured
+                                          ? ObservationSource::kMeasured
+                                          : ObservationSource::kRegionPlane);
           ++count;
         }
       }

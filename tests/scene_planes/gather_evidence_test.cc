@@ -155,11 +155,14 @@ TEST_F(GatherEvidenceTest, TellsMeasurementsFromDepthsOfTheRegionsPlane) {
     }
   }
   const ViewEvidence evidence = Gather();
-  ASSERT_EQ(evidence.is_measured.size(), evidence.observations.size());
+  ASSERT_EQ(evidence.sources.size(), evidence.observations.size());
+  EXPECT_TRUE(evidence.errors.empty());
   int num_filled = 0;
   for (size_t i = 0; i < evidence.observations.size(); ++i) {
     const bool is_filled = evidence.observations[i].confidence < 0.5f;
-    EXPECT_EQ(evidence.is_measured[i], is_filled ? 0 : 1);
+    EXPECT_EQ(evidence.sources[i],
+              is_filled ? ObservationSource::kRegionPlane
+                        : ObservationSource::kMeasured);
     num_filled += is_filled ? 1 : 0;
   }
   EXPECT_GT(num_filled, 5);

@@ -52,7 +52,8 @@ ViewEvidence DrawEvidence() {
         {{draw() - 0.5f, draw() - 0.5f, 10.f * draw()}, draw()});
   }
   for (int i = 0; i < 11; ++i) {
-    evidence.is_measured.push_back(static_cast<uint8_t>(i % 3 == 0));
+    evidence.sources.push_back(i % 3 == 0 ? ObservationSource::kMeasured
+                                          : ObservationSource::kRegionPlane);
   }
   evidence.first_confirmed = {0, 2, 2, 3, 3, 4};
   evidence.confirmed_pixels = {5, 0, 1, 0, 7};

@@ -188,7 +188,7 @@ class SyntheticRoom {
                                (1.0 + kNoise * error * NextNormal(random)))};
         observation.confidence = 0.5f + 0.5f * random->NextFloat();
         view.observations.push_back(observation);
-        view.is_measured.push_back(1);
+        view.sources.push_back(ObservationSource::kMeasured);
         if (i == 0) {
           surface_of.push_back(surface);
         } else if (surface_of.back() != surface) {
