@@ -18,9 +18,12 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kMinSamples = 200;
-// Priors of other images or scenes explain up to a quarter of the spread of
-// depths, which all images of rooms have in common: the floor is near.
-constexpr double kMinSkill = 0.4;
+// Priors of other images or scenes explain up to half of the spread of depths,
+// which all images of rooms have in common: the floor is near. Where depths
+// hardly spread, as those of a facade, half will do if errors are small.
+constexpr double kMinSkill = 0.75;
+constexpr double kMinSkillOfSmallSpread = 0.5;
+constexpr double kSmallSpread = 0.04;
 // Blocks of the image's long side of which every second is left out to find how
 // well what was left out is predicted.
 constexpr int kNumBlocks = 5;
@@ -29,8 +32,14 @@ constexpr double kOutlier = 3.0;
 constexpr double kMinOutlierShare = 0.02;
 constexpr double kMaxOutlierShare = 0.5;
 // Steps of the prior within this share of the image's long side make depths
-// uncertain; steps below kFlat do not.
+// uncertain; steps below kFlat do not. The larger share is for priors that do
+// not lie exactly over their images: where there are more outliers, by this
+// factor and share, without steps within the smaller share than without any
+// within the larger one.
 constexpr double kEdgeWidth = 0.004;
+constexpr double kLargeEdgeWidth = 0.02;
+constexpr double kMoreOutliers = 2.0;
+constexpr double kManyOutliers = 0.01;
 constexpr float kFlat = 0.03f;
 constexpr float kEdge = 0.1f;
 constexpr size_t kMinEdgeSamples = 50;
@@ -111,15 +120,14 @@ struct Prediction {
   double step = 0.0;  // Beyond kFlat, within reach.
 };
 
+// Of what was left out.
 std::vector<Prediction> Predict(const Image<float>& residual,
                                 const Image<float>& steps,
-                                const PriorCorrection& correction,
-                                bool only_left_out) {
+                                const PriorCorrection& correction) {
   std::vector<Prediction> predictions;
   for (int y = 0; y < residual.Height(); ++y) {
     for (int x = 0; x < residual.Width(); ++x) {
-      if (!std::isnan(residual(x, y)) &&
-          (!only_left_out || IsLeftOut(x, y, residual))) {
+      if (!std::isnan(residual(x, y)) && IsLeftOut(x, y, residual)) {
         predictions.push_back({residual(x, y) - correction.offset(x, y),
                                correction.sigma(x, y),
                                std::max(steps(x, y) - kFlat, 0.f)});
@@ -145,6 +153,50 @@ double ErrorAtSteps(const std::vector<Prediction>& predictions) {
 double SigmaOf(const Prediction& prediction, double error_at_steps) {
   const double at_step = error_at_steps * prediction.step;
   return std::sqrt(prediction.sigma * prediction.sigma + at_step * at_step);
+}
+
+// What the errors of predictions tell of a prior.
+struct Calibration {
+  double error_at_steps = 0.5;
+  // By which sigma is to be multiplied.
+  double stretch = 1.0;
+  double outlier_share = kMaxOutlierShare;
+  double outlier_share_if_flat = 0.0;  // Of those without a step.
+};
+
+Calibration Calibrate(const std::vector<Prediction>& predictions) {
+  Calibration calibration;
+  if (predictions.empty()) {
+    return calibration;
+  }
+  calibration.error_at_steps = ErrorAtSteps(predictions);
+  std::vector<double> ratios;
+  for (const Prediction& prediction : predictions) {
+    ratios.push_back(prediction.error /
+                     SigmaOf(prediction, calibration.error_at_steps));
+  }
+  calibration.stretch = std::max(1.0, RobustSpread(ratios));
+  double num_outliers = 0.0;
+  double num_flat = 0.0;
+  double num_flat_outliers = 0.0;
+  for (size_t i = 0; i < ratios.size(); ++i) {
+    const double is_outlier =
+        std::abs(ratios[i]) > kOutlier * calibration.stretch ? 1.0 : 0.0;
+    const double is_flat = predictions[i].step > 0.0 ? 0.0 : 1.0;
+    num_outliers += is_outlier;
+    num_flat += is_flat;
+    num_flat_outliers += is_flat * is_outlier;
+  }
+  calibration.outlier_share = num_outliers / static_cast<double>(ratios.size());
+  calibration.outlier_share_if_flat =
+      num_flat_outliers / std::max(num_flat, 1.0);
+  return calibration;
+}
+
+Image<float> StepsWithin(double width, const Image<float>& log_depth) {
+  const int side = std::max(log_depth.Width(), log_depth.Height());
+  return LocalRange(log_depth,
+                    std::max(1, static_cast<int>(std::lround(width * side))));
 }
 
 std::string PercentText(double share) {
@@ -179,7 +231,9 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
     return aligned;
   }
   aligned.fit = FitPrior(measured, prior.type);
-  if (aligned.fit.Skill() < kMinSkill) {
+  if (aligned.fit.Skill() < (aligned.fit.spread > kSmallSpread
+                                 ? kMinSkill
+                                 : kMinSkillOfSmallSpread)) {
     aligned.reason_to_drop = "it explains only " +
                              PercentText(std::max(aligned.fit.Skill(), 0.0)) +
                              " of the spread of the measured depths";
@@ -201,31 +255,19 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
       }
     }
   }
-  const Image<float> steps = LocalRange(
-      log_depth,
-      std::max(
-          1,
-          static_cast<int>(std::lround(kEdgeWidth * std::max(width, height)))));
-  const std::vector<Prediction> left_out =
-      Predict(residual, steps, CorrectPrior(log_depth, kept), true);
-  double stretch = 1.0;
-  double outlier_share = kMaxOutlierShare;
-  const double error_at_steps = ErrorAtSteps(left_out);
-  if (!left_out.empty()) {
-    std::vector<double> ratios;
-    for (const Prediction& prediction : left_out) {
-      ratios.push_back(prediction.error / SigmaOf(prediction, error_at_steps));
-    }
-    stretch = std::max(1.0, RobustSpread(ratios));
-    const auto num_outliers =
-        std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
-          return std::abs(ratio) > kOutlier * stretch;
-        });
-    outlier_share =
-        static_cast<double>(num_outliers) / static_cast<double>(ratios.size());
+  const PriorCorrection from_kept = CorrectPrior(log_depth, kept);
+  Image<float> steps = StepsWithin(kEdgeWidth, log_depth);
+  Calibration calibration = Calibrate(Predict(residual, steps, from_kept));
+  Image<float> more_steps = StepsWithin(kLargeEdgeWidth, log_depth);
+  const Calibration with_more =
+      Calibrate(Predict(residual, more_steps, from_kept));
+  if (calibration.outlier_share_if_flat >
+      kMoreOutliers * with_more.outlier_share_if_flat + kManyOutliers) {
+    steps = std::move(more_steps);
+    calibration = with_more;
   }
-  aligned.outlier_share = static_cast<float>(
-      std::clamp(outlier_share, kMinOutlierShare, kMaxOutlierShare));
+  aligned.outlier_share = static_cast<float>(std::clamp(
+      calibration.outlier_share, kMinOutlierShare, kMaxOutlierShare));
   const PriorCorrection correction = CorrectPrior(log_depth, residual);
   aligned.depth = Image<float>(width, height);
   aligned.sigma = Image<float>(width, height);
@@ -235,10 +277,10 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
         aligned.depth(x, y) =
             std::exp(log_depth(x, y) + correction.offset(x, y));
         aligned.sigma(x, y) = static_cast<float>(
-            stretch * SigmaOf({0.0,
-                               correction.sigma(x, y),
-                               std::max(steps(x, y) - kFlat, 0.f)},
-                              error_at_steps));
+            calibration.stretch * SigmaOf({0.0,
+                                           correction.sigma(x, y),
+                                           std::max(steps(x, y) - kFlat, 0.f)},
+                                          calibration.error_at_steps));
       }
     }
   }
