@@ -76,7 +76,10 @@ void CollectView(const ModelledImage& view,
     for (int x = 0; x < refined.depth.Width(); ++x) {
       const float depth = refined.depth(x, y);
       const float right = AtSamePlace(view.truth, x, y, refined.depth);
-      if (depth > 0.f && right > 0.f) {
+      // The confidence of a prior's depth is the prior's own.
+      const bool is_of_prior = static_cast<Provenance>(refined.provenance(
+                                   x, y)) == Provenance::kPrior;
+      if (depth > 0.f && right > 0.f && !is_of_prior) {
         samples->push_back({{KindAt(refined, view, x, y),
                              view.SupportAt(x, y, votes(x, y)),
                              view.LabelAt(x, y),

@@ -195,6 +195,9 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
       const float error = std::abs(depth - right);
       if (depth > 0.f && right > 0.f && error < kRight * right) {
         const auto source = static_cast<Provenance>(provenance(x, y));
+        if (source == Provenance::kPrior) {
+          continue;  // Its sigma is its own, without a constant.
+        }
         const Kind kind =
             is_of_scene
                 ? KindOf(source, planes(x, y) > 0, depth == original(x, y))

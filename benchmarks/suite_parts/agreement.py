@@ -10,8 +10,8 @@ from suite_parts.maps import read_grey_png, read_map
 # Triangulated points that the check trusts, as pixels and images.
 MAX_POINT_ERROR = 1.5
 MIN_TRACK = 3
-# Provenance of depths that come from a plane.
-FIRST_PLANE_PROVENANCE = 4
+# Provenances of depths that come from a plane.
+PLANE_PROVENANCES = (4, 5, 6)
 MAX_SAMPLES = 6000  # Of each view.
 # Beyond these stereo_fusion does not join two depths, by default.
 MAX_DEPTH_GAP = 0.01
@@ -72,7 +72,7 @@ class FilledView:
         self.image = image
         self.camera = model.cameras[image.camera_id]
         origin = read_grey_png(maps.path("provenance", image.name, "png"))
-        self.depth = np.where(origin >= FIRST_PLANE_PROVENANCE,
+        self.depth = np.where(np.isin(origin, PLANE_PROVENANCES),
                               maps.depth(image.name), 0)
         self.normals = read_map(maps.path("normal", image.name))
 

@@ -13,7 +13,8 @@ OUTLIER = 0.05  # Of the true depth.
 SPECK_RADIUS = 7
 SPECK_FACTOR = 1.1
 # Values of the provenance maps.
-ORIGINS = {"measured": (1, 2), "filled": (3, 4, 5), "guessed": (6,)}
+ORIGINS = {"measured": (1, 2), "filled": (3, 4, 5), "guessed": (6,),
+           "prior": (7,)}
 
 
 def spread(values, combine, outside):

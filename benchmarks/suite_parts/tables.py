@@ -25,6 +25,7 @@ COLUMNS = (
     ("measured", "outliers_measured", None, 3),
     ("filled", "outliers_filled", None, 3),
     ("guessed", "outliers_guessed", None, 3),
+    ("prior", "outliers_prior", None, 3),
     ("SPECKS", "specks", None, 4),
     ("views disagree", "view_disagreement", None, 3),
     ("planes off", "plane_offset", None, 4),

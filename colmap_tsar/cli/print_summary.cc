@@ -116,7 +116,8 @@ void PrintPixels(const RunSummary& summary, std::ostream& out) {
         std::pair("region_plane", "from planes of regions"),
         std::pair("interpolated", "interpolated"),
         std::pair("other_views", "from other views"),
-        std::pair("guessed", "guessed")}) {
+        std::pair("guessed", "guessed"),
+        std::pair("prior", "from depth priors")}) {
     if (Count(summary, name) > 0) {
       out << "  " << Percent(Count(summary, name), num_pixels) << " " << label
           << "\n";

@@ -43,6 +43,7 @@ void CountPixels(const RefinedMaps& maps,
   (*counts)["region_plane"] = from(Provenance::kRegionPlane);
   (*counts)["other_views"] = from(Provenance::kOtherViews);
   (*counts)["guessed"] = from(Provenance::kGuessed);
+  (*counts)["prior"] = from(Provenance::kPrior);
 }
 
 void ClearMasked(const Image<uint8_t>& mask, RefinedMaps* maps) {

@@ -150,6 +150,7 @@ const std::vector<ProvenanceKind>& ProvenanceKinds() {
       {"region plane", {213, 94, 0}},
       {"other views", {0, 158, 115}},
       {"guessed", {204, 121, 167}},
+      {"prior", {0, 114, 178}},
   };
   return kinds;
 }

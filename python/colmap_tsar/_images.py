@@ -103,7 +103,7 @@ class WorkspaceImage:
     def provenance(self) -> "_Array":
         """(height, width) of uint8: where the depth comes from. 0: none, 1: measured,
         2: plane of a superpixel, 3: interpolated, 4: plane of a region, 5: other views,
-        6: guessed."""
+        6: guessed, 7: a depth prior."""
         return self._read("provenance", "uint8")
 
     @functools.cached_property

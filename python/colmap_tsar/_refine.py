@@ -7,6 +7,7 @@ from typing import Callable, Optional, Union
 
 from . import _core
 from ._command_options import REFINE
+from ._priors import Priors, options_with_priors
 from ._progress import tell_lines
 from ._summaries import RefineSummary, RestoreSummary
 
@@ -22,6 +23,7 @@ def refine(
     workspace_path: _Path,
     *,
     input_type: Optional[str] = None,
+    priors: Optional[Priors] = None,
     progress: Union[bool, Callable[[str], None]] = True,
     **options: "Unpack[RefineKeywords]",
 ) -> RefineSummary:
@@ -43,6 +45,16 @@ def refine(
         input_type: Which maps to refine, "geometric" or "photometric"; the others
             serve as evidence where they exist. None: geometric, or photometric
             where there are no geometric ones.
+        priors: Depth of single images from a network or a sensor, instead of files
+            in `prior_path`: {name of the image: array}, or a function of the name
+            that returns the array, or None where there is none. The array has the
+            shape (height, width) and whatever size has the photo's shape; 0 is no
+            depth. A tuple (depth, normals) adds normals, (height, width, 3), as
+            prior_path describes them below; either may be None. What the values
+            mean is said by `prior_type`. Without NumPy, arrays must be buffers of
+            floats (memoryview). The arrays are written to a temporary folder, and a
+            function is called for all images before the work begins. Images are
+            skipped if they were refined before with the same arrays.
         progress: True: a line for each image, or now and then, on sys.stderr.
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it
@@ -57,16 +69,18 @@ def refine(
         TypeError: An option does not exist or has a value of a wrong type.
     """
     return refine_with_listeners(
-        workspace_path, input_type, tell_lines(progress), options
+        workspace_path, input_type, priors, tell_lines(progress), options
     )
 
 
-def refine_with_listeners(workspace_path, input_type, listeners, options):
+def refine_with_listeners(workspace_path, input_type, priors, listeners, options):
     """refine(), with the listeners of _progress.py."""
-    command = {"workspace_path": os.fsencode(workspace_path), **REFINE.to_text(options)}
-    if input_type is not None:
-        command["input_type"] = input_type
-    return RefineSummary(**_core.refine(command, listeners))
+    REFINE.to_text(options)  # Wrong ones are errors before priors are asked for.
+    with options_with_priors(workspace_path, priors, options) as given:
+        command = {"workspace_path": os.fsencode(workspace_path), **REFINE.to_text(given)}
+        if input_type is not None:
+            command["input_type"] = input_type
+        return RefineSummary(**_core.refine(command, listeners))
 
 
 def restore(workspace_path: _Path, conflicts: str = "report") -> RestoreSummary:

@@ -10,6 +10,7 @@ from . import _core
 from ._command_options import EXPORT, FUSE, IMPORT, REFINE, REPORT, STEREO
 from ._images import WorkspaceImage
 from ._planes import Planes, read_planes
+from ._priors import Priors
 from ._progress import tell_steps
 from ._refine import refine_with_listeners, restore
 from ._summaries import (
@@ -124,16 +125,21 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         return self._planes
 
     def refine(
-        self, *, progress: _Progress = True, **options: "Unpack[RefineKeywords]"
+        self,
+        *,
+        priors: Optional[Priors] = None,
+        progress: _Progress = True,
+        **options: "Unpack[RefineKeywords]",
     ) -> RefineSummary:
         """Completes the maps; see the function refine().
 
             ws.refine(preset="paper", device="cpu")
             ws.refine(experiment={"num_iterations": 3})
+            ws.refine(priors={"a.jpg": depth}, prior_type="inverse")
         """
         self._planes = None
         return refine_with_listeners(
-            self._path, self._chosen_type, tell_steps(progress), options
+            self._path, self._chosen_type, priors, tell_steps(progress), options
         )
 
     def stereo(

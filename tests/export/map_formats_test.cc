@@ -73,6 +73,7 @@ TEST_F(MapFormatsTest, ArraysHoldWhatRefinementWrote) {
   EXPECT_EQ(read("planes").At<uint16_t>(5), 700);
   const nlohmann::json manifest = ReadJson("manifest.json");
   EXPECT_EQ(manifest["maps"]["provenance"]["values"][4], "region plane");
+  EXPECT_EQ(manifest["maps"]["provenance"]["values"][7], "prior");
   // Of the other image, only what is there.
   EXPECT_EQ(ImageEntry("left/b.png")["files"].size(), 2u);
   EXPECT_FALSE(std::filesystem::exists(options_.output_path / "sigma/left"));

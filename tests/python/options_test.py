@@ -46,7 +46,7 @@ class OptionsTest(unittest.TestCase):
                     self.assertIn(f"    {name}: ", method.__doc__)
                     for setting in option.get("settings", ()):
                         self.assertIn(f"    {setting['name']}: ", method.__doc__)
-            others = {"self", "workspace_path", "input_type", "progress"}
+            others = {"self", "workspace_path", "input_type", "priors", "progress"}
             self.assertLessEqual(set(parameters), others, command)
 
     def expect_error(self, kind, text, **options):

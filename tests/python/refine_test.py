@@ -105,6 +105,44 @@ class RefineTest(SampleTest):
             refine(self.workspace, **QUICK, prior_path=self.workspace / "sparse")
         with self.assertRaisesRegex(colmap_tsar.BadOptionError, "prior_type"):
             refine(self.workspace, **QUICK, prior_path=priors, prior_type="depth")
+
+    def test_arrays_as_depth_priors(self):
+        priors = self.workspace / "priors"
+        priors.mkdir()
+        depth = array.array("f", [1.0 + i % 64 for i in range(64 * 48)])
+        view = memoryview(depth).cast("B").cast("f", (48, 64))
+        normals = memoryview(bytes(48 * 3)).cast("f", (3, 4, 3))
+        (priors / "v000.pfm").write_bytes(b"Pf\n64 48\n-1\n" + depth.tobytes())
+        asked = []
+
+        def tell(name):
+            asked.append(name)
+            return {"v000.jpg": view, "v001.jpg": (None, normals)}.get(name)
+
+        summary = refine(self.workspace, **QUICK, priors=tell, prior_type="inverse")
+        self.assertEqual(summary.num_priors, 2)
+        self.assertEqual(asked, list(colmap_tsar.Workspace(self.workspace)))
+        again = {"v000.jpg": (view, None), "v001.jpg": (None, normals), "v002.jpg": None}
+        ws = colmap_tsar.Workspace(self.workspace)
+        summary = ws.refine(
+            **QUICK, priors=again, prior_type="inverse", device="cpu", progress=False
+        )
+        self.assertEqual((summary.num_refined, summary.num_skipped), (0, self.num_images))
+        depth[0] = 7.0
+        summary = refine(self.workspace, **QUICK, priors={"v000.jpg": view})
+        self.assertEqual((summary.num_priors, summary.num_refined), (1, self.num_images))
+        for kind, text, options in (
+            (ValueError, "no image 'v00.jpg'; did you mean v00", {"priors": {"v00.jpg": view}}),
+            (ValueError, "of none of the images", {"priors": {"v000.jpg": None}}),
+            (ValueError, r"of v000.jpg: .*\(3, 4, 3\)", {"priors": {"v000.jpg": normals}}),
+            (ValueError, r"of v000.jpg: .*x 3", {"priors": {"v000.jpg": (None, view)}}),
+            (TypeError, "a dict or a function", {"priors": 3}),
+            (TypeError, "prior_path", {"priors": {"v000.jpg": view}, "prior_path": priors}),
+            (TypeError, "num_thread", {"priors": tell, "num_thread": 1}),
+        ):
+            with self.subTest(text=text), self.assertRaisesRegex(kind, text):
+                refine(self.workspace, **QUICK, **options)
+
     def test_regions(self):
         regions = self.workspace / "regions"
         write_black_mask(regions / "v000.png", 320, 240)

@@ -19,6 +19,8 @@ import colmap_tsar
 
 workspace = colmap_tsar.Workspace("dense")
 
+image_of_depth: object = None
+
 def tell(name: str, done: int, total: int) -> None: ...
 
 summary = workspace.refine(scene_planes=False, device="cpu", progress=tell)
@@ -26,6 +28,8 @@ workspace.refine(preset="paper", experiment={"segment": False, "num_iterations":
 colmap_tsar.refine("dense", seed=1, pass_="observe", experiment="segment=0")
 share: float = summary.counts["depth_after"] / summary.counts["pixels"]
 workspace.stereo(num_levels=1, device="auto", gpu_index=0)
+workspace.refine(priors={"a.jpg": image_of_depth}, prior_type="metric")
+colmap_tsar.refine("dense", priors=lambda name: (None, image_of_depth))
 fused: int = workspace.fuse("fused.ply", preset="paper", max_reproj_error=1).num_points
 workspace.report(tolerances=[0.1, 0.2])
 names = [image.name.upper() for image in workspace.images]
@@ -37,6 +41,7 @@ width: int = image.camera.width
 MISUSE = (
     "workspace.refine(num_thread=3)",
     "colmap_tsar.refine('dense', scene_planes='no')",
+    "workspace.refine(priors=3)",
     "workspace.stereo(num_levels='two')",
     "workspace.stereo(device='gpu')",
     "workspace.fuse('fused.ply', min_num_views=2.5)",

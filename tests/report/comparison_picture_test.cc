@@ -140,7 +140,7 @@ TEST(DrawComparison, RejectsWhatCannotBeCompared) {
   EXPECT_THROW(DrawComparison({no_image}), Error);
 
   ComparisonRow unknown = DrawnRow();
-  unknown.provenance(5, 5) = 7;
+  unknown.provenance(5, 5) = 8;
   EXPECT_THROW(DrawComparison({unknown}), Error);
 }
 

@@ -31,7 +31,7 @@ ImagePage MakeImage(const std::string& name) {
   image.range = {1.5f, 4.f};
   image.num_before = 300;
   image.num_after = 900;
-  image.num_by_provenance = {300, 200, 0, 100, 500, 0, 100};
+  image.num_by_provenance = {300, 200, 0, 100, 500, 0, 100, 30};
   image.seconds = {{"matching", 2.5}};
   image.stages = {"regions"};
   return image;
@@ -56,6 +56,7 @@ TEST(PageData, HoldsWhatThePageShows) {
   EXPECT_EQ(image["provenance"].size(), json["provenance"].size());
   EXPECT_EQ(image["provenance"][4], 500);
   EXPECT_EQ(image["provenance"][6], 100);
+  EXPECT_EQ(image["provenance"][7], 30);
   EXPECT_EQ(image["seconds"]["matching"], 2.5);
   EXPECT_EQ(image["stages"][0], "regions");
   EXPECT_EQ(image["nearest"], 1.5);
@@ -66,6 +67,7 @@ TEST(PageData, HoldsWhatThePageShows) {
   EXPECT_TRUE(json["gains"].empty());
   EXPECT_EQ(json["provenance"][1]["name"], "measured");
   EXPECT_EQ(json["provenance"][6]["name"], "guessed");
+  EXPECT_EQ(json["provenance"][7]["name"], "prior");
   EXPECT_EQ(json["depth_colors"].size(), json["value_colors"].size());
 }
 

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/report/page_files.h"
 #include "colmap_tsar/report/colors.h"
+#include "colmap_tsar/report/page_files.h"
 #include "colmap_tsar/store/workspace_lock.h"
 #include "colmap_tsar/store/write_back.h"
 #include "colmap_tsar/workspace/map_io.h"
@@ -85,7 +85,7 @@ TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
   EXPECT_EQ(image["width"], 4);
   EXPECT_EQ(image["before"], 12);
   EXPECT_EQ(image["after"], 11);
-  EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0, 0}));
+  EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0, 0, 0}));
   EXPECT_EQ(image["seconds"]["matching"], 1.5);
   ASSERT_EQ(data["kept"].size(), 1u);
   EXPECT_EQ(data["kept"][0]["name"], "c.png");
