@@ -21,13 +21,14 @@ struct PriorDepth {
 
 // The logarithm of how much likelier the prior is where the depth is right than
 // where it is wrong: wrong depths are spread over a factor of e, evenly in
-// their logarithms. 0 where there is no prior. It is bounded on both sides, by
-// sigma and by the share of outliers.
+// their logarithms. 0 where there is no prior, or one whose errors are spread
+// as far. It is bounded on both sides, by sigma and by the share of outliers.
 TSAR_HD inline float LogLikelihoodRatio(const PriorDepth& prior, float depth) {
-  if (!(prior.depth > 0.f) || !(depth > 0.f)) {
+  constexpr float kOneOverRootTwoPi = 0.39894228f;
+  if (!(prior.depth > 0.f) || !(depth > 0.f) ||
+      prior.sigma >= kOneOverRootTwoPi) {
     return 0.f;
   }
-  constexpr float kOneOverRootTwoPi = 0.39894228f;
   const float error = NaturalLogarithm(depth / prior.depth) / prior.sigma;
   const float normal =
       kOneOverRootTwoPi / prior.sigma * ExpOfNegative(-0.5f * error * error);

@@ -83,7 +83,8 @@ struct ScoreKernel {
                 block.precision[i] /
                 (steepness > kMinSlope ? steepness : kMinSlope) -
             block.slack[i];
-        const float ratio = deviation > 0.f ? deviation : 0.f;
+        // Not a number where the plane is none, and so the share is 0.
+        const float ratio = deviation < 0.f ? 0.f : deviation;
         const float share = 1.f - ratio * ratio;
         shares[i] = share > 0.f ? share : 0.f;
       }

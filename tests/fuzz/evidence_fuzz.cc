@@ -10,8 +10,8 @@ namespace tsar {
 namespace {
 
 // Of the header, see evidence_file.cc.
-constexpr size_t kHeaderSize = 120;
-constexpr SignedLayout kLayout = {kHeaderSize, 96, 104, 112};
+constexpr size_t kHeaderSize = 136;
+constexpr SignedLayout kLayout = {kHeaderSize, 112, 120, 128};
 
 std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
   // The arrays that neighbours read come first.
@@ -19,9 +19,9 @@ std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
     const size_t num_pixels =
         static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
         ValueAt<uint16_t>(bytes, 20);
-    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 56) + 4 +
-           16 * ValueAt<uint16_t>(bytes, 64) +
-           16 * ValueAt<uint16_t>(bytes, 80);
+    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 64) + 4 +
+           17 * ValueAt<uint16_t>(bytes, 72) +
+           4 * ValueAt<uint16_t>(bytes, 80) + 16 * ValueAt<uint16_t>(bytes, 96);
   });
 }
 
@@ -52,6 +52,10 @@ std::vector<std::string> MakeSeeds() {
   evidence.observations[0].sample = {0.f, 0.f, 2.f};
   evidence.observations[0].confidence = 0.5f;
   evidence.sources = {ObservationSource::kMeasured};
+  evidence.errors = {2.f};
+  evidence.prior.depth = Image<float>(3, 2, 2.f);
+  evidence.prior.sigma = Image<float>(3, 2, 0.1f);
+  evidence.prior.outlier_share = 0.1f;
   evidence.first_confirmed = {0, 1, 1};
   evidence.confirmed = {{0.f, 0.f, 2.f}};
   evidence.confirmed_pixels = {3, 0};

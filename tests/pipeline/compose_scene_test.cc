@@ -4,6 +4,7 @@
 #include "colmap_tsar/pipeline/compose_scene.h"
 
 #include "colmap_tsar/filtering/confirmation.h"
+#include "colmap_tsar/pipeline/measurement_support.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 
@@ -90,7 +91,18 @@ class ComposeSceneTest : public testing::Test {
             on_map(scene_),
             superpixels_.View(),
             of_superpixel_.data(),
-            texture_.View()};
+            texture_.View(),
+            {prior_depth_.View(),
+             prior_sigma_.View(),
+             outlier_share_,
+             Intrinsics{10.f, 10.f, 0.f, 0.f},
+             own_.Width(),
+             own_.Height()}};
+  }
+  // Everywhere.
+  void SetPrior(float depth, float sigma) {
+    prior_depth_ = Image<float>(kWidth, kHeight, depth);
+    prior_sigma_ = Image<float>(kWidth, kHeight, sigma);
   }
   ComposedMap ComposeOnDevice() const {
     Image<Vec3f> normal(own_.Width(), own_.Height());
@@ -159,6 +171,9 @@ class ComposeSceneTest : public testing::Test {
   std::vector<ComposedSuperpixel> of_superpixel_{
       kWidth * kHeight, {LabelEvidence::kNone, kLabel}};
   Image<float> texture_{kWidth, kHeight, 10.f};
+  Image<float> prior_depth_;  // None.
+  Image<float> prior_sigma_;
+  float outlier_share_ = 0.05f;
   ViewEvidence evidence_;
   std::vector<ObservedView> views_;
 };
@@ -310,6 +325,106 @@ TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
   EXPECT_EQ(result.confidence(0, 0), 0.f);
   EXPECT_GT(result.confidence(2, 2), 0.f);
   EXPECT_GT(result.confidence(4, 2), 0.f);
+}
+
+TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
+  scene_(1, 2) = PlaneAt(kScene);
+  SetAllEvidence(LabelEvidence::kMeasured);
+  SetPrior(6.f, 0.005f);
+  prior_depth_(10, 2) = 0.f;
+  MeasureWithoutTrust(5, 2, kOff);
+  const Result result = Compose();
+  for (const int x : {2, 5, 8}) {
+    EXPECT_FLOAT_EQ(result.depth(x, 2), 6.f);
+    EXPECT_EQ(result.provenance(x, 2),
+              static_cast<uint8_t>(Provenance::kPrior));
+    EXPECT_LT(Norm(result.normal(x, 2) - kPlaneNormal), 1e-5f);
+  }
+  EXPECT_FLOAT_EQ(result.depth(1, 2), kScene);
+  EXPECT_EQ(result.provenance(1, 2),
+            static_cast<uint8_t>(Provenance::kRegionPlane));
+  Expect(result, 10, 2, 0.f, {}, Provenance::kNone, 0.f);
+}
+
+TEST_F(ComposeSceneTest, ConfidenceOfAPriorIsThatOfItsSigma) {
+  min_fill_confidence_ = 0.3f;
+  // Within one per cent is what is off by two standard deviations, by one, and
+  // by a third of one.
+  SetPrior(6.f, 0.005f);
+  EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.954f, 0.01f);
+  SetPrior(6.f, 0.01f);
+  EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.683f, 0.01f);
+  SetPrior(6.f, 0.03f);
+  EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.261f, 0.01f);
+  // Of this one not a third is within three per cent: it is as good as none.
+  SetPrior(6.f, 0.1f);
+  EXPECT_EQ(Compose().confidence(3, 3), 0.f);
+  outlier_share_ = 0.5f;
+  SetPrior(6.f, 0.01f);
+  EXPECT_NEAR(Compose().confidence(3, 3), 0.5f * 0.683f, 0.01f);
+}
+
+TEST_F(ComposeSceneTest, WithoutAPlaneAMeasurementGivesWayToACertainPrior) {
+  outlier_share_ = 0.02f;
+  MeasureWithoutTrust(2, 2, kOff, Confirmation::kWeak);
+  MeasureWithoutTrust(4, 2, 6.02f, Confirmation::kWeak);
+  texture_ = Image<float>(kWidth, kHeight, 0.5f);
+  ExpectMeasured(Compose(), 2, 2, kOff);
+  SetPrior(6.f, 0.005f);
+  Result result = Compose();
+  EXPECT_FLOAT_EQ(result.depth(2, 2), 6.f);
+  EXPECT_EQ(result.provenance(2, 2), static_cast<uint8_t>(Provenance::kPrior));
+  ExpectMeasured(result, 4, 2, 6.02f);
+  // A prior that agrees needs no odds.
+  options_.min_log_odds = 100.f;
+  ExpectMeasured(Compose(), 4, 2, 6.02f);
+  // One that is as often wrong as right says less against others.
+  options_.min_log_odds = -2.f;
+  texture_(2, 2) = 10.f;
+  Measure(2, 2, kOff);
+  EXPECT_FLOAT_EQ(Compose().depth(2, 2), 6.f);
+  outlier_share_ = 0.5f;
+  ExpectMeasured(Compose(), 2, 2, kOff);
+}
+
+TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
+  scene_ = PlanesAt(kScene);
+  SetAllEvidence(LabelEvidence::kMeasured);
+  Measure(2, 2, kOff);
+  const float log_odds = LogOddsAgainst(
+      {{}, GapInPixels(kOff, kScene, scale_), kLabel.margin}, {{}, 10.f, true});
+  const auto depth_with = [&](float min_log_odds) {
+    options_.min_log_odds = min_log_odds;
+    return Compose().depth(2, 2);
+  };
+  EXPECT_EQ(depth_with(log_odds - 0.1f), kOff);
+  EXPECT_FLOAT_EQ(depth_with(log_odds + 0.1f), kScene);
+  // By the logarithms of 0.05 and of 0.05 + 0.95 times 79.8.
+  constexpr float kMost = 4.33f + 3.f;
+  SetPrior(kOff, 0.005f);
+  EXPECT_EQ(depth_with(log_odds + kMost - 0.1f), kOff);
+  EXPECT_FLOAT_EQ(depth_with(log_odds + kMost + 0.1f), kScene);
+  SetPrior(kScene, 0.005f);
+  EXPECT_EQ(depth_with(log_odds - kMost - 0.1f), kOff);
+  EXPECT_FLOAT_EQ(depth_with(log_odds - kMost + 0.1f), kScene);
+  // Of a third surface it says nothing.
+  SetPrior(10.f, 0.005f);
+  EXPECT_EQ(depth_with(log_odds - 0.1f), kOff);
+  EXPECT_FLOAT_EQ(depth_with(log_odds + 0.1f), kScene);
+}
+
+TEST_F(ComposeSceneTest, APriorThatAgreesRaisesTheConfidenceOfAPlane) {
+  scene_ = PlanesAt(kScene);
+  SetAllEvidence(LabelEvidence::kGuessed);
+  const float without = Compose().confidence(3, 3);
+  SetPrior(kScene, 0.02f);
+  EXPECT_GT(Compose().confidence(3, 3), without);
+  SetPrior(kOff, 0.02f);
+  const float contradicted = Compose().confidence(3, 3);
+  EXPECT_LT(contradicted, without);
+  EXPECT_GE(contradicted, kMinConfidence);
+  min_fill_confidence_ = 0.3f;
+  EXPECT_EQ(Compose().confidence(3, 3), 0.f);
 }
 
 TEST(DepthConfidenceTest, ValuesAreProbabilities) {

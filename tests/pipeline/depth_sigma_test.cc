@@ -57,7 +57,13 @@ class DepthSigmaTest : public testing::Test {
         {planes.View(), Intrinsics{10.f, 10.f, 0.f, 0.f}, kWidth, 1},
         superpixels.View(),
         of_superpixel_.data(),
-        {}};
+        {},
+        {prior_depth_.View(),
+         prior_sigma_.View(),
+         0.1f,
+         Intrinsics{10.f, 10.f, 0.f, 0.f},
+         kWidth,
+         1}};
     ComposedMap composed;
     composed.map.depth = DeviceImage<float>(*device_, depth_);
     composed.provenance = DeviceImage<uint8_t>(*device_, provenance_);
@@ -88,6 +94,8 @@ class DepthSigmaTest : public testing::Test {
   Image<float> depth_{kWidth, 1};
   Image<uint8_t> provenance_{kWidth, 1};
   std::vector<ComposedSuperpixel> of_superpixel_;
+  Image<float> prior_depth_;  // None.
+  Image<float> prior_sigma_;
 };
 
 TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
@@ -133,6 +141,20 @@ TEST_F(DepthSigmaTest, AddsTheErrorOfThePlane) {
   EXPECT_NEAR(sigma[5],
               std::hypot(0.006f * kScene, 0.5f * 0.01f * kScene, 0.01f),
               1e-4f);
+}
+
+TEST_F(DepthSigmaTest, OfAPriorItIsThePriorsOwn) {
+  prior_depth_ = Image<float>(kWidth, 1, kOff);
+  prior_sigma_ = Image<float>(kWidth, 1, 0.03f);
+  prior_sigma_(2, 0) = 0.12f;
+  Set(1, kOff, Provenance::kPrior);
+  Set(2, kOff, Provenance::kPrior);
+  Set(3, kScene, Provenance::kMeasured);
+  of_superpixel_[1].error.zz = 0.006f * 0.006f;
+  const std::vector<float> sigma = Compute();
+  EXPECT_NEAR(sigma[1], 0.03f, 1e-4f);
+  EXPECT_NEAR(sigma[2], 0.12f, 1e-4f);
+  EXPECT_NEAR(sigma[3], 0.01f, 1e-4f);
 }
 
 TEST_F(DepthSigmaTest, IsNeverZeroWhereThereIsADepth) {

@@ -41,6 +41,7 @@ TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
           0.6 * evidence.resolution.RelativeDepthError(z) * NextNormal(&random);
       evidence.observations.push_back(
           {{0.1f * k - 1.f, y, z * static_cast<float>(1.0 + error)}, 1.f});
+      evidence.sources.push_back(ObservationSource::kMeasured);
     }
     evidence.first_observation.push_back(10 * (k + 1));
   }

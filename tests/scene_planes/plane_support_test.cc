@@ -45,6 +45,7 @@ class PlaneSupportTest : public testing::Test {
     for (const PlanePoint& point : points) {
       evidence_.observations.push_back(
           {{point.s / kDepth, point.t / kDepth, depth}, confidence});
+      evidence_.sources.push_back(ObservationSource::kMeasured);
     }
     evidence_.first_observation.push_back(
         static_cast<int>(evidence_.observations.size()));

@@ -18,6 +18,11 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_EQ(a.borders.size(), b.borders.size());
   EXPECT_TRUE(a.color.HasSizeOf(b.color));
   EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
+  EXPECT_TRUE(a.prior.depth.HasSizeOf(b.prior.depth));
+  EXPECT_TRUE(a.prior.sigma.HasSizeOf(b.prior.sigma));
+  EXPECT_EQ(a.prior.outlier_share, b.prior.outlier_share);
+  EXPECT_EQ(a.sources, b.sources);
+  EXPECT_EQ(a.errors, b.errors);
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
 }
 
@@ -32,11 +37,30 @@ TEST_F(EvidenceFileTest, WritesTheDocumentedBytes) {
   EXPECT_EQ(ReadText(path_), FileBytes(HeaderFields(evidence_), evidence_));
 }
 
+TEST_F(EvidenceFileTest, ReadsWhatWasWritten) {
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
+  ExpectSame(ReadEvidence(path_), evidence_);
+  EXPECT_EQ(ReadEvidenceHash(path_), kOptionsHash);
+}
+
+TEST_F(EvidenceFileTest, KeepsThatThereIsNoPrior) {
+  ViewEvidence evidence = evidence_;
+  evidence.errors.clear();
+  evidence.prior = {};
+  WriteEvidence(UserPath(path_), kOptionsHash, evidence);
+  EXPECT_EQ(ReadText(path_), FileBytes(HeaderFields(evidence), evidence));
+  const ViewEvidence read = ReadEvidence(path_);
+  ExpectSame(read, evidence);
+  EXPECT_TRUE(read.errors.empty());
+  EXPECT_TRUE(read.prior.Empty());
+}
+
 TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
   WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   const ViewEvidence read = ReadEvidence(path_, EvidenceParts::kForNeighbours);
   ExpectSameForNeighbours(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
+  EXPECT_TRUE(read.prior.Empty());
   EXPECT_TRUE(read.ratings.Empty());
 }
 
@@ -60,7 +84,7 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
 
 TEST_F(EvidenceFileTest, KeepsTheLimitsOfWhatIsAllowed) {
   ViewEvidence evidence = evidence_;
-  evidence.observations[0].confidence = 1.f;
+  evidence.observations[0].confidence = std::numeric_limits<float>::max();
   evidence.observations[1].confidence =
       std::numeric_limits<float>::denorm_min();
   evidence.observations[2].sample.z = std::numeric_limits<float>::max();
@@ -101,14 +125,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 8u, 10u}) {
+  for (const uint32_t version : {0u, 9u, 11u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 9");
+                             ", this program reads version 10");
     }
   }
 }
@@ -120,9 +144,9 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    // The header's 120 bytes, the 16 of the options hash, the arrays.
-    ExpectCorruptAndNoHash(length < 120   ? "not complete"
-                           : length < 128 ? "cut off"
+    // The header's 136 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 136   ? "not complete"
+                           : length < 152 ? "cut off"
                                           : "not what the header says");
   }
   for (const std::string& more : {std::string("x"), good}) {
@@ -180,6 +204,10 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
       [](auto* f) { f->num_observations = kMax; },
       [](auto* f) { f->num_observations = (kMax >> 4) + 1; },
       [](auto* f) { f->num_observations += kMax / 16 + 1; },
+      [](auto* f) { f->num_errors = kMax; },
+      [](auto* f) { f->num_errors = kMax / 4 + 1; },
+      [](auto* f) { f->num_errors = 0; },
+      [](auto* f) { f->has_prior = 0; },
       [](auto* f) { f->num_confirmed = kMax; },
       [](auto* f) { f->num_confirmed = kMax / 12 + 1; },
       [](auto* f) { f->num_candidates = kMax / 16 + 1; },
@@ -208,14 +236,14 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
 
 // Sizes that fill the file, but not with what belongs there.
 TEST_F(EvidenceFileTest, RefusesCountsThatOnlyFitTheLength) {
-  // Twelve observations take as many bytes as twelve planes, and what is kept
-  // of their kind as many as a confirmed depth.
+  // Twelve observations take as many bytes as twelve planes, and their sources
+  // as many as three errors.
   ViewEvidence evidence = evidence_;
   evidence.candidates.resize(15, evidence.candidates[0]);
   HeaderFields fields(evidence);
   fields.num_observations += 12;
   fields.num_candidates -= 12;
-  fields.num_confirmed -= 1;
+  fields.num_errors -= 3;
   WriteText(path_, FileBytes(fields, evidence));
   ExpectCorrupt("observations that are not those of the superpixels");
 }

@@ -28,6 +28,7 @@ std::vector<Fault> NeighbourFaults() {
   const std::string weight = "a superpixel's invalid weight";
   const std::string owners = "observations that are not those of";
   const std::string observation = "an invalid observation";
+  const std::string kind = "an observation of an unknown kind";
   const std::string plane = "an invalid plane";
   const std::string depth = "an invalid depth";
   return {
@@ -64,8 +65,14 @@ std::vector<Fault> NeighbourFaults() {
       {observation, [](auto* e) { e->observations[3].sample.z = kNan; }},
       {observation, [](auto* e) { e->observations[3].confidence = 0.f; }},
       {observation, [](auto* e) { e->observations[3].confidence = -0.5f; }},
-      {observation, [](auto* e) { e->observations[3].confidence = 1.001f; }},
+      {observation, [](auto* e) { e->observations[3].confidence = kInf; }},
       {observation, [](auto* e) { e->observations[3].confidence = kNan; }},
+      {observation, [](auto* e) { e->errors[0] = 0.f; }},
+      {observation, [](auto* e) { e->errors[10] = -1.f; }},
+      {observation, [](auto* e) { e->errors[3] = kInf; }},
+      {observation, [](auto* e) { e->errors[3] = kNan; }},
+      {kind, [](auto* e) { e->sources[10] = ObservationSource(3); }},
+      {kind, [](auto* e) { e->sources[0] = ObservationSource(255); }},
       {plane, [](auto* e) { e->candidates[2].normal.x = kNan; }},
       {plane, [](auto* e) { e->candidates[0].normal.y = kInf; }},
       {plane, [](auto* e) { e->candidates[0].normal.z = -kInf; }},
@@ -79,12 +86,20 @@ std::vector<Fault> NeighbourFaults() {
 
 std::vector<Fault> OwnFaults() {
   const std::string border = "borders that are not those of";
-  const std::string kind = "an observation of an unknown kind";
+  const std::string prior = "an invalid prior";
   const std::string owners = "confirmed depths that are not those of";
   const std::string confirmed = "an invalid confirmed depth";
   const std::string weight = "a border's invalid weight";
   return {
-      {kind, [](auto* e) { e->is_measured[10] = 2; }},
+      {prior, [](auto* e) { e->prior.depth(8, 6) = kNan; }},
+      {prior, [](auto* e) { e->prior.depth(0, 0) = kInf; }},
+      {prior, [](auto* e) { e->prior.depth(0, 0) = -1.f; }},
+      {prior, [](auto* e) { e->prior.sigma(8, 6) = kNan; }},
+      {prior, [](auto* e) { e->prior.sigma(0, 0) = kInf; }},
+      {prior, [](auto* e) { e->prior.sigma(0, 0) = -1.f; }},
+      {prior, [](auto* e) { e->prior.outlier_share = 0.f; }},
+      {prior, [](auto* e) { e->prior.outlier_share = 1.f; }},
+      {prior, [](auto* e) { e->prior.outlier_share = kNan; }},
       {owners, [](auto* e) { e->first_confirmed[0] = 1; }},
       {owners, [](auto* e) { e->first_confirmed[1] = -2; }},
       {owners, [](auto* e) { e->first_confirmed[2] = 4; }},
@@ -138,7 +153,13 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({sizes, [](auto* e) { e->width = 0; }});
   faults.push_back({sizes, [](auto* e) { e->weights.pop_back(); }});
   faults.push_back({sizes, [](auto* e) { e->first_observation.clear(); }});
-  faults.push_back({sizes, [](auto* e) { e->is_measured.pop_back(); }});
+  const std::string owners = "observations that are not those of";
+  faults.push_back({owners, [](auto* e) { e->sources.pop_back(); }});
+  faults.push_back({owners, [](auto* e) { e->errors.pop_back(); }});
+  const std::string prior = "an invalid prior";
+  faults.push_back({prior, [](auto* e) { e->prior.sigma = {}; }});
+  faults.push_back(
+      {prior, [](auto* e) { e->prior.depth = Image<float>(9, 6, 1.f); }});
   faults.push_back({sizes, [](auto* e) { e->first_confirmed.clear(); }});
   faults.push_back({sizes, [](auto* e) { e->confirmed_pixels.clear(); }});
   faults.push_back({sizes, [](auto* e) { std::swap(e->width, e->height); }});

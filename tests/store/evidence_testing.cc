@@ -54,6 +54,18 @@ ViewEvidence DrawEvidence() {
   for (int i = 0; i < 11; ++i) {
     evidence.sources.push_back(i % 3 == 0 ? ObservationSource::kMeasured
                                           : ObservationSource::kRegionPlane);
+    evidence.errors.push_back(1.f + 9.f * draw());
+  }
+  // The last of a superpixel's observations stands for many of a prior.
+  evidence.sources[8] = ObservationSource::kPrior;
+  evidence.observations[8].confidence = 2.f + draw();
+  evidence.prior.outlier_share = 0.5f * draw();
+  evidence.prior.depth = Image<float>(9, 7);
+  evidence.prior.sigma = Image<float>(9, 7);
+  for (size_t i = 0; i < evidence.prior.depth.NumPixels(); ++i) {
+    const bool has_prior = i % 4 != 0;
+    evidence.prior.depth.Data()[i] = has_prior ? 10.f * draw() : 0.f;
+    evidence.prior.sigma.Data()[i] = has_prior ? draw() : 0.f;
   }
   evidence.first_confirmed = {0, 2, 2, 3, 3, 4};
   evidence.confirmed_pixels = {5, 0, 1, 0, 7};
@@ -100,6 +112,8 @@ std::string NeighbourBytes(const ViewEvidence& evidence) {
     Append(observation.sample.z, &bytes);
     Append(observation.confidence, &bytes);
   }
+  AppendAll(evidence.sources, &bytes);
+  AppendAll(evidence.errors, &bytes);
   for (const Plane& plane : evidence.candidates) {
     Append(plane.normal.x, &bytes);
     Append(plane.normal.y, &bytes);
@@ -111,7 +125,8 @@ std::string NeighbourBytes(const ViewEvidence& evidence) {
 
 std::string OwnBytes(const ViewEvidence& evidence) {
   std::string bytes;
-  AppendAll(evidence.is_measured, &bytes);
+  AppendAll(evidence.prior.depth, &bytes);
+  AppendAll(evidence.prior.sigma, &bytes);
   AppendAll(evidence.first_confirmed, &bytes);
   for (const RayDepth& sample : evidence.confirmed) {
     Append(sample.x, &bytes);
@@ -146,8 +161,11 @@ std::string FileBytes(const HeaderFields& fields,
   Append(evidence.intrinsics.cy, &bytes);
   Append(evidence.resolution.error_per_depth, &bytes);
   Append(evidence.noise, &bytes);
+  Append(evidence.prior.outlier_share, &bytes);
+  Append(fields.has_prior, &bytes);
   Append(fields.num_superpixels, &bytes);
   Append(fields.num_observations, &bytes);
+  Append(fields.num_errors, &bytes);
   Append(fields.num_confirmed, &bytes);
   Append(fields.num_candidates, &bytes);
   Append(fields.num_borders, &bytes);

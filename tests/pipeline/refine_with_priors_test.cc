@@ -1,0 +1,275 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/priors/depth_prior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/support/find_scene_in.h"
+#include "tests/support/observe_image.h"
+#include "tests/support/synthetic_views_test.h"
+
+namespace tsar {
+namespace {
+
+constexpr int kWidth = 128;
+constexpr int kHeight = 96;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+// Depths this close to the truth are right.
+constexpr float kRight = 0.01f;
+
+struct Part {
+  Plane plane;  // In the frame of the first camera.
+  std::function<bool(const Vec3f& point)> holds;
+  // Without texture. There the maps hold nothing or, in one pixel of ten, a
+  // wrong depth.
+  std::function<bool(const Vec3f& point)> is_bare;
+};
+
+// A wall, a floor and a box, seen by five cameras. The floor on the right of
+// the box and a rectangle of the wall are bare.
+class RefineWithPriorsTest : public SyntheticViewsTest {
+ protected:
+  RefineWithPriorsTest() {
+    const auto all = [](const Vec3f&) { return true; };
+    const auto nothing = [](const Vec3f&) { return false; };
+    parts_ = {{DrawnPlane({0.2f, 0.f, -1.f}, 6.f),
+               all,
+               [](const Vec3f& point) {
+                 return point.x > -2.f && point.x < -0.8f && point.y > -1.2f &&
+                        point.y < -0.2f;
+               }},
+              {{{0.f, -1.f, 0.f}, 1.1f},
+               all,
+               [](const Vec3f& point) { return point.x > 0.9f; }},
+              {DrawnPlane({-0.15f, 0.f, -1.f}, 3.8f),
+               [](const Vec3f& point) {
+                 return point.x > -0.3f && point.x < 0.8f && point.y > 0.f;
+               },
+               nothing}};
+    SyntheticViewsOptions options;
+    options.width = kWidth;
+    options.height = kHeight;
+    drawn_ = MakeSyntheticViews(options);
+    for (ViewData& view : drawn_.views) {
+      truths_.push_back(Draw(&view));
+    }
+    drawn_.truth = truths_[0];
+  }
+
+  Image<float> Draw(ViewData* view) const {
+    const Intrinsics intrinsics = view->camera.GetIntrinsics();
+    const Eigen::Vector3d place = view->camera.Center();
+    const Vec3f center = {static_cast<float>(place.x()),
+                          static_cast<float>(place.y()),
+                          static_cast<float>(place.z())};
+    Philox random(17, static_cast<uint32_t>(1000.f * center.x + 5000.f), 0);
+    Image<float> truth(kWidth, kHeight);
+    view->num_depths_to_refine = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        const Vec3f ray = intrinsics.Ray(x, y);
+        const Part* hit = nullptr;
+        Vec3f point;
+        float z = 0.f;
+        for (const Part& part : parts_) {
+          const Plane plane{part.plane.normal,
+                            part.plane.offset + Dot(part.plane.normal, center)};
+          const float depth = plane.Depth(ray);
+          if (depth > 0.f && (hit == nullptr || depth < z) &&
+              part.holds(depth * ray + center)) {
+            hit = &part;
+            z = depth;
+            point = depth * ray + center;
+          }
+        }
+        const bool is_bare = hit->is_bare(point);
+        const float level =
+            is_bare ? 200.f
+                    : DrawnTexture(25.f * (point.x + 0.3f * point.z),
+                                   25.f * (point.y + 0.4f * point.z));
+        const auto byte = static_cast<uint8_t>(std::lround(level));
+        view->color(x, y) = {byte, byte, byte};
+        const float choice = random.NextFloat();
+        const float spread = 2.f * random.NextFloat() - 1.f;
+        float depth = z * (1.f + 2e-3f * spread);
+        if (is_bare) {
+          depth = choice < 0.1f ? z * (1.f + 0.3f * spread) : 0.f;
+        }
+        truth(x, y) = z;
+        view->depth(x, y) = depth;
+        view->normal(x, y) = depth > 0.f ? hit->plane.normal : Vec3f{};
+        view->is_to_refine(x, y) = depth > 0.f ? 1 : 0;
+        view->num_depths_to_refine += view->is_to_refine(x, y);
+      }
+    }
+    return truth;
+  }
+
+  // Gives all views a prior of values(truth, x, y).
+  using Values = std::function<float(const Image<float>& truth, int x, int y)>;
+  void SetPriors(PriorType type, const Values& values) {
+    for (size_t i = 0; i < drawn_.views.size(); ++i) {
+      auto prior = std::make_shared<DepthPrior>();
+      prior->type = type;
+      prior->values = Image<float>(kWidth, kHeight);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          prior->values(x, y) = values(truths_[i], x, y);
+        }
+      }
+      drawn_.views[i].prior = std::move(prior);
+    }
+  }
+
+  RefinedMaps Refine() const {
+    const RefineOptions options;
+    std::vector<std::unique_ptr<ViewEvidence>> evidence;
+    for (size_t i = 0; i < drawn_.views.size(); ++i) {
+      std::vector<const ViewData*> sources;
+      for (const ViewData& view : drawn_.views) {
+        if (&view != &drawn_.views[i]) {
+          sources.push_back(&view);
+        }
+      }
+      evidence.push_back(ObserveImage(drawn_.views[i],
+                                      UploadViews(sources, *device_),
+                                      static_cast<uint32_t>(i),
+                                      options,
+                                      *device_)
+                             .evidence);
+    }
+    std::vector<ObservedView> views;
+    for (size_t i = 0; i < evidence.size(); ++i) {
+      views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
+    }
+    RefineResult result = ComposeImage(drawn_.views[0],
+                                       UploadViews(drawn_.Sources(), *device_),
+                                       views,
+                                       FindSceneIn(views, options, *device_),
+                                       options,
+                                       *device_);
+    EXPECT_EQ(result.reason_to_keep, "");
+    ExpectSoundMaps(result.maps);
+    return std::move(result.maps);
+  }
+
+  struct Quality {
+    double right = 0.0;  // Shares of all pixels.
+    double wrong = 0.0;
+    double mean_error = 0.0;  // Of the pixels that have a depth.
+  };
+  Quality Measure(const RefinedMaps& maps) const {
+    Quality quality;
+    int count = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (maps.depth(x, y) > 0.f) {
+          const float error = RelativeError(maps.depth, x, y);
+          (error < kRight ? quality.right : quality.wrong) +=
+              1.0 / (kWidth * kHeight);
+          quality.mean_error += error;
+          ++count;
+        }
+      }
+    }
+    quality.mean_error /= count;
+    return quality;
+  }
+
+  std::vector<Part> parts_;
+  std::vector<Image<float>> truths_;
+};
+
+TEST_F(RefineWithPriorsTest, GoodPriorsOfEachTypeHelp) {
+  const Quality without = Measure(Refine());
+  const std::pair<PriorType, Values> priors[] = {
+      {PriorType::kMetric,
+       [](const Image<float>& truth, int x, int y) {
+         return 0.5f * truth(x, y);
+       }},
+      {PriorType::kRelative,
+       [](const Image<float>& truth, int x, int y) {
+         return 0.5f * truth(x, y) + 1.f;
+       }},
+      {PriorType::kInverse, [](const Image<float>& truth, int x, int y) {
+         return 2.f / truth(x, y) + 0.1f;
+       }}};
+  for (const auto& [type, values] : priors) {
+    SCOPED_TRACE(static_cast<int>(type));
+    SetPriors(type, values);
+    const Quality with = Measure(Refine());
+    EXPECT_GT(with.right, without.right + 0.02);
+    EXPECT_LT(with.wrong, 0.1 * without.wrong);
+  }
+}
+
+TEST_F(RefineWithPriorsTest, WrongPriorsDoLittleHarm) {
+  struct WrongPrior {
+    std::string name;
+    PriorType type;
+    Values values;
+  };
+  const Quality without = Measure(Refine());
+  Philox random(21, 0, 0);
+  const WrongPrior priors[] = {
+      {"random",
+       PriorType::kAuto,
+       [&](const Image<float>&, int, int) {
+         return 1.f + 5.f * random.NextFloat();
+       }},
+      {"constant",
+       PriorType::kAuto,
+       [](const Image<float>&, int, int) { return 3.f; }},
+      {"of another type",
+       PriorType::kMetric,
+       [](const Image<float>& truth, int x, int y) {
+         return 1.f / truth(x, y);
+       }},
+      {"mirrored",
+       PriorType::kAuto,
+       [](const Image<float>& truth, int x, int y) {
+         return truth(kWidth - 1 - x, y);
+       }},
+      {"shifted by ten pixels",
+       PriorType::kAuto,
+       [](const Image<float>& truth, int x, int y) {
+         return truth(std::min(x + 10, kWidth - 1), y);
+       }},
+      {"not a number",
+       PriorType::kAuto,
+       [](const Image<float>&, int, int) { return kNan; }},
+      {"in stripes not a number",
+       PriorType::kAuto,
+       [](const Image<float>& truth, int x, int y) {
+         return x / 8 % 2 == 0 ? kNan : truth(x, y);
+       }}};
+  for (const WrongPrior& prior : priors) {
+    SCOPED_TRACE(prior.name);
+    SetPriors(prior.type, prior.values);
+    const Quality with = Measure(Refine());
+    EXPECT_GT(with.right, without.right - 0.02);
+    EXPECT_LT(with.wrong, without.wrong + 0.01);
+    EXPECT_LT(with.mean_error, without.mean_error + 0.005);
+  }
+}
+
+// Those that are dropped leave no trace.
+TEST_F(RefineWithPriorsTest, PriorsThatAreDroppedChangeNothing) {
+  const RefinedMaps without = Refine();
+  SetPriors(PriorType::kAuto,
+            [](const Image<float>&, int, int) { return 3.f; });
+  ExpectSameMaps(without, Refine());
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,166 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/priors/fit_prior.h"
+
+#include "colmap_tsar/base/random.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "tests/support/synthetic_observations.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr double kNoise = 0.002;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// Depths between 2 and 8 with errors of 0.2 %, of which a share is wrong by
+// factors up to 3 either way.
+std::vector<PriorSample> DrawSamples(
+    const std::function<double(double depth)>& value_of,
+    double share_of_wrong = 0.2) {
+  Philox random(5, 0, 0);
+  std::vector<PriorSample> samples;
+  for (int i = 0; i < 2000; ++i) {
+    const double depth = 2.0 + 6.0 * random.NextFloat();
+    const double error = kNoise * NextNormal(&random);
+    const bool is_wrong = random.NextFloat() < share_of_wrong;
+    const double factor = std::pow(3.0, 2.0 * random.NextFloat() - 1.0);
+    samples.push_back(
+        {value_of(depth), depth * (1.0 + error) * (is_wrong ? factor : 1.0)});
+  }
+  return samples;
+}
+
+void ExpectFunction(const PriorFit& fit,
+                    PriorType type,
+                    double scale,
+                    double shift) {
+  EXPECT_EQ(fit.function.type, type);
+  EXPECT_NEAR(fit.function.scale, scale, 0.005 * scale);
+  EXPECT_NEAR(fit.function.shift, shift, 0.01 * std::abs(shift));
+  // A fifth of wrong ones raises the median of the errors a little.
+  EXPECT_GT(fit.spread, kNoise);
+  EXPECT_LT(fit.spread, 1.5 * kNoise);
+  EXPECT_GT(fit.Skill(), 0.98);
+}
+
+double FactorValue(double depth) { return depth / 3.0; }
+double RelativeValue(double depth) { return (depth - 1.5) / 3.0; }
+double InverseValue(double depth) { return (1.0 / depth - 0.1) / 0.7; }
+
+TEST(FitPriorTest, FindsAFactorAmongWrongSamples) {
+  ExpectFunction(FitPrior(DrawSamples(&FactorValue), PriorType::kMetric),
+                 PriorType::kMetric,
+                 3.0,
+                 0.0);
+}
+
+TEST(FitPriorTest, FindsFactorAndShiftOfDepthAmongWrongSamples) {
+  ExpectFunction(FitPrior(DrawSamples(&RelativeValue), PriorType::kRelative),
+                 PriorType::kRelative,
+                 3.0,
+                 1.5);
+}
+
+TEST(FitPriorTest, FindsFactorAndShiftOfInverseDepthAmongWrongSamples) {
+  ExpectFunction(FitPrior(DrawSamples(&InverseValue), PriorType::kInverse),
+                 PriorType::kInverse,
+                 0.7,
+                 0.1);
+}
+
+TEST(FitPriorTest, FindsTheTypeThatFitsBest) {
+  EXPECT_EQ(FitPrior(DrawSamples(&FactorValue), PriorType::kAuto).function.type,
+            PriorType::kMetric);
+  EXPECT_EQ(
+      FitPrior(DrawSamples(&RelativeValue), PriorType::kAuto).function.type,
+      PriorType::kRelative);
+  EXPECT_EQ(
+      FitPrior(DrawSamples(&InverseValue), PriorType::kAuto).function.type,
+      PriorType::kInverse);
+}
+
+TEST(FitPriorTest, NeverTakesAnotherTypeThanTheGivenOne) {
+  for (const PriorType type :
+       {PriorType::kMetric, PriorType::kRelative, PriorType::kInverse}) {
+    EXPECT_EQ(FitPrior(DrawSamples(&InverseValue), type).function.type, type);
+  }
+}
+
+TEST(FitPriorTest, NoiseExplainsNothing) {
+  Philox random(6, 0, 0);
+  const std::vector<PriorSample> samples =
+      DrawSamples([&](double) { return 1.0 + 5.0 * random.NextFloat(); }, 0.0);
+  for (const PriorType type : {PriorType::kAuto,
+                               PriorType::kMetric,
+                               PriorType::kRelative,
+                               PriorType::kInverse}) {
+    EXPECT_LT(FitPrior(samples, type).Skill(), 0.1);
+  }
+}
+
+TEST(FitPriorTest, ConstantsExplainNothing) {
+  const std::vector<PriorSample> samples =
+      DrawSamples([](double) { return 2.0; });
+  for (const PriorType type : {PriorType::kAuto,
+                               PriorType::kMetric,
+                               PriorType::kRelative,
+                               PriorType::kInverse}) {
+    EXPECT_NEAR(FitPrior(samples, type).Skill(), 0.0, 0.1);
+  }
+}
+
+// Depth where inverse depth was said to be.
+TEST(FitPriorTest, AFallingPriorIsNoneOfItsType) {
+  const PriorFit fit = FitPrior(DrawSamples(&InverseValue), PriorType::kMetric);
+  EXPECT_LT(fit.Skill(), 0.0);
+  EXPECT_NEAR(
+      FitPrior(DrawSamples(&InverseValue), PriorType::kRelative).Skill(),
+      0.0,
+      1e-9);
+  EXPECT_NEAR(
+      FitPrior(DrawSamples(&RelativeValue), PriorType::kInverse).Skill(),
+      0.0,
+      1e-9);
+}
+
+TEST(FitPriorTest, TakesOneSampleAndEqualDepths) {
+  const PriorFit one = FitPrior({{2.0, 6.0}}, PriorType::kAuto);
+  EXPECT_DOUBLE_EQ(one.function.Depth(2.0), 6.0);
+  EXPECT_EQ(one.Skill(), 0.0);
+  const PriorFit equal =
+      FitPrior({{2.0, 6.0}, {3.0, 6.0}, {4.0, 6.0}}, PriorType::kAuto);
+  EXPECT_EQ(equal.Skill(), 0.0);
+}
+
+TEST(PriorFunctionTest, HasNoDepthBehindTheCamera) {
+  const PriorFunction relative{PriorType::kRelative, 2.0, -3.0};
+  EXPECT_DOUBLE_EQ(relative.Depth(4.0), 5.0);
+  EXPECT_EQ(relative.Depth(1.5), 0.0);
+  EXPECT_EQ(relative.Depth(1.0), 0.0);
+  const PriorFunction inverse{PriorType::kInverse, 2.0, -3.0};
+  EXPECT_DOUBLE_EQ(inverse.Depth(4.0), 0.2);
+  EXPECT_EQ(inverse.Depth(1.5), 0.0);
+  for (const double value : {0.0, -1.0, kNan}) {
+    EXPECT_EQ((PriorFunction{PriorType::kInverse, 1.0, 1.0}.Depth(value)), 0.0);
+  }
+  EXPECT_EQ((PriorFunction{PriorType::kRelative, 0.0, 1.0}.Depth(1.0)), 0.0);
+}
+
+TEST(RobustSpreadTest, IsTheStandardDeviationOfNormalErrors) {
+  Philox random(7, 0, 0);
+  std::vector<double> errors;
+  for (int i = 0; i < 20000; ++i) {
+    errors.push_back(0.3 * NextNormal(&random));
+  }
+  EXPECT_NEAR(RobustSpread(errors), 0.3, 0.01);
+}
+
+}  // namespace
+}  // namespace tsar
