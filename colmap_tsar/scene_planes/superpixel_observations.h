@@ -44,8 +44,7 @@ class SuperpixelObservations {
   DepthObservation At(int superpixel, int number) const;
 
   // Calls add(observation) for an evenly spaced sample of the observations of
-  // some superpixels, and returns the size of the
-  // sample.
+  // some superpixels, and returns the size of the sample.
   template <typename Function>
   size_t Sample(const std::vector<int>& members,
                 size_t max_samples,

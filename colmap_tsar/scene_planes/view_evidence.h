@@ -76,9 +76,8 @@ struct ViewEvidence {
   // disparity; empty where all are 1, as they are without a prior.
   std::vector<float> errors;
   std::vector<ObservationSource> sources;  // Of each observation.
-  // What tells which plane a superpixel lies on, and not which planes there
-  // are.
-  // Depths that other views confirm and that the view itself did not trust.
+  // What tells which plane a superpixel lies on, and not which planes there are:
+  // depths that other views confirm and that the view itself did not trust.
   // Those of superpixel k are first_confirmed[k] to first_confirmed[k + 1]: a
   // sample of its pixels that have one, of which there are
   // confirmed_pixels[k].
