@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/imgproc.hpp>
+
 namespace tsar {
 namespace {
 
@@ -74,36 +76,28 @@ float ValueAt(const Image<float>& values,
   return nearest > 0.f && std::isfinite(nearest) ? nearest : 0.f;
 }
 
-// The largest minus the smallest value within `radius` along both axes.
+// The largest minus the smallest value within `radius` along both axes; NaN
+// where the image is.
 Image<float> LocalRange(const Image<float>& image, int radius) {
-  const auto along = [&](const Image<float>& source, bool rows, bool largest) {
-    Image<float> result(source.Width(), source.Height());
-    for (int y = 0; y < source.Height(); ++y) {
-      for (int x = 0; x < source.Width(); ++x) {
-        float best = source(x, y);
-        for (int d = -radius; d <= radius; ++d) {
-          const int i = rows ? x + d : x;
-          const int j = rows ? y : y + d;
-          if (source.Contains(i, j) && !std::isnan(source(i, j))) {
-            const float value = source(i, j);
-            best = std::isnan(best) ? value
-                   : largest        ? std::max(best, value)
-                                    : std::min(best, value);
-          }
-        }
-        result(x, y) = best;
-      }
+  const cv::Size size(2 * radius + 1, 2 * radius + 1);
+  const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, size);
+  const auto extreme = [&](float instead_of_none, int operation) {
+    Image<float> values = image;
+    for (float& value : values) {
+      value = std::isnan(value) ? instead_of_none : value;
     }
-    return result;
+    cv::Mat matrix(values.Height(), values.Width(), CV_32F, values.Data());
+    cv::morphologyEx(matrix, matrix, operation, window);
+    return values;
   };
-  const Image<float> high = along(along(image, true, true), false, true);
-  const Image<float> low = along(along(image, true, false), false, false);
+  constexpr float kFar = 1e30f;
+  const Image<float> high = extreme(-kFar, cv::MORPH_DILATE);
+  const Image<float> low = extreme(kFar, cv::MORPH_ERODE);
   Image<float> range(image.Width(), image.Height());
-  std::transform(high.begin(),
-                 high.end(),
-                 low.begin(),
-                 range.begin(),
-                 [](float a, float b) { return a - b; });
+  for (size_t i = 0; i < range.NumPixels(); ++i) {
+    range.Data()[i] =
+        std::isnan(image.Data()[i]) ? kNone : high.Data()[i] - low.Data()[i];
+  }
   return range;
 }
 
