@@ -9,6 +9,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/evaluation/tolerances.h"
+#include "colmap_tsar/workspace/files_of_images.h"
 #include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"

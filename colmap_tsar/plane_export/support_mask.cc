@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/plane_export/support_mask.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -63,13 +65,7 @@ float MedianOfCovered(const Image<float>& coverage) {
                coverage.end(),
                std::back_inserter(covered),
                [](float value) { return value > 0.f; });
-  if (covered.empty()) {
-    return 0.f;
-  }
-  const auto middle =
-      covered.begin() + static_cast<std::ptrdiff_t>(covered.size() / 2);
-  std::nth_element(covered.begin(), middle, covered.end());
-  return *middle;
+  return covered.empty() ? 0.f : UpperMedian(&covered);
 }
 
 Image<uint8_t> Threshold(const Image<float>& coverage) {

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/planes/fit_plane.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -227,9 +229,7 @@ Eigen::Vector3d FitSamples::Middle() const {
       const Block& block = blocks_[static_cast<size_t>(i / Block::kSize)];
       values.push_back((block.*coordinates)[i % Block::kSize]);
     }
-    const auto middle = values.begin() + size_ / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return UpperMedian(&values);
   };
   return {median(&Block::x), median(&Block::y), median(&Block::z)};
 }

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/priors/correct_prior.h"
 
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/priors/fit_prior.h"
 
 #include <algorithm>
@@ -144,10 +145,7 @@ class CorrectionField {
     for (size_t i = 0; i < of_cells.size(); ++i) {
       std::vector<double>& values = of_cells[i];
       if (values.size() >= min_count) {
-        const auto middle =
-            values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        medians_[i] = *middle;
+        medians_[i] = UpperMedian(&values);
         measured_.push_back(static_cast<int>(i));
       }
     }

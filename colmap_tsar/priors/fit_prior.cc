@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/priors/fit_prior.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,16 +21,9 @@ constexpr double kMedianToSigma = 1.4826;
 // A type with fewer unknowns is preferred to one that is hardly better.
 constexpr double kMinImprovement = 0.95;
 
-double Median(std::vector<double>* values) {
-  const auto middle =
-      values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 // Spread about the median.
 double SpreadAboutMedian(std::vector<double> values) {
-  const double median = Median(&values);
+  const double median = UpperMedian(&values);
   for (double& value : values) {
     value -= median;
   }
@@ -50,7 +45,7 @@ PriorFunction FitFactor(const std::vector<PriorSample>& samples) {
   for (const PriorSample& sample : samples) {
     ratios.push_back(sample.depth / sample.value);
   }
-  return {PriorType::kMetric, Median(&ratios), 0.0};
+  return {PriorType::kMetric, UpperMedian(&ratios), 0.0};
 }
 
 // Iteratively reweighted least squares for the line y = scale x + shift, where
@@ -142,7 +137,7 @@ double RobustSpread(std::vector<double> values) {
   for (double& value : values) {
     value = std::abs(value);
   }
-  return kMedianToSigma * Median(&values);
+  return kMedianToSigma * UpperMedian(&values);
 }
 
 }  // namespace tsar

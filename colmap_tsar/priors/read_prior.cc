@@ -4,6 +4,7 @@
 #include "colmap_tsar/priors/read_prior.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/formats/depth_image.h"
 #include "colmap_tsar/formats/float_map.h"
 
@@ -45,29 +46,16 @@ void RequireFit(const fs::path& path,
   }
 }
 
-int ReducedLength(int length, int longer_side) {
-  if (longer_side <= kMaxPriorSide) {
-    return length;
-  }
-  const auto rounded =
-      (int64_t{2} * length * kMaxPriorSide + longer_side) / (2 * longer_side);
-  return std::max(1, static_cast<int>(rounded));
-}
-
-// Of `to` pixels along a side, the middle of this one lies in this one of
-// `from` pixels.
-int64_t NearestPixel(int pixel, int from, int to) {
-  return (int64_t{2} * pixel + 1) * from / (int64_t{2} * to);
-}
-
 // value_of: what becomes of the channels of a pixel of the map.
 template <typename T, typename ValueOf>
 Image<T> ReduceMap(const FloatMap& map, const ValueOf& value_of) {
   const int side = std::max(map.width, map.height);
-  auto image = Image<T>::Uninitialized(ReducedLength(map.width, side),
-                                       ReducedLength(map.height, side));
+  auto image =
+      Image<T>::Uninitialized(ReducedLength(map.width, side, kMaxPriorSide),
+                              ReducedLength(map.height, side, kMaxPriorSide));
   for (int y = 0; y < image.Height(); ++y) {
-    const int64_t row = NearestPixel(y, map.height, image.Height()) * map.width;
+    const int64_t row =
+        int64_t{NearestPixel(y, map.height, image.Height())} * map.width;
     for (int x = 0; x < image.Width(); ++x) {
       const int64_t pixel = row + NearestPixel(x, map.width, image.Width());
       image(x, y) = value_of(map.values.data() + pixel * map.channels);

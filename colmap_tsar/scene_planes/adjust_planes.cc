@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/scene_planes/adjust_planes.h"
 
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/scene_planes/plane_problem.h"
 
 #include <algorithm>
@@ -80,14 +81,6 @@ void CheckMeasurements(const std::vector<PlaneMeasurement>& measurements,
   }
 }
 
-// The upper one of two; leaves the values in another order.
-double Median(std::vector<double>* values) {
-  const auto middle =
-      values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 // Where a scene is, and how large: thresholds must depend neither on the origin
 // nor on the unit of length.
 struct SceneExtent {
@@ -121,12 +114,12 @@ SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
     for (size_t k = 0; k < places.size(); ++k) {
       values[k] = places[k][i];
     }
-    extent.middle[i] = Median(&values);
+    extent.middle[i] = UpperMedian(&values);
   }
   for (size_t k = 0; k < places.size(); ++k) {
     values[k] = (places[k] - extent.middle).norm();
   }
-  const double size = Median(&values);
+  const double size = UpperMedian(&values);
   Require(std::isfinite(size), "lengths are too large");
   extent.size = size > 0.0 ? size : 1.0;
   return extent;

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/color_gain.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -75,13 +77,6 @@ std::vector<SharedColor> FindSharedColors(const ObservedView& reference,
   return result;
 }
 
-float Median(std::vector<float> values) {
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The slope of green's ratios over the radii, those near the median.
 float FitFalloff(const std::vector<SharedColor>& colors, float median) {
   double count = 0.0;
@@ -123,7 +118,7 @@ ColorGain EstimateColorGain(const ObservedView& reference,
       ratios.push_back(color.log_ratios[channel] -
                        gain.falloff * color.radius_difference);
     }
-    return Median(std::move(ratios));
+    return UpperMedian(&ratios);
   };
   gain.falloff = FitFalloff(colors, median_of(1));
   gain.balance = {

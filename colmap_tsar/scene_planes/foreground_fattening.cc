@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/foreground_fattening.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -80,10 +82,7 @@ Image<float> TextureOfSuperpixels(const Image<float>& contrast,
   }
   std::vector<float> medians;
   for (std::vector<float>& of_one : contrasts) {
-    const auto middle =
-        of_one.begin() + static_cast<std::ptrdiff_t>(of_one.size() / 2);
-    std::nth_element(of_one.begin(), middle, of_one.end());
-    medians.push_back(of_one.empty() ? 0.f : *middle);
+    medians.push_back(of_one.empty() ? 0.f : UpperMedian(&of_one));
   }
   Image<float> texture(superpixels.Width(), superpixels.Height());
   for (size_t i = 0; i < texture.NumPixels(); ++i) {

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/scene_planes/observe_pixels.h"
 #include "colmap_tsar/scene_planes/prior_planes.h"
 
@@ -147,7 +148,9 @@ void AddObservations(const EvidenceInputs& inputs,
         });
   };
   const std::vector<std::vector<int>> own = pixels_of(false);
-  const std::vector<std::vector<int>> of_prior = pixels_of(true);
+  const std::vector<std::vector<int>> of_prior =
+      inputs.prior.Empty() ? std::vector<std::vector<int>>(own.size())
+                           : pixels_of(true);
   evidence->first_observation.push_back(0);
   for (size_t k = 0; k < own.size(); ++k) {
     const float own_weight = SumOfConfidences(observed, own[k]);
@@ -277,13 +280,7 @@ float MeasureNoise(const EvidenceInputs& inputs) {
       residuals.push_back(Residual(sample, plane, inputs.resolution));
     }
   }
-  if (residuals.empty()) {
-    return 0.f;
-  }
-  const auto middle =
-      residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return kMedianToSigma * *middle;
+  return residuals.empty() ? 0.f : kMedianToSigma * UpperMedian(&residuals);
 }
 
 GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene_planes/outline_edges.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -177,10 +179,7 @@ float Median(const std::vector<EdgePair>& pairs, float EdgePair::*column) {
   for (const EdgePair& pair : pairs) {
     values.push_back(pair.*column);
   }
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return UpperMedian(&values);
 }
 
 // Of the pairs those that lie where most do, one in each row: an edge may be

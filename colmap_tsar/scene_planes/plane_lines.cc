@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/plane_lines.h"
 
 #include "colmap_tsar/base/gray_level.h"
+#include "colmap_tsar/base/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,12 +29,7 @@ constexpr int kMinGap = 4;
 // angle reaches very far.
 constexpr int kMaxBins = 4096;
 
-float Median(std::vector<float> values) {
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+float Median(std::vector<float> values) { return UpperMedian(&values); }
 
 Image<float> GrayLevels(const Image<Rgb>& color) {
   Image<float> gray(color.Width(), color.Height());

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene_planes/superpixel_matches.h"
 
 #include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/scene_planes/source_surface.h"
 
 #include <algorithm>
@@ -25,10 +26,7 @@ std::vector<float> MedianDepths(const ViewEvidence& evidence) {
          ++i) {
       depths.push_back(evidence.observations[i].sample.z);
     }
-    const auto middle =
-        depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    medians.push_back(depths.empty() ? 0.f : *middle);
+    medians.push_back(depths.empty() ? 0.f : UpperMedian(&depths));
   }
   return medians;
 }

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/store/originals.h"
 #include "colmap_tsar/store/output_workspace.h"
+#include "colmap_tsar/workspace/files_of_images.h"
 #include "colmap_tsar/workspace/image_mask.h"
 #include "colmap_tsar/workspace/label_image.h"
 #include "colmap_tsar/workspace/map_shape.h"
@@ -213,18 +214,8 @@ void Workspace::UseLabelImages(const std::filesystem::path& folder) {
     return;
   }
   const std::string option = OptionName("region_path");
-  std::error_code error;
-  if (std::filesystem::equivalent(folder, root_ / "images", error)) {
-    throw Error::File(ErrorCode::kBadOption,
-                      folder.string(),
-                      "is the folder of the images",
-                      "give that of their label images as " + option);
-  }
-  std::vector<std::string> names;
-  for (const SparseModel::ModelImage& image : model_.images) {
-    names.push_back(image.name);
-  }
-  label_images_ = FindLabelImages(folder, names, option);
+  RequireNoImageFolder(folder, root_ / "images", "label images", option);
+  label_images_ = FindLabelImages(folder, NamesOf(model_), option);
 }
 
 std::filesystem::path Workspace::LabelImagePath(int image) const {
@@ -234,16 +225,13 @@ std::filesystem::path Workspace::LabelImagePath(int image) const {
 
 Image<uint16_t> Workspace::ReadLabels(int image) const {
   const std::filesystem::path path = LabelImagePath(image);
-  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
   return path.empty() ? Image<uint16_t>()
-                      : ReadLabelImage(path, {camera.width, camera.height});
+                      : ReadLabelImage(path, SizeOfImage(image));
 }
 
 int64_t Workspace::CheckLabels(int image) const {
   const std::filesystem::path path = LabelImagePath(image);
-  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
-  return path.empty() ? 0
-                      : CheckLabelImage(path, {camera.width, camera.height});
+  return path.empty() ? 0 : CheckLabelImage(path, SizeOfImage(image));
 }
 
 bool Workspace::HasMaps(int image, MapType type) const {

@@ -5,16 +5,13 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/workspace/photo_format.h"
-#include "colmap_tsar/workspace/picture_input.h"
+#include "colmap_tsar/workspace/files_of_images.h"
 #include "colmap_tsar/workspace/png.h"
+#include "colmap_tsar/workspace/png_input.h"
 
 #include <algorithm>
 #include <cctype>
-#include <optional>
-#include <span>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 namespace tsar {
@@ -48,54 +45,33 @@ fs::path FindMask(const fs::path& folder, const std::string& name) {
   return IsPngName(name) && Exists(mask) ? mask : fs::path();
 }
 
-Error Damaged(const std::string& name, const std::string& what) {
-  return Error::File(ErrorCode::kCorrupt,
-                     name,
-                     "the mask is damaged: " + what,
-                     "write it again");
-}
-
 class MaskFile {
  public:
-  explicit MaskFile(const fs::path& path)
-      : file_(path, {"mask", kAdvice, kAdvice}) {}
+  explicit MaskFile(const fs::path& path) : file_(path, "mask", kAdvice) {}
 
   // Throws where the header tells that it is no mask for an image of these
   // sizes.
   void RequireFit(const MaskSizes& sizes) {
-    const Bytes head = file_.ReadHead(kPngHeadSize);
-    const std::optional<PngHeader> header = ReadPngHeader(head);
-    if (!header) {
-      if (FormatOf(head) == PhotoFormat::kPng) {
-        throw Damaged(file_.Name(), "its header is not whole");
-      }
-      throw Error::File(ErrorCode::kCorrupt,
-                        file_.Name(),
-                        "the mask is no PNG file",
-                        kAdvice);
-    }
-    if (header->bits_per_channel > 8) {
+    const PngHeader header = file_.ReadHeader();
+    if (header.bits_per_channel > 8) {
       throw Error::File(ErrorCode::kUnsupported,
                         file_.Name(),
                         "the mask has " +
-                            std::to_string(header->bits_per_channel) +
+                            std::to_string(header.bits_per_channel) +
                             " bits per channel",
                         kAdvice);
     }
-    if (!HasSize(*header, sizes.image) && !HasSize(*header, sizes.maps)) {
-      throw Mismatch(*header, sizes);
+    if (!HasSize(header, sizes.image) && !HasSize(header, sizes.maps)) {
+      throw Mismatch(header, sizes);
     }
   }
 
-  bool EndsAsWhole() {
-    constexpr uint64_t kTailBytes = 16;
-    return EndsInMarker(PhotoFormat::kPng, file_.ReadTail(kTailBytes));
-  }
+  bool EndsAsWhole() { return file_.EndsAsWhole(); }
 
   Image<uint8_t> Decode() {
     const Bytes bytes = file_.ReadAll();
     Image<uint8_t> mask = DecodeGrayPng(bytes, [&](const std::string& defect) {
-      return Damaged(file_.Name(), defect);
+      return file_.Damaged(defect);
     });
     for (uint8_t& value : mask) {
       value = value == 0 ? 1 : 0;
@@ -123,53 +99,22 @@ class MaskFile {
         "image_undistorter, as docs/guide.md tells under Masks");
   }
 
-  PictureInput file_;
+  PngInput file_;
 };
 
 }  // namespace
-
-void RequireNoImageFolder(const std::filesystem::path& folder,
-                          const std::filesystem::path& images,
-                          const std::string& content,
-                          const std::string& option) {
-  std::error_code error;
-  if (std::filesystem::equivalent(folder, images, error)) {
-    throw Error::File(ErrorCode::kBadOption,
-                      folder.string(),
-                      "is the folder of the images",
-                      "give that of their " + content + " as " + option);
-  }
-}
 
 std::vector<fs::path> FindImageMasks(
     const fs::path& folder,
     const std::vector<std::string>& image_names,
     const std::string& option) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) {
-    throw Error::File(ErrorCode::kNotFound,
-                      folder.string(),
-                      "there is no such folder of masks",
-                      "check " + option);
-  }
-  std::vector<fs::path> masks;
-  bool has_any = false;
-  for (const std::string& name : image_names) {
-    masks.push_back(FindMask(folder, name));
-    has_any = has_any || !masks.back().empty();
-  }
-  if (!has_any) {
-    throw Error::File(
-        ErrorCode::kNotFound,
-        folder.string(),
-        "holds no mask of any image" +
-            (image_names.empty()
-                 ? ""
-                 : "; that of " + image_names.front() + " would be " +
-                       image_names.front() + ".png"),
-        "check " + option);
-  }
-  return masks;
+  return FindFilesOfImages(
+      folder,
+      image_names,
+      {"mask",
+       &FindMask,
+       [](const std::string& name) { return name + ".png"; }},
+      option);
 }
 
 Image<uint8_t> ReadImageMask(const fs::path& path, const MaskSizes& sizes) {

@@ -14,14 +14,6 @@
 
 namespace tsar {
 
-// Throws Error, kBadOption, where a folder of something else is that of the
-// images. content: what it should hold, such as "masks"; option: what names the
-// folder.
-void RequireNoImageFolder(const std::filesystem::path& folder,
-                          const std::filesystem::path& images,
-                          const std::string& content,
-                          const std::string& option);
-
 // Masks as COLMAP's mask_path takes them: that of the image sub/a.jpg is
 // sub/a.jpg.png in the folder of masks. Where an image is called sub/a.png and
 // there is no sub/a.png.png, its mask may have its own name. Pixels of value 0

@@ -6,14 +6,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/resize_nearest.h"
-#include "colmap_tsar/workspace/photo_format.h"
-#include "colmap_tsar/workspace/picture_input.h"
+#include "colmap_tsar/workspace/files_of_images.h"
 #include "colmap_tsar/workspace/png.h"
+#include "colmap_tsar/workspace/png_input.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
-#include <system_error>
 
 namespace tsar {
 namespace {
@@ -47,46 +44,33 @@ bool HasAspectOf(const RasterSize& size, const RasterSize& image) {
 
 template <typename T>
 Image<uint16_t> Reduce(const Image<T>& labels) {
-  const double scale = std::min(1.0,
-                                static_cast<double>(kMaxLabelImageSide) /
-                                    std::max(labels.Width(), labels.Height()));
-  const auto reduced = [scale](int side) {
-    return std::max(1, static_cast<int>(std::lround(side * scale)));
-  };
+  const int side = std::max(labels.Width(), labels.Height());
   return ResizeNearest<uint16_t>(
-      labels, reduced(labels.Width()), reduced(labels.Height()));
+      labels,
+      ReducedLength(labels.Width(), side, kMaxLabelImageSide),
+      ReducedLength(labels.Height(), side, kMaxLabelImageSide));
 }
 
 class LabelFile {
  public:
   explicit LabelFile(const fs::path& path)
-      : file_(path, {"label image", kAdvice, kAdvice}) {}
+      : file_(path, "label image", kAdvice) {}
 
   // Throws where the header tells that it holds no segments of an image of this
   // size.
   PngHeader RequireFit(const RasterSize& image) {
-    const Bytes head = file_.ReadHead(kPngHeadSize);
-    const std::optional<PngHeader> header = ReadPngHeader(head);
-    if (!header) {
-      if (FormatOf(head) == PhotoFormat::kPng) {
-        throw Damaged("its header is not whole");
-      }
-      throw Error::File(ErrorCode::kCorrupt,
-                        file_.Name(),
-                        "the label image is no PNG file",
-                        kAdvice);
-    }
-    if (!header->is_gray) {
+    const PngHeader header = file_.ReadHeader();
+    if (!header.is_gray) {
       throw Error::File(ErrorCode::kUnsupported,
                         file_.Name(),
                         "the label image has colours or transparency, which "
                         "are no numbers of segments",
                         kAdvice);
     }
-    const RasterSize size = {static_cast<int>(header->width),
-                             static_cast<int>(header->height)};
+    const RasterSize size = {static_cast<int>(header.width),
+                             static_cast<int>(header.height)};
     if (size.width <= 0 || size.height <= 0) {
-      throw Damaged("its header is not whole");
+      throw file_.Damaged("its header is not whole");
     }
     if (!HasAspectOf(size, image)) {
       throw Error::File(
@@ -97,32 +81,22 @@ class LabelFile {
               ToString(image),
           "segment the undistorted images, in the workspace's folder images");
     }
-    return *header;
+    return header;
   }
 
-  bool EndsAsWhole() {
-    constexpr uint64_t kTailBytes = 16;
-    return EndsInMarker(PhotoFormat::kPng, file_.ReadTail(kTailBytes));
-  }
+  bool EndsAsWhole() { return file_.EndsAsWhole(); }
 
   Image<uint16_t> Decode(const PngHeader& header) {
     const Bytes bytes = file_.ReadAll();
     const PngError error = [&](const std::string& defect) {
-      return Damaged(defect);
+      return file_.Damaged(defect);
     };
     return header.bits_per_channel > 8 ? Reduce(DecodeGray16Png(bytes, error))
                                        : Reduce(DecodeGrayPng(bytes, error));
   }
 
  private:
-  Error Damaged(const std::string& what) const {
-    return Error::File(ErrorCode::kCorrupt,
-                       file_.Name(),
-                       "the label image is damaged: " + what,
-                       "write it again");
-  }
-
-  PictureInput file_;
+  PngInput file_;
 };
 
 }  // namespace
@@ -131,34 +105,12 @@ std::vector<fs::path> FindLabelImages(
     const fs::path& folder,
     const std::vector<std::string>& image_names,
     const std::string& option) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) {
-    throw Error::File(ErrorCode::kNotFound,
-                      folder.string(),
-                      "there is no such folder of label images",
-                      "check " + option);
-  }
-  std::vector<fs::path> paths;
-  bool has_any = false;
-  for (const std::string& name : image_names) {
-    paths.push_back(FindLabelImage(folder, name));
-    has_any = has_any || !paths.back().empty();
-  }
-  if (!has_any) {
-    const std::string example = image_names.empty()
-                                    ? ""
-                                    : "; that of " + image_names.front() +
-                                          " would be " + image_names.front() +
-                                          ".png or " +
-                                          fs::path(image_names.front())
-                                              .replace_extension(".png")
-                                              .string();
-    throw Error::File(ErrorCode::kNotFound,
-                      folder.string(),
-                      "holds no label image of any image" + example,
-                      "check " + option);
-  }
-  return paths;
+  const auto describe = [](const std::string& name) {
+    return name + ".png or " +
+           fs::path(name).replace_extension(".png").string();
+  };
+  return FindFilesOfImages(
+      folder, image_names, {"label image", &FindLabelImage, describe}, option);
 }
 
 Image<uint16_t> ReadLabelImage(const fs::path& path, const RasterSize& image) {
