@@ -51,7 +51,7 @@ Image<T> Reversed(const Image<T>& values) {
     if constexpr (std::is_same_v<T, Vec3f>) {
       std::swap(value.x, value.z);
     } else {
-      std::swap(value[0], value[2]);
+      std::swap(value.r, value.b);
     }
   }
   return reversed;

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/workspace/png.h"
 
-#include <array>
 #include <cstdint>
 
 namespace tsar {
@@ -24,7 +24,6 @@ void WriteArray(const ContainedPath& path, const Image<uint16_t>& values);
 // where OpenCV cannot encode the picture.
 
 // PNG: one channel of 8 or 16 bits, or red, green and blue of 16 bits.
-using Rgb16 = std::array<uint16_t, 3>;
 void WritePngFile(const ContainedPath& path, const Image<uint8_t>& values);
 void WritePngFile(const ContainedPath& path, const Image<uint16_t>& values);
 void WritePngFile(const ContainedPath& path, const Image<Rgb16>& values);

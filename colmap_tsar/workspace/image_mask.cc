@@ -47,7 +47,12 @@ fs::path FindMask(const fs::path& folder, const std::string& name) {
 
 class MaskFile {
  public:
-  explicit MaskFile(const fs::path& path) : file_(path, "mask", kAdvice) {}
+  explicit MaskFile(const fs::path& path)
+      : file_(path,
+              {"mask",
+               "the mask is no PNG file",
+               "the mask is damaged: ",
+               kAdvice}) {}
 
   // Throws where the header tells that it is no mask for an image of these
   // sizes.

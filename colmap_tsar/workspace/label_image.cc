@@ -54,7 +54,11 @@ Image<uint16_t> Reduce(const Image<T>& labels) {
 class LabelFile {
  public:
   explicit LabelFile(const fs::path& path)
-      : file_(path, "label image", kAdvice) {}
+      : file_(path,
+              {"label image",
+               "the label image is no PNG file",
+               "the label image is damaged: ",
+               kAdvice}) {}
 
   // Throws where the header tells that it holds no segments of an image of this
   // size.

@@ -9,10 +9,8 @@
 
 namespace tsar {
 
-PngInput::PngInput(const std::filesystem::path& path,
-                   const std::string& noun,
-                   const std::string& advice)
-    : noun_(noun), advice_(advice), file_(path, {noun, advice, advice}) {}
+PngInput::PngInput(const std::filesystem::path& path, const PngWords& words)
+    : words_(words), file_(path, {words.noun, words.advice, words.advice}) {}
 
 PngHeader PngInput::ReadHeader() {
   const std::vector<uint8_t> head = file_.ReadHead(kPngHeadSize);
@@ -23,8 +21,7 @@ PngHeader PngInput::ReadHeader() {
   if (FormatOf(head) == PhotoFormat::kPng) {
     throw Damaged("its header is not whole");
   }
-  throw Error::File(
-      ErrorCode::kCorrupt, Name(), "the " + noun_ + " is no PNG file", advice_);
+  throw Error::File(ErrorCode::kCorrupt, Name(), words_.no_png, words_.advice);
 }
 
 bool PngInput::EndsAsWhole() {
@@ -33,10 +30,8 @@ bool PngInput::EndsAsWhole() {
 }
 
 Error PngInput::Damaged(const std::string& how) const {
-  return Error::File(ErrorCode::kCorrupt,
-                     Name(),
-                     "the " + noun_ + " is damaged: " + how,
-                     "write it again");
+  return Error::File(
+      ErrorCode::kCorrupt, Name(), words_.damaged + how, "write it again");
 }
 
 }  // namespace tsar

@@ -14,13 +14,19 @@
 
 namespace tsar {
 
+// What messages about a PNG file say. Whole, so that a search for a message
+// finds it.
+struct PngWords {
+  std::string noun;     // Such as "mask".
+  std::string no_png;   // Where it is something else.
+  std::string damaged;  // Before how.
+  std::string advice;   // How to write one.
+};
+
 // An open file that has to be a PNG file; see PictureInput.
 class PngInput {
  public:
-  // noun: such as "mask"; advice: how to write one.
-  PngInput(const std::filesystem::path& path,
-           const std::string& noun,
-           const std::string& advice);
+  PngInput(const std::filesystem::path& path, const PngWords& words);
 
   const std::string& Name() const { return file_.Name(); }
 
@@ -36,8 +42,7 @@ class PngInput {
   Error Damaged(const std::string& how) const;
 
  private:
-  std::string noun_;
-  std::string advice_;
+  PngWords words_;
   PictureInput file_;
 };
 
