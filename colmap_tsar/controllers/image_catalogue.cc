@@ -268,7 +268,7 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
          "it has no " + type + " maps; run patch_match_stereo for this image",
          &report);
   } else if (Problem(index).sources.empty()) {
-    Keep(index, "no other image shares enough of its sparse points", &report);
+    Keep(index, Problem(index).without_sources, &report);
   } else if (Sources(index).empty()) {
     Keep(index, "none of its source images has " + type + " maps", &report);
   } else if (HasBeenRefined(index)) {
@@ -285,7 +285,12 @@ void ImageCatalogue::WriteRefined(size_t index,
       workspace_.ReadMask(image, {maps.depth.Width(), maps.depth.Height()}),
       &maps);
   CountPixels(maps, &report->counts);
+  if (report->prior.verdict != PriorVerdict::kNone) {
+    report->counts[report->prior.IsDropped() ? kPriorsDropped : kPriorsUsed] =
+        1;
+  }
   ImageRecord record;
+  record.note = Describe(report->prior);
   record.options_hash = options_hash_;
   record.inputs = InputsOf(image, used_planes_);
   record.counts = report->counts;

@@ -305,6 +305,26 @@ Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   return depth;
 }
 
+// Without what the mask hides. maps: the size of the image's maps.
+std::shared_ptr<const DepthPrior> ReadPrior(const Workspace& workspace,
+                                            int image,
+                                            const RasterSize& maps) {
+  std::shared_ptr<DepthPrior> prior = workspace.ReadPrior(image);
+  if (prior == nullptr || !workspace.HasMask(image)) {
+    return prior;
+  }
+  const Image<uint8_t> mask = workspace.ReadMask(image, maps);
+  const auto clear = [&](auto* values) {
+    if (!values->Empty()) {
+      ClearMasked(ResizeMask(mask, {values->Width(), values->Height()}),
+                  values);
+    }
+  };
+  clear(&prior->values);
+  clear(&prior->normals);
+  return prior;
+}
+
 }  // namespace
 
 ViewData LoadView(const Workspace& workspace, int image) {
@@ -321,7 +341,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
       IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
   view.color = workspace.ReadImage(image, width, height);
   view.camera = CameraOfMaps(workspace, image, width, height);
-  view.prior = workspace.ReadPrior(image);
+  view.prior = ReadPrior(workspace, image, {width, height});
   view.segments = workspace.ReadLabels(image);
   return view;
 }
@@ -348,7 +368,7 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   }
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
-  reduced.prior = workspace.ReadPrior(image);
+  reduced.prior = ReadPrior(workspace, image, {width, height});
   reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/priors/align_prior.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -11,6 +13,10 @@
 #include <vector>
 
 namespace tsar {
+
+// Names of counts.
+inline constexpr const char* kPriorsUsed = "priors_used";
+inline constexpr const char* kPriorsDropped = "priors_dropped";
 
 // What became of one image of a run.
 struct ImageReport {
@@ -24,8 +30,11 @@ struct ImageReport {
   Outcome outcome = Outcome::kNotDone;
   std::string reason;
   int num_sources_without_maps = 0;
+  // How the depth prior of a refined image fits.
+  PriorAssessment prior;
   // Counts of refined images, as in their records: "pixels", "depth_before",
-  // "depth_after", "not_finite" and one for each provenance.
+  // "depth_after", "not_finite", one for each provenance, and kPriorsUsed or
+  // kPriorsDropped (1) where the image has a depth prior.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;  // Per stage.
 };

@@ -111,6 +111,7 @@ void RefineMapsTask::Write(size_t index,
     return;
   }
   AddStageSeconds(result.seconds, &report->seconds);
+  report->prior = result.prior;
   images_.WriteRefined(index, std::move(result.maps), report);
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/controllers/evidence_store.h"
 #include "colmap_tsar/controllers/refine_controller.h"
 #include "colmap_tsar/controllers/shard_passes.h"
 
@@ -56,6 +57,13 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            RefineObserver* observer) {
   workspace_options.Check();
   refine_options.Check();
+  if (!workspace_options.prior_path.empty() && !NeedsEvidence(refine_options)) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("prior_path") +
+                    ": depth priors are used together with the planes of the "
+                    "scene alone; leave it out, or turn " +
+                    OptionName("scene_planes") + " on");
+  }
   if (workspace_options.pass == RefinePass::kModel) {
     return ModelShards(
         workspace_options, refine_options, progress, should_stop);

@@ -9,6 +9,7 @@
 #include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/priors/align_prior.h"
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/scene_planes/gather_evidence.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
@@ -36,6 +37,7 @@ struct RefineResult {
   std::map<std::string, double> seconds;  // Per stage.
   // Why the image should keep its maps; empty where it was refined.
   std::string reason_to_keep;
+  PriorAssessment prior;
   // What was measured, and what was observed by it, where one of them and not
   // the maps was asked for.
   std::unique_ptr<MeasuredImage> measured;

@@ -291,6 +291,7 @@ RefineResult ComposeImage(
   result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
   const ViewEvidence& evidence = *views[0].evidence;
+  result.prior = evidence.prior.assessment;
   const SceneOptions scene = MakeSceneOptions(options, views);
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;

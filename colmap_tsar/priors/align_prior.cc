@@ -4,6 +4,7 @@
 #include "colmap_tsar/priors/align_prior.h"
 
 #include "colmap_tsar/priors/correct_prior.h"
+#include "colmap_tsar/priors/prior_type.h"
 
 #include <algorithm>
 #include <cmath>
@@ -193,11 +194,31 @@ Image<float> StepsWithin(double width, const Image<float>& log_depth) {
                     std::max(1, static_cast<int>(std::lround(width * side))));
 }
 
-std::string PercentText(double share) {
-  return std::to_string(std::lround(100.0 * share)) + " %";
+// "as inverse depth it explains 97 % of the spread of the measured depths"
+std::string DescribeSkill(const PriorAssessment& assessment,
+                          const std::string& only) {
+  return "as " + ToString(assessment.type) + " depth it explains " + only +
+         std::to_string(std::lround(100.f * assessment.skill)) +
+         " % of the spread of the measured depths";
 }
 
 }  // namespace
+
+std::string Describe(const PriorAssessment& assessment) {
+  switch (assessment.verdict) {
+    case PriorVerdict::kNone:
+      break;
+    case PriorVerdict::kUsed:
+      return "depth prior used: " + DescribeSkill(assessment, "");
+    case PriorVerdict::kNoDepth:
+      return "depth prior not used: it has no depths";
+    case PriorVerdict::kFewMeasured:
+      return "depth prior not used: too few of its pixels were measured";
+    case PriorVerdict::kUnlike:
+      return "depth prior not used: " + DescribeSkill(assessment, "only ");
+  }
+  return "";
+}
 
 AlignedPrior AlignPrior(const DepthPrior& prior,
                         const Image<RayDepth>& samples) {
@@ -205,7 +226,7 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
   const int width = samples.Width();
   const int height = samples.Height();
   if (prior.values.Empty()) {
-    aligned.reason_to_drop = "it has no depth";
+    aligned.assessment.verdict = PriorVerdict::kNoDepth;
     return aligned;
   }
   Image<float> values(width, height);
@@ -218,27 +239,25 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
       }
     }
   }
-  aligned.num_samples = static_cast<int>(measured.size());
-  if (aligned.num_samples < kMinSamples) {
-    aligned.reason_to_drop = "only " + std::to_string(measured.size()) +
-                             " of its pixels were measured";
+  if (measured.size() < kMinSamples) {
+    aligned.assessment.verdict = PriorVerdict::kFewMeasured;
     return aligned;
   }
-  aligned.fit = FitPrior(measured, prior.type);
-  if (aligned.fit.Skill() < (aligned.fit.spread > kSmallSpread
-                                 ? kMinSkill
-                                 : kMinSkillOfSmallSpread)) {
-    aligned.reason_to_drop = "it explains only " +
-                             PercentText(std::max(aligned.fit.Skill(), 0.0)) +
-                             " of the spread of the measured depths";
+  const PriorFit fit = FitPrior(measured, prior.type);
+  aligned.assessment.type = fit.function.type;
+  aligned.assessment.skill = static_cast<float>(std::max(fit.Skill(), 0.0));
+  if (fit.Skill() <
+      (fit.spread > kSmallSpread ? kMinSkill : kMinSkillOfSmallSpread)) {
+    aligned.assessment.verdict = PriorVerdict::kUnlike;
     return aligned;
   }
+  aligned.assessment.verdict = PriorVerdict::kUsed;
   Image<float> log_depth(width, height, kNone);
   Image<float> residual(width, height, kNone);
   Image<float> kept(width, height, kNone);  // Not left out.
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const double depth = aligned.fit.function.Depth(values(x, y));
+      const double depth = fit.function.Depth(values(x, y));
       if (!(depth > 0.0)) {
         continue;
       }

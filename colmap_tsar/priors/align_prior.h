@@ -8,9 +8,33 @@
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/priors/fit_prior.h"
 
+#include <cstdint>
 #include <string>
 
 namespace tsar {
+
+enum class PriorVerdict : uint8_t {
+  kNone = 0,         // There is no prior.
+  kUsed = 1,
+  // It was dropped:
+  kNoDepth = 2,      // It has no depths, but normals alone.
+  kFewMeasured = 3,  // Too few of its pixels were measured.
+  kUnlike = 4,       // It explains too little of the measured depths.
+};
+
+// How the depth prior of an image fits its measured depths.
+struct PriorAssessment {
+  PriorVerdict verdict = PriorVerdict::kNone;
+  // What its values were found to mean, and PriorFit::Skill() but not negative,
+  // where enough of its pixels were measured.
+  PriorType type = PriorType::kAuto;
+  float skill = 0.f;
+
+  bool IsDropped() const { return verdict > PriorVerdict::kUsed; }
+};
+
+// In words for the user; empty where there is no prior.
+std::string Describe(const PriorAssessment& assessment);
 
 // A depth prior in the units of the map, with what its own residuals tell of
 // its errors.
@@ -21,10 +45,7 @@ struct AlignedPrior {
   // not normal but anything (outlier_share).
   Image<float> sigma;
   float outlier_share = 0.f;
-  PriorFit fit;
-  int num_samples = 0;
-  // Why it was dropped; empty where it is used.
-  std::string reason_to_drop;
+  PriorAssessment assessment;
 
   bool Empty() const { return depth.Empty(); }
 };

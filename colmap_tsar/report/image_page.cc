@@ -121,6 +121,7 @@ ImagePage WriteImagePage(const Workspace& workspace,
       ReadRecord(workspace.Paths(image, workspace.Type()).record);
   if (record) {
     page.seconds = record->seconds;
+    page.note = record->note;
   }
 
   const ContainedPath pictures(folder, page.folder);

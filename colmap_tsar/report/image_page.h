@@ -31,6 +31,7 @@ struct ImagePage {
   int64_t num_after = 0;
   std::vector<int64_t> num_by_provenance;  // As ProvenanceKinds().
   std::map<std::string, double> seconds;   // Per stage, where it is recorded.
+  std::string note;         // Of its record: what it was refined by.
   bool has_sigma = false;   // Whether there is a picture of its sigma map.
   bool has_planes = false;  // Whether there is a picture of its planes.
   // The pictures that exist of those that only some runs have.

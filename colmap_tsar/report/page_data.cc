@@ -65,6 +65,7 @@ Json ImageJson(const ImagePage& image) {
           {"after", image.num_after},
           {"provenance", image.num_by_provenance},
           {"seconds", image.seconds},
+          {"note", image.note},
           {"has_sigma", image.has_sigma},
           {"has_planes", image.has_planes},
           {"stages", image.stages}};

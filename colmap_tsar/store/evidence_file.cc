@@ -121,6 +121,10 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
     return "sizes that do not fit each other";
   }
   const AlignedPrior& prior = evidence.prior;
+  if (prior.Empty() != (prior.assessment.verdict != PriorVerdict::kUsed) ||
+      !IsFiniteNotNegative(prior.assessment.skill)) {
+    return "an invalid prior";
+  }
   if (!prior.Empty() &&
       (!has_raster(prior.depth) || !has_raster(prior.sigma) ||
        !AllOf(prior.depth, IsFiniteNotNegative) ||
@@ -173,7 +177,9 @@ struct Header {
   float error_per_depth = 0.f;
   float noise = 0.f;
   float prior_outlier_share = 0.f;
-  int32_t has_prior = 0;
+  float prior_skill = 0.f;
+  uint32_t prior_verdict = 0;  // A PriorVerdict.
+  uint32_t prior_type = 0;     // A PriorType.
   uint64_t num_superpixels = 0;
   uint64_t num_observations = 0;
   uint64_t num_errors = 0;
@@ -184,6 +190,9 @@ struct Header {
   uint64_t own_fingerprint = 0;
   uint64_t header_fingerprint = 0;
 
+  bool HasPriorDepth() const {
+    return prior_verdict == static_cast<uint32_t>(PriorVerdict::kUsed);
+  }
   // In the order of NeighbourArrays() and OwnArrays().
   std::vector<StateFileArray> Arrays() const {
     if (width < 1 || height < 1 || ratings_width < 1 || ratings_height < 1) {
@@ -193,7 +202,7 @@ struct Header {
         static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
     const uint64_t num_ratings = static_cast<uint64_t>(ratings_width) *
                                  static_cast<uint64_t>(ratings_height);
-    const uint64_t num_prior_pixels = has_prior != 0 ? num_pixels : 0;
+    const uint64_t num_prior_pixels = HasPriorDepth() ? num_pixels : 0;
     return {{num_pixels, sizeof(uint16_t)},
             {num_pixels, sizeof(float)},
             {num_pixels, sizeof(Rgb)},
@@ -214,7 +223,7 @@ struct Header {
             {num_ratings, sizeof(uint8_t)}};
   }
 };
-static_assert(sizeof(Header) == 136);
+static_assert(sizeof(Header) == 144);
 
 // For writing and for reading.
 template <typename Evidence>
@@ -258,7 +267,7 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/10,
+    /*version=*/11,
     &MissingEvidence,
     &CorruptEvidence};
 
@@ -289,7 +298,9 @@ void WriteEvidence(const ContainedPath& path,
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
   header.prior_outlier_share = evidence.prior.outlier_share;
-  header.has_prior = evidence.prior.Empty() ? 0 : 1;
+  header.prior_skill = evidence.prior.assessment.skill;
+  header.prior_verdict = static_cast<uint32_t>(evidence.prior.assessment.verdict);
+  header.prior_type = static_cast<uint32_t>(evidence.prior.assessment.type);
   header.num_superpixels = evidence.weights.size();
   header.num_errors = evidence.errors.size();
   header.num_observations = evidence.observations.size();
@@ -328,7 +339,14 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.candidates.resize(header.num_candidates);
   reader.Read(NeighbourArrays(evidence), header.neighbour_fingerprint);
   if (parts == EvidenceParts::kAll) {
-    if (header.has_prior != 0) {
+    if (header.prior_verdict > static_cast<uint32_t>(PriorVerdict::kUnlike) ||
+        header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
+      throw CorruptEvidence(path, "it has an invalid prior");
+    }
+    evidence.prior.assessment.verdict = static_cast<PriorVerdict>(header.prior_verdict);
+    evidence.prior.assessment.type = static_cast<PriorType>(header.prior_type);
+    evidence.prior.assessment.skill = header.prior_skill;
+    if (header.HasPriorDepth()) {
       evidence.prior.outlier_share = header.prior_outlier_share;
       evidence.prior.depth = Image<float>::Uninitialized(width, height);
       evidence.prior.sigma = Image<float>::Uninitialized(width, height);

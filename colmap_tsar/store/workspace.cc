@@ -197,9 +197,9 @@ void Workspace::UsePriors(const std::filesystem::path& folder, PriorType type) {
   priors_ = PriorFolder(folder, type, NamesOf(model_));
 }
 
-std::shared_ptr<const DepthPrior> Workspace::ReadPrior(int image) const {
+std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
   return priors_.HasPrior(image)
-             ? std::make_shared<const DepthPrior>(tsar::ReadPrior(
+             ? std::make_shared<DepthPrior>(tsar::ReadPrior(
                    priors_.FilesOf(image), priors_.Type(), SizeOfImage(image)))
              : nullptr;
 }

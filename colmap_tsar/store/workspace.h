@@ -101,7 +101,7 @@ class Workspace {
   void UsePriors(const std::filesystem::path& folder, PriorType type);
   const PriorFolder& Priors() const { return priors_; }
   // Null where the image has none. Throws what ReadPrior throws.
-  std::shared_ptr<const DepthPrior> ReadPrior(int image) const;
+  std::shared_ptr<DepthPrior> ReadPrior(int image) const;
   // Throws what CheckPrior throws; of an image without a prior, zeros.
   PriorMemory CheckPrior(int image) const;
   // From now on, images have the label images in this folder, see

@@ -109,7 +109,8 @@ TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
               testing::HasSubstr(
-                  "4 images: 4 refined\n  depth priors for 1 of 4 images\n"));
+                  "4 images: 4 refined\n  depth priors for 1 of 4 images, 1 of "
+                  "them not used (stereo/tsar/manifest.json says why)\n"));
   ExpectFailure({"--prior_path", priors.string(), "--restore", "1"},
                 {"leave --prior_path out"});
   ExpectFailure({"--prior_type", "metric"}, {"--prior_type", "--prior_path"});

@@ -85,8 +85,43 @@ TEST_F(RefinePriorsTest, ViewsHaveTheirPriors) {
 TEST_F(RefinePriorsTest, TellsOfHowManyImagesThereArePriors) {
   EXPECT_EQ(Refine().num_priors, std::nullopt);
   EXPECT_FALSE(Manifest()["runtime"].contains("depth_priors"));
-  EXPECT_EQ(Refine(WithPriors()).num_priors, 2);
+  const RunSummary summary = Refine(WithPriors());
+  EXPECT_EQ(summary.num_priors, 2);
   EXPECT_EQ(Manifest()["runtime"]["depth_priors"], "2");
+  // Of a constant depth, and without any.
+  EXPECT_EQ(summary.counts.at(kPriorsDropped), 2);
+  EXPECT_FALSE(summary.counts.contains(kPriorsUsed));
+  std::map<std::string, std::string> notes;
+  for (const auto& image : Manifest()["images"]) {
+    notes[image["image"]] = image["note"];
+  }
+  EXPECT_EQ(notes["v0.png"], "");
+  EXPECT_EQ(notes["left/v2.png"], "depth prior not used: it has no depths");
+  EXPECT_THAT(notes["v1.png"],
+              testing::AllOf(testing::StartsWith("depth prior not used: as "),
+                             testing::HasSubstr("explains only 0 %")));
+}
+
+TEST_F(RefinePriorsTest, MasksHidePriors) {
+  Workspace workspace(root_, MapType::kGeometric);
+  workspace.UsePriors(priors_, PriorType::kAuto);
+  const std::filesystem::path masks = folder_.Path() / "masks";
+  for (const char* name : {"v1.png.png", "left/v2.png.png"}) {
+    WriteMask(masks / name, kWidth, kHeight, [](int x, int) {
+      return x < kWidth / 2;
+    });
+  }
+  workspace.UseMasks(masks);
+  for (const int max_side : {kWidth, 32}) {
+    const ViewData depth = LoadReducedView(
+        workspace, IndexOf(workspace, "v1.png"), max_side);
+    EXPECT_EQ(depth.prior->values(3, 2), 0.f);
+    EXPECT_EQ(depth.prior->values(4, 2), 1.f);
+    const ViewData normals = LoadReducedView(
+        workspace, IndexOf(workspace, "left/v2.png"), max_side);
+    EXPECT_TRUE(normals.prior->normals(1, 1) == Vec3f{});
+    EXPECT_LT(normals.prior->normals(2, 1).z, 0.f);
+  }
 }
 
 TEST_F(RefinePriorsTest, RefinesAgainWherePriorsHaveChanged) {
@@ -187,6 +222,12 @@ TEST_F(RefinePriorsTest, RefusesFoldersWithoutPriors) {
   options.prior_path = folder_.Path() / "none";
   ExpectRefusal(
       ErrorCode::kNotFound, {"no such folder of depth priors"}, options);
+  options = WithPriors();
+  RefineOptions alone;
+  alone.scene_planes = false;
+  ExpectError(ErrorCode::kBadOption, {"prior_path", "scene_planes"}, [&] {
+    Refine(options, alone);
+  });
   options.prior_path.clear();
   options.prior_type = PriorType::kMetric;
   ExpectRefusal(ErrorCode::kBadOption, {"prior_type", "prior_path"}, options);

@@ -56,6 +56,7 @@ std::vector<std::string> MakeSeeds() {
   evidence.prior.depth = Image<float>(3, 2, 2.f);
   evidence.prior.sigma = Image<float>(3, 2, 0.1f);
   evidence.prior.outlier_share = 0.1f;
+  evidence.prior.assessment = {PriorVerdict::kUsed, PriorType::kInverse, 0.9f};
   evidence.first_confirmed = {0, 1, 1};
   evidence.confirmed = {{0.f, 0.f, 2.f}};
   evidence.confirmed_pixels = {3, 0};

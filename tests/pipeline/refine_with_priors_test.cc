@@ -131,7 +131,7 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
     }
   }
 
-  RefinedMaps Refine() const {
+  RefinedMaps Refine() {
     const RefineOptions options;
     std::vector<std::unique_ptr<ViewEvidence>> evidence;
     for (size_t i = 0; i < drawn_.views.size(); ++i) {
@@ -159,6 +159,7 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
                                        options,
                                        *device_);
     EXPECT_EQ(result.reason_to_keep, "");
+    assessment_ = result.prior;
     ExpectSoundMaps(result.maps);
     return std::move(result.maps);
   }
@@ -186,6 +187,7 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
     return quality;
   }
 
+  PriorAssessment assessment_;  // Of the view that was refined last.
   std::vector<Part> parts_;
   std::vector<Image<float>> truths_;
 };
@@ -208,6 +210,8 @@ TEST_F(RefineWithPriorsTest, GoodPriorsOfEachTypeHelp) {
     SCOPED_TRACE(static_cast<int>(type));
     SetPriors(type, values);
     const Quality with = Measure(Refine());
+    EXPECT_EQ(assessment_.verdict, PriorVerdict::kUsed);
+    EXPECT_GT(assessment_.skill, 0.99f);
     EXPECT_GT(with.right, without.right + 0.02);
     EXPECT_LT(with.wrong, 0.1 * without.wrong);
   }

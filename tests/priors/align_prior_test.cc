@@ -55,7 +55,8 @@ class AlignPriorTest : public testing::Test {
 
   void ExpectRoom(const DepthPrior& prior) const {
     const AlignedPrior aligned = AlignPrior(prior, samples_);
-    ASSERT_EQ(aligned.reason_to_drop, "");
+    ASSERT_EQ(aligned.assessment.verdict, PriorVerdict::kUsed)
+        << Describe(aligned.assessment);
     ASSERT_FALSE(aligned.Empty());
     EXPECT_LT(ShareBeyond(aligned, 0.01f), 0.01f);
     EXPECT_GT(aligned.outlier_share, 0.f);
@@ -72,7 +73,7 @@ class AlignPriorTest : public testing::Test {
                             const Image<RayDepth>& samples,
                             const std::string& reason) {
     const AlignedPrior aligned = AlignPrior(prior, samples);
-    EXPECT_THAT(aligned.reason_to_drop, HasSubstr(reason));
+    EXPECT_THAT(Describe(aligned.assessment), HasSubstr(reason));
     EXPECT_TRUE(aligned.Empty());
     EXPECT_TRUE(aligned.sigma.Empty());
   }
@@ -127,7 +128,7 @@ TEST_F(AlignPriorTest, DropsPriorsThatExplainNothing) {
 TEST_F(AlignPriorTest, DropsPriorsWithoutDepth) {
   DepthPrior prior;
   prior.normals = Image<Vec3f>(3, 2, Vec3f{0.f, 0.f, -1.f});
-  ExpectDropped(prior, "it has no depth");
+  ExpectDropped(prior, "it has no depths");
 }
 
 TEST_F(AlignPriorTest, DropsPriorsThatTooLittleMeasures) {
@@ -138,14 +139,15 @@ TEST_F(AlignPriorTest, DropsPriorsThatTooLittleMeasures) {
     });
   };
   ExpectDropped(
-      DrawMetric(), measure(19), "only 190 of its pixels were measured");
-  EXPECT_EQ(AlignPrior(DrawMetric(), measure(20)).reason_to_drop, "");
+      DrawMetric(), measure(19), "too few of its pixels were measured");
+  EXPECT_EQ(AlignPrior(DrawMetric(), measure(20)).assessment.verdict,
+            PriorVerdict::kUsed);
   ExpectDropped(Draw(PriorType::kAuto, [](float) { return 0.f; }),
-                "only 0 of its pixels were measured");
+                "too few of its pixels were measured");
   ExpectDropped(Draw(PriorType::kAuto, [](float) { return kNan; }),
-                "only 0 of its pixels were measured");
+                "too few of its pixels were measured");
   ExpectDropped(Draw(PriorType::kAuto, [](float) { return kInfinity; }),
-                "only 0 of its pixels were measured");
+                "too few of its pixels were measured");
 }
 
 // Errors that neighbours share and others that they do not, and samples that

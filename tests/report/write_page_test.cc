@@ -34,6 +34,7 @@ class WritePageTest : public testing::Test {
     const Workspace workspace(root_, MapType::kGeometric);
     ImageRecord record;
     record.seconds = {{"matching", 1.5}};
+    record.note = "depth prior not used: it has no depths";
     RefinedMaps maps = MakeRefinedMaps(9.f);
     WriteRefined(workspace, 0, maps, record);
     maps.depth(0, 0) = 0.f;
@@ -87,6 +88,7 @@ TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
   EXPECT_EQ(image["after"], 11);
   EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0, 0, 0}));
   EXPECT_EQ(image["seconds"]["matching"], 1.5);
+  EXPECT_EQ(image["note"], "depth prior not used: it has no depths");
   ASSERT_EQ(data["kept"].size(), 1u);
   EXPECT_EQ(data["kept"][0]["name"], "c.png");
   EXPECT_EQ(data["kept"][0]["reason"], "seen by nobody");

@@ -21,6 +21,9 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_TRUE(a.prior.depth.HasSizeOf(b.prior.depth));
   EXPECT_TRUE(a.prior.sigma.HasSizeOf(b.prior.sigma));
   EXPECT_EQ(a.prior.outlier_share, b.prior.outlier_share);
+  EXPECT_EQ(a.prior.assessment.verdict, b.prior.assessment.verdict);
+  EXPECT_EQ(a.prior.assessment.type, b.prior.assessment.type);
+  EXPECT_EQ(a.prior.assessment.skill, b.prior.assessment.skill);
   EXPECT_EQ(a.sources, b.sources);
   EXPECT_EQ(a.errors, b.errors);
   EXPECT_EQ(OwnBytes(a), OwnBytes(b));
@@ -132,7 +135,7 @@ TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 10");
+                             ", this program reads version 11");
     }
   }
 }
@@ -144,8 +147,8 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    // The header's 136 bytes, the 16 of the options hash, the arrays.
-    ExpectCorruptAndNoHash(length < 136   ? "not complete"
+    // The header's 144 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 144   ? "not complete"
                            : length < 152 ? "cut off"
                                           : "not what the header says");
   }
@@ -207,7 +210,8 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
       [](auto* f) { f->num_errors = kMax; },
       [](auto* f) { f->num_errors = kMax / 4 + 1; },
       [](auto* f) { f->num_errors = 0; },
-      [](auto* f) { f->has_prior = 0; },
+      [](auto* f) { f->prior_verdict = 0; },
+      [](auto* f) { f->prior_verdict = 2; },
       [](auto* f) { f->num_confirmed = kMax; },
       [](auto* f) { f->num_confirmed = kMax / 12 + 1; },
       [](auto* f) { f->num_candidates = kMax / 16 + 1; },

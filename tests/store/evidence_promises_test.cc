@@ -97,6 +97,7 @@ std::vector<Fault> OwnFaults() {
       {prior, [](auto* e) { e->prior.sigma(8, 6) = kNan; }},
       {prior, [](auto* e) { e->prior.sigma(0, 0) = kInf; }},
       {prior, [](auto* e) { e->prior.sigma(0, 0) = -1.f; }},
+      {prior, [](auto* e) { e->prior.assessment.skill = kNan; }},
       {prior, [](auto* e) { e->prior.outlier_share = 0.f; }},
       {prior, [](auto* e) { e->prior.outlier_share = 1.f; }},
       {prior, [](auto* e) { e->prior.outlier_share = kNan; }},
@@ -158,6 +159,7 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({owners, [](auto* e) { e->errors.pop_back(); }});
   const std::string prior = "an invalid prior";
   faults.push_back({prior, [](auto* e) { e->prior.sigma = {}; }});
+  faults.push_back({prior, [](auto* e) { e->prior.assessment = {}; }});
   faults.push_back(
       {prior, [](auto* e) { e->prior.depth = Image<float>(9, 6, 1.f); }});
   faults.push_back({sizes, [](auto* e) { e->first_confirmed.clear(); }});

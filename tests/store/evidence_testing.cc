@@ -60,6 +60,8 @@ ViewEvidence DrawEvidence() {
   evidence.sources[8] = ObservationSource::kPrior;
   evidence.observations[8].confidence = 2.f + draw();
   evidence.prior.outlier_share = 0.5f * draw();
+  evidence.prior.assessment = {
+      PriorVerdict::kUsed, PriorType::kInverse, draw()};
   evidence.prior.depth = Image<float>(9, 7);
   evidence.prior.sigma = Image<float>(9, 7);
   for (size_t i = 0; i < evidence.prior.depth.NumPixels(); ++i) {
@@ -162,7 +164,9 @@ std::string FileBytes(const HeaderFields& fields,
   Append(evidence.resolution.error_per_depth, &bytes);
   Append(evidence.noise, &bytes);
   Append(evidence.prior.outlier_share, &bytes);
-  Append(fields.has_prior, &bytes);
+  Append(evidence.prior.assessment.skill, &bytes);
+  Append(fields.prior_verdict, &bytes);
+  Append(static_cast<uint32_t>(evidence.prior.assessment.type), &bytes);
   Append(fields.num_superpixels, &bytes);
   Append(fields.num_observations, &bytes);
   Append(fields.num_errors, &bytes);

@@ -289,6 +289,7 @@ window.TsarDetail = (() => {
           )
         )
       ),
+      image.note ? h("p", {}, `${capital(image.note)}.`) : null,
       stages.length
         ? h(
             "details",
