@@ -189,8 +189,8 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
         summary = command.Run(progress, should_stop);
       });
   py::list without_sources;
-  for (const std::string& name : summary.without_sources) {
-    without_sources.append(ToText(name));
+  for (const StereoSummary::WithoutSources& image : summary.without_sources) {
+    without_sources.append(ToText(image.name));
   }
   py::dict dict;
   dict["workspace_path"] = summary.workspace_path;

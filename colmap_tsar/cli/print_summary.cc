@@ -54,7 +54,12 @@ std::string Images(int64_t count) {
 void PrintPriors(const RunSummary& summary, std::ostream& out) {
   if (summary.num_priors) {
     out << "  depth priors for " << *summary.num_priors << " of "
-        << Images(summary.num_images) << "\n";
+        << Images(summary.num_images);
+    if (const int64_t num_dropped = Count(summary, kPriorsDropped)) {
+      out << ", " << num_dropped
+          << " of them not used (stereo/tsar/manifest.json says why)";
+    }
+    out << "\n";
   }
 }
 
@@ -225,10 +230,9 @@ void PrintSummary(const StereoSummary& summary, std::ostream& out) {
   }
   out << ": " << Fixed(summary.wall_seconds, 1) << " s\n";
   PrintMasks(summary.num_masks, summary.num_images, out);
-  for (const std::string& name : summary.without_sources) {
-    out << "  " << Printable(name)
-        << " has no maps: no other image shares enough of its sparse "
-           "points\n";
+  for (const StereoSummary::WithoutSources& image : summary.without_sources) {
+    out << "  " << Printable(image.name) << " has no maps: " << image.reason
+        << "\n";
   }
   PrintPeakMemory(summary.peak_gpu_memory, out);
   out << "Next: tsar_refine --workspace_path " << Quoted(summary.workspace_path)

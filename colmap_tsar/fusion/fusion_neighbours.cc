@@ -102,7 +102,7 @@ FusionPlan PlanFusion(const Workspace& workspace,
   for (const StereoProblem& problem : workspace.Problems()) {
     matched[static_cast<size_t>(problem.reference)] = problem.sources;
   }
-  const SourceSelector selector(model);
+  const SourceSelector selector(model, kMinTriangulationAngle);
   plan.sources.resize(model.images.size());
   for (size_t i = 0; i < model.images.size(); ++i) {
     if (!has_maps[i]) {
@@ -119,8 +119,7 @@ FusionPlan PlanFusion(const Workspace& workspace,
         }
       }
     };
-    add(selector.SelectSources(
-        image, check_num_images, kMinTriangulationAngle));
+    add(selector.SelectSources(image, check_num_images));
     add(matched[i]);
   }
   return plan;

@@ -186,9 +186,10 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
     const StereoProblem& problem = workspace.Problems()[place];
     if (problem.sources.empty()) {
       summary.without_sources.push_back(
-          workspace.Model()
-              .images[static_cast<size_t>(problem.reference)]
-              .name);
+          {workspace.Model()
+               .images[static_cast<size_t>(problem.reference)]
+               .name,
+           problem.without_sources});
     }
   }
   ClaimMaps(workspace, options, overwrite, is_listed);

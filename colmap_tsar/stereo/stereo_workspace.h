@@ -19,6 +19,11 @@
 namespace tsar {
 
 struct StereoSummary {
+  struct WithoutSources {
+    std::string name;
+    std::string reason;
+  };
+
   std::filesystem::path workspace_path;
   // The maps that the next step is to take.
   MapType type = MapType::kGeometric;
@@ -27,7 +32,7 @@ struct StereoSummary {
   int num_skipped = 0;  // Had been done before.
   // Of the images, those with a mask; nothing where no masks were given.
   std::optional<int64_t> num_masks;
-  std::vector<std::string> without_sources;
+  std::vector<WithoutSources> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
 };

@@ -5,14 +5,15 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <unordered_set>
 
 #include <Eigen/Geometry>
@@ -35,6 +36,14 @@ bool HasAngle(const Eigen::Vector3d& center_a,
   const double cosine = std::abs(ray_a.dot(ray_b));
   // A point in a camera's centre, where both are 0, has no angle.
   return sine >= min_tangent * cosine && (sine > 0.0 || min_tangent <= 0.0);
+}
+
+// Whether the percentile of some angles is large enough, of which some are too
+// small: no more than its rank.
+bool ReachesPercentile(int64_t num_small, int64_t num_angles) {
+  const auto rank = static_cast<int64_t>(
+      std::round(kAnglePercentile * static_cast<double>(num_angles - 1)));
+  return num_angles > 0 && num_small <= rank;
 }
 
 struct ConfigLine {
@@ -93,7 +102,7 @@ class ConfigParser {
                double min_triangulation_angle_degrees)
       : path_(path),
         model_(model),
-        min_angle_(min_triangulation_angle_degrees) {}
+        selector_(model, min_triangulation_angle_degrees) {}
 
   std::vector<StereoProblem> Parse() {
     const std::vector<ConfigLine> lines = ReadConfigLines(path_);
@@ -112,26 +121,45 @@ class ConfigParser {
                           ", but no line with its sources follows");
       }
       problem.sources = ParseSources(lines[i + 1], problem.reference);
+      if (problem.sources.empty()) {
+        problem.without_sources = WhyWithoutSources(problem.reference);
+      }
       problems.push_back(std::move(problem));
     }
+    WarnOfDependentSources();
     return problems;
   }
 
  private:
   std::vector<int> ParseSources(const ConfigLine& line, int reference) {
     const std::vector<std::string> names = SplitNames(line.text);
-    if (names.size() == 1 && names[0] == "__all__") {
-      std::vector<int> sources;
-      for (int i = 0; i < static_cast<int>(model_.images.size()); ++i) {
-        if (i != reference) {
-          sources.push_back(i);
-        }
-      }
-      return sources;
-    }
     if (!names.empty() && names[0] == "__auto__") {
       return SelectSources(line, names, reference);
     }
+    const std::vector<int> sources =
+        names.size() == 1 && names[0] == "__all__"
+            ? AllBut(reference)
+            : FindSources(line, names, reference);
+    std::vector<int> independent =
+        selector_.SelectIndependent(reference, sources);
+    num_named_ += sources.size();
+    num_dependent_ += sources.size() - independent.size();
+    return independent;
+  }
+
+  std::vector<int> AllBut(int reference) const {
+    std::vector<int> images;
+    for (int i = 0; i < static_cast<int>(model_.images.size()); ++i) {
+      if (i != reference) {
+        images.push_back(i);
+      }
+    }
+    return images;
+  }
+
+  std::vector<int> FindSources(const ConfigLine& line,
+                               const std::vector<std::string>& names,
+                               int reference) const {
     std::vector<int> sources;
     std::unordered_set<int> seen = {reference};
     for (const std::string& name : names) {
@@ -161,11 +189,24 @@ class ConfigParser {
       throw Corrupt(line,
                     "must have the form \"__auto__, N\" with a number N > 0");
     }
-    // Only made where it is needed: it holds every track.
-    if (!selector_) {
-      selector_.emplace(model_);
+    return selector_.SelectSources(reference, count);
+  }
+
+  std::string WhyWithoutSources(int reference) const {
+    return selector_.HasOverlap(reference)
+               ? "all images that share its sparse points were taken from "
+                 "nearly the same place, which tells nothing of depth; take "
+                 "some from other places"
+               : "no other image shares enough of its sparse points";
+  }
+
+  void WarnOfDependentSources() const {
+    if (num_dependent_ > 0) {
+      Warn(path_.string() + ": " + std::to_string(num_dependent_) + " of " +
+           std::to_string(num_named_) +
+           " sources are left out: they were taken from nearly the same place "
+           "as the reference or another source, and so confirm no depth");
     }
-    return selector_->SelectSources(reference, count, min_angle_);
   }
 
   int FindImage(const ConfigLine& line, const std::string& name) const {
@@ -189,15 +230,20 @@ class ConfigParser {
 
   const std::filesystem::path& path_;
   const SparseModel& model_;
-  double min_angle_;
-  std::optional<SourceSelector> selector_;
+  const SourceSelector selector_;
   std::unordered_set<int> references_;
+  size_t num_named_ = 0;  // Sources, by the file.
+  size_t num_dependent_ = 0;
 };
 
 }  // namespace
 
-SourceSelector::SourceSelector(const SparseModel& model)
-    : model_(model), track_begins_(model.points.size() + 1, 0) {
+SourceSelector::SourceSelector(const SparseModel& model,
+                               double min_triangulation_angle_degrees)
+    : model_(model),
+      min_tangent_(std::tan(min_triangulation_angle_degrees * std::numbers::pi /
+                            180.0)),
+      track_begins_(model.points.size() + 1, 0) {
   for (const SparseModel::ModelImage& image : model.images) {
     centers_.push_back(image.camera.Center());
     for (const int point : image.point_indices) {
@@ -216,10 +262,8 @@ SourceSelector::SourceSelector(const SparseModel& model)
   }
 }
 
-std::vector<int> SourceSelector::SelectSources(
-    int reference,
-    int max_num_sources,
-    double min_triangulation_angle_degrees) const {
+std::vector<int> SourceSelector::SelectSources(int reference,
+                                               int max_num_sources) const {
   const SparseModel::ModelImage& image =
       model_.images.at(static_cast<size_t>(reference));
   std::vector<int64_t> num_shared(model_.images.size(), 0);
@@ -239,23 +283,81 @@ std::vector<int> SourceSelector::SelectSources(
     return shared_a != shared_b ? shared_a > shared_b : a < b;
   });
 
-  const double min_tangent =
-      std::tan(min_triangulation_angle_degrees * std::numbers::pi / 180.0);
+  const std::vector<Eigen::Vector3d> points = PointsOf(reference);
   std::vector<int> sources;
   for (const int candidate : candidates) {
     if (static_cast<int>(sources.size()) >= max_num_sources) {
       break;
     }
-    if (HasTriangulationAngle(reference, candidate, min_tangent)) {
+    if (HasTriangulationAngle(reference, candidate) &&
+        IsIndependent(points, candidate, sources)) {
       sources.push_back(candidate);
     }
   }
   return sources;
 }
 
-bool SourceSelector::HasTriangulationAngle(int reference,
-                                           int source,
-                                           double min_tangent) const {
+std::vector<int> SourceSelector::SelectIndependent(
+    int reference, const std::vector<int>& images) const {
+  const std::vector<Eigen::Vector3d> points = PointsOf(reference);
+  if (points.empty()) {
+    return images;
+  }
+  std::vector<int> sources;
+  std::copy_if(
+      images.begin(), images.end(), std::back_inserter(sources), [&](int image) {
+        return AreDifferent(points, reference, image) &&
+               IsIndependent(points, image, sources);
+      });
+  return sources;
+}
+
+bool SourceSelector::HasOverlap(int reference) const {
+  const std::vector<int>& points =
+      model_.images[static_cast<size_t>(reference)].point_indices;
+  return std::any_of(points.begin(), points.end(), [&](int point) {
+    const auto p = static_cast<size_t>(point);
+    return std::any_of(&track_images_[track_begins_[p]],
+                       &track_images_[track_begins_[p]] +
+                           (track_begins_[p + 1] - track_begins_[p]),
+                       [&](int image) { return image != reference; });
+  });
+}
+
+std::vector<Eigen::Vector3d> SourceSelector::PointsOf(int reference) const {
+  const std::vector<int>& indices =
+      model_.images[static_cast<size_t>(reference)].point_indices;
+  const size_t count = std::min(indices.size(), kMaxNumPoints);
+  std::vector<Eigen::Vector3d> points;
+  for (size_t i = 0; i < count; ++i) {
+    points.push_back(model_.points[static_cast<size_t>(
+        indices[i * indices.size() / count])]);
+  }
+  return points;
+}
+
+bool SourceSelector::AreDifferent(const std::vector<Eigen::Vector3d>& points,
+                                  int image_a,
+                                  int image_b) const {
+  const auto num_small = std::count_if(
+      points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
+        return !HasAngle(centers_[static_cast<size_t>(image_a)],
+                         centers_[static_cast<size_t>(image_b)],
+                         point,
+                         min_tangent_);
+      });
+  return ReachesPercentile(num_small, static_cast<int64_t>(points.size()));
+}
+
+bool SourceSelector::IsIndependent(const std::vector<Eigen::Vector3d>& points,
+                                   int image,
+                                   const std::vector<int>& sources) const {
+  return std::all_of(sources.begin(), sources.end(), [&](int source) {
+    return AreDifferent(points, image, source);
+  });
+}
+
+bool SourceSelector::HasTriangulationAngle(int reference, int source) const {
   const auto a = static_cast<size_t>(reference);
   const auto b = static_cast<size_t>(source);
   const std::vector<int>& points_b = model_.images[b].point_indices;
@@ -273,16 +375,12 @@ bool SourceSelector::HasTriangulationAngle(int reference,
       num_small += HasAngle(centers_[a],
                             centers_[b],
                             model_.points[static_cast<size_t>(point)],
-                            min_tangent)
+                            min_tangent_)
                        ? 0
                        : 1;
     }
   }
-  // The angle of this rank is large enough when no more than that many before
-  // it are too small.
-  const auto rank = static_cast<int64_t>(
-      std::round(kAnglePercentile * static_cast<double>(num_angles - 1)));
-  return num_angles > 0 && num_small <= rank;
+  return ReachesPercentile(num_small, num_angles);
 }
 
 std::vector<StereoProblem> ReadPatchMatchConfig(

@@ -76,6 +76,26 @@ TEST_F(PatchMatchConfigTest, KeepsReferencesWithoutOverlap) {
   const std::vector<StereoProblem> problems = Read("v0.jpg\n__auto__, 5\n");
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_THAT(problems[0].sources, IsEmpty());
+  EXPECT_EQ(problems[0].without_sources,
+            "no other image shares enough of its sparse points");
+}
+
+TEST_F(PatchMatchConfigTest, CopiesOfAViewAreNoSources) {
+  model_ = MakeModel({0, 0, 0, 1});
+  AddPoint({0, 0, 5}, {0, 1, 2, 3}, &model_);
+  testing::internal::CaptureStderr();
+  const std::vector<StereoProblem> problems = Read(
+      "v0.jpg\n__all__\nv1.jpg\nv0.jpg, v2.jpg\nv3.jpg\nv2.jpg, v1.jpg\n"
+      "v2.jpg\n__auto__, 20\n");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("5 of 7 sources are left out"));
+  EXPECT_THAT(problems[0].sources, ElementsAre(3));
+  EXPECT_EQ(problems[0].without_sources, "");
+  EXPECT_THAT(problems[1].sources, IsEmpty());
+  EXPECT_THAT(problems[1].without_sources,
+              testing::HasSubstr("from nearly the same place"));
+  EXPECT_THAT(problems[2].sources, ElementsAre(2));
+  EXPECT_THAT(problems[3].sources, ElementsAre(3));
 }
 
 TEST_F(PatchMatchConfigTest, EmptyFileHasNoProblems) {
@@ -118,16 +138,16 @@ TEST(SourceSelectorTest, OrdersByTheNumberOfSharedPoints) {
   AddPoint(point, {0, 2}, &model);
   AddPoint(point, {0, 2, 4}, &model);
   AddPoint(point, {3, 1}, &model);
-  const SourceSelector selector(model);
-  EXPECT_THAT(selector.SelectSources(0, 20, 1.0), ElementsAre(2, 4, 1));
-  EXPECT_THAT(selector.SelectSources(0, 2, 1.0), ElementsAre(2, 4));
-  EXPECT_THAT(selector.SelectSources(3, 20, 1.0), ElementsAre(1));
+  const SourceSelector selector(model, 1.0);
+  EXPECT_THAT(selector.SelectSources(0, 20), ElementsAre(2, 4, 1));
+  EXPECT_THAT(selector.SelectSources(0, 2), ElementsAre(2, 4));
+  EXPECT_THAT(selector.SelectSources(3, 20), ElementsAre(1));
 }
 
 TEST(SourceSelectorTest, EqualCountsGoByIndex) {
   SparseModel model = MakeModel({0, 1, 2, 3});
   AddPoint({0, 0, 5}, {3, 1, 0, 2}, &model);
-  EXPECT_THAT(SourceSelector(model).SelectSources(1, 20, 1.0),
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(1, 20),
               ElementsAre(0, 2, 3));
 }
 
@@ -136,8 +156,34 @@ TEST(SourceSelectorTest, ComparesTheAngleWithTheMinimum) {
   const double tan1 = std::tan(std::numbers::pi / 180.0);
   SparseModel model = MakeModel({0, 0.999 * tan1, 1.001 * tan1});
   AddPoint({0, 0, 1}, {0, 1, 2}, &model);
-  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 1.0), ElementsAre(2));
-  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 0.9),
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20), ElementsAre(2));
+  // The two see the point nearly alike, so that one of them is enough.
+  EXPECT_THAT(SourceSelector(model, 0.9).SelectSources(0, 20), ElementsAre(1));
+}
+
+TEST(SourceSelectorTest, ChoosesOneOfSeveralImagesFromOnePlace) {
+  // Frames of a video that stands still twice: 3 and 4, 5 and 6.
+  SparseModel model = MakeModel({0, 0.001, 1, 2, 2.001, 3, 3});
+  AddPoint({0, 0, 5}, {0, 1, 2, 3, 4, 5, 6}, &model);
+  const SourceSelector selector(model, 1.0);
+  EXPECT_THAT(selector.SelectSources(0, 20), ElementsAre(2, 3, 5));
+  EXPECT_THAT(selector.SelectSources(0, 2), ElementsAre(2, 3));
+  EXPECT_THAT(selector.SelectSources(4, 20), ElementsAre(0, 2, 5));
+  EXPECT_THAT(selector.SelectIndependent(0, {6, 1, 4, 5, 3, 2}),
+              ElementsAre(6, 4, 2));
+  // A view that sees no point tells nothing of its viewpoint.
+  model.images[0].point_indices.clear();
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 3, 4}),
+              ElementsAre(1, 3, 4));
+}
+
+TEST(SourceSelectorTest, PointsInTheDistanceMakeViewpointsAlike) {
+  SparseModel model = MakeModel({0, 1, 2});
+  AddPoint({0, 0, 1000}, {0, 1, 2}, &model);
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 2}),
+              IsEmpty());
+  AddPoint({0, 0, 5}, {0}, &model);
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 2}),
               ElementsAre(1, 2));
 }
 
@@ -152,7 +198,7 @@ TEST(SourceSelectorTest, TakesThe75thPercentileOfTheAngles) {
     for (int i = 0; i < num_far; ++i) {
       AddPoint({0, 0, 1e4}, {0, 1}, &model);
     }
-    return !SourceSelector(model).SelectSources(0, 20, 1.0).empty();
+    return !SourceSelector(model, 1.0).SelectSources(0, 20).empty();
   };
   // Five angles: rank 3, so two large ones are needed.
   EXPECT_FALSE(selected(1, 4));
@@ -166,14 +212,14 @@ TEST(SourceSelectorTest, TakesThe75thPercentileOfTheAngles) {
 TEST(SourceSelectorTest, ObtuseAnglesCountAsTheirSupplement) {
   SparseModel model = MakeModel({-1, 1});
   AddPoint({0, 0, 1e-4}, {0, 1}, &model);
-  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 1.0), IsEmpty());
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20), IsEmpty());
 }
 
 TEST(SourceSelectorTest, CountsRepeatedObservations) {
   SparseModel model = MakeModel({0, 1, 2});
   AddPoint({0, 0, 5}, {0, 2, 2}, &model);
   AddPoint({0, 0, 5}, {0, 1}, &model);
-  EXPECT_THAT(SourceSelector(model).SelectSources(0, 20, 1.0),
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20),
               ElementsAre(2, 1));
 }
 
