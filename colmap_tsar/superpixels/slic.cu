@@ -191,8 +191,13 @@ struct UpdateKernel {
   }
 };
 
+// No smaller, so that 16 bits number the superpixels of the largest raster.
+constexpr int kMinSize = 10;
+
 // The least number of pixels of a superpixel.
-int MinSize(int superpixel_size) { return superpixel_size / 4; }
+int MinSize(int superpixel_size) {
+  return std::max(superpixel_size / 4, kMinSize);
+}
 
 }  // namespace
 

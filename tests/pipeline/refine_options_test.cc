@@ -73,6 +73,16 @@ TEST(RefineOptions, PaperStrictAddsToPaper) {
   EXPECT_EQ(num_added, 12);
 }
 
+// S_sp, kappa and upsilon as printed, on a map 3110 wide with its raster of
+// 777.
+TEST(RefineOptions, TakeTheSizesThatThePaperPrints) {
+  RefineOptions options = PresetOptions(RefinePreset::kPaperStrict);
+  options.superpixel_size = 400 / 16;
+  options.min_region_size = 8000 / 16;
+  options.hough_max_gap = 4;  // 3.75
+  EXPECT_NO_THROW(options.Check());
+}
+
 TEST(RefineOptions, CheckNamesTheOption) {
   RefineOptions options;
   options.min_aggregated_score = std::numeric_limits<double>::quiet_NaN();

@@ -251,7 +251,7 @@ TEST_F(StageMemoryTest, HoldsForThePaperAsPrinted) {
 TEST_F(StageMemoryTest, HoldsForSuperpixelsOfAllSizes) {
   max_ratio_ = kMaxRatioOfOthers;
   Draw(kSmall);
-  for (const int superpixel_size : {40, 400, 10000}) {
+  for (const int superpixel_size : {25, 400, 10000}) {
     SCOPED_TRACE(superpixel_size);
     label_ = "superpixels of " + std::to_string(superpixel_size);
     RefineOptions options;

@@ -54,6 +54,15 @@ TEST(Superpixels, AreConnectedAndLargeEnough) {
   }
 }
 
+// Of the largest raster, 777 x 777, there are then fewer than 2^16.
+TEST(Superpixels, HaveTenPixelsAtLeast) {
+  const auto device = Device::CreateCpu(1);
+  const Superpixels superpixels = Compute(DrawNoise(97, 61), 25, *device);
+  const std::vector<int> sizes =
+      CheckSegments(superpixels.labels.ToHost(), superpixels.count);
+  EXPECT_GE(*std::min_element(sizes.begin(), sizes.end()), 10);
+}
+
 TEST(Superpixels, OfAPlainImageHaveTheSizeAskedFor) {
   const auto device = Device::CreateCpu(1);
   const Superpixels superpixels =
