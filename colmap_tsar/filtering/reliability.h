@@ -10,13 +10,13 @@
 namespace tsar {
 
 struct ReliabilityOptions {
-  // tau: the weight of n_cost against n_disp in n_aggr (Eq. 4).
+  // tau: the weight of n_cost against n_disp in n_aggr (Eq. 2).
   float confidence_weight = 0.7f;
   // How many agreeing sources are as good as any number of them.
   int saturating_agreement = 4;
 };
 
-// n_aggr of Eq. 4, tau n_cost + (1 - tau) n_disp, for pixels with a depth; 0
+// n_aggr of Eq. 2, tau n_cost + (1 - tau) n_disp, for pixels with a depth; 0
 // for the others. Where agreement is not empty, (n_aggr + 2 min(agreeing
 // sources, 4) / 4) / 3 takes its place: the number of views that see the same
 // depth ranks pixels better than any cost, and the two together best. Both are

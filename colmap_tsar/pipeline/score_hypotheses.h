@@ -16,7 +16,7 @@ namespace tsar {
 
 // What the images and the other views say about each hypothesis.
 struct HypothesisScores {
-  DeviceImage<float> score;  // n_aggr (Eq. 4), with the agreement of views.
+  DeviceImage<float> score;  // n_aggr (Eq. 2), with the agreement of views.
   // Its Confirmation. Empty without RefineOptions::confirmed_depths or
   // view_agreement.
   DeviceImage<uint8_t> confirmations;

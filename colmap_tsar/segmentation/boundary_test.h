@@ -10,7 +10,7 @@
 
 namespace tsar {
 
-// Eq. 15 as printed: removes each plane whose mean gap to its surroundings is
+// Eq. 16 as printed: removes each plane whose mean gap to its surroundings is
 // max_gap or more. The gap of a pixel on the region's border, one that has a
 // neighbour outside of the region, is that between the plane's depth in the
 // pixel and the mean depth of the samples in its eight neighbours; border

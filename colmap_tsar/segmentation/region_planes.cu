@@ -142,7 +142,7 @@ struct ChooseKernel {
                : INFINITY;
   }
 
-  // The mean depth gap of Eq. 15.
+  // The mean depth gap of Eq. 16.
   template <typename Team>
   TSAR_HD float MeanRimGap(const Team& team,
                            const Plane& plane,

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// The taps of the filters F_A and F_B and their weights (Eq. 8).
+// The taps of the filters F_A and F_B and their weights (Eq. 6).
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"

@@ -52,7 +52,7 @@ struct CorrelationResult {
 // superpixels' planes to the trusted pixels, lays them over the map, spreads
 // the result by the filter F_A with a window that halves from round to round,
 // and trusts the pixels whose own disparity is within mu / (n_aggr N_c) of it
-// (Eq. 11). Trusted pixels keep their own depth, unless medians are spread.
+// (Eq. 9). Trusted pixels keep their own depth, unless medians are spread.
 // own: the measured hypotheses; score: n_aggr; reliable: the first to be
 // trusted; all of the map's size. Superpixels live on raster.
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,

@@ -14,7 +14,7 @@ struct SlicOptions {
   // S_sp: pixels per superpixel.
   int superpixel_size = 400;
   int num_iterations = 8;
-  // The divisors of the colour (CIELAB) and the spatial distance in Eq. 5.
+  // The divisors of the colour (CIELAB) and the spatial distance in Eq. 3.
   float color_scale = 10.f;
   float spatial_scale = 20.f;
 };
@@ -24,11 +24,11 @@ struct Superpixels {
   int count = 0;
 };
 
-// Simple linear iterative clustering with the distance of Eq. 5,
+// Simple linear iterative clustering with the distance of Eq. 3,
 // D'^2 = (d_c / 10)^2 + (d_s / 20)^2 + n_avr, where n_avr is the mean
 // aggregated score of the cluster: badly matched clusters attract more pixels.
 // Every superpixel is 4-connected and holds at least a quarter of
-// superpixel_size, unless the whole image is smaller.
+// superpixel_size and ten pixels, unless the whole image is smaller.
 // color: 0-255; score: n_aggr, same size.
 Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,

@@ -16,7 +16,7 @@ DepthNormalImages CopyMap(const DepthNormalViews& map, Device& device);
 
 // A round of R1 that spreads depths, as in the paper: lays the planes of the
 // superpixels over the map, smooths the result by the filter F_A, keeps it
-// where the pixel's first disparity passes the gate around it (Eq. 11), and
+// where the pixel's first disparity passes the gate around it (Eq. 9), and
 // empties the others. A pixel without a score passes: mu / 0 is no bound.
 // planes: on the map's pixels; filter: null for none; map: the depths of the
 // round before, where trusted; all of the map's size. Changes map and trusted.

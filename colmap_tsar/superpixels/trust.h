@@ -34,7 +34,7 @@ TSAR_HD inline InverseDepthPlane ToInverseDepth(const Plane& plane) {
                        : InverseDepthPlane{};
 }
 
-// The gate of Eq. 11: a pixel passes when its own disparity is within
+// The gate of Eq. 9: a pixel passes when its own disparity is within
 // tolerance / n_aggr of the estimate.
 struct TrustGate {
   ImageView<const float> own_depth;  // 0 = none

@@ -33,7 +33,7 @@ struct WeightedMedianOptions {
   // Half the window's side in pixels of the map; 11 x 11 taps are spread over
   // it.
   float radius = 10.f;
-  // alpha and beta of Eq. 8: the weight of a tap is
+  // alpha and beta of Eq. 6: the weight of a tap is
   // exp(-distance / alpha^2 - |colour difference| / beta^2), with the distance
   // in units of the spacing of the taps and colours 0-255.
   float spatial_sigma = 2.f;

@@ -77,7 +77,7 @@ class TrustTest : public testing::Test {
   TrustGate Gate(float tolerance, bool readmit) const {
     return {depth_.View(), score_.View(), scale_, tolerance, readmit};
   }
-  // The gate as Eq. 11 states it, by an estimated depth.
+  // The gate as Eq. 9 states it, by an estimated depth.
   bool Passes(const TrustGate& gate, float estimate, int x, int y) const {
     const float own = depth_(x, y);
     return own > 0.f && estimate > 0.f &&
