@@ -88,7 +88,7 @@ void FuseCommand::AddTo(OptionSet* set) {
       &preset,
       FusionPresetNames(),
       "default: depths weighted by precision and confidence; paper: "
-      "the fusion of the TSAR-MVS paper, three views and the mean of "
+      "the thresholds of the TSAR-MVS paper, three views and the mean of "
       "what agrees; colmap: the thresholds of stereo_fusion, and "
       "medians. The options below that are -1 come from it.");
   set->Add(group + "min_num_views",

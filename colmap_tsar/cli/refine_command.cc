@@ -117,9 +117,9 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   options->AddChoice(group + "preset",
                      &command->preset,
                      {"default", "paper", "paper_strict"},
-                     "What measures best; the published method in its best "
-                     "readings; or its equations as printed, for scenes in "
-                     "metres. Options that are given come on top.");
+                     "The method of this project; the published one as this "
+                     "project reads it; or its equations as printed, for "
+                     "scenes in metres. Options that are given come on top.");
   AddDeviceArguments(group, &command->devices, options);
   options->Add(
       group + "num_threads",

@@ -25,8 +25,8 @@ struct RefineField {
   // all others are set by its option "experiment".
   bool is_option = false;
   // What the presets set it to, where that is not the default: the published
-  // method in the readings that measure best, and its equations as printed,
-  // which otherwise have the values of the first.
+  // method as this project reads it, and its equations as printed, which
+  // otherwise have the values of the first.
   std::optional<double> paper = std::nullopt;
   std::optional<double> paper_strict = std::nullopt;
 
