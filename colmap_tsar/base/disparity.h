@@ -10,7 +10,8 @@
 
 namespace tsar {
 
-// The long side of the images for which the paper states its pixel numbers.
+// The long side of the paper's images of ETH3D, for which its pixel numbers are
+// taken to hold.
 constexpr int kPaperSize = 3110;
 
 // How precise depths of a map can be: one pixel of disparity bounds the

@@ -288,11 +288,12 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
   DeviceArguments devices;
   OptionSet options(
       "tsar_evaluate fused_pixels",
-      "Fuses the maps of a dense workspace as the TSAR-MVS paper does and "
-      "compares, of each point, the pixel that became the point with ground "
-      "truth depth: the measure of the paper's ablation. It tells how good the "
+      "Fuses the maps of a dense workspace by the thresholds of the TSAR-MVS "
+      "paper and compares, of each point, the pixel that became the point with "
+      "ground truth depth, as in the paper's ablation. It tells how good the "
       "depths are that reach the cloud, each surface once, however many images "
-      "see it.",
+      "see it. Shares are of these pixels; what those of the paper are of is "
+      "not printed there.",
       "tsar_evaluate fused_pixels --workspace_path dense");
   options.AddRequired("workspace_path",
                       &workspace_path,

@@ -34,11 +34,12 @@ struct FusedPixelEvaluation {
   std::vector<int64_t> num_right;  // Of these, by tolerance.
 };
 
-// The measure of the ablation in the TSAR-MVS paper (section 5.3): of each
-// point of the fused cloud one pixel is chosen, the one that became the point,
-// and the depth that the map has there is compared with the truth. Where map
-// and ground truth differ in size, the ground truth is looked up at the map's
-// pixels.
+// After the ablation in the TSAR-MVS paper (section 6.3.1): of each point of
+// the fused cloud one pixel is chosen, the one that became the point, and the
+// depth that the map has there is compared with the truth. Which whole the
+// paper's percentages are of is not printed; shares here are of these pixels.
+// Where map and ground truth differ in size, the ground truth is looked up at
+// the map's pixels.
 //
 // Throws Error: kNotFound (no image has maps, or none that is fused ground
 // truth), kMismatch (a ground truth is not of the shape of the map), kBadOption

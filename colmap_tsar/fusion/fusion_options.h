@@ -47,9 +47,9 @@ constexpr int kMaxPointSpacing = 1000;
 
 enum class FusionPreset {
   kDefault,
-  // The fusion of the TSAR-MVS paper (section 4): depths within 1 %, normals
-  // within 30 degrees, reprojection errors of 2 pixels at most, more than one
-  // other view that agrees, and the mean of all.
+  // What the TSAR-MVS paper prints of its fusion (section 5): depths within 1 %,
+  // normals within 30 degrees, reprojection errors of 2 pixels at most, more
+  // than one other view that agrees, and the mean of all.
   kPaper,
   // The thresholds of COLMAP's stereo_fusion, and medians.
   kColmap,

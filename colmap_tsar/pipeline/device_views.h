@@ -17,8 +17,8 @@
 
 namespace tsar {
 
-// The long side of the paper's segmentation images. The raster of superpixels
-// and regions is no larger, and no larger than the map.
+// A quarter of the paper's images, as in its authors' program. The raster of
+// superpixels and regions has no longer side, and none longer than the map's.
 constexpr int kMaxRasterSide = 777;
 
 // A reference image and its maps in the device's memory.
@@ -91,7 +91,7 @@ class DeviceViews {
   PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
     return reference_.OnMap(planes);
   }
-  // The raster's size relative to the paper's: lengths shrink by it, areas by
+  // The raster's size relative to kMaxRasterSide: lengths shrink by it, areas by
   // its square.
   double RasterScale() const;
 

@@ -7,8 +7,8 @@ namespace tsar {
 
 // What a result depends on beside the workspace; ListRefineFields describes the
 // members, docs/ablation.md tells how each default was found. Pixel numbers
-// hold at the paper's sizes: maps 3110 pixels wide and a segmentation raster
-// 777 wide; they are scaled to the maps at hand.
+// hold for maps 3110 pixels wide, the paper's size on ETH3D, and a segmentation
+// raster 777 wide; they are scaled to the maps at hand.
 struct RefineOptions {
   bool denoise = true;
 
