@@ -14,7 +14,7 @@
 namespace tsar {
 
 enum class PriorVerdict : uint8_t {
-  kNone = 0,         // There is no prior.
+  kNone = 0,  // There is no prior.
   kUsed = 1,
   // It was dropped:
   kNoDepth = 2,      // It has no depths, but normals alone.

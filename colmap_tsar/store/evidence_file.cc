@@ -299,7 +299,8 @@ void WriteEvidence(const ContainedPath& path,
   header.noise = evidence.noise;
   header.prior_outlier_share = evidence.prior.outlier_share;
   header.prior_skill = evidence.prior.assessment.skill;
-  header.prior_verdict = static_cast<uint32_t>(evidence.prior.assessment.verdict);
+  header.prior_verdict =
+      static_cast<uint32_t>(evidence.prior.assessment.verdict);
   header.prior_type = static_cast<uint32_t>(evidence.prior.assessment.type);
   header.num_superpixels = evidence.weights.size();
   header.num_errors = evidence.errors.size();
@@ -343,7 +344,8 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
         header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
       throw CorruptEvidence(path, "it has an invalid prior");
     }
-    evidence.prior.assessment.verdict = static_cast<PriorVerdict>(header.prior_verdict);
+    evidence.prior.assessment.verdict =
+        static_cast<PriorVerdict>(header.prior_verdict);
     evidence.prior.assessment.type = static_cast<PriorType>(header.prior_type);
     evidence.prior.assessment.skill = header.prior_skill;
     if (header.HasPriorDepth()) {

@@ -136,10 +136,9 @@ class ConfigParser {
     if (!names.empty() && names[0] == "__auto__") {
       return SelectSources(line, names, reference);
     }
-    const std::vector<int> sources =
-        names.size() == 1 && names[0] == "__all__"
-            ? AllBut(reference)
-            : FindSources(line, names, reference);
+    const std::vector<int> sources = names.size() == 1 && names[0] == "__all__"
+                                         ? AllBut(reference)
+                                         : FindSources(line, names, reference);
     std::vector<int> independent =
         selector_.SelectIndependent(reference, sources);
     num_named_ += sources.size();
@@ -241,8 +240,8 @@ class ConfigParser {
 SourceSelector::SourceSelector(const SparseModel& model,
                                double min_triangulation_angle_degrees)
     : model_(model),
-      min_tangent_(std::tan(min_triangulation_angle_degrees * std::numbers::pi /
-                            180.0)),
+      min_tangent_(
+          std::tan(min_triangulation_angle_degrees * std::numbers::pi / 180.0)),
       track_begins_(model.points.size() + 1, 0) {
   for (const SparseModel::ModelImage& image : model.images) {
     centers_.push_back(image.camera.Center());
@@ -304,11 +303,13 @@ std::vector<int> SourceSelector::SelectIndependent(
     return images;
   }
   std::vector<int> sources;
-  std::copy_if(
-      images.begin(), images.end(), std::back_inserter(sources), [&](int image) {
-        return AreDifferent(points, reference, image) &&
-               IsIndependent(points, image, sources);
-      });
+  std::copy_if(images.begin(),
+               images.end(),
+               std::back_inserter(sources),
+               [&](int image) {
+                 return AreDifferent(points, reference, image) &&
+                        IsIndependent(points, image, sources);
+               });
   return sources;
 }
 
@@ -330,8 +331,9 @@ std::vector<Eigen::Vector3d> SourceSelector::PointsOf(int reference) const {
   const size_t count = std::min(indices.size(), kMaxNumPoints);
   std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < count; ++i) {
-    points.push_back(model_.points[static_cast<size_t>(
-        indices[i * indices.size() / count])]);
+    points.push_back(
+        model_
+            .points[static_cast<size_t>(indices[i * indices.size() / count])]);
   }
   return points;
 }

@@ -113,12 +113,12 @@ TEST_F(RefinePriorsTest, MasksHidePriors) {
   }
   workspace.UseMasks(masks);
   for (const int max_side : {kWidth, 32}) {
-    const ViewData depth = LoadReducedView(
-        workspace, IndexOf(workspace, "v1.png"), max_side);
+    const ViewData depth =
+        LoadReducedView(workspace, IndexOf(workspace, "v1.png"), max_side);
     EXPECT_EQ(depth.prior->values(3, 2), 0.f);
     EXPECT_EQ(depth.prior->values(4, 2), 1.f);
-    const ViewData normals = LoadReducedView(
-        workspace, IndexOf(workspace, "left/v2.png"), max_side);
+    const ViewData normals =
+        LoadReducedView(workspace, IndexOf(workspace, "left/v2.png"), max_side);
     EXPECT_TRUE(normals.prior->normals(1, 1) == Vec3f{});
     EXPECT_LT(normals.prior->normals(2, 1).z, 0.f);
   }

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/workspace/patch_match_config.h"
 
-
 #include <cmath>
 #include <numbers>
 
