@@ -71,6 +71,8 @@ check(
     configuration["PatchMatchStereo"].get("write_cost_maps") in ("0", "false"),
     "colmap's project files have write_cost_maps, off",
 )
+result = call(args.colmap, "automatic_reconstructor", "-h")
+check("--tsar " in result.stdout + result.stderr, "automatic_reconstructor lists --tsar")
 result = call(args.colmap, "patch_match_stereo", "-h")
 stereo_help = result.stdout + result.stderr
 if "requires CUDA" not in stereo_help:  # Without it, this command has no help.
