@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the scripts' command lines have in common."""
 import argparse
+import pathlib
 import re
 import signal
 import sys
@@ -23,6 +24,17 @@ which weights depths by their precision and confidence; paper, tsar_fuse as the 
 fuses: depths within 1 %%, normals within 30 degrees, pixels within 2, the mean of
 what agrees. The maps before refinement are always fused by stereo_fusion"""
 
+PRIORS = {"gp": "tsar", "mp": "acm", "colmap": "colmap"}  # Where the maps come from.
+GP_OPTIONS = {"TsarStereo.geom_consistency": 0}
+PRIOR_HELP = """\
+the maps to refine by the names of the paper's tables, in place of --stereo: gp, of
+tsar_stereo without its geometric passes, the nearest to the paper's Gipuma; mp,
+ACMMP's from --maps_path; colmap, of patch_match_stereo"""
+MAPS_HELP = """\
+of --prior mp: ACMMP's results, MAPS/SCENE/ as tsar_import --format acm takes them,
+and MAPS/SCENE/runtime.txt with the line "runtime SECONDS", how long they took,
+which a submission needs"""
+
 
 def new_parser(script, description, epilog=None):
     return argparse.ArgumentParser(
@@ -30,15 +42,40 @@ def new_parser(script, description, epilog=None):
         formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
-def make_parser(script, description, scene_help):
-    """The command line of a data set's script."""
-    parser = new_parser(script, description)
+EPILOG = """\
+Options with a dot go to the command that has them, such as --TsarRefine.min_confidence
+0.3, --TsarRefine.experiment filter=0 or --TsarStereo.num_levels 3 (colmap COMMAND -h,
+colmap_tsar COMMAND --help)."""
+
+
+def make_parser(script, description, scene_help, sets, submit_help):
+    """The command line of a data set's script. sets: names of the scenes that are
+    submitted together, by the name of the set."""
+    parser = new_parser(script, description, EPILOG)
     parser.add_argument("scene", metavar="SCENE", help=scene_help)
     parser.add_argument("--output_path", required=True, metavar="OUTPUT",
                         help="folder for all that is made; run again with the same one, "
                         "it goes on where it stopped")
+    parser.add_argument("--submit", choices=tuple(sets), help=submit_help)
+    parser.add_argument("--paper_size", action="store_true", help="maps of the paper's size "
+                        "(half the images' for ETH3D and Strecha, all of it for Tanks and "
+                        "Temples) instead of --max_image_size")
+    add_prior_options(parser)
     add_options(parser, "OUTPUT/SCENE")
     return parser
+
+
+def add_prior_options(parser):
+    parser.add_argument("--prior", choices=tuple(PRIORS), help=PRIOR_HELP)
+    parser.add_argument("--maps_path", metavar="MAPS", help=MAPS_HELP)
+
+
+def at_paper_size(args, longer_side, fraction):
+    """The options for a scene whose images have this longer side, of which the paper
+    takes a fraction."""
+    if not args.paper_size:
+        return args
+    return argparse.Namespace(**{**vars(args), "max_image_size": round(longer_side * fraction)})
 
 
 def add_options(parser, scene_folder):
@@ -92,26 +129,55 @@ def hand_out(passed, programs, commands):
     return given
 
 
-def run_main(parser, run, commands_of=None):
+def dense_commands(args):
+    """The commands from the workspace to the clouds that take options from the
+    command line."""
+    stereo = {"colmap": ["patch_match_stereo"], "tsar": ["tsar_stereo"]}.get(args.stereo, [])
+    own_fusion = ["tsar_fuse"] if FUSIONS[args.fusion] else []
+    return [*stereo, "stereo_fusion", "tsar_refine", *own_fusion]
+
+
+def choose_stereo(args, programs):
+    """Where the maps come from, by --stereo or --prior."""
+    prior = getattr(args, "prior", None)
+    if prior and args.stereo != "auto":
+        raise DatasetError(f"--prior {prior} and --stereo {args.stereo}: both say where the maps "
+                           "come from; give one of them")
+    if getattr(args, "maps_path", None) and prior != "mp":
+        raise DatasetError("--maps_path: is for --prior mp")
+    if prior:
+        args.stereo = PRIORS[prior]
+    elif args.stereo == "auto":
+        args.stereo = "colmap" if programs.colmap_has_stereo else "tsar"
+    if args.stereo == "colmap" and not programs.colmap_has_stereo:
+        raise DatasetError(f"{f'--prior {prior}' if prior else '--stereo colmap'}: "
+                           f"{programs.colmap} has no CUDA, or there is no NVIDIA GPU; use "
+                           f"{'--prior gp' if prior else '--stereo tsar'} or name another by "
+                           "--colmap")
+    if args.stereo == "acm" and not args.maps_path:
+        raise DatasetError("--prior mp: needs --maps_path, the folder with ACMMP's maps")
+    if args.stereo == "acm" and not pathlib.Path(args.maps_path).is_dir():
+        raise DatasetError(f"--maps_path {args.maps_path}: no such folder")
+
+
+def run_main(parser, run, commands_of=dense_commands):
     """Calls run(args, programs) and turns what goes wrong into one line.
     commands_of(args): the programs' commands that take options from the command
     line."""
     # So that a program at work is ended too.
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     try:
-        words, passed = take_passed(sys.argv[1:]) if commands_of else (None, {})
+        words, passed = take_passed(sys.argv[1:])
         args = parser.parse_args(words)
-        if args.max_image_size < 16:
+        if args.max_image_size is not None and args.max_image_size < 16:
             raise DatasetError(f"--max_image_size {args.max_image_size}: is below 16")
         if args.min_num_pixels is not None and args.min_num_pixels < 1:
             raise DatasetError(f"--min_num_pixels {args.min_num_pixels}: is below 1")
         programs = Programs(args.colmap, args.colmap_tsar)
-        if args.stereo == "auto":
-            args.stereo = "colmap" if programs.colmap_has_stereo else "tsar"
-        elif args.stereo == "colmap" and not programs.colmap_has_stereo:
-            raise DatasetError(f"--stereo colmap: {programs.colmap} has no CUDA, or there is "
-                               "no NVIDIA GPU; use --stereo tsar or name another by --colmap")
+        choose_stereo(args, programs)
         args.passed = hand_out(passed, programs, commands_of(args)) if passed else {}
+        if getattr(args, "prior", None) == "gp":
+            args.passed["tsar_stereo"] = {**GP_OPTIONS, **args.passed.get("tsar_stereo", {})}
         run(args, programs)
     except DatasetError as error:
         sys.exit(f"ERROR: {error}")

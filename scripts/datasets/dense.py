@@ -4,11 +4,10 @@
 import json
 import os
 import pathlib
-import shutil
 import sys
 
 from command_line import FUSIONS
-from files import DatasetError, write_text
+from files import DatasetError, parse_numbers, read_lines, write_text
 from ply import is_whole
 from programs import REPOSITORY, as_words, files_named_by, output_of
 from steps import Scene, remove
@@ -44,8 +43,31 @@ def mask_options(masks):
     return {"mask_path": str(masks)} if masks else {}
 
 
-def stereo_command(args, masks):
+def given_maps(args, scene_name):
+    """The folder of ACMMP's maps of a scene."""
+    return pathlib.Path(args.maps_path).resolve() / scene_name
+
+
+def prior_seconds(args, scene_name):
+    """How long maps took that were not made here, or None where nothing tells."""
+    if args.stereo == "none":
+        return None
+    if args.stereo != "acm":
+        return 0.0
+    file = given_maps(args, scene_name) / "runtime.txt"
+    if not file.exists():
+        return None
+    words = " ".join(read_lines(file, "the line runtime SECONDS")).split()
+    if len(words) != 2 or words[0] != "runtime":
+        raise DatasetError(f"{file}: does not hold the line runtime SECONDS")
+    (seconds,) = parse_numbers(words[1], 1, file)
+    return seconds
+
+
+def stereo_command(args, scene_name, masks):
     """The command that makes the maps, and its options, name by value."""
+    if args.stereo == "acm":
+        return "tsar_import", {"format": "acm", "input_path": str(given_maps(args, scene_name))}
     command, group = (("patch_match_stereo", "PatchMatchStereo") if args.stereo == "colmap"
                       else ("tsar_stereo", "TsarStereo"))
     options = {f"{group}.max_image_size": args.max_image_size, **args.passed.get(command, {})}
@@ -68,12 +90,17 @@ def make_maps(scene, args, programs, masks):
         raise DatasetError(f"{dense}: has depth maps that were not made by this script; "
                            "--stereo none takes them, or remove them")
 
-    command, options = stereo_command(args, masks)
+    command, options = stereo_command(args, scene.name, masks)
+    given = [options["input_path"]] if args.stereo == "acm" else []
+    for folder in given:
+        if not os.path.isdir(folder):
+            raise DatasetError(f"{folder}: not found; ACMMP's maps of the scene should be there")
     program = programs.colmap if args.stereo == "colmap" else programs.tsar
 
     def action(step):
-        if not step.continued:
-            for folder in ("depth_maps", "normal_maps", "cost_maps", "consistency_graphs", "tsar"):
+        if not step.continued or given:
+            for folder in ("depth_maps", "normal_maps", "cost_maps", "consistency_graphs", "tsar",
+                           "tsar_import"):
                 remove(dense / "stereo" / folder)
             make_map_folders(dense, image_names(dense))
         elif args.stereo == "colmap":
@@ -81,7 +108,7 @@ def make_maps(scene, args, programs, masks):
         step.run(program, command, "--workspace_path", dense, *as_words(options))
 
     scene.step("stereo", action, outputs=[dense / "stereo" / "depth_maps"], removes=False,
-               resumes=True, after=["workspace"], inputs=files_named_by(options), options={
+               resumes=True, after=["workspace"], inputs=[*given, *files_named_by(options)], options={
                    "stereo": args.stereo, "options": options, **programs.versions})
 
 
@@ -101,26 +128,30 @@ def fusion_command(args, masks, preset):
     return command, {**options, **args.passed.get(command, {})}
 
 
+def fuse_into(step, program, command, options, workspace, input_type, cloud):
+    """Runs a command that fuses; the cloud appears when it is complete."""
+    part = cloud.with_name(f"part.{cloud.name}")
+    # Of a stopped attempt; tsar_fuse replaces no cloud that is there.
+    for left in cloud.parent.glob(f"{part.name}*"):
+        remove(left)
+    step.run(program, command, "--workspace_path", workspace, "--input_type", input_type,
+             "--output_path", part, *as_words(options))
+    if not part.exists() or not is_whole(part):
+        raise DatasetError(f"{step.scene.name}: {step.name}: {command} wrote no cloud, or half of "
+                           f"one; see {step.log}")
+    os.replace(f"{part}.vis", f"{cloud}.vis")
+    os.replace(part, cloud)
+
+
 def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, preset=None, inputs=(),
          **key):
     command, options = fusion_command(args, masks, preset)
     program, of_program = ((programs.colmap, "colmap") if preset is None
                            else (programs.tsar, "colmap_tsar"))
 
-    def action(step):
-        part = scene.folder / f"part.{cloud}"
-        # Of a stopped attempt; tsar_fuse replaces no cloud that is there.
-        for left in scene.folder.glob(f"{part.name}*"):
-            remove(left)
-        step.run(program, command, "--workspace_path", workspace, "--input_type", input_type,
-                 "--output_path", part, *as_words(options))
-        if not part.exists() or not is_whole(part):
-            raise DatasetError(f"{scene.name}: {name}: {command} wrote no cloud, or half of one; "
-                               f"see {step.log}")
-        os.replace(f"{part}.vis", f"{scene.folder / cloud}.vis")
-        os.replace(part, scene.folder / cloud)
-
-    scene.step(name, action, outputs=[cloud], options={
+    scene.step(name, lambda step: fuse_into(
+        step, program, command, options, workspace, input_type, scene.folder / cloud),
+               outputs=[cloud], options={
         "type": input_type, of_program: programs.versions[of_program], **options},
                inputs=[*inputs, *files_named_by(options)], **key)
 
@@ -138,6 +169,11 @@ def refine(scene, args, programs, input_type, masks, priors=None, inputs=(), **k
                  "colmap_tsar": programs.versions["colmap_tsar"]}, **key)
 
 
+def input_type_of(workspace):
+    geometric = any(".geometric." in path.name for path in maps_of(workspace))
+    return "geometric" if geometric else "photometric"
+
+
 def reconstruct(scene, args, programs, masks=None, priors=None):
     """Depth maps, refinement and the clouds before.ply and after.ply from the
     scene's workspace. masks: the folder with those of its images; priors: the
@@ -147,8 +183,7 @@ def reconstruct(scene, args, programs, masks=None, priors=None):
     # Maps that were put there by hand are inputs; others belong to their step.
     inputs = [dense / "stereo" / f for f in ("depth_maps", "normal_maps")]
     origin = {"after": ["workspace", "stereo"], "inputs": inputs if args.stereo == "none" else []}
-    geometric = any(".geometric." in path.name for path in maps_of(dense))
-    input_type = "geometric" if geometric else "photometric"
+    input_type = input_type_of(dense)
     fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", masks, **origin)
     refine(scene, args, programs, input_type, masks, priors, **origin)
     fuse(scene, args, programs, "fusion_after", scene.folder / REFINED, input_type, "after.ply",
@@ -157,12 +192,17 @@ def reconstruct(scene, args, programs, masks=None, priors=None):
 
 def evaluate(step, programs, cloud, project, output, options):
     """The scores of a cloud against scans as a JSON file."""
-    step.run(programs.tsar, "tsar_evaluate", "cloud", "--input_path", cloud,
-             "--ground_truth_path", project, "--json", 1, *as_words(options))
-    # The log has what the program printed last.
-    text = step.log.read_text(encoding="utf-8")
-    result, _ = json.JSONDecoder().raw_decode(text, text.rindex("\n{") + 1)
+    result = scores_of(step, programs, "cloud", {"input_path": cloud, "ground_truth_path": project,
+                                                 **options})
     write_text(output, json.dumps(result, indent=1) + "\n")
+
+
+def scores_of(step, programs, measure, options):
+    """What tsar_evaluate prints for a measure, cloud or fused_pixels."""
+    step.run(programs.tsar, "tsar_evaluate", measure, "--json", 1, *as_words(options))
+    # The log has what the program printed last, which for some is followed by progress.
+    text = step.log.read_text(encoding="utf-8")
+    return json.JSONDecoder().raw_decode(text, text.rindex("\n{\n") + 1)[0]
 
 
 def score(scene, programs, project, options, inputs=(), after=()):
@@ -179,11 +219,3 @@ def score(scene, programs, project, options, inputs=(), after=()):
                options={**options, "colmap_tsar": programs.versions["colmap_tsar"]})
     print(output_of(sys.executable, REPOSITORY / "scripts" / "compare_scores.py",
                     folder / "before.json", folder / "after.json"), end="", flush=True)
-
-
-def put_into(folder, source, name):
-    """Copies a file into a submission, whole or not at all."""
-    folder.mkdir(parents=True, exist_ok=True)
-    part = folder / f"{name}.part"
-    shutil.copyfile(source, part)
-    os.replace(part, folder / name)

@@ -123,6 +123,33 @@ def is_whole(path):
         return path.stat().st_size == expected
 
 
+def row_size(path):
+    """The bytes of a vertex of a binary cloud."""
+    with open(path, "rb") as file:
+        _, elements = read_header(file, path)
+    return next(row_type(properties).itemsize for name, _, properties in elements
+                if name == "vertex")
+
+
+def thin(path, output, keep):
+    """Writes that many vertices of a binary cloud, one after each equal stretch of them,
+    with all their properties."""
+    with open(path, "rb") as file:
+        form, elements = read_header(file, path)
+        start = file.tell()
+        file.seek(0)
+        header = file.read(start)
+    if form == "ascii" or [name for name, _, _ in elements] != ["vertex"]:
+        raise DatasetError(f"{path}: is not a binary cloud, which alone can be thinned")
+    (_, number, properties), = elements
+    rows = np.memmap(path, row_type(properties), "r", start, number)
+    with open(output, "wb") as file:
+        file.write(header.replace(b"element vertex %d" % number, b"element vertex %d" % keep))
+        for begin in range(0, keep, 1 << 20):
+            index = np.arange(begin, min(keep, begin + (1 << 20)), dtype=np.int64)
+            file.write(rows[index * number // keep].tobytes())
+
+
 def write_points(path, points):
     """A cloud of float x, y, z; the file appears when it is complete."""
     path = pathlib.Path(path)

@@ -6,7 +6,7 @@ import pathlib
 
 import dense
 import ply
-from command_line import FUSIONS, add_options, new_parser, run_main
+from command_line import add_options, dense_commands, new_parser, run_main
 from features import extract_features, match_features
 from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
 from masks import find_masks, undistort_masks
@@ -293,10 +293,8 @@ def summarize(scene, args):
 
 def commands_of(args):
     """The commands that take options from the command line."""
-    stereo = {"colmap": ["patch_match_stereo"], "tsar": ["tsar_stereo"], "none": []}[args.stereo]
-    own_fusion = ["tsar_fuse"] if FUSIONS[args.fusion] else []
-    return ["feature_extractor", f"{matcher_of(args)}_matcher", "mapper", *stereo,
-            "stereo_fusion", "tsar_refine", *own_fusion, *product_commands(args)]
+    return ["feature_extractor", f"{matcher_of(args)}_matcher", "mapper", *dense_commands(args),
+            *product_commands(args)]
 
 
 def main():

@@ -4,10 +4,11 @@
 import pathlib
 
 import dense
-from command_line import make_parser, run_main
+import submission
+from command_line import at_paper_size, make_parser, run_main
 from features import extract_features, match_features
 from files import (IMAGE_ENDINGS, DatasetError, find_scenes, image_size,
-                   parse_numbers, read_lines)
+                   parse_numbers, read_lines, write_text)
 from model import Camera, pose_from_camera_to_world
 from ply import read_ply
 from triangulation import triangulate
@@ -15,6 +16,12 @@ from virtual_scans import scan_mesh
 from workspace import write_workspace
 
 ENDING = ".camera"
+PAPER_FRACTION = 0.5  # Of the images' size, which the paper's maps have.
+SETS = {"paper": ("fountain", "herzjesu")}  # Beginnings of the folders' names.
+SUBMIT_HELP = """\
+put the clouds of the scenes that the paper scores, fountain-P11 and Herz-Jesu-P8, into
+OUTPUT/submission/strecha/, with the seconds that each took: there is no server, but whoever has
+the ground truth can score them. Implies --paper_size"""
 TOLERANCES = "0.01,0.02,0.05,0.1"  # Units of the data, which are metres.
 
 DESCRIPTION = """\
@@ -38,6 +45,7 @@ What comes out:
   OUTPUT/SCENE/before.ply, after.ply
   OUTPUT/SCENE/scores/      before.json and after.json, with --ground_truth
   OUTPUT/SCENE/logs/        what the programs printed, one file per step
+  OUTPUT/submission/strecha/SCENE.ply and SCENE.txt, with --submit
 
 Every scene is reconstructed with the same parameters."""
 
@@ -93,7 +101,14 @@ def read_scene(path):
     return cameras, poses, folders.pop()
 
 
-def reconstruct(path, args, programs):
+def kind(name):
+    """The scene that a folder's name means: Herz-Jesu-P8 and herzjesu_dense are herzjesu."""
+    plain = "".join(c for c in name.lower() if c.isalnum())
+    return next((scene for scene in SETS["paper"] if plain.startswith(scene)), plain)
+
+
+def open_workspace(path, args, programs):
+    """The outputs of a scene with its workspace, and its cameras and poses."""
     cameras, poses, image_folder = read_scene(path)
     scene = dense.open_scene(args, path.name)
     extract_features(scene, programs, image_folder, sorted(poses), cameras=cameras)
@@ -106,19 +121,39 @@ def reconstruct(path, args, programs):
         scene, lambda step: write_workspace(scene.folder / dense.WORKSPACE,
                                             scene.folder / "sparse", image_folder),
         after=["sparse"])
-    dense.reconstruct(scene, args, programs)
+    return scene, cameras, poses
+
+
+def scene_options(cameras, args):
+    """The options for one scene."""
+    longer_side = max(max(camera.width, camera.height) for camera in cameras.values())
+    return at_paper_size(args, longer_side, PAPER_FRACTION)
+
+
+def reconstruct(path, args, programs):
+    scene, cameras, poses = open_workspace(path, args, programs)
+    dense.reconstruct(scene, scene_options(cameras, args), programs)
+    if args.submit:
+        submit(scene, args)
     if args.ground_truth:
         score(scene, args, programs, cameras, poses)
     else:
         scene.say("no --ground_truth: not scored")
 
 
-def score(scene, args, programs, cameras, poses):
-    truth = pathlib.Path(args.ground_truth).resolve()
+def submit(scene, args):
+    folder = scene.folder.parent / "submission" / "strecha"
+    submission.put_into(folder, scene.folder / "after.ply", f"{scene.name}.ply")
+    seconds = dense.prior_seconds(args, scene.name) + scene.seconds(*dense.TIMED_STEPS)
+    write_text(folder / f"{scene.name}.txt", f"runtime {seconds:.3f}\n")
+    scene.say(f"{folder / scene.name}.ply and .txt ({seconds:.1f} s)")
+
+
+def prepare_truth(scene, truth, cameras, poses):
+    """The project of scans to score against, and the options of tsar_evaluate."""
     options = {"tolerances": TOLERANCES}
     if truth.suffix == ".mlp":
-        dense.score(scene, programs, truth, options, inputs=[truth.parent])
-        return
+        return truth, options
 
     def action(step):
         mesh = read_ply(truth)
@@ -129,13 +164,19 @@ def score(scene, args, programs, cameras, poses):
 
     scene.step("scans", action, outputs=["scans"], inputs=[truth], after=["sparse"])
     angle = (scene.folder / "scans" / "beam_angle.txt").read_text(encoding="utf-8").strip()
-    dense.score(scene, programs, scene.folder / "scans" / "scan_alignment.mlp",
-                {**options, "beam_angle": angle}, after=["scans"])
+    return scene.folder / "scans" / "scan_alignment.mlp", {**options, "beam_angle": angle}
+
+
+def score(scene, args, programs, cameras, poses):
+    truth = pathlib.Path(args.ground_truth).resolve()
+    project, options = prepare_truth(scene, truth, cameras, poses)
+    dense.score(scene, programs, project, options,
+                **({"inputs": [truth.parent]} if project == truth else {"after": ["scans"]}))
 
 
 def main():
     parser = make_parser(
-        "strecha", DESCRIPTION, "a scene's folder, or a folder of such folders")
+        "strecha", DESCRIPTION, "a scene's folder, or a folder of such folders", SETS, SUBMIT_HELP)
     parser.add_argument(
         "--ground_truth", metavar="FILE", help="what to score against: a mesh as a PLY file "
         "(each camera then scans it), or laser scans as a MeshLab project (.mlp)")
@@ -147,6 +188,12 @@ def main():
             raise DatasetError("--ground_truth: belongs to one scene, not to a folder of them")
         if args.ground_truth and not pathlib.Path(args.ground_truth).is_file():
             raise DatasetError(f"--ground_truth {args.ground_truth}: not found")
+        if args.submit:
+            args.paper_size = True
+            submission.check_set(f"--submit {args.submit}", SETS[args.submit],
+                                 [kind(path.name) for path in scenes])
+            submission.check_times({path.name: dense.prior_seconds(args, path.name)
+                                    for path in scenes})
         for path in scenes:
             read_scene(path)
         for path in scenes:

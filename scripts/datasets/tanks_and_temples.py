@@ -1,10 +1,12 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Tanks and Temples; see scripts/tanks_and_temples.sh."""
+import pathlib
 import shutil
 
 import dense
-from command_line import make_parser, run_main
+import submission
+from command_line import at_paper_size, make_parser, run_main
 from database import read_matches
 from features import DATABASE, extract_features, match_features
 from files import DatasetError, find_scenes, image_size, list_images
@@ -38,11 +40,21 @@ What comes out:
   OUTPUT/SCENE/scores/      before.json and after.json: precision, recall, F (only
                             with given poses: others are in no known frame)
   OUTPUT/SCENE/logs/        what the programs printed, one file per step
-  OUTPUT/submission/SCENE.ply and SCENE.log
+  OUTPUT/submission/SCENE.ply and SCENE.log, which the benchmark's own
+                            upload_t2_results.py, started there, uploads
 
 The images of a scene are taken by one camera. Every scene is reconstructed with
 the same parameters. The threshold of the score is the benchmark's own
 ({", ".join(f"{name} {1000 * t:g} mm" for name, t in THRESHOLDS.items())})."""
+
+PAPER_FRACTION = 1.0  # Of the images' size, which the paper's maps have.
+INTERMEDIATE = ("Family", "Francis", "Horse", "Lighthouse", "M60", "Panther", "Playground", "Train")
+ADVANCED = ("Auditorium", "Ballroom", "Courtroom", "Museum", "Palace", "Temple")
+SETS = {"intermediate": INTERMEDIATE, "advanced": ADVANCED, "both": INTERMEDIATE + ADVANCED}
+SUBMIT_HELP = """\
+see to it that the submission has all scenes of a set, which the server asks for. SCENES must
+have the whole set, so that all of it is made with the same options; what was made before is
+not made again"""
 
 CAMERA_OPTIONS = {
     "ImageReader.single_camera": 1, "ImageReader.camera_model": "SIMPLE_RADIAL",
@@ -124,7 +136,7 @@ def reconstruct(path, args, programs):
             outputs=["sparse"], after=["matches"], inputs=[poses_file(path)])
     dense.make_workspace(scene, lambda step: undistort(step, programs, images, sparse),
                          after=["sparse"])
-    dense.reconstruct(scene, args, programs)
+    dense.reconstruct(scene, at_paper_size(args, max(size), PAPER_FRACTION), programs)
     submit(scene, names, sparse)
     score_scene(scene, path, args, programs, poses is not None)
 
@@ -132,7 +144,7 @@ def reconstruct(path, args, programs):
 def submit(scene, names, sparse):
     folder = scene.folder.parent / "submission"
     poses = {image.name: image.pose for image in read_images(sparse / "images.txt")}
-    dense.put_into(folder, scene.folder / "after.ply", f"{scene.name}.ply")
+    submission.put_into(folder, scene.folder / "after.ply", f"{scene.name}.ply")
     write_trajectory(folder / f"{scene.name}.log", names, poses)
     scene.say(f"{folder / scene.name}.ply and .log ({len(poses)} of {len(names)} images "
               "have poses)")
@@ -159,7 +171,8 @@ def score_scene(scene, path, args, programs, given_poses):
 
 def main():
     parser = make_parser(
-        "tanks_and_temples", DESCRIPTION, "a scene's folder, or a folder of such folders")
+        "tanks_and_temples", DESCRIPTION, "a scene's folder, or a folder of such folders", SETS,
+        SUBMIT_HELP)
     parser.add_argument("--poses", choices=("auto", "log", "sfm"), default="auto",
                         help="camera poses: log, the data set's .log file; sfm, by COLMAP "
                         "from the images; auto (the default): log where there is one")
@@ -172,12 +185,20 @@ def main():
 
     def run(args, programs):
         scenes = find_scenes(args.scene, is_scene, "images, in itself or in images/")
+        if args.submit:
+            submission.check_set(f"--submit {args.submit}", SETS[args.submit],
+                                 [path.name for path in scenes])
         for path in scenes:
             _, _, poses = read_scene(path, args)
             if read_truth(path) and poses is not None:
                 score_threshold(path, args)
         for path in scenes:
             reconstruct(path, args, programs)
+        if args.submit:
+            folder = pathlib.Path(args.output_path).resolve() / "submission"
+            print(f"{folder}: all {len(SETS[args.submit])} scenes; in it, with the site's "
+                  "t2_submission_credentials.txt, start the benchmark's upload_t2_results.py "
+                  f"--group {args.submit}", flush=True)
 
     run_main(parser, run)
 

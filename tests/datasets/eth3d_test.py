@@ -9,13 +9,17 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import time
 import unittest
 
 from dataset_testing import DatasetTest, make_eth3d, vertex_count
 
+import numpy as np
+
 from model import read_images
+from sample_scene import read_map
 
 PREFIX = "dslr_images_undistorted/"
 
@@ -57,6 +61,7 @@ class Eth3dTest(DatasetTest):
         self.check_scores(scene, text)
         self.check_that_it_rests(text)
         self.check_paper(scene)
+        self.check_priors()
         self.check_other_options()
 
     def check_submission(self, scene):
@@ -106,6 +111,48 @@ class Eth3dTest(DatasetTest):
         for name in ("before.ply", "after.ply"):
             self.assertGreater(vertex_count(copy / "room" / name), vertex_count(scene / name))
 
+    def check_priors(self):
+        """Stereo without geometric passes, and maps of another program, with options that
+        are handed on; on copies."""
+        copy = self.folder / "priors"
+        command = (self.scenes, "--output_path", copy / "gp", "--prior", "gp", "--paper_size")
+        self.run_well(*command, "--TsarStereo.num_levels", 1, "--TsarRefine.experiment", "segment=0")
+        room = copy / "gp" / "room"
+        log = (room / "logs" / "stereo.log").read_text()
+        self.assertIn("--TsarStereo.max_image_size 320", log)  # Half of the images' 640.
+        self.assertIn("--TsarStereo.geom_consistency 0 --TsarStereo.num_levels 1", log)
+        self.assertIn("--TsarRefine.experiment segment=0", (room / "logs" / "refinement.log").read_text())
+        maps = room / "dense" / "stereo" / "depth_maps"
+        self.assertEqual({p.name.split(".")[-2] for p in maps.rglob("*.bin")}, {"photometric"})
+
+        given, out = copy / "maps", copy / "mp"
+        for number, image in enumerate(self.sample.images):
+            target = given / "room" / "ACMMP" / f"2333_{number:08d}"
+            target.mkdir(parents=True)
+            for kind, file in (("depth", "depths_geom.dmb"), ("normal", "normals.dmb")):
+                values = read_map(self.output / "room" / "dense" / "stereo" / f"{kind}_maps" /
+                                  PREFIX / f"{image.name}.geometric.bin")
+                values = np.moveaxis(values, 0, -1)
+                if kind == "normal":
+                    values = values @ image.pose.rotation  # In the frame of the world.
+                values = values.astype("<f4")
+                (target / file).write_bytes(struct.pack("<4i", 1, *values.shape) + values.tobytes())
+        mp = (self.scenes, "--output_path", out, "--prior", "mp")
+        self.fails(*mp, text="--prior mp: needs --maps_path")
+        self.fails(*mp, "--maps_path", given, "--stereo", "tsar", text="give one of them")
+        self.run_well(*mp, "--maps_path", given)
+        folder = out / "submission" / "high_res_multi_view"
+        self.assertEqual([p.name for p in folder.iterdir()], ["room.ply"])
+        (given / "room" / "runtime.txt").write_text("runtime 1000\n")
+        self.run_well(*mp, "--maps_path", given)
+        self.assertGreater(float((folder / "room.txt").read_text().split()[1]), 1000)
+        name = f"{PREFIX}{self.sample.names[0]}.geometric.bin"
+        depth = [read_map(root / "room" / "dense" / "stereo" / "depth_maps" / name)
+                 for root in (self.output, out)]
+        np.testing.assert_array_equal(depth[0], depth[1])
+        self.fails(*mp, "--maps_path", given, "--submit", "training",
+                   text="--submit training: 13 of 13 scenes are missing, courtyard, delivery_area")
+
     def check_other_options(self):
         """Maps given by hand in place of stereo, for a scene without scans."""
         make_eth3d(self.sample, self.folder / "test" / "hall", with_scans=False)
@@ -144,6 +191,8 @@ class Eth3dTest(DatasetTest):
         self.fails(self.folder / "sample", *output, text="neither a scene nor")
         self.fails(room, *output, "--max_image_size", 4, text="--max_image_size 4")
         self.fails(room, *output, "--min_num_pixels", 0, text="--min_num_pixels 0")
+        self.fails(room, *output, "--TsarStereo.nothing", 1, text="--TsarStereo.nothing: none of")
+        self.fails(room, *output, "--maps_path", room, text="--maps_path: is for --prior mp")
         self.fails(room, *output, "--colmap", "/bin/nocolmap", text="/bin/nocolmap")
         self.fails(room, *output, "--colmap_tsar", "/bin/notsar", text="/bin/notsar")
         if not shutil.which("nvidia-smi"):

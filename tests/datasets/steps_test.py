@@ -87,7 +87,7 @@ def run(args, programs):
     scene.step("sleep", lambda step: step.run(
         "sh", "-c", "echo $$ > {pid_file}.part; mv {pid_file}.part {pid_file}; exec sleep 9999"),
         outputs=[])
-command_line.run_main(command_line.make_parser("test", "", ""), run)
+command_line.run_main(command_line.make_parser("test", "", "", {{}}, ""), run)
 ''')
         process = subprocess.Popen(
             [sys.executable, script, "scene", "--output_path", self.root / "out2", "--colmap",

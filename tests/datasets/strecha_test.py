@@ -59,6 +59,21 @@ class StrechaTest(DatasetTest):
         return [json.loads((output / "scores" / f"{name}.json").read_text())
                 for name in ("before", "after")]
 
+    def test_submission(self):
+        scenes, output = self.folder / "set", self.folder / "submitted"
+        command = (scenes, "--output_path", output, "--submit", "paper", "--prior", "gp")
+        make_strecha(self.sample, scenes / "fountain-P5")
+        self.fails(*command, text="--submit paper: 1 of 2 scenes are missing, herzjesu")
+        self.assertFalse(output.exists())
+        make_strecha(self.sample, scenes / "Herz-Jesu-P5")
+        self.run_well(*command)
+        folder = output / "submission" / "strecha"
+        self.assertEqual(sorted(p.name for p in folder.iterdir()),
+                         ["Herz-Jesu-P5.ply", "Herz-Jesu-P5.txt", "fountain-P5.ply", "fountain-P5.txt"])
+        self.assertRegex((folder / "fountain-P5.txt").read_text(), r"^runtime \d+\.\d+\n$")
+        self.assertIn("--TsarStereo.max_image_size 320",
+                      (output / "fountain-P5" / "logs" / "stereo.log").read_text())
+
     def test_from_images_to_scores(self):
         output = self.folder / "out" / "room-P5"
         command = (self.scene, "--output_path", output.parent)

@@ -123,6 +123,8 @@ class TanksAndTemplesTest(DatasetTest):
                 (edit("Room.json", "axis_min", "axis"), "Room.json: is not a volume"),
                 (unlink("Room_trans.txt"), "Room_trans.txt: not found"))):
             self.fails(changed(f"damaged{number}", change), *output, text=text)
+        self.fails(self.room, *output, "--submit", "advanced", text="--submit advanced: 6 of 6 "
+                   "scenes are missing, Auditorium, Ballroom")
         self.fails(self.room, *output[:2], text="give the threshold")
         self.fails(self.room, *output, "--threshold", -1, text="give the threshold")
         no_poses = changed("no_poses", unlink(log))
