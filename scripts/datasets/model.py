@@ -14,7 +14,7 @@ import numpy as np
 from files import DatasetError, parse_numbers, read_lines, write_text
 
 # How many parameters COLMAP's models have that can occur here.
-CAMERA_MODELS = {"SIMPLE_PINHOLE": 3, "PINHOLE": 4, "SIMPLE_RADIAL": 4}
+CAMERA_MODELS = {"SIMPLE_PINHOLE": 3, "PINHOLE": 4, "SIMPLE_RADIAL": 4, "THIN_PRISM_FISHEYE": 12}
 MAX_ROTATION_ERROR = 1e-3  # Of a rotation in a data set's file, in any entry.
 
 

@@ -81,6 +81,13 @@ def maps_of(workspace):
     return sorted((workspace / "stereo" / "depth_maps").rglob("*.bin"))
 
 
+def map_size(path):
+    """Width and height of a map file."""
+    with open(path, "rb") as file:
+        width, height = file.read(64).split(b"&", 2)[:2]
+    return int(width), int(height)
+
+
 def is_whole_map(path):
     """Whether a map file is as long as its header says: a program that was killed
     may have left half of it."""
