@@ -7,6 +7,7 @@
 
 #include "tests/controllers/refine_workspace_fixture.h"
 #include "tests/support/external_writers.h"
+#include "tests/support/mask_files.h"
 
 namespace tsar {
 namespace {
