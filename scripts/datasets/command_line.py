@@ -169,6 +169,9 @@ def run_main(parser, run, commands_of=dense_commands):
     try:
         words, passed = take_passed(sys.argv[1:])
         args = parser.parse_args(words)
+        for name in ("photos", "scene", "output", "output_path"):
+            if getattr(args, name, None) == "":  # That would be the current folder.
+                raise DatasetError(f"{name}: is empty; name a folder")
         if args.max_image_size is not None and args.max_image_size < 16:
             raise DatasetError(f"--max_image_size {args.max_image_size}: is below 16")
         if args.min_num_pixels is not None and args.min_num_pixels < 1:
@@ -183,6 +186,6 @@ def run_main(parser, run, commands_of=dense_commands):
         sys.exit(f"ERROR: {error}")
     except OSError as error:
         sys.exit(f"ERROR: {error.filename}: {error.strerror}" if error.filename
-                 else f"ERROR: {error}")
+                 else f"ERROR: {error.strerror or error}")
     except KeyboardInterrupt:
         sys.exit("stopped; the same command goes on from here")

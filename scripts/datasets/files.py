@@ -36,12 +36,21 @@ def parse_numbers(line, count, place, kind=float):
     return values
 
 
-def write_text(path, text):
+def write_bytes(path, content):
     """Writes a whole file or none."""
     part = pathlib.Path(f"{path}.part")
     part.parent.mkdir(parents=True, exist_ok=True)
-    part.write_text(text, encoding="utf-8")
+    try:
+        part.write_bytes(content)
+    except OSError as error:
+        # A disk that is full does not tell of which file.
+        raise DatasetError(f"{path}: cannot be written: {error.strerror}; the same command goes "
+                           "on from here once it can") from None
     os.replace(part, path)
+
+
+def write_text(path, text):
+    write_bytes(path, text.encode("utf-8"))
 
 
 def jpeg_size(file):

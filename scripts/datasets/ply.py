@@ -2,12 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Points and triangles of PLY files."""
 import dataclasses
-import os
-import pathlib
 
 import numpy as np
 
-from files import DatasetError
+from files import DatasetError, write_bytes, write_text
 
 TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2",
          "int16": "<i2", "ushort": "<u2", "uint16": "<u2", "int": "<i4", "int32": "<i4",
@@ -152,12 +150,9 @@ def thin(path, output, keep):
 
 def write_points(path, points):
     """A cloud of float x, y, z; the file appears when it is complete."""
-    path = pathlib.Path(path)
-    part = path.with_name(path.name + ".part")
     header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
               "property float x\nproperty float y\nproperty float z\nend_header\n")
-    part.write_bytes(header.encode() + np.asarray(points, "<f4").tobytes())
-    os.replace(part, path)
+    write_bytes(path, header.encode() + np.asarray(points, "<f4").tobytes())
 
 
 def write_project(path, scans):
@@ -168,4 +163,4 @@ def write_project(path, scans):
         text += (f'  <MLMesh label="{name}" filename="{name}">\n'
                  f"   <MLMatrix44>\n{rows}</MLMatrix44>\n  </MLMesh>\n")
     text += " </MeshGroup>\n <RasterGroup/>\n</MeshLabProject>\n"
-    pathlib.Path(path).write_text(text, encoding="utf-8")
+    write_text(path, text)

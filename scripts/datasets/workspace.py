@@ -6,7 +6,7 @@ import os
 import pathlib
 import shutil
 
-from files import DatasetError, image_size
+from files import DatasetError, image_size, write_text
 from model import read_cameras, read_images
 
 WORKSPACE = "dense"  # Its folder among a scene's outputs.
@@ -68,10 +68,9 @@ def write_workspace(workspace, model_folder, image_folder):
         link.parent.mkdir(parents=True, exist_ok=True)
         link.symlink_to((image_folder / name).resolve())
     make_map_folders(part, names)
-    (part / "stereo" / "fusion.cfg").write_text("".join(f"{n}\n" for n in names),
-                                                encoding="utf-8")
-    (part / "stereo" / "patch-match.cfg").write_text(
-        "".join(f"{n}\n__auto__, {MAX_SOURCES}\n" for n in names), encoding="utf-8")
+    write_text(part / "stereo" / "fusion.cfg", "".join(f"{n}\n" for n in names))
+    write_text(part / "stereo" / "patch-match.cfg",
+               "".join(f"{n}\n__auto__, {MAX_SOURCES}\n" for n in names))
     shutil.rmtree(workspace, ignore_errors=True)
     os.replace(part, workspace)
 

@@ -287,6 +287,8 @@ class ReconstructTest(StandInTest):
         self.refuses("is in the folder of the photos", output=self.photos / "out")
         self.refuses("is in the folder of the photos", output=self.photos)
         self.assertEqual(list(self.photos.glob("out")), [])
+        self.refuses("output: is empty", output="")
+        self.refuses("photos: is empty", photos="")
         (self.photos / "bad.jpg").write_text("no picture")
         self.refuses("bad.jpg: cannot be read as a JPEG or PNG image; copy it again")
         (self.photos / "bad.jpg").rename(self.photos / "new\nline.jpg")

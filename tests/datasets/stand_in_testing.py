@@ -29,8 +29,8 @@ class StandInTest(FolderTest):
     def call(self, *options, photos=None, output=None, stereo="tsar", program=STAND_IN):
         return subprocess.run(
             [str(part) for part in (
-                REPOSITORY / "scripts" / "reconstruct.sh", photos or self.photos,
-                output or self.output, "--colmap", program, "--colmap_tsar", program,
+                REPOSITORY / "scripts" / "reconstruct.sh", self.photos if photos is None else photos,
+                self.output if output is None else output, "--colmap", program, "--colmap_tsar", program,
                 "--stereo", stereo, *options)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "STAND_IN_FOLDER": str(self.root)})

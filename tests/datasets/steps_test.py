@@ -12,7 +12,7 @@ import unittest
 
 from dataset_testing import COLMAP, PROGRAM, FolderTest  # First: it sets the path.
 
-from files import DatasetError
+from files import DatasetError, write_text
 from steps import Scene
 
 
@@ -122,6 +122,12 @@ Scene("scene", sys.argv[1]).step("step", lambda step: step.run(
         self.rejects("not made by this script", Scene, "scene", self.root / "mine")
         self.assertEqual(mine.read_text(), "mine")
         self.assertEqual(os.listdir(mine.parent), ["before.ply"])
+
+    def test_a_full_disk_is_an_error_of_the_file(self):
+        path = self.root / "model.txt"
+        os.symlink("/dev/full", f"{path}.part")
+        self.rejects(f"{path}: cannot be written: No space left on device", write_text, path, "text")
+        self.assertFalse(path.exists())
 
     def test_one_run_at_a_time(self):
         self.rejects("another run", Scene, "scene", self.root / "out")
