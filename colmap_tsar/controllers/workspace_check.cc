@@ -58,6 +58,26 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
   return num_pixels;
 }
 
+MapSize RequireMap(const SparseModel::ModelImage& image,
+                   const std::filesystem::path& path,
+                   int num_channels) {
+  const MapSize size = ReadMapSize(path);
+  if (size.channels != num_channels) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      path.string(),
+                      "has " + std::to_string(size.channels) +
+                          " channels, but needs " +
+                          std::to_string(num_channels),
+                      kAgain);
+  }
+  RequireShape(path,
+               {size.width, size.height},
+               {image.camera.width, image.camera.height},
+               "the image " + image.name,
+               kAgain);
+  return size;
+}
+
 // The size of an image's map, or nothing where there is none. Where its
 // original is kept elsewhere both are looked at, since either may turn out to
 // be the one to read.
@@ -66,33 +86,25 @@ std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
                                 const std::filesystem::path& stored,
                                 int num_channels) {
   std::optional<MapSize> size;
-  for (const std::filesystem::path* path : {&stored, &current}) {
-    if (!Exists(*path)) {
-      continue;
-    }
+  if (Exists(stored)) {
     try {
-      size = ReadMapSize(*path);
+      size = RequireMap(image, stored, num_channels);
     } catch (const Error&) {
-      // A shard that keeps an image's maps has put the stored one back. And
-      // what stands in the place of a stored one may be damaged.
-      if (path == &stored ? !Exists(stored) : size.has_value()) {
-        continue;
+      // It may be of former times: CheckOriginals() tells whether it matters.
+      // And a shard that keeps an image's maps has put it back.
+      if (!Exists(current)) {
+        throw;
       }
-      throw;
     }
-    if (size->channels != num_channels) {
-      throw Error::File(ErrorCode::kCorrupt,
-                        path->string(),
-                        "has " + std::to_string(size->channels) +
-                            " channels, but needs " +
-                            std::to_string(num_channels),
-                        kAgain);
+  }
+  if (Exists(current)) {
+    try {
+      size = RequireMap(image, current, num_channels);
+    } catch (const Error& error) {
+      if (!size || error.Code() != ErrorCode::kCorrupt) {
+        throw;
+      }
     }
-    RequireShape(*path,
-                 {size->width, size->height},
-                 {image.camera.width, image.camera.height},
-                 "the image " + image.name,
-                 kAgain);
   }
   return size;
 }

@@ -123,9 +123,13 @@ OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
     };
     const std::optional<MapState> depth_state = inspect(depth, has_depth);
     const std::optional<MapState> normal_state = inspect(normal, has_normal);
-    RequireOriginal(depth, depth_state, scrutiny);
-    RequireOriginal(normal, normal_state, scrutiny);
     const MapOwner owner = FindOwner(depth_state, normal_state);
+    // What is kept is of former times, and is not read, where both maps are
+    // newer ones.
+    if (owner != MapOwner::kOtherProgram) {
+      RequireOriginal(depth, depth_state, scrutiny);
+      RequireOriginal(normal, normal_state, scrutiny);
+    }
     if (owner == MapOwner::kUndecided) {
       const bool is_depth_foreign =
           depth_state == MapState::kNew || depth_state == MapState::kUnknown;

@@ -157,7 +157,7 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
                 {Paths(2).depth.string(), "no depth map"});
 }
 
-// Of references and sources, of both types, and of what is stored.
+// Of references and sources, and of both types.
 TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
   Refine();
   WriteText(root_ / "stereo/patch-match.cfg", "v0.png\nv1.png, v3.png\n");
@@ -165,8 +165,6 @@ TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
   const auto photometric = Paths(3, MapType::kPhotometric);
   for (const auto& [path, num_channels] : {std::pair(geometric.depth, 1),
                                            {geometric.normal, 3},
-                                           {geometric.original_depth, 1},
-                                           {geometric.original_normal, 3},
                                            {photometric.depth, 1},
                                            {photometric.normal, 3},
                                            {Paths(0).depth, 1},
@@ -194,6 +192,33 @@ TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
       WriteText(path, bytes);
     }
   }
+}
+
+// What is kept of an image's maps and is not what was kept is named, also where
+// it is no map of this image at all; it matters only as long as nothing newer
+// stands in the place of the refined maps.
+TEST_F(RefineWorkspaceTest, RefusesOriginalsThatAreNotThoseThatWereKept) {
+  Refine();
+  const MapPaths paths = Paths(3);
+  const std::string depth = ReadText(paths.original_depth);
+  const std::string normal = ReadText(paths.original_normal);
+  for (const std::string& other : {std::string(),
+                                   depth.substr(0, depth.size() / 2),
+                                   normal,
+                                   std::string("1&1&1&\0\0\0\0", 10)}) {
+    WriteText(paths.original_depth, other);
+    ExpectRefusal(ErrorCode::kMismatch,
+                  {paths.original_depth.string() + ": this is not the original",
+                   "restore_conflicts"});
+  }
+  Image<float> newer = ReadDepthMap(paths.depth);
+  std::fill(newer.begin(), newer.end(), 7.f);
+  WriteDepthMap(paths.depth, newer);
+  WriteNormalMap(
+      paths.normal,
+      Image<Vec3f>(newer.Width(), newer.Height(), {0.6f, 0.f, -0.8f}));
+  EXPECT_EQ(Refine().num_refined, 4);
+  EXPECT_EQ(ReadDepthMap(paths.original_depth)(0, 0), 7.f);
 }
 
 TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {

@@ -56,9 +56,9 @@ for width, height in SHAPES:
     # What is kept of a map before its refinement.
     copy(start.refined, work)
     put_maps("geometric", width, height, os.path.join("stereo", "tsar", "original"))
-    fails("stored originals", REFINE, "original", *told)
-    fails("stored originals in a report", REPORT, "this is not the original of",
-          f"{IMAGE}.geometric.bin")
+    for command in (REFINE, REPORT):
+        fails(f"stored originals in {command[0]}", command, "this is not the original of",
+              f"{IMAGE}.geometric.bin")
     copy(start.mapped, work)
     put(f"stereo/cost_maps/{IMAGE}.geometric.bin", width, height, 2)
     fails("costs", REFINE, "cost_maps", *told)
