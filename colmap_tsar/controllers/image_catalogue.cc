@@ -144,7 +144,7 @@ bool ImageCatalogue::CanRefine(size_t index) const {
 
 InputState ImageCatalogue::InputsOf(int image, const std::string& planes) {
   InputState inputs = inputs_.OfResult(image);
-  inputs["planes"] = planes;
+  inputs[ImageRecord::kPlanes] = planes;
   return inputs;
 }
 

@@ -6,12 +6,13 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/export/scene_files.h"
 #include "colmap_tsar/export/gaussian_splatting_exporter.h"
 #include "colmap_tsar/export/image_exporter.h"
 #include "colmap_tsar/export/map_exporter.h"
 #include "colmap_tsar/export/nerfstudio_exporter.h"
+#include "colmap_tsar/export/scene_files.h"
 #include "colmap_tsar/report/workspace_comparison.h"
+#include "colmap_tsar/store/changed_results.h"
 #include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/for_each_image.h"
 #include "colmap_tsar/store/input_folders.h"
@@ -249,6 +250,9 @@ ExportSummary ExportWorkspace(Workspace workspace,
         workspace.Root().string(),
         "no image has " + ToString(workspace.Type()) + " depth and normal maps",
         "run patch_match_stereo or tsar_stereo on it first");
+  }
+  if (!HoldsAllImages(options.format)) {
+    WarnOfChangedResults(workspace);
   }
   std::vector<int> images = with_maps;
   if (HoldsAllImages(options.format)) {

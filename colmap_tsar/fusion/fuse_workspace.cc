@@ -10,6 +10,7 @@
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 #include "colmap_tsar/fusion/fusion_run.h"
+#include "colmap_tsar/store/changed_results.h"
 #include "colmap_tsar/store/count_masks.h"
 #include "colmap_tsar/store/workspace_lock.h"
 
@@ -50,6 +51,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
   workspace.UseMasks(options.mask_path);
   // So that the maps of an image belong together.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  WarnOfChangedResults(workspace);
   const FusionPlan plan =
       PlanFusion(workspace,
                  ChooseImages(workspace, options.image_list_path),

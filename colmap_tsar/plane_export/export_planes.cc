@@ -9,8 +9,12 @@
 #include "colmap_tsar/plane_export/plane_statistics.h"
 #include "colmap_tsar/plane_export/support_mask.h"
 #include "colmap_tsar/plane_export/trace_polygons.h"
+#include "colmap_tsar/store/record.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace tsar {
@@ -41,6 +45,32 @@ bool IsRefined(const Workspace& workspace) {
                         "scene",
                     "run this version's tsar_refine on it, with the planes of "
                     "the scene");
+}
+
+// What plane maps name are the planes that their images were composed with.
+// Those of another scene, or of a later run, are others of the same numbers.
+void RequirePlanesOfMaps(const Workspace& workspace,
+                         const std::vector<int>& images,
+                         const std::filesystem::path& model_path) {
+  const std::optional<uint64_t> planes_of_scene =
+      ReadScenePlanesFingerprint(model_path);
+  const std::string fingerprint =
+      planes_of_scene ? std::to_string(*planes_of_scene) : "";
+  for (const int image : images) {
+    const MapPaths paths = workspace.Paths(image, workspace.Type());
+    const std::optional<ImageRecord> record = ReadRecordIfValid(paths.record);
+    if (!record) {
+      continue;
+    }
+    const auto planes = record->inputs.find(ImageRecord::kPlanes);
+    if (planes != record->inputs.end() && planes->second != fingerprint) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          model_path.string(),
+          "does not hold the planes that " + paths.planes.string() + " names",
+          "run tsar_refine again");
+    }
+  }
 }
 
 // Reads what the images show of the planes and calls function with it, one
@@ -155,6 +185,7 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
   }
   const SceneModel model =
       ReadSceneModel(model_path, SceneModelParts::kWithoutLabels);
+  RequirePlanesOfMaps(workspace, images, model_path);
   const int num_planes = static_cast<int>(model.planes.size());
   std::vector<PlaneCoordinates> coordinates;
   for (const ModelPlane& plane : model.planes) {

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/formats/gray_png.h"
+#include "colmap_tsar/store/changed_results.h"
 #include "colmap_tsar/workspace/map_io.h"
 #include "colmap_tsar/workspace/map_shape.h"
 
@@ -21,9 +22,10 @@ Workspace OpenWorkspaceWithPlanes(const std::filesystem::path& root,
   if (!type && FindPlaneViews(workspace).empty()) {
     Workspace photometric(root, MapType::kPhotometric);
     if (!FindPlaneViews(photometric).empty()) {
-      return photometric;
+      workspace = std::move(photometric);
     }
   }
+  WarnOfChangedResults(workspace, {"planes", "provenance"});
   return workspace;
 }
 

@@ -12,6 +12,7 @@
 #include "colmap_tsar/report/page_text.h"
 #include "colmap_tsar/report/plane_page.h"
 #include "colmap_tsar/report/workspace_comparison.h"
+#include "colmap_tsar/store/changed_results.h"
 #include "colmap_tsar/store/for_each_image.h"
 #include "colmap_tsar/store/input_folders.h"
 #include "colmap_tsar/store/output_folder.h"
@@ -233,6 +234,7 @@ int WritePage(const Workspace& workspace,
                       "has no refined " + ToString(workspace.Type()) + " maps",
                       "run tsar_refine on it first");
   }
+  WarnOfChangedResults(workspace);
   CheckStages(workspace, refined, options.debug_path);
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();

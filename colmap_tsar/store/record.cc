@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/store/json_file.h"
 
 #include <array>
@@ -128,6 +129,19 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
   } catch (const std::logic_error&) {
     // A status or a fingerprint that is none.
     throw CorruptRecord(path);
+  }
+}
+
+std::optional<ImageRecord> ReadRecordIfValid(
+    const std::filesystem::path& path) {
+  try {
+    return ReadRecord(path);
+  } catch (const Error& error) {
+    if (error.Code() != ErrorCode::kCorrupt) {
+      throw;
+    }
+    Warn(error.what());
+    return std::nullopt;
   }
 }
 

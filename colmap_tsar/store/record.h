@@ -36,6 +36,9 @@ struct ImageRecord {
   std::string options_hash;
   // What the maps were made from, as fingerprints by the names of its parts.
   std::map<std::string, std::string> inputs;
+  // Which of them is that of the planes of the scene; empty where there were
+  // none.
+  static constexpr const char* kPlanes = "planes";
   // The maps of this program that may be in place, the latest first. More than
   // one only while maps are being replaced.
   std::vector<WrittenMap> written_depth;
@@ -55,6 +58,9 @@ struct ImageRecord {
 // Nothing where there is no such file; Error kCorrupt where it is not a record,
 // or that of another image.
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
+
+// The same, but nothing and a warning in the place of Error kCorrupt.
+std::optional<ImageRecord> ReadRecordIfValid(const std::filesystem::path& path);
 
 // In one step; creates the folder.
 void WriteRecord(const ContainedPath& path, const ImageRecord& record);

@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/store/map_state.h"
 #include "colmap_tsar/store/output_workspace.h"
 #include "colmap_tsar/store/record.h"
@@ -29,20 +28,6 @@ namespace {
 constexpr const char* kOriginals = "original";
 constexpr const char* kRecords = "records";
 
-// Without a record, or with a broken one, the stored originals count.
-std::optional<ImageRecord> ReadRecordIfValid(
-    const std::filesystem::path& path) {
-  try {
-    return ReadRecord(path);
-  } catch (const Error& error) {
-    if (error.Code() != ErrorCode::kCorrupt) {
-      throw;
-    }
-    Warn(error.what());
-    return std::nullopt;
-  }
-}
-
 // The restoration of one image's maps of one type.
 class ImageRestorer {
  public:
@@ -52,6 +37,7 @@ class ImageRestorer {
       : paths_(paths),
         conflicts_(conflicts),
         result_(result),
+        // Without a record, or with a broken one, the stored originals count.
         record_(ReadRecordIfValid(paths.record)),
         depth_(Inspect(paths.depth,
                        paths.original_depth,

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/plane_export/export_planes.h"
 
+#include "colmap_tsar/store/record.h"
 #include "colmap_tsar/store/scene_model_file.h"
 
 #include <algorithm>
@@ -193,6 +194,21 @@ TEST_F(ExportPlanesTest, RefusesMapsThatDoNotFit) {
                 {PlanesPath().string(), "names plane 7 of 7"});
   WriteText(GetSceneModelPath(room_.root).Path(), "planes");
   ExpectFailure(ErrorCode::kCorrupt, {"planes.bin"});
+}
+
+// Their numbers mean other planes there.
+TEST_F(ExportPlanesTest, RefusesThePlanesOfAnotherRun) {
+  room_.Write();
+  const MapPaths paths = GetMapPaths(room_.root, "v3.png", MapType::kGeometric);
+  ImageRecord record = ReadRecord(paths.record).value();
+  record.inputs[ImageRecord::kPlanes] = "1";
+  WriteRecord(paths.record, record);
+  ExpectFailure(ErrorCode::kMismatch,
+                {"planes.bin", PlanesPath().string(), "run tsar_refine again"});
+  record.inputs[ImageRecord::kPlanes] = std::to_string(
+      ReadScenePlanesFingerprint(GetSceneModelPath(room_.root)).value());
+  WriteRecord(paths.record, record);
+  EXPECT_EQ(Export().planes.size(), size_t{RoomWorkspace::kNumPlanes});
 }
 
 TEST_F(ExportPlanesTest, CanBeStopped) {
