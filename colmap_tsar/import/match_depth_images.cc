@@ -49,9 +49,10 @@ class NamedFiles {
     for (const Path& path : ListDepthImages(folder)) {
       const int image = ImageOf(folder, path);
       if (image < 0) {
-        ++num_without_image_;
+        num_without_image_ += IsFile(path) ? 1 : 0;
         continue;
       }
+      RequireFile(path);
       const auto [entry, is_new] = files.emplace(image, path);
       if (!is_new) {
         throw Error::File(ErrorCode::kMismatch,
@@ -71,7 +72,7 @@ class NamedFiles {
   static std::vector<Path> ListDepthImages(const Path& folder) {
     std::vector<Path> files;
     for (const TreeEntry& entry : ListTree({folder, {}})) {
-      if (IsFile(entry.path) && IsDepthImageName(entry.path)) {
+      if (IsDepthImageName(entry.path)) {
         files.push_back(entry.path);
       }
     }

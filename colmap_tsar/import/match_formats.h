@@ -50,6 +50,11 @@ std::vector<std::filesystem::path> ListEntries(
 
 bool IsFolder(const std::filesystem::path& path);
 
+// Throws Error kUnsupported where what has the name of an image's map is no
+// file: a folder, a FIFO, a device, a link that leads nowhere. To pass it over
+// would count the image among those without a map.
+void RequireFile(const std::filesystem::path& path);
+
 // Error kNotFound that names the option where it is no folder.
 void RequireFolder(const std::filesystem::path& folder,
                    const std::string& option);

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/import/match_formats.h"
@@ -41,6 +42,19 @@ std::vector<std::filesystem::path> ListEntries(
 bool IsFolder(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_directory(path, error);
+}
+
+void RequireFile(const std::filesystem::path& path) {
+  const InputFile file(path);
+  if (file.IsMissing() || file.IsNoFile()) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        path.string(),
+        "has the name of a map, but " +
+            (file.IsMissing() ? std::string("it is a link that leads nowhere")
+                              : file.Reason()),
+        "put the map there, or take it away");
+  }
 }
 
 void RequireFolder(const std::filesystem::path& folder,

@@ -55,8 +55,9 @@ struct MatchedMaps {
 // extension before their own or without.
 //
 // Throws Error: kNotFound (no folder, no maps), kMismatch (two maps for one
-// image, a number beyond the images, a name that fits several or none), and for
-// the list kNotFound and kMismatch with the line.
+// image, a number beyond the images, a name that fits several or none),
+// kUnsupported (what has the name of a map is no file), and for the list
+// kNotFound and kMismatch with the line.
 MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model);
 
 }  // namespace tsar

@@ -18,12 +18,20 @@ namespace {
 
 using Path = std::filesystem::path;
 
+bool HasFile(const Path& path) {
+  const bool is_there = std::filesystem::exists(SymlinkStatus(path));
+  if (is_there) {
+    RequireFile(path);
+  }
+  return is_there;
+}
+
 // The first of the files that exists, with one of the extensions.
 Path FindFile(const Path& folder, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     for (const char* extension : {".dmb", ".bin"}) {
       Path path = folder / (std::string(name) + extension);
-      if (IsFile(path)) {
+      if (HasFile(path)) {
         return path;
       }
     }
@@ -106,7 +114,7 @@ ExternalFiles FindFilesOf(const NumberedFolder& folder,
   std::snprintf(name, sizeof(name), "%08d_cam.txt", folder.number);
   for (const Path& cams : {folder.path.parent_path().parent_path() / "cams",
                            folder.path.parent_path() / "cams"}) {
-    if (files.camera.empty() && IsFile(cams / name)) {
+    if (files.camera.empty() && HasFile(cams / name)) {
       files.camera = cams / name;
     }
   }

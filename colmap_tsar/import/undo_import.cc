@@ -13,6 +13,7 @@
 #include "colmap_tsar/store/map_state.h"
 #include "colmap_tsar/store/superseded.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <set>
@@ -26,6 +27,16 @@ void RemoveEmptyFoldersUpTo(ContainedPath folder, const ContainedPath& top) {
   while (folder.Path() != top.Path() && RemoveFolderIfEmpty(folder)) {
     folder = folder.Parent();
   }
+}
+
+// Whether an import was killed while it wrote: before its first map is in
+// place, that is all it leaves.
+bool HasTemporaries(const std::filesystem::path& root) {
+  return std::ranges::any_of(kImportFolders, [&](const char* folder) {
+    return !ListFileNames({root, std::filesystem::path("stereo") / folder},
+                          AtomicFile::kTemporarySuffix)
+                .empty();
+  });
 }
 
 // Undoes the import of one image's maps of one type.
@@ -128,7 +139,7 @@ UndoResult UndoImport(const std::filesystem::path& root,
     // An import that was killed may have no record yet.
     keys.merge(ListFileNames(GetFormerFolder(root, kind), ".bin"));
   }
-  if (keys.empty()) {
+  if (keys.empty() && !HasTemporaries(root)) {
     throw Error::File(ErrorCode::kNotFound,
                       GetImportFolder(root).string(),
                       "nothing was imported into this workspace",

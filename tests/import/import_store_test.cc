@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/import/import_store.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/import/import_record.h"
 #include "colmap_tsar/import/undo_import.h"
 #include "colmap_tsar/workspace/map_io.h"
-
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
@@ -99,6 +99,20 @@ TEST_F(ImportStoreTest, UndoesAnImportThatBarelyBegan) {
   const UndoResult result = UndoImport(root_);
   EXPECT_TRUE(result.superseded.empty());
   EXPECT_TRUE(ReadTree(root_) == before);
+}
+
+// What one leaves that is killed while it writes its first map.
+TEST_F(ImportStoreTest, UndoesAnImportThatHasOnlyTemporaries) {
+  const auto before = ReadTree(root_);
+  ExpectError(ErrorCode::kNotFound, {"nothing was imported"}, [&] {
+    UndoImport(root_);
+  });
+  for (const ContainedPath& path : {Paths().depth, Paths().cost}) {
+    std::filesystem::create_directories(path.Path().parent_path());
+    WriteText(path.string() + AtomicFile::kTemporarySuffix, "half a map");
+    EXPECT_EQ(UndoImport(root_).num_images, 0);
+    EXPECT_TRUE(ReadTree(root_) == before);
+  }
 }
 
 TEST_F(ImportStoreTest, BrokenRecordsAreErrors) {

@@ -5,6 +5,7 @@
 
 #include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
+#include <sys/stat.h>
 
 namespace tsar {
 namespace {
@@ -175,6 +176,37 @@ TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
   options_.image_list = folder_.Path() / "none.txt";
   ExpectError(
       ErrorCode::kNotFound, {"none.txt", "image_list"}, [&] { Match(); });
+}
+
+// Its image would count as one without a map.
+TEST_F(MatchImagesTest, RefusesWhatHasTheNameOfAMapAndIsNoFile) {
+  const auto expect_refused = [&](const std::filesystem::path& path) {
+    const auto expect = [&](const std::string& what) {
+      ExpectError(
+          ErrorCode::kUnsupported, {path.string(), what}, [&] { Match(); });
+      std::filesystem::remove(path);
+    };
+    std::filesystem::remove(path);
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    expect("it is a FIFO");
+    std::filesystem::create_directory(path);
+    expect("it is a folder");
+    std::filesystem::create_symlink("/nowhere", path);
+    expect("a link that leads nowhere");
+    std::filesystem::create_symlink("/dev/null", path);
+    expect("it is a device");
+  };
+  options_.format = ExternalFormat::kDepth;
+  Write("a.npy");
+  expect_refused(options_.input_path / "b.npy");
+  // Of no image of the model.
+  std::filesystem::create_directory(options_.input_path / "d.npy");
+  EXPECT_THAT(Match(), testing::ElementsAre("a.jpg: in/a.npy"));
+  options_.format = ExternalFormat::kAcm;
+  Write("ACMM/2333_00000000/depths.dmb");
+  Write("ACMM/2333_00000001/depths.dmb");
+  expect_refused(options_.input_path / "ACMM/2333_00000001/depths.dmb");
+  expect_refused(options_.input_path / "ACMM/2333_00000000/normals.dmb");
 }
 
 TEST_F(MatchImagesTest, RefusesStemsOfTwoImages) {
