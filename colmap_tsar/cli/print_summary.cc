@@ -211,6 +211,10 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
         << std::endl;
     return;
   }
+  if (summary.RefinedNone()) {
+    out << std::flush;
+    return;
+  }
   if (summary.model_folder != summary.workspace_path / "sparse") {
     out << "stereo_fusion looks for the sparse model in "
         << Quoted(summary.workspace_path / "sparse")

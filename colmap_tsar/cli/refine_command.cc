@@ -302,8 +302,16 @@ int RunTsarRefine(int argc, char** argv) {
   }
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
-  PrintSummary(command.Run(progress, [&] { return interruption.Requested(); }),
-               std::cout);
+  const RunSummary summary =
+      command.Run(progress, [&] { return interruption.Requested(); });
+  PrintSummary(summary, std::cout);
+  if (summary.RefinedNone()) {
+    // What comes next would find nothing that was refined.
+    const RunSummary::KeptImage& first = summary.kept.front();
+    throw Error(ErrorCode::kNotFound,
+                command.workspace_path + ": no image could be refined; " +
+                    first.name + ": " + first.reason);
+  }
   return 0;
 }
 

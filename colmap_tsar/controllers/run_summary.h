@@ -52,6 +52,13 @@ struct RunSummary {
   std::vector<GpuMemory> peak_gpu_memory;
 
   void Add(const std::string& image, const ImageReport& report);
+
+  // Whether all images that were to be refined were kept as they were: after a
+  // run, or once its shards were merged.
+  bool RefinedNone() const {
+    return (pass == RefinePass::kAll || pass == RefinePass::kMerge) &&
+           num_refined == 0 && num_skipped == 0 && !kept.empty();
+  }
 };
 
 }  // namespace tsar

@@ -175,7 +175,25 @@ for name, content in (("changed", b"1&1&1&\0\0\0\0"), ("empty", b""), ("gone", N
         for path in before:
             if MAP in path:
                 check(after.get(path) == before[path], f"{command}, {name}: {path} changed")
+    # Maps that were made anew need it no longer.
+    for kind in KINDS:
+        synthetic_workspace.write(path_of(kind), anew(kind))
+        set_time(path_of(kind), 1)
+    program.run("tsar_refine", work)
+    program.run("tsar_refine", work, "--restore", 1)
+    for kind in KINDS:
+        check(read(path_of(kind)) == anew(kind), f"{name}, then made anew: {kind}")
     num_cases += 1
+
+# Nothing that could be refined: what comes next must not go on with it.
+copy(start.mapped, work)
+synthetic_workspace.write(os.path.join(work, "stereo", "patch-match.cfg"),
+                          b"v0.png\nleft/v1.png\n")
+for kind in KINDS:
+    os.remove(os.path.join(work, "stereo", kind, "left", "v1.png.geometric.bin"))
+program.fails_with_one_line("tsar_refine", work, texts=["no image could be refined; v0.png: none of"])
+check(read(path_of("depth_maps")) == untouched[f"stereo/depth_maps/{MAP}"], "the map that was kept")
+num_cases += 1
 
 # stereo/tsar deleted by hand: what is left are refined maps, not originals.
 copy(start.refined, work)
