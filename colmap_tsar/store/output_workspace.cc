@@ -102,6 +102,12 @@ std::optional<std::filesystem::path> ReadPath(const std::filesystem::path& path,
   if (file.IsMissing()) {
     return std::nullopt;
   }
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "cannot be read (" + file.Reason() + ")",
+                      "check what stands there and that you may read it");
+  }
   try {
     return nlohmann::json::parse(file).at(key).get<std::string>();
   } catch (const nlohmann::json::exception&) {

@@ -45,6 +45,16 @@ Camera MakeCamera(const SparseModelFiles& files, uint32_t id) {
     throw CorruptModel(files.cameras_path,
                        name + " has a focal length that is not positive");
   }
+  // Of a field of view of 179 degrees, which no image without distortion has.
+  constexpr double kMinFocalLength = 0.01;
+  const double least =
+      kMinFocalLength * static_cast<double>(std::max(in.width, in.height));
+  if (camera.fx < least || camera.fy < least) {
+    throw CorruptModel(
+        files.cameras_path,
+        name +
+            " has a focal length below a hundredth of the image's longer side");
+  }
   if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) {
     throw CorruptModel(files.cameras_path,
                        name + " has a principal point that is not a number");

@@ -245,6 +245,8 @@ TEST(SparseModelTest, RefusesBadText) {
       {kCameras, "100 101", "100 -101", kCorrupt, "focal"},
       {kCameras, "100 101", "nan 101", kCorrupt, "focal"},
       {kCameras, "100 101", "inf 101", kCorrupt, "focal"},
+      {kCameras, "100 101", "1e-9 101", kCorrupt, "focal"},
+      {kCameras, "100 101", "100 1e-9", kCorrupt, "focal"},
       {kCameras, "100 101", "1x0 101", kCorrupt, "line 2 has \"1x0\""},
       {kCameras, "40 30", "nan 30", kCorrupt, "principal"},
       {kCameras, "80 60", "0 60", kCorrupt, "size"},
