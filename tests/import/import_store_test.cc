@@ -107,8 +107,7 @@ TEST_F(ImportStoreTest, UndoesAnImportThatHasOnlyTemporaries) {
   ExpectError(ErrorCode::kNotFound, {"nothing was imported"}, [&] {
     UndoImport(root_);
   });
-  for (const ContainedPath& path : {Paths().depth, Paths().cost}) {
-    std::filesystem::create_directories(path.Path().parent_path());
+  for (const ContainedPath& path : {Paths().depth, Paths().normal}) {
     WriteText(path.string() + AtomicFile::kTemporarySuffix, "half a map");
     EXPECT_EQ(UndoImport(root_).num_images, 0);
     EXPECT_TRUE(ReadTree(root_) == before);

@@ -124,6 +124,14 @@ for index, (file, source, commands) in enumerate(FILES):
             check(not changed, f"{what}: {changed} changed")
             num_cases += 1
 
+# A link to itself is no output workspace, which could be deleted.
+copy(start.mapped, work)
+os.symlink("tsar", os.path.join(work, "stereo", "tsar"))
+for command in (REFINE, RESTORE):
+    line = program.fails_with_one_line(*command, texts=["stereo/tsar", "symbolic links"])
+    check("delete" not in line, line)
+    num_cases += 1
+
 # Those of other programs that are imported.
 for kind in KINDS:
     copy(start.mapped, work)
