@@ -8,7 +8,7 @@
 #include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/pipeline/scene_options.h"
 #include "colmap_tsar/pipeline/view_votes.h"
 #include "colmap_tsar/scene_planes/measurement_rating.h"
 #include "colmap_tsar/scene_planes/refine_borders.h"

@@ -9,7 +9,7 @@
 #include "colmap_tsar/controllers/view_blocks.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/pipeline/find_scene.h"
-#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/pipeline/scene_options.h"
 #include "colmap_tsar/scene_planes/adjust_planes.h"
 #include "colmap_tsar/scene_planes/bounding_creases.h"
 #include "colmap_tsar/scene_planes/join_planes.h"

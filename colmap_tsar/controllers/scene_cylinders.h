@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <cstddef>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/pipeline/find_scene.h"
 
-#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/pipeline/scene_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/planes/world_plane.h"
 #include "colmap_tsar/scene_planes/choose_labels.h"

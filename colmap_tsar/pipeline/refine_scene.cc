@@ -14,6 +14,7 @@
 #include "colmap_tsar/pipeline/lay_cylinders.h"
 #include "colmap_tsar/pipeline/lift_rating.h"
 #include "colmap_tsar/pipeline/photometric_detail.h"
+#include "colmap_tsar/pipeline/scene_options.h"
 #include "colmap_tsar/pipeline/stage_options.h"
 #include "colmap_tsar/pipeline/stage_timer.h"
 #include "colmap_tsar/pipeline/view_votes.h"
@@ -212,7 +213,23 @@ std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   return result;
 }
 
+// A confirmed depth is moved onto its plane only within so many standard
+// deviations of the depths about their planes, and within no less than this
+// share of a pixel of disparity, which no matching resolves.
+constexpr double kSpreadOnPlane = 3.0;
+constexpr double kMinSpreadOnPlane = 0.3;
+
 }  // namespace
+
+ComposeSceneOptions MakeCompositionOptions(
+    const std::vector<ObservedView>& views) {
+  ComposeSceneOptions options;
+  options.on_plane =
+      static_cast<float>(std::clamp(kSpreadOnPlane * MedianNoise(views),
+                                    kMinSpreadOnPlane,
+                                    double{options.on_plane}));
+  return options;
+}
 
 RefineResult MeasureImage(
     const ViewData& reference,
@@ -340,7 +357,7 @@ RefineResult ComposeImage(
                                       inputs,
                                       surfaces,
                                       evidence.resolution,
-                                      scene.composition,
+                                      MakeCompositionOptions(views),
                                       device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   const LaidCylinders laid = LayCylinders(found.cylinders,

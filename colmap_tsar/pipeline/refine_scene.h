@@ -4,13 +4,14 @@
 #pragma once
 
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/find_scene.h"
 #include "colmap_tsar/pipeline/refine_image.h"
 #include "colmap_tsar/pipeline/refine_observer.h"
 #include "colmap_tsar/pipeline/refine_options.h"
 #include "colmap_tsar/pipeline/uploaded_view.h"
 #include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <cstdint>
 #include <memory>
@@ -51,5 +52,10 @@ RefineResult ComposeImage(
     const RefineOptions& options,
     Device& device,
     StageObserver* observer = nullptr);
+
+// How ComposeImage() composes what these views see: the noise of their
+// measurements tells what lies on a plane.
+ComposeSceneOptions MakeCompositionOptions(
+    const std::vector<ObservedView>& views);
 
 }  // namespace tsar

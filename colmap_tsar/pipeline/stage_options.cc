@@ -14,33 +14,6 @@ int ScaledLength(double length, double raster_scale) {
   return std::max(1, static_cast<int>(std::lround(length * raster_scale)));
 }
 
-// The tolerance about planes, in relative depths of one pixel of disparity,
-// stays within these: COLMAP's maps are no better than the first, and what is
-// worse than the second carries no plane.
-constexpr double kMinTolerance = 0.7;
-constexpr double kMaxTolerance = 2.0;
-
-// A confirmed depth is moved onto its plane only within so many standard
-// deviations of the depths about their planes, and within no less than this
-// share of a pixel of disparity, which no matching resolves.
-constexpr double kSpreadOnPlane = 3.0;
-constexpr double kMinSpreadOnPlane = 0.3;
-
-// The superpixels for which the lengths of BorderOptions hold.
-constexpr double kDefaultSuperpixelSize = 400.0;
-
-// The median of the views' noise; 0 where none has any.
-double MedianNoise(const std::vector<ObservedView>& views) {
-  std::vector<double> noise;
-  for (const ObservedView& view : views) {
-    if (view.evidence->noise > 0.f) {
-      noise.push_back(view.evidence->noise);
-    }
-  }
-  std::sort(noise.begin(), noise.end());
-  return noise.empty() ? 0.0 : noise[noise.size() / 2];
-}
-
 }  // namespace
 
 RefineOptions MeasuringOptions(const RefineOptions& options) {
@@ -116,40 +89,6 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   planes.ransac.image_id = image_id;
   planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return planes;
-}
-
-double PlaneTolerance(const RefineOptions& options, double noise) {
-  return std::clamp(
-      options.plane_tolerance * noise, kMinTolerance, kMaxTolerance);
-}
-
-SceneOptions MakeSceneOptions(const RefineOptions& options,
-                              const std::vector<ObservedView>& views) {
-  const double tolerance = PlaneTolerance(options, MedianNoise(views));
-  SceneOptions scene;
-  scene.discovery.tolerance = tolerance;
-  scene.discovery.min_gain = options.min_scene_plane;
-  scene.discovery.manhattan_frame = options.manhattan_frame;
-  scene.support.tolerance = tolerance;
-  scene.measuring.tolerance = tolerance;
-  scene.measuring.max_weight = scene.discovery.max_weight;
-  scene.labels.tolerance = static_cast<float>(tolerance);
-  scene.labels.unlabelled_cost = static_cast<float>(options.unlabelled_cost);
-  if (!options.bounded_planes) {
-    scene.labels.extrapolation_uncertainty = 0.f;
-  }
-  // Lengths of borders grow with the superpixels.
-  const double border_scale =
-      std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
-  scene.borders.reach = ScaledLength(scene.borders.reach, border_scale);
-  scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
-  scene.borders.spatial_sigma *= static_cast<float>(border_scale);
-  scene.surfaces.labels = scene.labels;
-  scene.composition.on_plane =
-      static_cast<float>(std::clamp(kSpreadOnPlane * MedianNoise(views),
-                                    kMinSpreadOnPlane,
-                                    double{scene.composition.on_plane}));
-  return scene;
 }
 
 }  // namespace tsar

@@ -4,20 +4,12 @@
 #pragma once
 
 #include "colmap_tsar/filtering/confidence.h"
-#include "colmap_tsar/pipeline/compose_scene.h"
 #include "colmap_tsar/pipeline/refine_options.h"
-#include "colmap_tsar/scene_planes/curved_surfaces.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/label_view.h"
-#include "colmap_tsar/scene_planes/plane_measurement.h"
-#include "colmap_tsar/scene_planes/plane_support.h"
-#include "colmap_tsar/scene_planes/refine_borders.h"
 #include "colmap_tsar/segmentation/hough.h"
 #include "colmap_tsar/segmentation/region_planes.h"
 #include "colmap_tsar/superpixels/correlation.h"
 
 #include <cstdint>
-#include <vector>
 
 namespace tsar {
 
@@ -43,24 +35,5 @@ int MinRegionSize(const RefineOptions& options, double raster_scale);
 RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
                                           double raster_scale,
                                           uint32_t image_id);
-
-// For the planes of the scene.
-struct SceneOptions {
-  DiscoverPlanesOptions discovery;
-  PlaneSupportOptions support;
-  MeasureViewOptions measuring;
-  LabelOptions labels;
-  BorderOptions borders;
-  CurvedSurfaceOptions surfaces;
-  ComposeSceneOptions composition;
-};
-
-// How far depths may lie off a plane, in relative depths of one pixel of
-// disparity. noise: see ViewEvidence.
-double PlaneTolerance(const RefineOptions& options, double noise);
-
-// views: those that see the scene; the tolerance follows from their noise.
-SceneOptions MakeSceneOptions(const RefineOptions& options,
-                              const std::vector<ObservedView>& views);
 
 }  // namespace tsar

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/plane_costs.h"
 
 #include <cstdint>

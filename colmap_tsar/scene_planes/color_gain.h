@@ -3,8 +3,8 @@
 
 #pragma once
 
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 namespace tsar {
 

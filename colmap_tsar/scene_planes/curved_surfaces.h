@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/curved_surface.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <vector>
 

@@ -251,18 +251,6 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
 
 }  // namespace
 
-ObservedView MakeObservedView(const ViewEvidence& evidence,
-                              const Camera& camera) {
-  ObservedView view{&evidence, camera};
-  view.camera.width = evidence.width;
-  view.camera.height = evidence.height;
-  view.camera.fx = evidence.intrinsics.fx;
-  view.camera.fy = evidence.intrinsics.fy;
-  view.camera.cx = evidence.intrinsics.cx;
-  view.camera.cy = evidence.intrinsics.cy;
-  return view;
-}
-
 std::vector<WorldPlane> CollectCandidates(
     const std::vector<ObservedView>& views) {
   std::vector<WorldPlane> candidates;

@@ -3,10 +3,9 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/planes/world_plane.h"
-#include "colmap_tsar/scene_planes/view_evidence.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -16,15 +15,6 @@
 #include <Eigen/Core>
 
 namespace tsar {
-
-struct ObservedView {
-  const ViewEvidence* evidence = nullptr;
-  Camera camera;  // Of the evidence's raster.
-};
-
-// camera: of the view's image at any size; only the pose is taken from it.
-ObservedView MakeObservedView(const ViewEvidence& evidence,
-                              const Camera& camera);
 
 // The candidates of all views, those of the first one first.
 std::vector<WorldPlane> CollectCandidates(

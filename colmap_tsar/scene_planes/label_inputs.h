@@ -6,8 +6,8 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/device/pixel_groups.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <climits>
 #include <cmath>

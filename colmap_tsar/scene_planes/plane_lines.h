@@ -8,7 +8,7 @@
 #include "colmap_tsar/base/to_vec3f.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/planes/world_plane.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <cmath>

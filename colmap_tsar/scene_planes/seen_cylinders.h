@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/cylinder.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <cmath>

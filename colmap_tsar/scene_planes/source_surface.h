@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <vector>
 

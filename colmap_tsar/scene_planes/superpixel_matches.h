@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <cstddef>
 #include <span>

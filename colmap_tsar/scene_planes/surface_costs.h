@@ -8,9 +8,9 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/scene_planes/curved_surfaces.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
 #include "colmap_tsar/scene_planes/label_view.h"
 #include "colmap_tsar/scene_planes/observed_source.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/surface_samples.h"
 
 #include <cmath>

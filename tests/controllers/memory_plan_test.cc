@@ -7,7 +7,7 @@
 #include "colmap_tsar/pipeline/reduce_view.h"
 #include "colmap_tsar/pipeline/refine_scene.h"
 #include "colmap_tsar/pipeline/stage_memory.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 
 #include <cstdint>
 #include <vector>

@@ -4,6 +4,8 @@
 #include "colmap_tsar/pipeline/stage_options.h"
 
 #include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/pipeline/scene_options.h"
 
 #include <cmath>
 #include <utility>
@@ -68,8 +70,7 @@ TEST(StageOptions, DepthsMoveOntoTheirPlanesWithinTheSpreadOfDepths) {
       {0.01f, 0.3f}, {0.2f, 0.6f}, {1.f, 1.2f}};
   for (const auto& [noise, spread] : spread_of_noise) {
     evidence.noise = noise;
-    EXPECT_FLOAT_EQ(
-        MakeSceneOptions({}, {{&evidence, {}}}).composition.on_plane, spread);
+    EXPECT_FLOAT_EQ(MakeCompositionOptions({{&evidence, {}}}).on_plane, spread);
   }
 }
 

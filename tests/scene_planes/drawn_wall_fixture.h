@@ -5,7 +5,7 @@
 
 // A wall along an axis of a Manhattan frame, as cameras before it see it.
 
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/scene_model.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene_planes/observed_view.h"
 #include "colmap_tsar/scene_planes/view_evidence.h"
 
 #include <cstddef>
