@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/macros.h"
-#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/pipeline/refined_maps.h"
 #include "colmap_tsar/planes/group_planes.h"
 #include "colmap_tsar/superpixels/samples.h"
 #include "colmap_tsar/superpixels/weighted_median.h"
