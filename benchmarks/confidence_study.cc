@@ -9,15 +9,15 @@
 //   confidence_study WORKSPACE [WORKSPACE ...]
 
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/controllers/load_view.h"
-#include "colmap_tsar/filtering/confidence.h"
-#include "colmap_tsar/filtering/discontinuity.h"
-#include "colmap_tsar/filtering/reliability.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/view_data.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/view/filter/confidence.h"
+#include "colmap_tsar/view/filter/discontinuity.h"
+#include "colmap_tsar/view/filter/reliability.h"
+#include "colmap_tsar/view/gray.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <cmath>

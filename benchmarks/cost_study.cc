@@ -13,11 +13,11 @@
 //
 //   cost_study WORKSPACE [WORKSPACE ...]
 
-#include "colmap_tsar/controllers/load_view.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Finds the weights of ConfidenceOf() (pipeline/depth_confidence.h) by logistic
+// Finds the weights of ConfidenceOf() (view/depth_confidence.h) by logistic
 // regression of "the depth is right to 1 %" on all that is known of it, with
 // equal weight for each scene. Of each scene it prints by how much the weights
 // that the others give miss there: the mean difference, over ten classes of the
@@ -13,9 +13,9 @@
 // all passes with --TsarRefine.experiment cylinders=0, since depths on columns
 // and pipes, which have a constant, would count as interpolated ones.
 
-#include "colmap_tsar/pipeline/depth_confidence.h"
-#include "colmap_tsar/pipeline/refined_maps.h"
-#include "colmap_tsar/plane_export/plane_view.h"
+#include "colmap_tsar/tools/plane_export/plane_view.h"
+#include "colmap_tsar/view/depth_confidence.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // How well sigma maps hold, and the constants of SceneSigmaOptions
-// (pipeline/depth_sigma.h) with which they would: of the depths that are right
+// (compose/depth_sigma.h) with which they would: of the depths that are right
 // to 1 %, the share whose error is less than one and than two standard
 // deviations, for each way in which depths come about. It should be 0.68 and
 // 0.95.
@@ -18,14 +18,14 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/formats/gray_png.h"
-#include "colmap_tsar/pipeline/depth_sigma.h"
-#include "colmap_tsar/pipeline/reduce_view.h"
-#include "colmap_tsar/store/scene_model_file.h"
-#include "colmap_tsar/store/workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/sigma_map.h"
+#include "colmap_tsar/compose/depth_sigma.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/view/reduce_view.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/store/scene_model_file.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 
 #include <filesystem>
 

@@ -17,8 +17,8 @@ install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
-  PATTERN "store/json_file.h" EXCLUDE
-  PATTERN "export/scene_files.h" EXCLUDE
+  PATTERN "run/store/json_file.h" EXCLUDE
+  PATTERN "tools/export/scene_files.h" EXCLUDE
   PATTERN "export/*_exporter.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/copy.h" EXCLUDE

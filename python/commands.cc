@@ -12,13 +12,13 @@
 #include "colmap_tsar/cli/refine_command.h"
 #include "colmap_tsar/cli/report_command.h"
 #include "colmap_tsar/cli/stereo_command.h"
-#include "colmap_tsar/export/export_workspace.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
-#include "colmap_tsar/import/import_workspace.h"
-#include "colmap_tsar/import/undo_import.h"
-#include "colmap_tsar/report/write_page.h"
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/export/export_workspace.h"
+#include "colmap_tsar/tools/import/import_workspace.h"
+#include "colmap_tsar/tools/import/undo_import.h"
+#include "colmap_tsar/tools/report/write_page.h"
 
 #include <filesystem>
 #include <functional>

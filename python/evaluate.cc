@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/evaluation/cloud_evaluation.h"
-#include "colmap_tsar/evaluation/depth_evaluation.h"
+#include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
+#include "colmap_tsar/tools/evaluation/depth_evaluation.h"
 
 #include <filesystem>
 #include <string>

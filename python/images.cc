@@ -4,11 +4,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/formats/gray_png.h"
-#include "colmap_tsar/import/target_workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/map_paths.h"
-#include "colmap_tsar/workspace/sigma_map.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/tools/import/target_workspace.h"
 
 #include <array>
 #include <filesystem>

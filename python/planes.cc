@@ -4,9 +4,9 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/formats/gray_png.h"
-#include "colmap_tsar/plane_export/export_planes.h"
-#include "colmap_tsar/plane_export/plane_view.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/plane_export/plane_view.h"
 
 #include <algorithm>
 #include <array>

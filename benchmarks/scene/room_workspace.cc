@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_paths.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
 

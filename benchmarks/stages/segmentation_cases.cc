@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/device/pixel_groups.h"
-#include "colmap_tsar/segmentation/assign_region_planes.h"
-#include "colmap_tsar/segmentation/hough.h"
-#include "colmap_tsar/segmentation/roberts.h"
+#include "colmap_tsar/view/regions/assign_region_planes.h"
+#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/roberts.h"
 
 #include "benchmarks/stages/cases.h"
 #include "benchmarks/stages/label_components.h"

@@ -3,14 +3,14 @@
 
 #include "benchmarks/stages/stage_inputs.h"
 
-#include "colmap_tsar/controllers/load_view.h"
-#include "colmap_tsar/filtering/confidence.h"
-#include "colmap_tsar/filtering/discontinuity.h"
-#include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
-#include "colmap_tsar/segmentation/assign_region_planes.h"
-#include "colmap_tsar/segmentation/roberts.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/view/filter/confidence.h"
+#include "colmap_tsar/view/filter/discontinuity.h"
+#include "colmap_tsar/view/filter/reliability.h"
+#include "colmap_tsar/view/regions/assign_region_planes.h"
+#include "colmap_tsar/view/regions/roberts.h"
 
 #include <algorithm>
 #include <utility>

@@ -4,14 +4,14 @@
 #pragma once
 
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/compose.h"
-#include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/pipeline/refine_options.h"
-#include "colmap_tsar/pipeline/stage_options.h"
-#include "colmap_tsar/segmentation/hough.h"
-#include "colmap_tsar/segmentation/region_planes.h"
-#include "colmap_tsar/superpixels/correlation.h"
-#include "colmap_tsar/superpixels/slic.h"
+#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/refine_options.h"
+#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/region_planes.h"
+#include "colmap_tsar/view/stage_options.h"
+#include "colmap_tsar/view/superpixels/correlation.h"
+#include "colmap_tsar/view/superpixels/slic.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -8,8 +8,8 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/export/export_format.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/export/export_format.h"
 
 #include <iostream>
 #include <optional>

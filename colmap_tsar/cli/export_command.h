@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/export/export_workspace.h"
+#include "colmap_tsar/tools/export/export_workspace.h"
 
 #include <functional>
 #include <string>

@@ -8,7 +8,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/export/export_workspace.h"
+#include "colmap_tsar/tools/export/export_workspace.h"
 
 #include <iomanip>
 #include <iostream>

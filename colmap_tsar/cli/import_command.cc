@@ -10,8 +10,8 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/import/undo_import.h"
-#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/import/undo_import.h"
 
 #include <iostream>
 

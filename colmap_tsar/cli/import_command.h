@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/import/import_workspace.h"
+#include "colmap_tsar/tools/import/import_workspace.h"
 
 #include <string>
 

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/store/input_folders.h"
+#include "colmap_tsar/run/store/input_folders.h"
 
 #include <filesystem>
 #include <system_error>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/pipeline/unmatched_depths.h"
+#include "colmap_tsar/view/unmatched_depths.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -3,9 +3,9 @@
 
 #pragma once
 
-#include "colmap_tsar/controllers/run_summary.h"
-#include "colmap_tsar/import/import_summary.h"
-#include "colmap_tsar/stereo/stereo_workspace.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/tools/import/import_summary.h"
+#include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <cstdint>
 #include <optional>

@@ -10,12 +10,12 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
 #include "colmap_tsar/priors/prior_type.h"
-#include "colmap_tsar/report/debug_pictures.h"
-#include "colmap_tsar/store/input_folders.h"
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/run/refine_workspace.h"
+#include "colmap_tsar/run/store/input_folders.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/report/debug_pictures.h"
 
 #include <filesystem>
 #include <iostream>

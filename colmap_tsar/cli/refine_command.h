@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/controllers/run_summary.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <functional>
 #include <string>

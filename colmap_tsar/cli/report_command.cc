@@ -10,10 +10,10 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/evaluation/tolerances.h"
-#include "colmap_tsar/report/comparison_picture.h"
-#include "colmap_tsar/report/pictures.h"
-#include "colmap_tsar/report/workspace_comparison.h"
+#include "colmap_tsar/tools/evaluation/tolerances.h"
+#include "colmap_tsar/tools/report/comparison_picture.h"
+#include "colmap_tsar/tools/report/pictures.h"
+#include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include <filesystem>
 #include <iostream>

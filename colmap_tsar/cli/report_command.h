@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/report/write_page.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/report/write_page.h"
 
 #include <string>
 

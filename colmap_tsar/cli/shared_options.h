@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/controllers/device_options.h"
-#include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/device_options.h"
 
 #include <filesystem>
 #include <optional>

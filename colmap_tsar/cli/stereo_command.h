@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/stereo/stereo_workspace.h"
+#include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <functional>
 #include <string>

@@ -8,10 +8,10 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/plane_export/export_planes.h"
-#include "colmap_tsar/plane_export/plane_view.h"
-#include "colmap_tsar/plane_export/write_planes.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/plane_export/plane_view.h"
+#include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include <iostream>
 #include <limits>

@@ -10,9 +10,9 @@
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 #include "colmap_tsar/fusion/fusion_run.h"
-#include "colmap_tsar/store/changed_results.h"
-#include "colmap_tsar/store/count_masks.h"
-#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/run/store/changed_results.h"
+#include "colmap_tsar/run/store/count_masks.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <cstddef>
 #include <utility>

@@ -4,10 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/controllers/device_options.h"
-#include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/fusion/fusion_options.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -25,10 +25,10 @@ struct FuseWorkspaceOptions {
   DeviceOptions devices;
   // The PLY file; that with the images of each point is written beside it.
   std::filesystem::path output_path;
-  // A file of image names, see workspace/image_list.h: their pixels alone
+  // A file of image names, see io/image_list.h: their pixels alone
   // become points, and all others are asked about them. Empty: all images.
   std::filesystem::path image_list_path;
-  // See workspace/image_mask.h; empty: none.
+  // See io/image_mask.h; empty: none.
   std::filesystem::path mask_path;
   // In the world frame; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> bounding_box;

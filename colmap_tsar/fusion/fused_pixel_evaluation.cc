@@ -6,13 +6,13 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/evaluation/depth_evaluation.h"
-#include "colmap_tsar/evaluation/tolerances.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 #include "colmap_tsar/fusion/fusion_run.h"
-#include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/map_shape.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/evaluation/depth_evaluation.h"
+#include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <cmath>
 #include <cstddef>

@@ -4,9 +4,9 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/controllers/device_options.h"
 #include "colmap_tsar/fusion/fusion_options.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -6,10 +6,10 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/controllers/neighbour_order.h"
-#include "colmap_tsar/export/image_maps.h"
-#include "colmap_tsar/workspace/image_list.h"
-#include "colmap_tsar/workspace/patch_match_config.h"
+#include "colmap_tsar/io/image_list.h"
+#include "colmap_tsar/io/patch_match_config.h"
+#include "colmap_tsar/run/neighbour_order.h"
+#include "colmap_tsar/tools/export/image_maps.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <filesystem>
 #include <vector>
@@ -18,7 +18,7 @@ struct ChosenImages {
 
 // Images that stereo/fusion.cfg does not list are not used, where there is such
 // a file, and only those in a list of names are fused; see
-// workspace/image_list.h. list: empty: all.
+// io/image_list.h. list: empty: all.
 ChosenImages ChooseImages(const Workspace& workspace,
                           const std::filesystem::path& list = {});
 

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
-#include "colmap_tsar/store/for_each_image.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/for_each_image.h"
 
 #include <algorithm>
 #include <atomic>

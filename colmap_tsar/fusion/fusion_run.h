@@ -4,13 +4,13 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/controllers/device_options.h"
-#include "colmap_tsar/controllers/gpu_workers.h"
-#include "colmap_tsar/controllers/run_summary.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
 #include "colmap_tsar/fusion/fusion_view_cache.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/gpu_workers.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
 #include <functional>

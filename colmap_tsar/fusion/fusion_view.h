@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/fusion/fusion_pixel.h"
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <vector>
 

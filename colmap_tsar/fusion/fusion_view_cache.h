@@ -3,11 +3,11 @@
 
 #pragma once
 
-#include "colmap_tsar/controllers/lru_map.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_view.h"
+#include "colmap_tsar/run/lru_map.h"
 
 #include <cstdint>
 #include <functional>

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
-#include "colmap_tsar/noise/own_texture.h"
+#include "colmap_tsar/view/denoise/own_texture.h"
 
 #include <cstdint>
 

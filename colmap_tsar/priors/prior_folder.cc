@@ -8,7 +8,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/formats/depth_image.h"
+#include "colmap_tsar/io/depth_image.h"
 
 #include <algorithm>
 #include <map>

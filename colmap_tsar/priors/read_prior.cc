@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/resize_nearest.h"
-#include "colmap_tsar/formats/depth_image.h"
-#include "colmap_tsar/formats/float_map.h"
+#include "colmap_tsar/io/depth_image.h"
+#include "colmap_tsar/io/float_map.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/priors/depth_prior.h"
-#include "colmap_tsar/workspace/map_shape.h"
 
 #include <cstdint>
 #include <filesystem>

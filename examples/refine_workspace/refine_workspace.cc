@@ -5,7 +5,7 @@
 //
 //   refine_workspace WORKSPACE OUTPUT
 
-#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/run/refine_workspace.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/report/debug_pictures.h"
+#include "colmap_tsar/tools/report/debug_pictures.h"
 
 #include <map>
 

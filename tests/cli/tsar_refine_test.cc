@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <map>
 

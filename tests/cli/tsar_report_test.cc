@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/write_back.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <filesystem>
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/bounded_queue.h"
+#include "colmap_tsar/run/bounded_queue.h"
 
 #include <atomic>
 #include <memory>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/device_options.h"
+#include "colmap_tsar/run/device_options.h"
 
 #include "tests/support/test_workspace.h"
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/device_pool.h"
+#include "colmap_tsar/scene/device_pool.h"
 
 #include "colmap_tsar/base/error.h"
 

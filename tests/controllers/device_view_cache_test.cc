@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/device_view_cache.h"
+#include "colmap_tsar/run/device_view_cache.h"
 
 #include "colmap_tsar/base/error.h"
 

@@ -5,7 +5,7 @@
 
 // The views of a drawn room, to be modelled.
 
-#include "colmap_tsar/controllers/model_scene.h"
+#include "colmap_tsar/scene/model_scene.h"
 
 #include <cmath>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/image_pipeline.h"
+#include "colmap_tsar/run/image_pipeline.h"
 
 #include "colmap_tsar/base/error.h"
 

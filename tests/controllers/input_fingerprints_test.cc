@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/input_fingerprints.h"
+#include "colmap_tsar/run/input_fingerprints.h"
 
-#include "colmap_tsar/store/record.h"
+#include "colmap_tsar/run/store/record.h"
 
 #include <chrono>
 #include <functional>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/main_memory_division.h"
+#include "colmap_tsar/run/main_memory_division.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/memory_plan.h"
+#include "colmap_tsar/run/memory_plan.h"
 
-#include "colmap_tsar/controllers/device_view_cache.h"
-#include "colmap_tsar/pipeline/reduce_view.h"
-#include "colmap_tsar/pipeline/refine_scene.h"
-#include "colmap_tsar/pipeline/stage_memory.h"
-#include "colmap_tsar/scene_planes/observed_view.h"
+#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/compose/stage_memory.h"
+#include "colmap_tsar/run/device_view_cache.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+#include "colmap_tsar/view/reduce_view.h"
 
 #include <cstdint>
 #include <vector>

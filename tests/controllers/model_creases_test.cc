@@ -3,7 +3,7 @@
 
 // Planes of a scene that begin where others end.
 
-#include "colmap_tsar/controllers/model_scene.h"
+#include "colmap_tsar/scene/model_scene.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 // A program of its own: it replaces operator new by one that fails on demand.
 
-#include "colmap_tsar/controllers/device_view_cache.h"
-#include "colmap_tsar/controllers/view_cache.h"
+#include "colmap_tsar/run/device_view_cache.h"
+#include "colmap_tsar/run/view_cache.h"
 
 #include <cstdlib>
 #include <memory>

@@ -3,10 +3,10 @@
 
 // Whole runs on a room with a bare column.
 
-#include "colmap_tsar/formats/gray_png.h"
-#include "colmap_tsar/pipeline/compose.h"
-#include "colmap_tsar/store/scene_model_file.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/view/compose.h"
 
 #include <cmath>
 

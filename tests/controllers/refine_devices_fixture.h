@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/run/refine_devices.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/refine_devices.h"
+#include "colmap_tsar/run/refine_devices.h"
 
-#include "colmap_tsar/pipeline/find_scene.h"
+#include "colmap_tsar/scene/find_scene.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/controllers/load_view.h"
-#include "colmap_tsar/workspace/label_image.h"
+#include "colmap_tsar/io/label_image.h"
+#include "colmap_tsar/run/load_view.h"
 
 #include <cmath>
 #include <functional>

@@ -4,13 +4,13 @@
 // The planes of the scene, from the pass that finds them to what is left of
 // them.
 
-#include "colmap_tsar/controllers/scene_model_store.h"
-#include "colmap_tsar/formats/gray_png.h"
-#include "colmap_tsar/pipeline/find_scene.h"
-#include "colmap_tsar/planes/world_plane.h"
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/scene_model_file.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/scene_model_store.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <algorithm>
 #include <set>

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/load_view.h"
-#include "colmap_tsar/controllers/memory_plan.h"
-#include "colmap_tsar/controllers/workspace_check.h"
+#include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/run/memory_plan.h"
+#include "colmap_tsar/run/workspace_check.h"
 
 #include "tests/controllers/refine_workspace_fixture.h"
 #include "tests/support/external_writers.h"

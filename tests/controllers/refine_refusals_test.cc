@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/controllers/workspace_check.h"
-#include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/run/workspace_check.h"
 
 #include <limits>
 #include <mutex>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/run/refine_workspace.h"
 
 #include <functional>
 #include <sstream>

@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/refine_task.h"
+#include "colmap_tsar/run/refine_task.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/controllers/compose_task.h"
-#include "colmap_tsar/controllers/image_pipeline.h"
-#include "colmap_tsar/controllers/model_pass.h"
-#include "colmap_tsar/pipeline/reduce_view.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/run/compose_task.h"
+#include "colmap_tsar/run/image_pipeline.h"
+#include "colmap_tsar/run/model_pass.h"
+#include "colmap_tsar/view/reduce_view.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <algorithm>
 #include <map>

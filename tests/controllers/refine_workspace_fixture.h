@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/refine_workspace.h"
 
 #include <functional>
 #include <sstream>

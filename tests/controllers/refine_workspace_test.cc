@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/formats/gray_png.h"
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <algorithm>
 #include <atomic>

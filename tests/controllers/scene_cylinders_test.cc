@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/scene_cylinders.h"
+#include "colmap_tsar/scene/scene_cylinders.h"
 
 #include <algorithm>
 #include <cmath>

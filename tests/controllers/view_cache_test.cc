@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/view_cache.h"
+#include "colmap_tsar/run/view_cache.h"
 
 #include "colmap_tsar/base/error.h"
 

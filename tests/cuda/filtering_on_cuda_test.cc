@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/filtering/confidence.h"
-#include "colmap_tsar/filtering/discontinuity.h"
-#include "colmap_tsar/filtering/reliability.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/view/filter/confidence.h"
+#include "colmap_tsar/view/filter/discontinuity.h"
+#include "colmap_tsar/view/filter/reliability.h"
 
 #include "tests/cuda/cuda_test.h"
 

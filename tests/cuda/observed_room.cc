@@ -4,7 +4,7 @@
 #include "tests/cuda/observed_room.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -5,7 +5,7 @@
 
 // A drawn room of which views measured a part, some of it wrongly.
 
-#include "colmap_tsar/scene_planes/view_evidence.h"
+#include "colmap_tsar/scene/evidence/view_evidence.h"
 
 #include <vector>
 

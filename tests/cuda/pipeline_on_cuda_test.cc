@@ -1,16 +1,16 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/compose/compose_scene.h"
+#include "colmap_tsar/compose/depth_sigma.h"
+#include "colmap_tsar/compose/lay_cylinders.h"
+#include "colmap_tsar/compose/lift_rating.h"
+#include "colmap_tsar/compose/photometric_detail.h"
+#include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/pipeline/compose.h"
-#include "colmap_tsar/pipeline/compose_scene.h"
-#include "colmap_tsar/pipeline/depth_sigma.h"
-#include "colmap_tsar/pipeline/lay_cylinders.h"
-#include "colmap_tsar/pipeline/lift_rating.h"
-#include "colmap_tsar/pipeline/photometric_detail.h"
-#include "colmap_tsar/pipeline/reduce_view.h"
-#include "colmap_tsar/pipeline/refine_image.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/view/reduce_view.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <set>
 #include <string>

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/discover_planes.h"
-#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
-#include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+#include "colmap_tsar/scene/labeling/refine_borders.h"
+#include "colmap_tsar/scene/surfaces/rasterize_curved_surfaces.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/superpixels/cielab.h"
-#include "colmap_tsar/superpixels/correlation.h"
-#include "colmap_tsar/superpixels/fragments.h"
-#include "colmap_tsar/superpixels/reduce_color.h"
-#include "colmap_tsar/superpixels/trust.h"
+#include "colmap_tsar/view/superpixels/cielab.h"
+#include "colmap_tsar/view/superpixels/correlation.h"
+#include "colmap_tsar/view/superpixels/fragments.h"
+#include "colmap_tsar/view/superpixels/reduce_color.h"
+#include "colmap_tsar/view/superpixels/trust.h"
 
 #include <algorithm>
 

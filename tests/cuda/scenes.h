@@ -5,8 +5,8 @@
 
 // Drawn inputs of awkward sizes and contents for stages on any device.
 
-#include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/superpixels/slic.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/superpixels/slic.h"
 
 #include <ostream>
 #include <vector>

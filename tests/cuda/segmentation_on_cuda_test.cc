@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/segmentation/assign_region_planes.h"
-#include "colmap_tsar/segmentation/hough.h"
-#include "colmap_tsar/segmentation/region_planes.h"
-#include "colmap_tsar/segmentation/roberts.h"
-#include "colmap_tsar/segmentation/segment_planes.h"
+#include "colmap_tsar/view/regions/assign_region_planes.h"
+#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/region_planes.h"
+#include "colmap_tsar/view/regions/roberts.h"
+#include "colmap_tsar/view/regions/segment_planes.h"
 
 #include "tests/cuda/cuda_test.h"
 

@@ -8,7 +8,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/gray_pair.h"
-#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
 
 #include <cstdint>
 #include <string>

@@ -5,7 +5,7 @@
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/smooth_normals.h"
-#include "colmap_tsar/stereo/planar_prior.h"
+#include "colmap_tsar/tools/stereo/planar_prior.h"
 
 #include <cmath>
 #include <utility>

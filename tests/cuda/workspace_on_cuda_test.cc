@@ -4,17 +4,17 @@
 // What several devices of one machine do together, and whole runs on each.
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/controllers/device_view_cache.h"
-#include "colmap_tsar/controllers/memory_plan.h"
-#include "colmap_tsar/controllers/refine_devices.h"
-#include "colmap_tsar/controllers/refine_workspace.h"
+#include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/cuda_staging.h"
-#include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/refine_image.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/stereo/stereo_workspace.h"
-#include "colmap_tsar/store/scene_model_file.h"
+#include "colmap_tsar/run/device_view_cache.h"
+#include "colmap_tsar/run/memory_plan.h"
+#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/refine_workspace.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/tools/stereo/stereo_workspace.h"
+#include "colmap_tsar/view/gray.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstring>
 #include <map>

@@ -21,7 +21,7 @@ INCLUDE = re.compile(r'^#include "colmap_tsar/([^"]+)"', re.MULTILINE)
 def upward_includes(includes, layers):
     """The pairs of a file and what it includes from a higher folder."""
     def layer(name):
-        return layers.index(name.split("/")[0])
+        return layers.index(os.path.dirname(name))
     return [(name, other) for name, others in sorted(includes.items())
             for other in others if layer(other) > layer(name)]
 
@@ -57,7 +57,7 @@ check(circle({"a/x.h": ["a/y.h"], "a/y.h": ["a/z.h"], "a/z.h": ["a/y.h"]}) ==
 
 with open(os.path.join(args.repository, "colmap_tsar", "CMakeLists.txt"),
           encoding="utf-8") as file:
-    layers = re.findall(r"add_subdirectory\((\w+)\)", file.read())
+    layers = re.findall(r"add_subdirectory\(([\w/]+)\)", file.read())
 includes = {name: INCLUDE.findall(source)
             for name, source in library_sources(args.repository)}
 check(len(includes) > 200, f"{len(includes)} sources were read")

@@ -19,7 +19,7 @@ RULES = (
     (r"<glog/|\bV?LOG\(", ("base/warning.cc",), "Warn() of base/warning.h"),
     (r"std::(cout|cerr|clog)\b|<iostream>|\bprintf\(", ("cli/*",),
      "an error, Warn(), or a stream that the caller gives"),
-    (r"std::(j?thread|async)\(|<pthread", ("base/start_thread.h", "evaluation/parallel_blocks.h"),
+    (r"std::(j?thread|async)\(|<pthread", ("base/start_thread.h", "tools/evaluation/parallel_blocks.h"),
      "StartThread() of base/start_thread.h"),
     (r"std::ostringstream", ("base/text_stream.h",),
      "TextStream of base/text_stream.h"),

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
 
 #include <cstdio>
 #include <sstream>

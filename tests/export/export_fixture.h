@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/export/export_workspace.h"
+#include "colmap_tsar/tools/export/export_workspace.h"
 
 #include <filesystem>
 #include <functional>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/formats/array_files.h"
+#include "colmap_tsar/io/array_files.h"
 
 #include <bit>
 #include <limits>

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/formats/depth_image.h"
+#include "colmap_tsar/io/depth_image.h"
 
-#include "colmap_tsar/formats/exr_header.h"
+#include "colmap_tsar/io/exr_header.h"
 
 #include <array>
 #include <cmath>

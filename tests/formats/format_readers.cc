@@ -3,9 +3,9 @@
 
 #include "tests/formats/format_readers.h"
 
-#include "colmap_tsar/formats/array_files.h"
-#include "colmap_tsar/formats/dense_maps.h"
-#include "colmap_tsar/formats/depth_image.h"
+#include "colmap_tsar/io/array_files.h"
+#include "colmap_tsar/io/dense_maps.h"
+#include "colmap_tsar/io/depth_image.h"
 
 #include "tests/support/test_workspace.h"
 #include <opencv2/imgcodecs.hpp>

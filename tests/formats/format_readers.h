@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/formats/float_map.h"
+#include "colmap_tsar/io/float_map.h"
 
 #include <cstdint>
 #include <string>

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
-#include "colmap_tsar/evaluation/ply.h"
 #include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/tools/evaluation/ply.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/evidence_file.h"
+#include "colmap_tsar/run/store/evidence_file.h"
 
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/signed_file.h"

@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/formats/dense_maps.h"
-#include "colmap_tsar/formats/stored_camera.h"
+#include "colmap_tsar/io/dense_maps.h"
+#include "colmap_tsar/io/stored_camera.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/sigma_map.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/sigma_map.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

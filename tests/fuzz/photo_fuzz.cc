@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/workspace/jpeg.h"
-#include "colmap_tsar/workspace/photo_error.h"
-#include "colmap_tsar/workspace/photo_format.h"
-#include "colmap_tsar/workspace/png.h"
-#include "colmap_tsar/workspace/tiff_strips.h"
+#include "colmap_tsar/io/jpeg.h"
+#include "colmap_tsar/io/photo_error.h"
+#include "colmap_tsar/io/photo_format.h"
+#include "colmap_tsar/io/png.h"
+#include "colmap_tsar/io/tiff_strips.h"
 
 #include "tests/fuzz/fuzz_target.h"
 #include <opencv2/core.hpp>

@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/undo_import.h"
-#include "colmap_tsar/store/output_workspace.h"
-#include "colmap_tsar/store/record.h"
-#include "colmap_tsar/store/shard_record.h"
+#include "colmap_tsar/run/store/output_workspace.h"
+#include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/run/store/shard_record.h"
+#include "colmap_tsar/tools/import/undo_import.h"
 
 #include <sstream>
 

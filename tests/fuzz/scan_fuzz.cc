@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/evaluation/meshlab_project.h"
-#include "colmap_tsar/evaluation/ply.h"
+#include "colmap_tsar/tools/evaluation/meshlab_project.h"
+#include "colmap_tsar/tools/evaluation/ply.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

@@ -3,9 +3,9 @@
 
 #include "tests/import/import_scene.h"
 
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/map_paths.h"
-#include "colmap_tsar/workspace/sparse_model.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/io/sparse_model.h"
 
 #include <cstdio>
 #include <sstream>

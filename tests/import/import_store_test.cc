@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/import_store.h"
+#include "colmap_tsar/tools/import/import_store.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/import/import_record.h"
-#include "colmap_tsar/import/undo_import.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/tools/import/import_record.h"
+#include "colmap_tsar/tools/import/undo_import.h"
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/import/match_images.h"
+#include "colmap_tsar/tools/import/match_images.h"
 
 #include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"

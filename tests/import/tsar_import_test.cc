@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/import/import_summary.h"
-#include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/import/import_summary.h"
 
 #include <chrono>
 

@@ -4,7 +4,7 @@
 #include "tests/import/tsar_import_testing.h"
 
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/io/map_paths.h"
 
 #include <filesystem>
 #include <functional>

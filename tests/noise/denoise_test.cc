@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/noise/denoise.h"
+#include "colmap_tsar/view/denoise/denoise.h"
 
-#include "colmap_tsar/noise/denoise_kernels.cuh"
+#include "colmap_tsar/view/denoise/denoise_kernels.cuh"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/noise/estimate_noise.h"
-#include "colmap_tsar/noise/noise_curve.h"
+#include "colmap_tsar/view/denoise/estimate_noise.h"
+#include "colmap_tsar/view/denoise/noise_curve.h"
 
 #include <cmath>
 

@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/compose_scene.h"
+#include "colmap_tsar/compose/compose_scene.h"
 
-#include "colmap_tsar/filtering/confirmation.h"
-#include "colmap_tsar/pipeline/measurement_support.h"
-#include "colmap_tsar/pipeline/refine_image.h"
-#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/view/filter/confirmation.h"
+#include "colmap_tsar/view/measurement_support.h"
 
 #include <memory>
 #include <numeric>

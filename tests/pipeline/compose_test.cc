@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/compose.h"
+#include "colmap_tsar/view/compose.h"
 
-#include "colmap_tsar/filtering/confirmation.h"
-#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/view/filter/confirmation.h"
 
 #include <gtest/gtest.h>
 

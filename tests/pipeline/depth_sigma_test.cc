@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/depth_sigma.h"
+#include "colmap_tsar/compose/depth_sigma.h"
 
 #include "colmap_tsar/base/half.h"
 

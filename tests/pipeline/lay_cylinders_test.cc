@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/lay_cylinders.h"
+#include "colmap_tsar/compose/lay_cylinders.h"
 
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_rating.h"
 
 #include <algorithm>
 #include <cmath>

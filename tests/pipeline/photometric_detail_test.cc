@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/photometric_detail.h"
+#include "colmap_tsar/compose/photometric_detail.h"
 
 #include <cmath>
 #include <memory>

@@ -3,9 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/compose/photometric_offset.h"
 #include "colmap_tsar/matching/gray_pair.h"
-#include "colmap_tsar/pipeline/gray.h"
-#include "colmap_tsar/pipeline/photometric_offset.h"
+#include "colmap_tsar/view/gray.h"
 
 #include <cmath>
 #include <memory>

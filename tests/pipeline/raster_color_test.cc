@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/superpixels/reduce_color.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/superpixels/reduce_color.h"
 
 #include <algorithm>
 #include <cstdlib>

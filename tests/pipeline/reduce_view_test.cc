@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/reduce_view.h"
+#include "colmap_tsar/view/reduce_view.h"
 
+#include "colmap_tsar/compose/lift_rating.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/pipeline/lift_rating.h"
+#include "colmap_tsar/view/device_views.h"
 
 #include <cmath>
 #include <vector>

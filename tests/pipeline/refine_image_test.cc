@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/compose/refine_image.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/pipeline/device_views.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <cmath>
 #include <memory>

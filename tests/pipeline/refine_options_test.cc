@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <algorithm>
 #include <cstddef>

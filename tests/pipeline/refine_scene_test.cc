@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/compose/refine_scene.h"
 
-#include "colmap_tsar/pipeline/reduce_view.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/store/evidence_file.h"
+#include "colmap_tsar/run/store/evidence_file.h"
+#include "colmap_tsar/view/reduce_view.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <filesystem>
 #include <utility>

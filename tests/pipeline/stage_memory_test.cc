@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/stage_memory.h"
+#include "colmap_tsar/compose/stage_memory.h"
 
-#include "colmap_tsar/pipeline/reduce_view.h"
-#include "colmap_tsar/pipeline/refine_image.h"
-#include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/pipeline/refine_scene.h"
-#include "colmap_tsar/pipeline/uploaded_view.h"
+#include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/view/reduce_view.h"
+#include "colmap_tsar/view/refine_option_list.h"
+#include "colmap_tsar/view/uploaded_view.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/stage_options.h"
+#include "colmap_tsar/view/stage_options.h"
 
-#include "colmap_tsar/pipeline/refine_option_list.h"
-#include "colmap_tsar/pipeline/refine_scene.h"
-#include "colmap_tsar/pipeline/scene_options.h"
+#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/scene/scene_options.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <cmath>
 #include <utility>

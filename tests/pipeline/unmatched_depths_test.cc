@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/unmatched_depths.h"
+#include "colmap_tsar/view/unmatched_depths.h"
 
 #include "colmap_tsar/matching/matching_cost.h"
 

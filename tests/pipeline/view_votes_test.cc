@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/pipeline/view_votes.h"
+#include "colmap_tsar/view/view_votes.h"
 
-#include "colmap_tsar/pipeline/measurement_support.h"
+#include "colmap_tsar/view/measurement_support.h"
 
 #include <memory>
 #include <utility>

@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/plane_export/export_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 
-#include "colmap_tsar/store/record.h"
-#include "colmap_tsar/store/scene_model_file.h"
+#include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 
 // From how views cover a plane to the polygons of its support.
 
-#include "colmap_tsar/plane_export/support_mask.h"
-#include "colmap_tsar/plane_export/trace_polygons.h"
+#include "colmap_tsar/tools/plane_export/support_mask.h"
+#include "colmap_tsar/tools/plane_export/trace_polygons.h"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/plane_export/write_planes.h"
+#include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include "colmap_tsar/base/label_color.h"
-#include "colmap_tsar/evaluation/ply.h"
+#include "colmap_tsar/tools/evaluation/ply.h"
 
 #include <limits>
 #include <map>

@@ -5,7 +5,7 @@
 
 // What the tests of fits have in common.
 
-#include "colmap_tsar/planes/fit_plane.h"
+#include "colmap_tsar/view/planes/fit_plane.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/planes/plane_uncertainty.h"
+#include "colmap_tsar/view/planes/plane_uncertainty.h"
 
-#include "colmap_tsar/planes/depth_observation.h"
-#include "colmap_tsar/planes/fit_plane.h"
-#include "colmap_tsar/planes/world_plane.h"
+#include "colmap_tsar/view/planes/depth_observation.h"
+#include "colmap_tsar/view/planes/fit_plane.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/report/colors.h"
+#include "colmap_tsar/tools/report/colors.h"
 
 #include <limits>
 #include <set>

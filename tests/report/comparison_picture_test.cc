@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/report/comparison_picture.h"
+#include "colmap_tsar/tools/report/comparison_picture.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/report/colors.h"
+#include "colmap_tsar/tools/report/colors.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/report/pictures.h"
+#include "colmap_tsar/tools/report/pictures.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/report/page_text.h"
+#include "colmap_tsar/tools/report/page_text.h"
 
 #include <filesystem>
 #include <set>

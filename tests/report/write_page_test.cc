@@ -1,15 +1,15 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/report/write_page.h"
+#include "colmap_tsar/tools/report/write_page.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/report/colors.h"
-#include "colmap_tsar/report/page_files.h"
-#include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/store/write_back.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/run/store/write_back.h"
+#include "colmap_tsar/tools/report/colors.h"
+#include "colmap_tsar/tools/report/page_files.h"
 
 #include <algorithm>
 #include <sstream>

@@ -5,7 +5,7 @@
 
 // Planes that views measure with known errors.
 
-#include "colmap_tsar/scene_planes/adjust_planes.h"
+#include "colmap_tsar/scene/adjustment/adjust_planes.h"
 
 #include <cmath>
 #include <utility>

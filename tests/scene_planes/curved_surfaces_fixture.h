@@ -6,8 +6,8 @@
 // Drawn surfaces, flat and curved, that were labelled by facets.
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/scene_planes/curved_surfaces.h"
-#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+#include "colmap_tsar/scene/surfaces/curved_surfaces.h"
 
 #include <algorithm>
 #include <cmath>

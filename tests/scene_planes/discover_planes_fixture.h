@@ -5,7 +5,7 @@
 
 // Drawn rooms and what discovery is expected to find in them.
 
-#include "colmap_tsar/scene_planes/discover_planes.h"
+#include "colmap_tsar/scene/discovery/discover_planes.h"
 
 #include <algorithm>
 #include <cmath>

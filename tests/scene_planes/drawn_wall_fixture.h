@@ -5,8 +5,8 @@
 
 // A wall along an axis of a Manhattan frame, as cameras before it see it.
 
-#include "colmap_tsar/scene_planes/observed_view.h"
-#include "colmap_tsar/scene_planes/scene_model.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
 
 #include <algorithm>
 #include <cmath>

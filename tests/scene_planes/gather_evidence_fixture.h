@@ -5,7 +5,7 @@
 
 // A synthetic view, from which evidence is gathered.
 
-#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/inverse_depth_error.h"
+#include "colmap_tsar/scene/adjustment/inverse_depth_error.h"
 
 #include <cmath>
 #include <limits>

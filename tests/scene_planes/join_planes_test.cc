@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/join_planes.h"
+#include "colmap_tsar/scene/discovery/join_planes.h"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/scene_planes/label_graph.h"
+#include "colmap_tsar/scene/graph_cut/label_graph.h"
 
 #include <vector>
 

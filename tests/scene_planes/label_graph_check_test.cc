@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/scene_planes/label_graph.h"
+#include "colmap_tsar/scene/graph_cut/label_graph.h"
 
 #include <functional>
 #include <limits>

@@ -5,7 +5,7 @@
 
 // A reference and other views of drawn planes, to be labelled.
 
-#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
 
 #include <algorithm>
 #include <functional>

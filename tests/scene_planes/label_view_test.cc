@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/label_view.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
 
 #include <algorithm>
 #include <vector>

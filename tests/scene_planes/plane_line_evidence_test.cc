@@ -3,7 +3,7 @@
 
 // What views tell of lines, before any of them is a crease.
 
-#include "colmap_tsar/scene_planes/line_evidence.h"
+#include "colmap_tsar/scene/creases/line_evidence.h"
 
 #include "tests/scene_planes/drawn_wall_fixture.h"
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/plane_lines.h"
+#include "colmap_tsar/scene/creases/plane_lines.h"
 
 #include "tests/scene_planes/drawn_wall_fixture.h"
 

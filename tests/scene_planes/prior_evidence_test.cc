@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/scene_planes/gather_evidence.h"
-#include "colmap_tsar/scene_planes/prior_planes.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/prior_planes.h"
 
 #include <algorithm>
 #include <cmath>

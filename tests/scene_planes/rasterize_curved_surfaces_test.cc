@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/rasterize_curved_surfaces.h"
+#include "colmap_tsar/scene/surfaces/rasterize_curved_surfaces.h"
 
-#include "colmap_tsar/scene_planes/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
 
 #include <algorithm>
 #include <memory>

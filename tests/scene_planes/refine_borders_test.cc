@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/refine_borders.h"
+#include "colmap_tsar/scene/labeling/refine_borders.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/filtering/confirmation.h"
-#include "colmap_tsar/scene_planes/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/view/filter/confirmation.h"
 
 #include <algorithm>
 #include <functional>

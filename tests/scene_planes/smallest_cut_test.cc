@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/smallest_cut.h"
+#include "colmap_tsar/scene/graph_cut/smallest_cut.h"
 
 #include "colmap_tsar/base/random.h"
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/superpixel_matches.h"
+#include "colmap_tsar/scene/evidence/superpixel_matches.h"
 
 #include <algorithm>
 #include <cmath>

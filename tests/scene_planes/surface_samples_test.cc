@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene_planes/surface_samples.h"
+#include "colmap_tsar/scene/surfaces/surface_samples.h"
 
 #include "colmap_tsar/base/random.h"
 

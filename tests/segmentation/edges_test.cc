@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/segmentation/hough.h"
-#include "colmap_tsar/segmentation/roberts.h"
+#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/roberts.h"
 
 #include <algorithm>
 #include <cmath>

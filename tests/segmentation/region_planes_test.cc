@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/segmentation/region_planes.h"
+#include "colmap_tsar/view/regions/region_planes.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/segmentation/assign_region_planes.h"
+#include "colmap_tsar/view/regions/assign_region_planes.h"
 
 #include <cmath>
 #include <utility>

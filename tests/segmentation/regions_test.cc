@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/segmentation/regions.h"
+#include "colmap_tsar/view/regions/regions.h"
 
-#include "colmap_tsar/segmentation/boundary_test.h"
+#include "colmap_tsar/view/regions/boundary_test.h"
 
 #include <algorithm>
 #include <cstdlib>

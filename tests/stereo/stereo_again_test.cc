@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/controllers/refine_workspace.h"
-#include "colmap_tsar/stereo/stereo_workspace.h"
-#include "colmap_tsar/store/workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/refine_workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <chrono>
 #include <utility>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/stereo/stereo_workspace.h"
+#include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <filesystem>
 #include <functional>

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/changed_results.h"
+#include "colmap_tsar/run/store/changed_results.h"
 
-#include "colmap_tsar/store/result_files.h"
+#include "colmap_tsar/run/store/result_files.h"
 
 #include "tests/store/write_back_testing.h"
 #include "tests/support/write_refined.h"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/store/evidence_file.h"
+#include "colmap_tsar/run/store/evidence_file.h"
 
 #include <cstdint>
 #include <string>

@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/originals.h"
-#include "colmap_tsar/store/restore.h"
+#include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/restore.h"
 
 #include "tests/store/write_back_testing.h"
 #include "tests/support/write_refined.h"

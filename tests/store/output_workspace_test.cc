@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/output_workspace.h"
+#include "colmap_tsar/run/store/output_workspace.h"
 
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/write_back.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <map>
 

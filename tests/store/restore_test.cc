@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/restore.h"
+#include "colmap_tsar/run/store/restore.h"
 
-#include "colmap_tsar/store/originals.h"
-#include "colmap_tsar/store/output_workspace.h"
-#include "colmap_tsar/store/result_files.h"
-#include "colmap_tsar/store/workspace_lock.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/output_workspace.h"
+#include "colmap_tsar/run/store/result_files.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <chrono>
 #include <fstream>

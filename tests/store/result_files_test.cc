@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/result_files.h"
+#include "colmap_tsar/run/store/result_files.h"
 
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/store/originals.h"
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/store/write_back.h"
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/sigma_map.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <filesystem>
 

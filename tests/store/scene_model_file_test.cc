@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/scene_model_file.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 
 #include "colmap_tsar/base/content_hash.h"
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/workspace_lock.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <csignal>
 #include <optional>

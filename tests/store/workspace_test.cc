@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
 
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
 
 #include "tests/support/test_workspace.h"
 

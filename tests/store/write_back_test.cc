@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/store/write_back.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include "colmap_tsar/base/content_hash.h"
-#include "colmap_tsar/store/manifest.h"
-#include "colmap_tsar/store/restore.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/manifest.h"
+#include "colmap_tsar/run/store/restore.h"
 
 #include "tests/store/write_back_testing.h"
 #include "tests/support/test_workspace.h"

@@ -3,7 +3,7 @@
 
 #include "tests/store/write_back_testing.h"
 
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
 
 namespace tsar {
 

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/superpixels/correlation.h"
+#include "colmap_tsar/view/superpixels/correlation.h"
 
 #include <algorithm>
 #include <utility>

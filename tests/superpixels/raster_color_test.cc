@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/superpixels/cielab.h"
-#include "colmap_tsar/superpixels/reduce_color.h"
+#include "colmap_tsar/view/superpixels/cielab.h"
+#include "colmap_tsar/view/superpixels/reduce_color.h"
 
 #include <cstdlib>
 #include <utility>

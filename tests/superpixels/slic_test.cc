@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/superpixels/slic.h"
+#include "colmap_tsar/view/superpixels/slic.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/superpixels/fragments.h"
+#include "colmap_tsar/view/superpixels/fragments.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/superpixels/superpixel_planes.h"
+#include "colmap_tsar/view/superpixels/superpixel_planes.h"
 
 #include "colmap_tsar/base/random.h"
 

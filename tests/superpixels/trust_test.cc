@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/superpixels/trust.h"
+#include "colmap_tsar/view/superpixels/trust.h"
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/buffer.h"

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/scene_planes/observed_view.h"
-#include "colmap_tsar/scene_planes/view_evidence.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+#include "colmap_tsar/scene/evidence/view_evidence.h"
 
 #include <cstddef>
 #include <functional>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/pipeline/find_scene.h"
+#include "colmap_tsar/scene/find_scene.h"
 
 #include <cstdint>
 #include <functional>

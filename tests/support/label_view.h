@@ -3,11 +3,11 @@
 
 #pragma once
 
-#include "colmap_tsar/planes/world_plane.h"
-#include "colmap_tsar/scene_planes/choose_labels.h"
-#include "colmap_tsar/scene_planes/label_inputs.h"
-#include "colmap_tsar/scene_planes/label_votes.h"
-#include "colmap_tsar/scene_planes/plane_costs.h"
+#include "colmap_tsar/scene/labeling/choose_labels.h"
+#include "colmap_tsar/scene/labeling/label_inputs.h"
+#include "colmap_tsar/scene/labeling/label_votes.h"
+#include "colmap_tsar/scene/labeling/plane_costs.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <utility>
 #include <vector>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/pipeline/refine_scene.h"
+#include "colmap_tsar/compose/refine_scene.h"
 
 #include <cstdint>
 #include <memory>

@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/store/scene_model_file.h"
-#include "colmap_tsar/store/workspace.h"
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <array>
 #include <string>

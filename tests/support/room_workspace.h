@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/scene_planes/scene_model.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
 
 #include <filesystem>
 

@@ -7,7 +7,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/scene_planes/observed_view.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
 
 #include <functional>
 #include <utility>

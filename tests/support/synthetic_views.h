@@ -6,7 +6,7 @@
 // A slanted wall seen by five cameras, as the stages get it.
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/pipeline/view_data.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <cmath>

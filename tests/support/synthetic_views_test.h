@@ -5,7 +5,7 @@
 
 // Drawn views to be refined, and what must hold for the maps.
 
-#include "colmap_tsar/pipeline/refine_image.h"
+#include "colmap_tsar/compose/refine_image.h"
 
 #include <cmath>
 #include <memory>

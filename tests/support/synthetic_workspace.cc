@@ -3,8 +3,8 @@
 
 #include "tests/support/synthetic_workspace.h"
 
-#include "colmap_tsar/workspace/map_io.h"
-#include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_paths.h"
 
 #include <cmath>
 #include <cstdint>

@@ -3,7 +3,7 @@
 
 #include "tests/support/test_workspace.h"
 
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
 
 #include <cstdlib>
 #include <fstream>

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/store/write_back.h"
-#include "colmap_tsar/workspace/map_paths.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <filesystem>
 #include <functional>

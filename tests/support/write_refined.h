@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/store/write_back.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <utility>
 

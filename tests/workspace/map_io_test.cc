@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/workspace/map_io.h"
+#include "colmap_tsar/io/map_io.h"
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/workspace/map_shape.h"
-#include "colmap_tsar/workspace/sigma_map.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/sigma_map.h"
 
 #include <algorithm>
 #include <cmath>

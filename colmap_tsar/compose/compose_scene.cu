@@ -1,0 +1,371 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/compose_scene.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/view/measurement_support.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+// Of a plane of the scene that fills a pixel.
+TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
+  switch (evidence) {
+    case LabelEvidence::kMeasured:
+      return Provenance::kRegionPlane;
+    case LabelEvidence::kCarried:
+      return Provenance::kOtherViews;
+    default:
+      return Provenance::kGuessed;
+  }
+}
+
+// What becomes of the depth that a pixel measured.
+enum OwnDepth : uint8_t {
+  kGivesWay = 0,   // To a plane, or because nothing speaks for it.
+  kMoves = 1,      // Onto the plane that it measured.
+  kContested = 2,  // It and the plane are two surfaces, or there is no plane.
+  kStands = 3,
+};
+
+// Finds the measurements that do not lie on a plane of the scene.
+struct OwnDepthKernel {
+  ImageView<const float> depth;
+  ImageView<const uint8_t> rating;
+  PlaneRaster scene_planes;
+  DepthResolution resolution;
+  float on_plane;
+  ImageView<uint8_t> own_depth;
+  // Where the measurement is contested, it and the plane; 0 elsewhere.
+  ImageView<float> contested;
+  ImageView<float> rivals;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float own = depth(x, y);
+    const float plane = DepthOnPlane(scene_planes, x, y);
+    const OwnDepth result = Judge(own, plane, rating(x, y));
+    own_depth(x, y) = result;
+    contested(x, y) = result == kContested ? own : 0.f;
+    rivals(x, y) = result == kContested ? plane : 0.f;
+  }
+
+  TSAR_HD OwnDepth Judge(float own, float plane, uint8_t rating_of_own) const {
+    if (!(own > 0.f) || (!MeasurementRating::IsTrusted(rating_of_own) &&
+                         !MeasurementRating::IsConfirmed(rating_of_own))) {
+      return kGivesWay;
+    }
+    return plane > 0.f && GapInPixels(own, plane, resolution) <= on_plane
+               ? kMoves
+               : kContested;
+  }
+};
+
+// Of the measurement at a pixel of the map.
+TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
+                                            const ViewVotes& votes,
+                                            int x,
+                                            int y) {
+  const ImageView<const float>& raster = inputs.texture;
+  return {
+      votes,
+      raster(ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
+             ReducedRaster::FromMap(y, inputs.ratings.height, raster.height)),
+      MeasurementRating::IsTrusted(inputs.ratings(x, y))};
+}
+
+// Decides by the views, the image and the label.
+struct ContestKernel {
+  ComposeSceneInputs inputs;
+  DepthResolution resolution;
+  float min_log_odds;
+  ImageView<const float> contested;
+  ImageView<const float> rivals;
+  ImageView<const ViewVotes> votes;
+  ImageView<const ViewVotes> votes_on_rivals;
+  ImageView<uint8_t> own_depth;
+
+  TSAR_HD void operator()(int x, int y) const {
+    if (own_depth(x, y) != kContested) {
+      return;
+    }
+    const float rival = rivals(x, y);
+    const PriorDepth prior = inputs.prior.At(x, y);
+    if (!(rival > 0.f)) {
+      own_depth(x, y) = StandsAgainstPrior(x, y, prior) ? kStands : kGivesWay;
+      return;
+    }
+    const float gap = GapInPixels(contested(x, y), rival, resolution);
+    const Rival plane{
+        votes_on_rivals(x, y), gap, SuperpixelAt(inputs, x, y).label.margin};
+    const MeasurementSupport own = SupportAt(inputs, votes(x, y), x, y);
+    const float log_odds = LogOddsAgainst(plane, own) +
+                           LogLikelihoodRatio(prior, contested(x, y)) -
+                           LogLikelihoodRatio(prior, rival);
+    own_depth(x, y) = log_odds > min_log_odds ? kStands
+                      : gap <= kOnSurface     ? kMoves
+                                              : kGivesWay;
+  }
+
+  // Where there is no plane.
+  TSAR_HD bool StandsAgainstPrior(int x, int y, const PriorDepth& prior) const {
+    const float log_ratio = LogLikelihoodRatio(prior, contested(x, y));
+    if (log_ratio >= 0.f) {
+      return true;
+    }
+    const float before =
+        ConfidenceInSurface({DepthKind::kStanding,
+                             SupportAt(inputs, votes(x, y), x, y),
+                             {},
+                             0.f,
+                             0.f});
+    return PosteriorProbability(before, log_ratio) >
+           PosteriorProbability(0.5f, min_log_odds);
+  }
+};
+
+struct ComposeSceneKernel {
+  ComposeSceneInputs inputs;
+  ImageView<const uint8_t> own_depth;
+  // The own hypotheses, which the result replaces.
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const uint8_t own = own_depth(x, y);
+    if (own == kStands) {
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
+      return;
+    }
+    const Plane plane = inputs.scene_planes.At(x, y);
+    const bool has_plane = plane.Valid();
+    if (const PriorDepth prior = inputs.prior.At(x, y);
+        !has_plane && prior.depth > 0.f) {
+      depth(x, y) = prior.depth;
+      normal(x, y) = inputs.prior.NormalAt(x, y);
+      provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
+      return;
+    }
+    depth(x, y) =
+        has_plane ? plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)) : 0.f;
+    normal(x, y) = has_plane ? plane.normal : Vec3f{};
+    provenance(x, y) = static_cast<uint8_t>(
+        !has_plane ? Provenance::kNone
+        : own == kMoves
+            ? Provenance::kMeasured
+            : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
+  }
+};
+
+struct SceneConfidenceKernel {
+  ComposeSceneInputs inputs;
+  ImageView<const float> depth;
+  ImageView<const uint8_t> provenance;
+  ImageView<const ViewVotes> votes;
+  DepthResolution resolution;
+  float noise;
+  float min_fill_confidence;
+  ImageView<float> confidence;
+
+  TSAR_HD void operator()(int x, int y) const {
+    if (!(depth(x, y) > 0.f)) {
+      confidence(x, y) = 0.f;
+      return;
+    }
+    const PriorDepth prior = inputs.prior.At(x, y);
+    if (static_cast<Provenance>(provenance(x, y)) == Provenance::kPrior) {
+      confidence(x, y) =
+          ProbabilityWithin(prior, kSameSurface) >= min_fill_confidence
+              ? Bounded(ProbabilityWithin(prior, kRight))
+              : 0.f;
+      return;
+    }
+    const DepthEvidence evidence = EvidenceAt(x, y);
+    const bool is_measured =
+        static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
+    const float in_surface = ConfidenceInSurface(evidence);
+    // The prior tells which surface, not how precisely.
+    const float with_prior = PosteriorProbability(
+        in_surface, LogLikelihoodRatio(prior, depth(x, y)));
+    confidence(x, y) =
+        is_measured || with_prior >= min_fill_confidence
+            ? inputs.prior.depth.Empty()
+                  ? ConfidenceOf(evidence)
+                  : Bounded(ConfidenceOf(evidence) * with_prior / in_surface)
+            : 0.f;
+  }
+
+  // What confidence is the probability of; and how far a prior may be off and
+  // still be on the right surface.
+  static constexpr float kRight = 0.01f;
+  static constexpr float kSameSurface = 0.03f;
+
+  TSAR_HD static float Bounded(float probability) {
+    return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
+  }
+
+  // Of a prior's relative error, by an approximation of the normal distribution
+  // that is right to 0.01.
+  TSAR_HD static float ProbabilityWithin(const PriorDepth& prior, float error) {
+    constexpr float kTwoOverPi = 0.63661977f;
+    const float share = error / prior.sigma;
+    return (1.f - prior.outlier_share) *
+           sqrtf(1.f - ExpOfNegative(-kTwoOverPi * share * share));
+  }
+
+  TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {
+    return {KindAt(x, y),
+            SupportAt(inputs, votes(x, y), x, y),
+            SuperpixelAt(inputs, x, y).label,
+            resolution.RelativeDepthError(depth(x, y)),
+            noise};
+  }
+
+  TSAR_HD DepthKind KindAt(int x, int y) const {
+    const auto source = static_cast<Provenance>(provenance(x, y));
+    const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
+    switch (source) {
+      case Provenance::kInterpolated:
+        return DepthKind::kInterpolated;
+      case Provenance::kMeasured:
+        return !IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
+                   ? DepthKind::kStanding
+               : superpixel.is_curved ? DepthKind::kMovedToCurved
+                                      : DepthKind::kMoved;
+      default:
+        return KindOfFill(superpixel);
+    }
+  }
+
+  TSAR_HD static DepthKind KindOfFill(const ComposedSuperpixel& superpixel) {
+    if (superpixel.is_curved) {
+      return DepthKind::kFilledByCurved;
+    }
+    switch (superpixel.evidence) {
+      case LabelEvidence::kMeasured:
+        return DepthKind::kFilled;
+      case LabelEvidence::kCarried:
+        return DepthKind::kCarried;
+      default:
+        return DepthKind::kGuessed;
+    }
+  }
+};
+
+struct PlaneMapKernel {
+  ImageView<const float> depth;
+  PlaneRaster scene_planes;
+  ImageView<const uint16_t> numbers;
+  ImageView<uint16_t> map;
+
+  TSAR_HD void operator()(int x, int y) const {
+    map(x, y) =
+        IsOnPlane(scene_planes, x, y, depth(x, y))
+            ? numbers(ReducedRaster::FromMap(x, depth.width, numbers.width),
+                      ReducedRaster::FromMap(y, depth.height, numbers.height))
+            : 0;
+  }
+};
+
+}  // namespace
+
+ComposedMap ComposeScene(DepthNormalImages own,
+                         const ComposeSceneInputs& inputs,
+                         const ViewSurfaces& surfaces,
+                         const DepthResolution& resolution,
+                         const ComposeSceneOptions& options,
+                         Device& device) {
+  const int width = own.depth.Width();
+  const int height = own.depth.Height();
+  ComposedMap composed{std::move(own),
+                       DeviceImage<uint8_t>(device, width, height)};
+  DeviceImage<uint8_t> own_depth(device, width, height);
+  {
+    DeviceImage<float> contested(device, width, height);
+    DeviceImage<float> rivals(device, width, height);
+    ParallelFor(device,
+                width,
+                height,
+                OwnDepthKernel{composed.map.depth.View(),
+                               inputs.ratings,
+                               inputs.scene_planes,
+                               resolution,
+                               options.on_plane,
+                               own_depth.View(),
+                               contested.View(),
+                               rivals.View()});
+    const std::vector<DeviceImage<ViewVotes>> votes = CountViewVotes(
+        surfaces,
+        inputs.scene_planes.intrinsics,
+        {std::as_const(contested).View(), std::as_const(rivals).View()},
+        device);
+    ParallelFor(device,
+                width,
+                height,
+                ContestKernel{inputs,
+                              resolution,
+                              options.min_log_odds,
+                              std::as_const(contested).View(),
+                              std::as_const(rivals).View(),
+                              votes[0].View(),
+                              votes[1].View(),
+                              own_depth.View()});
+  }
+  ParallelFor(device,
+              width,
+              height,
+              ComposeSceneKernel{inputs,
+                                 std::as_const(own_depth).View(),
+                                 composed.map.depth.View(),
+                                 composed.map.normal.View(),
+                                 composed.provenance.View()});
+  return composed;
+}
+
+DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
+                                       const ComposeSceneInputs& inputs,
+                                       const ViewSurfaces& surfaces,
+                                       const DepthResolution& resolution,
+                                       float noise,
+                                       float min_fill_confidence,
+                                       Device& device) {
+  const std::vector<DeviceImage<ViewVotes>> votes =
+      CountViewVotes(surfaces,
+                     inputs.scene_planes.intrinsics,
+                     {composed.map.depth.View()},
+                     device);
+  DeviceImage<float> confidence(
+      device, inputs.ratings.width, inputs.ratings.height);
+  ParallelFor(device,
+              confidence.Width(),
+              confidence.Height(),
+              SceneConfidenceKernel{inputs,
+                                    composed.map.depth.View(),
+                                    composed.provenance.View(),
+                                    votes[0].View(),
+                                    resolution,
+                                    noise,
+                                    min_fill_confidence,
+                                    confidence.View()});
+  return confidence;
+}
+
+DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
+                                const PlaneRaster& scene_planes,
+                                ImageView<const uint16_t> numbers,
+                                Device& device) {
+  DeviceImage<uint16_t> map(device, depth.width, depth.height);
+  ParallelFor(device,
+              depth.width,
+              depth.height,
+              PlaneMapKernel{depth, scene_planes, numbers, map.View()});
+  return map;
+}
+
+}  // namespace tsar

@@ -1,0 +1,23 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/io/sparse_model.h"
+
+#include <optional>
+
+namespace tsar {
+
+struct DepthInterval {
+  double min = 0.0;
+  double max = 0.0;
+};
+
+// The depths between which an image's surfaces lie, as COLMAP estimates them:
+// from the first to the 99th percentile of its sparse points in front of it,
+// widened by a quarter. Nothing where the image has none.
+std::optional<DepthInterval> SparseDepthInterval(const SparseModel& model,
+                                                 int image);
+
+}  // namespace tsar

@@ -1,0 +1,151 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/depth_sigma.h"
+
+#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/compose/compose_scene.h"
+#include "colmap_tsar/device/parallel_for.h"
+
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+// A view's noise counts as no less than this; it is 0 where no superpixel has a
+// plane.
+constexpr float kMinNoise = 0.1f;
+
+struct SigmaKernel {
+  DepthResolution resolution;
+  ViewSigmaOptions options;
+  ImageView<const float> depth;
+  ImageView<const uint8_t> provenance;
+  ImageView<uint16_t> sigma;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float z = depth(x, y);
+    const auto source = static_cast<Provenance>(provenance(x, y));
+    sigma(x, y) = z > 0.f
+                      ? ToPositiveHalf(z * resolution.RelativeDepthError(z) *
+                                       Matching(source))
+                      : uint16_t{0};
+  }
+
+  // In relative depths of one pixel of disparity.
+  TSAR_HD float Matching(Provenance source) const {
+    switch (source) {
+      case Provenance::kMeasured:
+        return options.measured;
+      case Provenance::kSuperpixelPlane:
+        return options.superpixel_plane;
+      case Provenance::kInterpolated:
+        return options.interpolated;
+      default:
+        return options.region_plane;
+    }
+  }
+};
+
+struct SceneSigmaKernel {
+  ComposeSceneInputs inputs;
+  DepthResolution resolution;
+  float noise;
+  SceneSigmaOptions options;
+  ImageView<const float> depth;
+  ImageView<const uint8_t> provenance;
+  ImageView<uint16_t> sigma;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float z = depth(x, y);
+    if (!(z > 0.f)) {
+      sigma(x, y) = 0;
+      return;
+    }
+    const auto source = static_cast<Provenance>(provenance(x, y));
+    if (source == Provenance::kPrior) {
+      sigma(x, y) = ToPositiveHalf(z * inputs.prior.At(x, y).sigma);
+      return;
+    }
+    const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
+    const bool is_on_plane = IsOnPlane(inputs.scene_planes, x, y, z);
+    const float matching = Matching(source, is_on_plane, superpixel) *
+                           resolution.RelativeDepthError(z);
+    // Of the plane, as a share of the depth: that of 1/z is the same.
+    const float of_plane =
+        is_on_plane && !superpixel.is_curved
+            ? z * z *
+                  superpixel.error.Variance(
+                      inputs.scene_planes.intrinsics.Ray(x, y))
+            : 0.f;
+    sigma(x, y) = ToPositiveHalf(z * sqrtf(matching * matching + of_plane));
+  }
+
+  // Beside the error of the plane, in relative depths of one pixel of
+  // disparity.
+  TSAR_HD float Matching(Provenance source,
+                         bool is_on_plane,
+                         const ComposedSuperpixel& superpixel) const {
+    if (source == Provenance::kInterpolated) {
+      return options.interpolated;
+    }
+    if (source == Provenance::kMeasured) {
+      return !is_on_plane           ? noise * options.standing
+             : superpixel.is_curved ? options.moved_to_curved
+                                    : options.moved;
+    }
+    if (!is_on_plane || superpixel.is_curved) {
+      return options.no_plane;
+    }
+    switch (superpixel.evidence) {
+      case LabelEvidence::kMeasured:
+        return options.filled_measured;
+      case LabelEvidence::kCarried:
+        return options.filled_carried;
+      default:
+        return options.filled_guessed;
+    }
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
+                                        const ComposeSceneInputs& inputs,
+                                        const DepthResolution& resolution,
+                                        float noise,
+                                        const SceneSigmaOptions& options,
+                                        Device& device) {
+  DeviceImage<uint16_t> sigma(
+      device, inputs.ratings.width, inputs.ratings.height);
+  ParallelFor(device,
+              sigma.Width(),
+              sigma.Height(),
+              SceneSigmaKernel{inputs,
+                               resolution,
+                               fmaxf(noise, kMinNoise),
+                               options,
+                               composed.map.depth.View(),
+                               composed.provenance.View(),
+                               sigma.View()});
+  return sigma;
+}
+
+DeviceImage<uint16_t> ComputeSigma(const ComposedMap& composed,
+                                   const DepthResolution& resolution,
+                                   const ViewSigmaOptions& options,
+                                   Device& device) {
+  DeviceImage<uint16_t> sigma(
+      device, composed.map.depth.Width(), composed.map.depth.Height());
+  ParallelFor(device,
+              sigma.Width(),
+              sigma.Height(),
+              SigmaKernel{resolution,
+                          options,
+                          composed.map.depth.View(),
+                          composed.provenance.View(),
+                          sigma.View()});
+  return sigma;
+}
+
+}  // namespace tsar

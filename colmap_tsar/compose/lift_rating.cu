@@ -1,0 +1,199 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/lift_rating.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/copy.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/view/filter/confirmation.h"
+#include "colmap_tsar/view/reduce_view.h"
+#include "colmap_tsar/view/square_hypothesis.h"
+
+#include <climits>
+#include <cmath>
+#include <string>
+
+namespace tsar {
+namespace {
+
+constexpr float kToleranceInErrors = 0.5f;
+constexpr float kMinTolerance = 3e-3f;
+
+struct LiftRatingsKernel {
+  JudgedHypotheses judged;
+  ImageView<const float> depth;
+  Intrinsics intrinsics;
+  DepthResolution resolution;
+  ImageView<uint8_t> lifted;
+
+  // Whether a depth of the map is one with the hypothesis of a reduced pixel.
+  TSAR_HD bool IsOnPlane(
+      int column, int row, const Vec3f& ray, float own, float tolerance) const {
+    const float judged_depth = judged.hypotheses.depth(column, row);
+    if (!(judged_depth > 0.f)) {
+      return false;
+    }
+    const Plane plane = Plane::FromPoint(judged.intrinsics.Ray(column, row),
+                                         judged_depth,
+                                         judged.hypotheses.normal(column, row));
+    // A normal that faces away says nothing of the slant.
+    const float on_ray = plane.Valid() ? plane.Depth(ray) : judged_depth;
+    return fabsf(on_ray - own) <= tolerance * own;
+  }
+
+  TSAR_HD void operator()(int x, int y) const {
+    const float own = depth(x, y);
+    uint8_t rating = 0;
+    if (own > 0.f) {
+      const float tolerance =
+          fmaxf(kToleranceInErrors * resolution.RelativeDepthError(own),
+                kMinTolerance);
+      const Vec3f ray = intrinsics.Ray(x, y);
+      const int factor = judged.factor;
+      int nearest = INT_MAX;
+      for (int row = y / factor - 1; row <= y / factor + 1; ++row) {
+        for (int column = x / factor - 1; column <= x / factor + 1; ++column) {
+          if (!judged.ratings.Contains(column, row)) {
+            continue;
+          }
+          // In half pixels, from the middle of the square; the one that covers
+          // the pixel is the nearest.
+          const int to_x = 2 * (x - column * factor) - (factor - 1);
+          const int to_y = 2 * (y - row * factor) - (factor - 1);
+          const int distance = to_x * to_x + to_y * to_y;
+          if (distance < nearest &&
+              IsOnPlane(column, row, ray, own, tolerance)) {
+            nearest = distance;
+            rating = judged.ratings(column, row);
+          }
+        }
+      }
+    }
+    lifted(x, y) = rating;
+  }
+};
+
+struct PackRatingsKernel {
+  ImageView<const uint8_t> trusted;
+  ImageView<const uint8_t> confirmations;
+  ImageView<uint8_t> ratings;
+
+  TSAR_HD void operator()(int x, int y) const {
+    ratings(x, y) = MeasurementRating::Pack(
+        trusted(x, y) != 0,
+        confirmations.Empty() ? Confirmation::kNone
+                              : static_cast<Confirmation>(confirmations(x, y)));
+  }
+};
+
+struct ReduceKernel {
+  SquareHypothesis squares;
+  Intrinsics reduced;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+
+  TSAR_HD void operator()(int x, int y) const {
+    depth(x, y) = 0.f;
+    normal(x, y) = {};
+    const ptrdiff_t found = squares.Find(x, y);
+    if (found >= 0) {
+      depth(x, y) = squares.DepthOnRay(
+          found, reduced.Ray(static_cast<float>(x), static_cast<float>(y)));
+      normal(x, y) = squares.normal.data[found];
+    }
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
+                                 ImageView<const float> depth,
+                                 const Intrinsics& intrinsics,
+                                 const DepthResolution& resolution,
+                                 Device& device) {
+  DeviceImage<uint8_t> lifted(device, depth.width, depth.height);
+  if (judged.factor == 1) {
+    Copy(device,
+         judged.ratings.data,
+         judged.ratings.NumPixels(),
+         lifted.View().data);
+    return lifted;
+  }
+  ParallelFor(
+      device,
+      depth.width,
+      depth.height,
+      LiftRatingsKernel{judged, depth, intrinsics, resolution, lifted.View()});
+  return lifted;
+}
+
+DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
+                                 const ViewData& reference,
+                                 const DeviceReference& view,
+                                 Device& device) {
+  const int factor = FactorBetween(view.Width(),
+                                   view.Height(),
+                                   evidence.ratings.Width(),
+                                   evidence.ratings.Height());
+  if (factor == 0) {
+    throw Error(
+        ErrorCode::kMismatch,
+        "its evidence rates " + std::to_string(evidence.ratings.Width()) + "x" +
+            std::to_string(evidence.ratings.Height()) +
+            " pixels, which its depth map of " + std::to_string(view.Width()) +
+            "x" + std::to_string(view.Height()) +
+            " does not have at any scale; delete the folder "
+            "stereo/tsar/evidence and run again");
+  }
+  DeviceImage<uint8_t> ratings(device, evidence.ratings);
+  if (factor == 1) {
+    return ratings;
+  }
+  const DepthNormalImages reduced =
+      ReduceHypotheses(view, reference.is_to_refine, factor, device);
+  return LiftRatings({ratings.View(),
+                      {reduced.depth.View(), reduced.normal.View()},
+                      ReduceCamera(view.camera, factor).GetIntrinsics(),
+                      factor},
+                     view.hypotheses.depth.View(),
+                     view.MapIntrinsics(),
+                     evidence.resolution,
+                     device);
+}
+
+DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
+                                 ImageView<const uint8_t> confirmations,
+                                 Device& device) {
+  DeviceImage<uint8_t> ratings(device, trusted.width, trusted.height);
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              PackRatingsKernel{trusted, confirmations, ratings.View()});
+  return ratings;
+}
+
+DepthNormalImages ReduceHypotheses(const DeviceReference& view,
+                                   const Image<uint8_t>& is_to_refine,
+                                   int factor,
+                                   Device& device) {
+  const Camera camera = ReduceCamera(view.camera, factor);
+  const DeviceImage<uint8_t> to_refine(device, is_to_refine);
+  DepthNormalImages reduced(device, camera.width, camera.height);
+  ParallelFor(device,
+              camera.width,
+              camera.height,
+              ReduceKernel{{view.hypotheses.depth.View(),
+                            view.hypotheses.normal.View(),
+                            to_refine.View(),
+                            view.MapIntrinsics(),
+                            factor},
+                           camera.GetIntrinsics(),
+                           reduced.depth.View(),
+                           reduced.normal.View()});
+  return reduced;
+}
+
+}  // namespace tsar

@@ -1,0 +1,31 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/compose/photometric_offset.h"
+#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/uploaded_view.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tsar {
+
+// Restores what stands off its surface by less than the spread of measured
+// depths, which composition smooths onto the surface: posters, doors and
+// mouldings. Measured pixels with texture move by the mean offset that the
+// images show in their neighbourhood; normals and provenance stay.
+// For maps that are judged as they are.
+void RestoreDetail(
+    const DeviceReference& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    const DepthResolution& resolution,
+    const PhotometricOptions& options,
+    ComposedMap* composed,
+    Device& device);
+
+}  // namespace tsar

@@ -1,0 +1,431 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/refine_scene.h"
+
+#include "colmap_tsar/compose/compose_scene.h"
+#include "colmap_tsar/compose/depth_sigma.h"
+#include "colmap_tsar/compose/lay_cylinders.h"
+#include "colmap_tsar/compose/lift_rating.h"
+#include "colmap_tsar/compose/photometric_detail.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
+#include "colmap_tsar/scene/evidence/foreground_fattening.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/texture_measures.h"
+#include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/scene/labeling/refine_borders.h"
+#include "colmap_tsar/scene/scene_options.h"
+#include "colmap_tsar/scene/surfaces/rasterize_curved_surfaces.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/fill_holes.h"
+#include "colmap_tsar/view/find_surfaces.h"
+#include "colmap_tsar/view/gray.h"
+#include "colmap_tsar/view/planes/world_plane.h"
+#include "colmap_tsar/view/stage_options.h"
+#include "colmap_tsar/view/stage_timer.h"
+#include "colmap_tsar/view/superpixels/cielab.h"
+#include "colmap_tsar/view/view_votes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// What a plane must explain in one view to be looked at by the neighbours,
+// relative to what it must explain in all of them.
+constexpr double kShareOfOneView = 0.25;
+// Of the windows in which views are judged, on the raster.
+int PatchRadius(const Image<float>& raster, const Camera& camera) {
+  return static_cast<int>(
+      std::lround(double{kPatchRadius} * raster.Width() / camera.width));
+}
+
+EvidenceInputs DownloadInputs(const DeviceViews& views,
+                              const Surfaces& surfaces,
+                              ImageView<const float> gray,
+                              Device& device) {
+  EvidenceInputs inputs;
+  inputs.superpixels = surfaces.superpixels.labels.ToHost();
+  inputs.num_superpixels = surfaces.superpixels.count;
+  inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
+  // There are none without RefineOptions::superpixel_planes.
+  inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
+  const auto sample = [&](ImageView<const uint8_t> wanted) {
+    return SampleMeasurements(views.Hypotheses().depth,
+                              surfaces.score.View(),
+                              wanted,
+                              views.MapIntrinsics(),
+                              views.Raster(),
+                              device)
+        .ToHost();
+  };
+  inputs.samples = sample(surfaces.trusted.View());
+  if (!surfaces.confirmations.Empty()) {
+    inputs.confirmed_samples = sample(surfaces.confirmations.View());
+  }
+  if (!surfaces.region_planes.Empty()) {
+    inputs.region_planes = surfaces.region_planes.ToHost();
+  }
+  inputs.texture = ComputeTexture(gray, device).ToHost();
+  inputs.contrast = ComputeContrast(gray, device).ToHost();
+  inputs.intrinsics = views.RasterIntrinsics();
+  inputs.resolution = views.Scale();
+  return inputs;
+}
+
+// The measurements that a prior is aligned by: those on texture of their own.
+// On bare surfaces errors are shared by whole areas, of all views alike, and a
+// prior would follow them.
+Image<RayDepth> SamplesToAlignBy(const EvidenceInputs& inputs) {
+  constexpr float kMinOwnTexture = 0.5f;
+  const EvidenceOptions options;
+  Image<RayDepth> samples = inputs.samples;
+  for (size_t i = 0; i < samples.NumPixels(); ++i) {
+    if (!(inputs.texture.Data()[i] > options.min_texture) ||
+        (!inputs.fattening_weight.Empty() &&
+         inputs.fattening_weight.Data()[i] < kMinOwnTexture)) {
+      samples.Data()[i] = {};
+    }
+  }
+  return samples;
+}
+
+// Keeps of the planes of superpixels those that the view as a whole needs:
+// most of the hundreds say the same, and every neighbour would have to look at
+// each of them.
+void ReduceCandidates(const Camera& camera,
+                      const RefineOptions& options,
+                      Device& device,
+                      GatheredEvidence* gathered) {
+  ViewEvidence* evidence = &gathered->evidence;
+  const std::vector<ObservedView> views = {MakeObservedView(*evidence, camera)};
+  DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
+  discovery.min_gain *= kShareOfOneView;
+  const DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), discovery, device);
+  evidence->candidates.resize(static_cast<size_t>(gathered->num_region_planes));
+  for (const ScenePlane& plane : discovered.planes) {
+    const Plane candidate = ToCameraPlane(plane.plane, views[0].camera);
+    if (candidate.Valid()) {
+      evidence->candidates.push_back(candidate);
+    }
+  }
+}
+
+// planes: of each label.
+DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
+                              const std::vector<Plane>& planes,
+                              Device& device) {
+  return PlanesOfLabels(DeviceImage<uint16_t>(device, labels).View(),
+                        Buffer<Plane>(device, planes),
+                        device);
+}
+
+// The superpixel of each pixel once its borders are refined. Takes the trust
+// from measurements that an edge in front fattened.
+Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
+                                  const ObservedView& observed,
+                                  const LabeledView& labeled,
+                                  const BorderOptions& options,
+                                  DeviceImage<uint8_t>* ratings,
+                                  Device& device) {
+  const ViewEvidence& evidence = *observed.evidence;
+  const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
+  const DeviceImage<Vec3f> lab =
+      ConvertToLab(DeviceImage<Rgb>(device, evidence.color).View(), device);
+  const RefinedBorders refined = RefineBorders({superpixels.View(),
+                                                lab.View(),
+                                                view.hypotheses.depth.View(),
+                                                ratings->View(),
+                                                observed.camera.GetIntrinsics(),
+                                                evidence.resolution},
+                                               labeled.labels,
+                                               labeled.planes,
+                                               options,
+                                               device);
+  DistrustFattened(refined.fattened.View(), ratings->View(), device);
+  return refined.superpixels.ToHost();
+}
+
+Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
+                              const std::vector<LabelEvidence>& of_superpixel) {
+  Image<uint8_t> kinds(superpixels.Width(), superpixels.Height());
+  for (size_t i = 0; i < kinds.NumPixels(); ++i) {
+    kinds.Data()[i] =
+        static_cast<uint8_t>(of_superpixel[superpixels.Data()[i]]);
+  }
+  return kinds;
+}
+
+// The surface of each superpixel, planes before curved ones.
+void ShowScene(StageObserver* observer,
+               const ViewEvidence& evidence,
+               const LabeledView& labeled,
+               const CurvedView& curved) {
+  if (observer == nullptr) {
+    return;
+  }
+  std::vector<int> surfaces = labeled.labels;
+  for (size_t k = 0; k < curved.labels.size(); ++k) {
+    if (curved.labels[k] >= 0) {
+      surfaces[k] = static_cast<int>(labeled.planes.size()) + curved.labels[k];
+    }
+  }
+  const Image<uint16_t>& superpixels = evidence.superpixels;
+  Image<int> labels(superpixels.Width(), superpixels.Height());
+  std::transform(superpixels.begin(),
+                 superpixels.end(),
+                 labels.begin(),
+                 [&](uint16_t superpixel) { return surfaces[superpixel]; });
+  observer->Show(RefineStage::kSceneLabels, labels);
+  observer->Show(RefineStage::kLabelEvidence,
+                 EvidenceRaster(superpixels, curved.evidence));
+}
+
+DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
+  const DeviceImage<float> gray =
+      ComputeGray(DeviceImage<Rgb>(device, evidence.color).View(), device);
+  return ComputeTexture(gray.View(), device);
+}
+
+// The superpixels' evidence with what is known of their planes.
+std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
+  const LabeledView& labeled = found.labeled;
+  const CurvedView& curved = found.curved;
+  std::vector<ComposedSuperpixel> result;
+  for (size_t k = 0; k < curved.evidence.size(); ++k) {
+    const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
+    const int label = labeled.labels[k];
+    const LabelQuality& quality = labeled.qualities[k];
+    result.push_back({curved.evidence[k],
+                      {quality.strength.Value(),
+                       quality.confirmed.Value(),
+                       quality.uncertainty.Value(),
+                       quality.margin.Value()},
+                      label >= 0
+                          ? found.plane_errors[static_cast<size_t>(label)]
+                          : InverseDepthError{},
+                      is_curved});
+  }
+  return result;
+}
+
+// A confirmed depth is moved onto its plane only within so many standard
+// deviations of the depths about their planes, and within no less than this
+// share of a pixel of disparity, which no matching resolves.
+constexpr double kSpreadOnPlane = 3.0;
+constexpr double kMinSpreadOnPlane = 0.3;
+
+}  // namespace
+
+ComposeSceneOptions MakeCompositionOptions(
+    const std::vector<ObservedView>& views) {
+  ComposeSceneOptions options;
+  options.on_plane =
+      static_cast<float>(std::clamp(kSpreadOnPlane * MedianNoise(views),
+                                    kMinSpreadOnPlane,
+                                    double{options.on_plane}));
+  return options;
+}
+
+RefineResult MeasureImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer) {
+  RefineResult result;
+  StageTimer timer(device, &result.seconds);
+  DeviceViews views(reference, std::move(sources), device, options.denoise);
+  timer.Finish("upload");
+  const Surfaces surfaces = FindSurfaces(reference,
+                                         image_id,
+                                         MeasuringOptions(options),
+                                         &views,
+                                         device,
+                                         &timer,
+                                         observer);
+  const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
+  result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
+      DownloadInputs(views, surfaces, gray.View(), device),
+      views.DownloadRasterColor(),
+      gray.ToHost(),
+      PackRatings(
+          surfaces.trusted.View(), surfaces.confirmations.View(), device)
+          .ToHost(),
+      views.ReferenceCamera(),
+      reference.prior});
+  timer.Finish("download");
+  return result;
+}
+
+void MakeEvidence(const RefineOptions& options,
+                  Device& device,
+                  RefineResult* result) {
+  StageTimer timer(device, &result->seconds);
+  MeasuredImage& measured = *result->measured;
+  if (options.foreground_fattening) {
+    EvidenceInputs& inputs = measured.inputs;
+    inputs.fattening_weight =
+        ComputeFatteningWeight(measured.gray,
+                               inputs.contrast,
+                               inputs.superpixels,
+                               inputs.num_superpixels,
+                               PatchRadius(measured.gray, measured.camera));
+  }
+  EvidenceOptions evidence_options;
+  if (measured.prior != nullptr) {
+    measured.inputs.prior =
+        AlignPrior(*measured.prior, SamplesToAlignBy(measured.inputs));
+    evidence_options.tolerance = static_cast<float>(
+        PlaneTolerance(options, MeasureNoise(measured.inputs)));
+    timer.Finish("prior");
+  }
+  GatheredEvidence gathered = GatherEvidence(measured.inputs, evidence_options);
+  gathered.evidence.color = std::move(measured.color);
+  gathered.evidence.ratings = std::move(measured.ratings);
+  timer.Finish("evidence");
+  ReduceCandidates(measured.camera, options, device, &gathered);
+  result->evidence =
+      std::make_unique<ViewEvidence>(std::move(gathered.evidence));
+  result->measured.reset();
+  timer.Finish("scene planes");
+}
+
+RefineResult ComposeImage(
+    const ViewData& reference,
+    const std::vector<std::shared_ptr<const UploadedView>>& sources,
+    const std::vector<ObservedView>& views,
+    const FoundScene& found,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer) {
+  RefineResult result;
+  result.seconds = found.seconds;
+  StageTimer timer(device, &result.seconds);
+  const ViewEvidence& evidence = *views[0].evidence;
+  result.prior = evidence.prior.assessment;
+  const SceneOptions scene = MakeSceneOptions(options, views);
+  const LabeledView& labeled = found.labeled;
+  const CurvedView& curved = found.curved;
+  DeviceReference view(reference, device);
+  DeviceImage<uint8_t> ratings = LiftRatings(evidence, reference, view, device);
+  timer.Finish("upload");
+  const Image<uint16_t> superpixels =
+      options.pixel_borders
+          ? RefineSuperpixels(view,
+                              views[0],
+                              FlattenSurfaces(views[0], labeled, curved),
+                              scene.borders,
+                              &ratings,
+                              device)
+          : evidence.superpixels;
+  timer.Finish("borders");
+  DeviceImage<Plane> scene_planes =
+      PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
+  RasterizeCurvedSurfaces(curved,
+                          superpixels,
+                          views[0].camera.GetIntrinsics(),
+                          device,
+                          &scene_planes);
+  const DeviceImage<uint16_t> device_superpixels(device, superpixels);
+  const Buffer<ComposedSuperpixel> of_superpixel(device,
+                                                 RateSuperpixels(found));
+  ShowScene(observer, evidence, labeled, curved);
+  ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
+  const DeviceImage<float> texture = RasterTexture(evidence, device);
+  const DeviceImage<float> prior_depth(device, evidence.prior.depth);
+  const DeviceImage<float> prior_sigma(device, evidence.prior.sigma);
+  timer.Finish("upload");
+  const ComposeSceneInputs inputs{std::as_const(ratings).View(),
+                                  view.OnMap(scene_planes),
+                                  device_superpixels.View(),
+                                  of_superpixel.Data(),
+                                  texture.View(),
+                                  {prior_depth.View(),
+                                   prior_sigma.View(),
+                                   evidence.prior.outlier_share,
+                                   view.MapIntrinsics(),
+                                   view.hypotheses.depth.Width(),
+                                   view.hypotheses.depth.Height()}};
+  const ViewSurfaces surfaces{views, found.planes_of_sources};
+  ComposedMap composed = ComposeScene(std::move(view.hypotheses),
+                                      inputs,
+                                      surfaces,
+                                      evidence.resolution,
+                                      MakeCompositionOptions(views),
+                                      device);
+  ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
+  const LaidCylinders laid = LayCylinders(found.cylinders,
+                                          std::as_const(ratings).View(),
+                                          view.MapIntrinsics(),
+                                          evidence.resolution,
+                                          &composed,
+                                          device);
+  // What is wider has no plane because the images contradict those around.
+  constexpr int kHoleIterations = 1;
+  FillHoles(view.color.View(),
+            view.MapIntrinsics(),
+            options,
+            kHoleIterations,
+            &composed,
+            device);
+  DeviceImage<float> confidence =
+      RateSceneConfidence(composed,
+                          inputs,
+                          surfaces,
+                          evidence.resolution,
+                          evidence.noise,
+                          static_cast<float>(options.min_fill_confidence),
+                          device);
+  RateCylinders(laid, &confidence, device);
+  DropDoubtful(static_cast<float>(options.min_confidence),
+               &composed,
+               &confidence,
+               device);
+  if (options.sigma_maps) {
+    const SceneSigmaOptions sigma_options;
+    DeviceImage<uint16_t> sigma = ComputeSceneSigma(composed,
+                                                    inputs,
+                                                    evidence.resolution,
+                                                    evidence.noise,
+                                                    sigma_options,
+                                                    device);
+    SetSigmaOfCylinders(laid,
+                        view.MapIntrinsics(),
+                        evidence.resolution,
+                        composed.map,
+                        sigma_options,
+                        &sigma,
+                        device);
+    result.maps.sigma = sigma.ToHost();
+  }
+  timer.Finish("composition");
+  const DeviceImage<uint16_t> plane_numbers(device,
+                                            PlaneNumbers(superpixels, found));
+  result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),
+                                 view.OnMap(scene_planes),
+                                 plane_numbers.View(),
+                                 device)
+                           .ToHost();
+  timer.Finish("download");
+  if (options.photometric && !sources.empty()) {
+    // After all that asks whether depths lie on their planes.
+    RestoreDetail(view, sources, evidence.resolution, {}, &composed, device);
+    timer.Finish("photometric");
+  }
+  Download(composed, confidence, &result.maps);
+  timer.Finish("download");
+  ShowMaps(observer, result.maps);
+  // With min_confidence an empty map is what was asked for.
+  if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
+    result.reason_to_keep = kNothingReliable;
+  }
+  return result;
+}
+
+}  // namespace tsar

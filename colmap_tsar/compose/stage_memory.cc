@@ -1,0 +1,146 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/stage_memory.h"
+
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+#include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/scene/labeling/label_inputs.h"
+#include "colmap_tsar/scene/labeling/plane_costs.h"
+#include "colmap_tsar/view/device_views.h"
+
+#include <algorithm>
+
+namespace tsar {
+namespace {
+
+// What a view brings where planes of the scene are looked for: those that it
+// found, at most DiscoverPlanesOptions::max_planes, and those of its regions,
+// of which there are seldom more than this.
+constexpr int kCandidatesOfRegions = 60;
+
+// The superpixels that a raster has as a rule: what is smaller than a quarter
+// of superpixel_size was merged, and what is left at the borders of objects is
+// smaller than superpixel_size. Where many views add up, the most that each of
+// them can have would be far too much.
+int64_t NumSuperpixels(const RefineOptions& options, int64_t num_pixels) {
+  return MaxRasterPixels(num_pixels) * 3 / 2 / options.superpixel_size + 1;
+}
+
+// Of the tables of scores of all planes for all superpixels.
+int64_t ScoresBytes(int64_t num_superpixels,
+                    int64_t num_candidates,
+                    size_t max_scores) {
+  return static_cast<int64_t>(sizeof(float)) *
+         std::min(num_superpixels * num_candidates,
+                  static_cast<int64_t>(max_scores));
+}
+
+// The stages up to the surfaces of one view.
+int64_t SingleViewBytes(const RefineOptions& options,
+                        int64_t bytes_per_pixel,
+                        int64_t num_pixels) {
+  // The accumulator in which lines are looked for is as large for small maps.
+  constexpr int64_t kFixed = 720000;
+  return kFixed + bytes_per_pixel * num_pixels +
+         57 * MaxRasterPixels(num_pixels) +
+         230 * NumSuperpixels(options, num_pixels);
+}
+
+}  // namespace
+
+int64_t RefineImageWorkingBytes(const RefineOptions& options,
+                                int64_t num_pixels) {
+  const bool has_more_maps =
+      options.fill_before_regions || options.spread_medians;
+  return SingleViewBytes(options, has_more_maps ? 73 : 44, num_pixels);
+}
+
+int64_t MeasureImageWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels) {
+  return SingleViewBytes(options, 44, num_pixels);
+}
+
+int64_t SegmentsWorkingBytes(int64_t num_pixels) {
+  // While planes of segments are found, the regions between edges and the
+  // planes of their pixels.
+  return static_cast<int64_t>(sizeof(int) + sizeof(Plane)) *
+         MaxRasterPixels(num_pixels);
+}
+
+int64_t ComposeImageWorkingBytes(const RefineOptions& options,
+                                 int64_t num_pixels,
+                                 int64_t num_judged_pixels) {
+  constexpr int64_t kFixed = 90000;
+  return kFixed + 43 * num_pixels + 52 * MaxRasterPixels(num_judged_pixels) +
+         120 * NumSuperpixels(options, num_judged_pixels);
+}
+
+int64_t MakeEvidenceMainBytes(const RefineOptions& options,
+                              int64_t num_pixels) {
+  const int64_t num_raster_pixels = MaxRasterPixels(num_pixels);
+  const int64_t num_superpixels = NumSuperpixels(options, num_pixels);
+  // Each superpixel that has a plane is a candidate.
+  return std::max(45 * num_raster_pixels,
+                  30 * num_raster_pixels + 2000 * num_superpixels +
+                      ScoresBytes(num_superpixels,
+                                  num_superpixels + kCandidatesOfRegions,
+                                  DiscoverPlanesOptions().max_scores));
+}
+
+int64_t ModelBlockMainBytes(const RefineOptions& options,
+                            int64_t num_pixels,
+                            int num_views) {
+  const int64_t num_superpixels =
+      num_views * NumSuperpixels(options, num_pixels);
+  const int64_t num_candidates =
+      int64_t{num_views} *
+      (kCandidatesOfRegions + DiscoverPlanesOptions().max_planes);
+  // The observations, and the scores of the planes that were chosen.
+  return num_superpixels * (2200 + 160 * num_views) +
+         ScoresBytes(num_superpixels, num_candidates, kMaxBlockScores);
+}
+
+int64_t LabelViewWorkingBytes(const RefineOptions& options,
+                              int64_t num_pixels,
+                              int num_views) {
+  LabelingSize size;
+  size.num_views = num_views;
+  size.num_pixels = MaxRasterPixels(num_pixels);
+  size.num_superpixels = NumSuperpixels(options, num_pixels);
+  size.num_observations = std::min(
+      size.num_pixels,
+      size.num_superpixels * EvidenceOptions().max_observations_per_superpixel);
+  // As many as one view can have, and as many more by its sources.
+  size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
+  return LabelInModelWorkingBytes(
+      size, {/*confident_depth=*/true, /*superpixels=*/true});
+}
+
+int64_t LabelViewMainBytes(const RefineOptions& options,
+                           int64_t num_pixels,
+                           int num_views) {
+  const int64_t num_costs = NumSuperpixels(options, num_pixels) * 2 *
+                            DiscoverPlanesOptions().max_planes;
+  return num_costs * static_cast<int64_t>(sizeof(PlaneCost) + sizeof(float)) +
+         LabelViewWorkingBytes(options, num_pixels, num_views);
+}
+
+int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels) {
+  return num_pixels + 59 * MaxRasterPixels(num_pixels) +
+         16 * NumSuperpixels(options, num_pixels);
+}
+
+int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
+  return num_pixels + 9 * MaxRasterPixels(num_pixels) +
+         800 * NumSuperpixels(options, num_pixels);
+}
+
+int64_t NeighbourEvidenceBytes(const RefineOptions& options,
+                               int64_t num_pixels) {
+  return 6 * MaxRasterPixels(num_pixels) +
+         530 * NumSuperpixels(options, num_pixels);
+}
+
+}  // namespace tsar

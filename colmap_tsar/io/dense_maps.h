@@ -1,0 +1,70 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/io/float_map.h"
+#include "colmap_tsar/io/stored_camera.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace tsar {
+
+// Reads a .dmb file of the family of Gipuma (ACMH, ACMM, ACMP, ACMMP): int32
+// type (1 = float), height, width, channels; then float32 row by row, the
+// channels of a pixel side by side. Depth is z in the camera frame, one
+// channel; normals have three, in the world frame. Pixels have integer
+// coordinates and K is used as it is, as in COLMAP's dense stage.
+//
+// name: the file, for messages. Throws Error kCorrupt where the header is not
+// of this form or the length is not exactly what it says.
+FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name);
+
+// Reads a .dmb or .bin file of APD and its successors: an OpenCV matrix as
+// int32 version, rows, columns, OpenCV type (5 = one float, 21 = three), then
+// the rows. Some versions leave the first word out; which it is, the file's
+// length tells. Depth and normals are as in ParseDmb.
+//
+// name: the file, for messages. Throws Error kCorrupt where neither form, or
+// both, have exactly the file's length, or the matrix is not of floats.
+FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name);
+
+// What a .dmap file of OpenMVS holds. Its confidences are left out: what they
+// mean has changed between its versions, and after its filter they are not
+// bounded.
+struct Dmap {
+  std::string image_name;  // As stored: absolute, or relative to its project.
+  StoredCamera camera;
+  Image<float> depth;   // z in the camera frame; 0 = none.
+  Image<Vec3f> normal;  // Camera frame; empty where the file has none.
+};
+
+// Reads a .dmap file: "DR", uint8 content (1 depth, 2 normals, 4 confidence, 8
+// views), uint8 padding, uint32 width and height of the image and of the map,
+// float32 smallest and largest depth; uint16 length and the image's name;
+// uint32 number of ids and these (the first is the image, the others its
+// neighbours); float64 K, R (world to camera), C (centre), row by row; then
+// float32 depths, 3 x float32 normals, float32 confidences and 4 x uint8 views
+// as far as the content says.
+//
+// OpenMVS takes a pixel's integer coordinates for its centre, as COLMAP's dense
+// stage does. Since October 2023 its importer moves COLMAP's principal point by
+// half a pixel to that end, which COLMAP's dense stage does not: its rays are
+// half a pixel off those of OpenMVS. The map's pixels show the same things in
+// both, so depths are taken pixel by pixel and nothing is resampled.
+//
+// name: the file, for messages. Throws Error kCorrupt where the file has not
+// this form or not exactly the length that it says, and kUnsupported where it
+// has no depth.
+Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name);
+
+// The name of the image alone, from the first kMaxDmapNameEnd bytes or more.
+constexpr size_t kMaxDmapNameEnd = 30 + 65535;
+std::string ParseDmapImageName(std::span<const uint8_t> bytes,
+                               const std::string& name);
+
+}  // namespace tsar

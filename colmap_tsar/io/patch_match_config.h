@@ -1,0 +1,88 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/io/sparse_model.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// Chooses the source images of a reference, which are to be independent
+// witnesses of its depths. What two images see from one place agrees whatever
+// the depth is: two viewpoints count as different where the 75th percentile of
+// the angles between their rays to sparse points reaches a minimum.
+class SourceSelector {
+ public:
+  // The model must outlive the selector.
+  SourceSelector(const SparseModel& model,
+                 double min_triangulation_angle_degrees);
+
+  // As COLMAP's `__auto__` does: those that share most sparse points with the
+  // reference, among the images whose angles over the shared points reach the
+  // minimum; here they do so towards the chosen ones before them, too. COLMAP
+  // leaves the order of equal counts open; here the lower index goes first.
+  //
+  // Time: the reference's observations times the length of their tracks, and
+  // once through the observations of each image that is considered.
+  std::vector<int> SelectSources(int reference, int max_num_sources) const;
+
+  // Of the given images, those whose viewpoint is another than the reference's
+  // and that of each chosen one before them. All, where the reference sees no
+  // sparse point.
+  std::vector<int> SelectIndependent(int reference,
+                                     const std::vector<int>& images) const;
+
+  // Whether some other image shares a sparse point with the reference.
+  bool HasOverlap(int reference) const;
+
+ private:
+  // Up to this many of the points of a reference stand for all.
+  static constexpr size_t kMaxNumPoints = 64;
+
+  std::vector<Eigen::Vector3d> PointsOf(int reference) const;
+  bool AreDifferent(const std::vector<Eigen::Vector3d>& points,
+                    int image_a,
+                    int image_b) const;
+  bool IsIndependent(const std::vector<Eigen::Vector3d>& points,
+                     int image,
+                     const std::vector<int>& sources) const;
+  bool HasTriangulationAngle(int reference, int source) const;
+
+  const SparseModel& model_;
+  const double min_tangent_;
+  std::vector<Eigen::Vector3d> centers_;
+  // Point i is seen by track_images_[track_begins_[i] ... track_begins_[i +
+  // 1]).
+  std::vector<size_t> track_begins_;
+  std::vector<int> track_images_;
+};
+
+// One depth map to work on: indices into SparseModel::images.
+struct StereoProblem {
+  int reference = -1;
+  // In the file's order, or by falling number of shared points. May be empty:
+  // without_sources says why.
+  std::vector<int> sources;
+  std::string without_sources;
+};
+
+// Reads stereo/patch-match.cfg: pairs of lines, the reference image and its
+// sources: `__all__`, `__auto__, N` (see SelectSources) or a list of names.
+// Blank lines and lines that begin with '#' are skipped. Sources that are no
+// independent witnesses (see SourceSelector) are left out, with one warning
+// where the file names them.
+//
+// Throws Error: kNotFound (no such file), kMismatch (an image that the sparse
+// model does not hold), kCorrupt (a reference without sources, twice, or among
+// its own sources; a bad N). Messages name the line.
+std::vector<StereoProblem> ReadPatchMatchConfig(
+    const std::filesystem::path& path,
+    const SparseModel& model,
+    double min_triangulation_angle_degrees = 1.0);
+
+}  // namespace tsar

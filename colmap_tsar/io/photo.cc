@@ -1,0 +1,154 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/io/photo.h"
+
+#include "colmap_tsar/base/picture_file.h"
+#include "colmap_tsar/io/jpeg.h"
+#include "colmap_tsar/io/photo_error.h"
+#include "colmap_tsar/io/photo_format.h"
+#include "colmap_tsar/io/picture_input.h"
+#include "colmap_tsar/io/png.h"
+#include "colmap_tsar/io/tiff_strips.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+
+PictureInput OpenPhoto(const std::filesystem::path& path) {
+  return PictureInput(
+      path,
+      {"image",
+       "make the workspace again with image_undistorter",
+       "run image_undistorter with a smaller --max_image_size"});
+}
+
+PhotoFormat RequireFormat(const std::string& name,
+                          std::span<const uint8_t> head) {
+  const std::optional<PhotoFormat> format = FormatOf(head);
+  if (!format) {
+    throw UnreadablePhoto(name,
+                          "it is none of JPEG, PNG, TIFF, WebP, BMP, PGM, PPM "
+                          "and JPEG 2000");
+  }
+  return *format;
+}
+
+// Throws where it is known that the file is not whole; OpenCV would go on, or
+// print an error of its own.
+void RequireWhole(PhotoFormat format,
+                  const Bytes& bytes,
+                  const std::string& name) {
+  std::string defect;
+  if (format == PhotoFormat::kTiff) {
+    defect = FindTiffDefect(bytes);
+  } else if (DeclaredSize(format, bytes) > bytes.size() ||
+             (format == PhotoFormat::kPnm && !HasAllNumbers(bytes)) ||
+             (format == PhotoFormat::kJpeg2000 && !HasJpeg2000End(bytes))) {
+    defect = "it breaks off";
+  }
+  if (!defect.empty()) {
+    throw DamagedPhoto(name, defect);
+  }
+}
+
+// mode: cv::IMREAD_COLOR or IMREAD_GRAYSCALE.
+cv::Mat DecodeOther(PhotoFormat format,
+                    const Bytes& bytes,
+                    int mode,
+                    const std::string& name) {
+  if (format == PhotoFormat::kJpeg) {
+    CheckJpeg(bytes, name);
+  } else {
+    RequireWhole(format, bytes, name);
+  }
+  cv::Mat pixels = DecodePicture(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
+  if (pixels.empty()) {
+    throw UnreadablePhoto(name, "OpenCV cannot decode it");
+  }
+  return pixels;
+}
+
+PngError Damaged(const std::string& name) {
+  return
+      [&name](const std::string& defect) { return DamagedPhoto(name, defect); };
+}
+
+struct Content {
+  Bytes bytes;
+  PhotoFormat format;
+  // Of the formats that this library decodes itself.
+  bool is_plain_jpeg;
+};
+
+Content ReadContent(PictureInput* file) {
+  Content content;
+  content.bytes = file->ReadAll();
+  content.format = RequireFormat(file->Name(), content.bytes);
+  content.is_plain_jpeg = content.format == PhotoFormat::kJpeg &&
+                          !ReadJpegKind(content.bytes, file->Name()).is_cmyk;
+  return content;
+}
+
+}  // namespace
+
+Image<Rgb> ReadPhoto(const std::filesystem::path& path) {
+  PictureInput file = OpenPhoto(path);
+  const Content content = ReadContent(&file);
+  if (content.is_plain_jpeg) {
+    return DecodeJpeg(content.bytes, file.Name());
+  }
+  if (content.format == PhotoFormat::kPng) {
+    return DecodePng(content.bytes, Damaged(file.Name()));
+  }
+  const cv::Mat pixels =
+      DecodeOther(content.format, content.bytes, cv::IMREAD_COLOR, file.Name());
+  static_assert(sizeof(Rgb) == 3);
+  auto image = Image<Rgb>::Uninitialized(pixels.cols, pixels.rows);
+  cv::Mat target(pixels.rows, pixels.cols, CV_8UC3, image.Data());
+  cv::cvtColor(pixels, target, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
+  PictureInput file = OpenPhoto(path);
+  const Content content = ReadContent(&file);
+  if (content.is_plain_jpeg) {
+    return DecodeGrayJpeg(content.bytes, file.Name());
+  }
+  if (content.format == PhotoFormat::kPng) {
+    return DecodeGrayPng(content.bytes, Damaged(file.Name()));
+  }
+  const cv::Mat pixels = DecodeOther(
+      content.format, content.bytes, cv::IMREAD_GRAYSCALE, file.Name());
+  auto image = Image<uint8_t>::Uninitialized(pixels.cols, pixels.rows);
+  cv::Mat target(pixels.rows, pixels.cols, CV_8UC1, image.Data());
+  pixels.copyTo(target);
+  return image;
+}
+
+void CheckPhotoFile(const std::filesystem::path& path) {
+  // The header of every format fits in, unless there are long comments.
+  constexpr uint64_t kHeadBytes = 4096;
+  constexpr uint64_t kTailBytes = 16;
+  PictureInput file = OpenPhoto(path);
+  const Bytes head = file.ReadHead(kHeadBytes);
+  const PhotoFormat format = RequireFormat(file.Name(), head);
+  if (DeclaredSize(format, head) > file.Size() ||
+      !EndsInMarker(format, file.ReadTail(kTailBytes))) {
+    // Cameras may add something behind the end.
+    ReadPhoto(path);
+  }
+}
+
+}  // namespace tsar

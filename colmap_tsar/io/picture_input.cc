@@ -1,0 +1,68 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/io/picture_input.h"
+
+#include "colmap_tsar/base/error.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tsar {
+
+PictureInput::PictureInput(const std::filesystem::path& path,
+                           PictureWords words)
+    : name_(path.string()), words_(std::move(words)), file_(path) {
+  if (file_.IsMissing()) {
+    throw Error::File(
+        ErrorCode::kNotFound, name_, "no such " + words_.noun, words_.advice);
+  }
+  if (!file_) {
+    throw Error::File(
+        ErrorCode::kIo,
+        name_,
+        "the " + words_.noun + " cannot be read: " + file_.Reason(),
+        "check that it is a file and that you may read it");
+  }
+  if (Size() == 0) {
+    throw Error::File(
+        ErrorCode::kCorrupt, name_, "the file is empty", words_.advice);
+  }
+}
+
+std::vector<uint8_t> PictureInput::ReadHead(uint64_t count) {
+  return Read(0, std::min(count, Size()));
+}
+
+std::vector<uint8_t> PictureInput::ReadTail(uint64_t count) {
+  const uint64_t num_bytes = std::min(count, Size());
+  return Read(Size() - num_bytes, num_bytes);
+}
+
+std::vector<uint8_t> PictureInput::ReadAll() {
+  // OpenCV counts bytes by an int.
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 31;
+  if (Size() >= kMaxBytes) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name_,
+                      "the " + words_.noun + " has 2 GB or more",
+                      words_.advice_if_too_large);
+  }
+  return Read(0, Size());
+}
+
+std::vector<uint8_t> PictureInput::Read(uint64_t begin, uint64_t count) {
+  std::vector<uint8_t> bytes(count);
+  file_.seekg(static_cast<std::streamoff>(begin));
+  file_.read(reinterpret_cast<char*>(bytes.data()),
+             static_cast<std::streamsize>(count));
+  if (!file_) {
+    throw Error::File(ErrorCode::kIo,
+                      name_,
+                      "reading the " + words_.noun + " failed",
+                      "check the disk");
+  }
+  return bytes;
+}
+
+}  // namespace tsar

@@ -1,0 +1,76 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/run/evidence_store.h"
+#include "colmap_tsar/run/refine_task.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace tsar {
+
+// The last pass: the maps of each image, from its own evidence, that of its
+// sources, all of which an ObserveTask wrote before, and the planes of the
+// scene.
+class ComposeTask : public RefineMapsTask {
+ public:
+  // workspace and evidence must outlive this object. map_sides: see
+  // WorkspaceOverview. finds_scenes_ahead: whether threads that read also find
+  // the curved surfaces of the scene, for workers that would otherwise wait for
+  // the CPU meanwhile.
+  ComposeTask(const RefineTaskInputs& inputs,
+              const Workspace& workspace,
+              EvidenceStore& evidence,
+              SceneModel model,
+              std::vector<int> map_sides,
+              bool finds_scenes_ahead);
+
+  std::vector<int> Views(size_t index) const override {
+    std::vector<int> views = ComparedSources(index);
+    views.push_back(images_.Reference(index));
+    return views;
+  }
+  void Prepare(size_t index, const ViewCache::Lease& views) override;
+
+ protected:
+  RefineResult RefineMaps(size_t index,
+                          size_t worker,
+                          ViewCache::Lease* views) override;
+
+ private:
+  // An image and its neighbours, and what was found in their evidence.
+  struct Scene {
+    ViewEvidence own;
+    std::vector<EvidenceStore::Evidence> others;
+    std::vector<ObservedView> views;
+    FoundScene found;
+  };
+
+  // The sources that the composed map is compared with: none where it is larger
+  // than what it is judged at, and none that are.
+  std::vector<int> ComparedSources(size_t index) const;
+  bool IsJudgedAsItIs(int image) const;
+  // Whether the image was observed: whether it has depths at the size at which
+  // it is judged.
+  static bool WasObserved(const ViewData& view);
+  std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
+  // Those of the model. Throws kMismatch where it has none that fit.
+  const ViewLabels& LabelsOf(int image, const ViewEvidence& evidence) const;
+  ObservedView Observed(int image, const ViewEvidence& evidence) const;
+
+  const Workspace& workspace_;
+  EvidenceStore& evidence_;
+  const SceneModel model_;
+  const std::vector<int> map_sides_;
+  const bool finds_scenes_ahead_;
+  // By image of the run, what Prepare() found for RefineMaps().
+  std::vector<std::unique_ptr<Scene>> scenes_;
+};
+
+}  // namespace tsar

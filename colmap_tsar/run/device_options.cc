@@ -1,0 +1,108 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/device_options.h"
+
+#include "colmap_tsar/base/enum_names.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <sstream>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr std::array kChoiceNames = {
+    std::pair(DeviceChoice::kAuto, "auto"),
+    std::pair(DeviceChoice::kCuda, "cuda"),
+    std::pair(DeviceChoice::kCpu, "cpu"),
+};
+
+Error Refused(const std::string& what) {
+  return Error(ErrorCode::kBadOption,
+               OptionName("gpu_index") + ": " + what +
+                   "; give -1 for every GPU, or numbers from 0 on such as 0,1");
+}
+
+int ParseIndex(const std::string& word, const std::string& text) {
+  const size_t begin = word.find_first_not_of(' ');
+  const std::string number =
+      begin == std::string::npos
+          ? ""
+          : word.substr(begin, word.find_last_not_of(' ') - begin + 1);
+  int index = -1;
+  const char* end = number.data() + number.size();
+  const auto result = std::from_chars(number.data(), end, index);
+  if (result.ptr != end || result.ec != std::errc()) {
+    throw Refused("'" + text + "' is not a list of GPUs");
+  }
+  return index;
+}
+
+void CheckGpuIndices(const std::vector<int>& indices) {
+  for (auto index = indices.begin(); index != indices.end(); ++index) {
+    if (*index < 0) {
+      throw Refused("there is no GPU " + std::to_string(*index));
+    }
+    if (std::find(indices.begin(), index, *index) != index) {
+      throw Refused("GPU " + std::to_string(*index) + " is named twice");
+    }
+  }
+}
+
+}  // namespace
+
+std::string ToString(DeviceChoice choice) {
+  return EnumName(kChoiceNames, choice);
+}
+
+DeviceChoice ParseDeviceChoice(const std::string& text) {
+  if (const auto choice = FindEnumValue(kChoiceNames, text)) {
+    return *choice;
+  }
+  throw Error(ErrorCode::kBadOption,
+              OptionName("device") + ": not known; give auto, cuda or cpu");
+}
+
+std::vector<int> ParseGpuIndices(const std::string& text) {
+  std::vector<int> indices;
+  if (text == "-1") {
+    return indices;
+  }
+  // A word for the end of the text also where that is empty.
+  std::istringstream words(text + ",");
+  for (std::string word; std::getline(words, word, ',');) {
+    indices.push_back(ParseIndex(word, text));
+  }
+  CheckGpuIndices(indices);
+  return indices;
+}
+
+std::string GpuIndicesText(const std::vector<int>& gpu_indices) {
+  TextStream text;
+  for (const int index : gpu_indices) {
+    text << (text.str().empty() ? "" : ",") << index;
+  }
+  return gpu_indices.empty() ? "-1" : text.str();
+}
+
+void DeviceOptions::Check() const {
+  CheckGpuIndices(gpu_indices);
+  if (num_threads != -1 && num_threads <= 0) {
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("num_threads") + ": give at least 1, or -1 for all cores");
+  }
+  if (!(cache_size > 0.0 && cache_size <= 1e6)) {
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("cache_size") + ": give a positive number of gigabytes");
+  }
+}
+
+}  // namespace tsar

@@ -1,0 +1,100 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/evidence_store.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/run/store/evidence_file.h"
+
+#include <system_error>
+#include <utility>
+
+namespace tsar {
+
+bool NeedsEvidence(const RefineOptions& options) {
+  return options.scene_planes && options.refine;
+}
+
+EvidenceStore::EvidenceStore(const Workspace& workspace,
+                             InputFingerprints& inputs,
+                             std::string options_hash,
+                             size_t max_num_views)
+    : workspace_(workspace),
+      inputs_(inputs),
+      options_hash_(std::move(options_hash)),
+      max_num_views_(max_num_views) {}
+
+bool EvidenceStore::IsCurrent(int image) {
+  if (inputs_.Problem(image) == nullptr ||
+      (expected_ && !expected_->contains(image))) {
+    return false;
+  }
+  const bool is_current = ReadEvidenceHash(Path(image)) == Fingerprint(image);
+  if (expected_ && !is_current) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        Path(image).string(),
+        "the evidence, or what it was made of, has changed or "
+        "gone since it was observed",
+        "run " + OptionName("pass") + " observe of all shards again");
+  }
+  return is_current;
+}
+
+void EvidenceStore::Expect(std::set<int> images) {
+  expected_ = std::move(images);
+}
+
+void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
+  WriteEvidence(Path(image), Fingerprint(image), evidence);
+}
+
+ViewEvidence EvidenceStore::ReadAll(int image) const {
+  return ReadEvidence(Path(image));
+}
+
+EvidenceStore::Evidence EvidenceStore::Get(int image) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (const Evidence* evidence = views_.Use(image)) {
+      return *evidence;
+    }
+  }
+  if (!IsCurrent(image)) {
+    return nullptr;
+  }
+  // Two threads may read the same one: better than that all wait for one file.
+  auto evidence = std::make_shared<const ViewEvidence>(
+      ReadEvidence(Path(image), EvidenceParts::kForNeighbours));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (views_.Find(image) == nullptr) {
+    views_.Add(image, evidence);
+    if (views_.Size() > max_num_views_) {
+      views_.TakeOldest([](const Evidence&) { return true; });
+    }
+  }
+  return evidence;
+}
+
+void EvidenceStore::Clear(const Workspace& workspace) {
+  RemoveTree(GetEvidenceFolder(workspace.Root()));
+}
+
+ContainedPath EvidenceStore::Path(int image) const {
+  return GetEvidencePath(
+      workspace_.Root(),
+      workspace_.Model().images[static_cast<size_t>(image)].name,
+      workspace_.Type());
+}
+
+std::string EvidenceStore::Fingerprint(int image) {
+  std::string states = inputs_.StateOfView(image);
+  for (const int source : inputs_.Problem(image)->sources) {
+    states += " " + inputs_.StateOfView(source);
+  }
+  return options_hash_ + " " + FingerprintOf(states);
+}
+
+}  // namespace tsar

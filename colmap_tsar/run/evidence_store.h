@@ -1,0 +1,79 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/input_fingerprints.h"
+#include "colmap_tsar/run/lru_map.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/scene/evidence/view_evidence.h"
+#include "colmap_tsar/view/refine_options.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace tsar {
+
+// Whether images are refined together with their neighbours, which takes
+// evidence of all views.
+bool NeedsEvidence(const RefineOptions& options);
+
+// The evidence of a workspace's views, in files of stereo/tsar/evidence from
+// the time a view was observed until the run ends, so that a killed run goes on
+// from there. What was read last is kept in memory. Can be used from several
+// threads.
+class EvidenceStore {
+ public:
+  using Evidence = std::shared_ptr<const ViewEvidence>;
+
+  // workspace and inputs must outlive this object. options_hash: evidence of
+  // other options does not count. max_num_views: how many are kept in memory.
+  EvidenceStore(const Workspace& workspace,
+                InputFingerprints& inputs,
+                std::string options_hash,
+                size_t max_num_views);
+
+  // Whether there is evidence of the image that was made with these options
+  // from these sources, cameras, pictures and original maps. Never of an image
+  // that is no reference: nobody would renew it. Throws what
+  // InputFingerprints::OfView throws, which this calls for the image and its
+  // sources.
+  bool IsCurrent(int image);
+
+  // From now on, there is evidence of these images and no others. IsCurrent()
+  // and Get() then throw kMismatch where it was made of something else or is
+  // gone.
+  void Expect(std::set<int> images);
+
+  // image must be a reference.
+  void Write(int image, const ViewEvidence& evidence);
+
+  // All of it, for the view itself.
+  ViewEvidence ReadAll(int image) const;
+  // What its neighbours need; null where none is current.
+  Evidence Get(int image);
+
+  // Removes the evidence of all images, whatever it was made with.
+  static void Clear(const Workspace& workspace);
+
+ private:
+  ContainedPath Path(int image) const;
+
+  // Fingerprint of what the evidence of a reference is made of, and how.
+  std::string Fingerprint(int image);
+
+  const Workspace& workspace_;
+  InputFingerprints& inputs_;
+  const std::string options_hash_;
+  const size_t max_num_views_;
+  std::optional<std::set<int>> expected_;
+  std::mutex mutex_;
+  LruMap<int, Evidence> views_;  // By image.
+};
+
+}  // namespace tsar

@@ -1,0 +1,226 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/start_thread.h"
+#include "colmap_tsar/base/stopwatch.h"
+#include "colmap_tsar/run/bounded_queue.h"
+#include "colmap_tsar/run/image_tasks.h"
+#include "colmap_tsar/run/pipeline_outcome.h"
+#include "colmap_tsar/run/view_cache.h"
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+
+// How many threads read and write, and how many images may wait between them.
+struct PipelineSizes {
+  int num_loaders = 1;
+  int num_writers = 1;
+  size_t max_ready = 1;     // Read, not yet with a worker.
+  size_t max_finished = 1;  // Computed, not yet with a writer.
+};
+
+// Takes images through reading, computing and writing, so that the three go on
+// at the same time for different images. Images are begun in their order.
+template <typename Result>
+class ImagePipeline {
+ public:
+  // All references must outlive this object. images: the indices by which the
+  // tasks know them; what is told of images is in their order. pass_name: for
+  // the user; empty where there is one pass only. should_stop is asked, from
+  // all threads, whether the user wants to end.
+  ImagePipeline(ImageTasks<Result>& tasks,
+                std::vector<size_t> images,
+                std::string pass_name,
+                ViewCache& cache,
+                const PipelineSizes& sizes,
+                Progress& progress,
+                const std::function<bool()>& should_stop)
+      : tasks_(tasks),
+        images_(std::move(images)),
+        pass_name_(std::move(pass_name)),
+        cache_(cache),
+        sizes_(sizes),
+        progress_(progress),
+        should_stop_(should_stop),
+        ready_(sizes.max_ready),
+        finished_(sizes.max_finished),
+        outcome_(images_.size()) {}
+
+  // Returns when all images are done. After a failure no further image is
+  // begun, but those at work are taken to their end. After should_stop, images
+  // that are not being written are left as they were; or, if the tasks say so,
+  // those that are not with a worker yet.
+  PipelineOutcome Run(size_t num_workers);
+
+ private:
+  // place: in images_.
+  struct ReadyImage {
+    size_t place = 0;
+    ImageReport report;
+    ViewCache::Lease views;
+  };
+  struct FinishedImage {
+    size_t place = 0;
+    ImageReport report;
+    Result result;
+  };
+
+  void LoadImages();
+  void ComputeImages(size_t worker);
+  void WriteImages();
+  void LoadOne(size_t place);
+  // Notes an exception of the function as the image's failure.
+  template <typename Function>
+  void Try(size_t place, Function function);
+  void Report(size_t place, ImageReport report);
+
+  ImageTasks<Result>& tasks_;
+  const std::vector<size_t> images_;
+  const std::string pass_name_;
+  ViewCache& cache_;
+  const PipelineSizes sizes_;
+  Progress& progress_;
+  const std::function<bool()>& should_stop_;
+  BoundedQueue<ReadyImage> ready_;
+  BoundedQueue<FinishedImage> finished_;
+  std::atomic<size_t> next_ = 0;
+  std::atomic<bool> has_failed_ = false;
+  std::atomic<int> num_loading_ = 0;
+  std::atomic<size_t> num_computing_ = 0;
+  // What belongs to one image is written by the thread that has it, the first
+  // failure by the thread that sets has_failed_.
+  PipelineOutcome outcome_;
+};
+
+template <typename Result>
+PipelineOutcome ImagePipeline<Result>::Run(size_t num_workers) {
+  progress_.Start(static_cast<int>(images_.size()), pass_name_);
+  num_loading_ = sizes_.num_loaders;
+  num_computing_ = num_workers;
+  {
+    std::vector<std::jthread> threads;
+    threads.reserve(static_cast<size_t>(sizes_.num_writers) + num_workers +
+                    static_cast<size_t>(sizes_.num_loaders));
+    try {
+      for (int i = 0; i < sizes_.num_writers; ++i) {
+        threads.push_back(StartThread([this] { WriteImages(); }));
+      }
+      for (size_t i = 0; i < num_workers; ++i) {
+        threads.push_back(StartThread([this, i] { ComputeImages(i); }));
+      }
+      for (int i = 0; i < sizes_.num_loaders; ++i) {
+        threads.push_back(StartThread([this] { LoadImages(); }));
+      }
+    } catch (...) {
+      // The system gives no more threads: those that there are shall end.
+      has_failed_ = true;
+      ready_.Close();
+      finished_.Close();
+      throw;
+    }
+  }
+  progress_.Finish();
+  return std::move(outcome_);
+}
+
+template <typename Result>
+void ImagePipeline<Result>::LoadImages() {
+  while (!has_failed_ && !should_stop_()) {
+    const size_t place = next_++;
+    if (place >= images_.size()) {
+      break;
+    }
+    Try(place, [&] { LoadOne(place); });
+  }
+  if (--num_loading_ == 0) {
+    ready_.Close();
+  }
+}
+
+template <typename Result>
+void ImagePipeline<Result>::LoadOne(size_t place) {
+  ReadyImage image;
+  image.place = place;
+  image.report = tasks_.Begin(images_[place]);
+  if (image.report.outcome != ImageReport::Outcome::kNotDone) {
+    Report(place, std::move(image.report));
+    return;
+  }
+  image.views = cache_.Reserve(tasks_.Views(images_[place]));
+  const Stopwatch reading;
+  if (!image.views.Load(should_stop_)) {
+    return;
+  }
+  image.report.seconds["read"] += reading.Seconds();
+  tasks_.Prepare(images_[place], image.views);
+  ready_.Push(std::move(image));
+}
+
+template <typename Result>
+void ImagePipeline<Result>::ComputeImages(size_t worker) {
+  while (std::optional<ReadyImage> image = ready_.Pop()) {
+    if (should_stop_()) {
+      continue;
+    }
+    Try(image->place, [&] {
+      FinishedImage finished;
+      finished.place = image->place;
+      finished.report = std::move(image->report);
+      finished.result = tasks_.Compute(
+          images_[image->place], worker, &image->views, &finished.report);
+      image->views = {};
+      finished_.Push(std::move(finished));
+    });
+  }
+  if (--num_computing_ == 0) {
+    finished_.Close();
+  }
+}
+
+template <typename Result>
+void ImagePipeline<Result>::WriteImages() {
+  while (std::optional<FinishedImage> image = finished_.Pop()) {
+    if (should_stop_() && !tasks_.WritesAfterStop()) {
+      continue;
+    }
+    Try(image->place, [&] {
+      tasks_.Write(
+          images_[image->place], std::move(image->result), &image->report);
+      Report(image->place, std::move(image->report));
+    });
+  }
+}
+
+template <typename Result>
+template <typename Function>
+void ImagePipeline<Result>::Try(size_t place, Function function) {
+  try {
+    function();
+  } catch (...) {
+    outcome_.failures[place] = std::current_exception();
+    if (!has_failed_.exchange(true)) {
+      outcome_.first_failure = outcome_.failures[place];
+    }
+  }
+}
+
+template <typename Result>
+void ImagePipeline<Result>::Report(size_t place, ImageReport report) {
+  const bool was_work = report.outcome == ImageReport::Outcome::kDone;
+  outcome_.reports[place] = std::move(report);
+  progress_.Advance(was_work);
+}
+
+}  // namespace tsar

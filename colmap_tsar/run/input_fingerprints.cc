@@ -1,0 +1,214 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/input_fingerprints.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/run/store/originals.h"
+
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr const char* kCamera = "camera";
+constexpr const char* kPhoto = "photo";
+constexpr const char* kMask = "mask";
+constexpr const char* kPrior = "prior";
+constexpr const char* kRegions = "regions";
+constexpr const char* kMaps = "maps";
+constexpr const char* kCosts = "costs";
+constexpr const char* kSources = "sources";
+constexpr const char* kScene = "scene";
+// The state of the maps where there is nothing to refine.
+constexpr const char* kNoMaps = "none";
+
+std::string Get(const InputState& state, const std::string& key) {
+  const auto found = state.find(key);
+  return found == state.end() ? "" : found->second;
+}
+
+bool Differ(const InputState& a, const InputState& b, const std::string& key) {
+  return Get(a, key) != Get(b, key);
+}
+
+// In what is loaded for a view.
+std::vector<ChangedInput> ChangesOfView(const InputState& before,
+                                        const InputState& now) {
+  std::vector<ChangedInput> changes;
+  const auto compare = [&](const char* key, ChangedInput change) {
+    if (Differ(before, now, key)) {
+      changes.push_back(std::move(change));
+    }
+  };
+  if (Get(before, kMaps) != kNoMaps && Get(now, kMaps) != kNoMaps) {
+    compare(kCamera, {"its camera", false});
+    compare(kPhoto, {"its photo", false});
+    compare(kMask, {"its mask", false});
+    compare(kPrior, {"its depth prior", false});
+    compare(kRegions, {"its regions", true});
+    compare(kCosts, {"its cost maps", true});
+  }
+  compare(kMaps, {"its maps", true});
+  return changes;
+}
+
+}  // namespace
+
+InputFingerprints::InputFingerprints(const Workspace& workspace)
+    : workspace_(workspace),
+      problems_(workspace.Model().images.size()),
+      source_lists_(workspace.Model().images.size()),
+      views_(workspace.Model().images.size()),
+      is_own_(workspace.Model().images.size()) {
+  for (const StereoProblem& problem : workspace.Problems()) {
+    std::string names;
+    for (const int source : problem.sources) {
+      names += Name(source) + "\n";  // Names have no line breaks.
+    }
+    problems_[static_cast<size_t>(problem.reference)] = &problem;
+    source_lists_[static_cast<size_t>(problem.reference)] =
+        FingerprintOf(names);
+  }
+}
+
+const InputState& InputFingerprints::OfView(int image) {
+  return Find(image).state;
+}
+
+const std::string& InputFingerprints::StateOfView(int image) {
+  return Find(image).fingerprint;
+}
+
+const std::string& InputFingerprints::StateOfScene() {
+  std::call_once(scene_flag_, [&] {
+    std::vector<bool> is_used(views_.size());
+    for (const StereoProblem& problem : workspace_.Problems()) {
+      is_used[static_cast<size_t>(problem.reference)] = true;
+      for (const int source : problem.sources) {
+        is_used[static_cast<size_t>(source)] = true;
+      }
+    }
+    std::string text;
+    for (size_t image = 0; image < is_used.size(); ++image) {
+      if (is_used[image]) {
+        text += StateOfView(static_cast<int>(image)) + " " +
+                source_lists_[image] + "\n";
+      }
+    }
+    scene_ = FingerprintOf(text);
+  });
+  return scene_;
+}
+
+InputState InputFingerprints::OfResult(int reference) {
+  InputState state = OfView(reference);
+  state[kSources] = source_lists_[static_cast<size_t>(reference)];
+  state[kScene] = StateOfScene();
+  return state;
+}
+
+std::string InputFingerprints::ChangesOfResult(int reference,
+                                               const InputState& recorded) {
+  const InputState now = OfResult(reference);
+  std::vector<ChangedInput> changes = ChangesOfView(recorded, now);
+  if (Differ(recorded, now, kSources)) {
+    changes.push_back({"its list of sources", false});
+  }
+  // Whatever is close is reason enough.
+  if (changes.empty() && Differ(recorded, now, kScene)) {
+    changes.push_back({"other images of the scene", true});
+  }
+  return changes.empty() ? "" : DescribeChanges(changes);
+}
+
+void InputFingerprints::Expect(std::map<int, InputState> views,
+                               const std::vector<int>& own) {
+  expected_ = std::move(views);
+  for (const int image : own) {
+    is_own_[static_cast<size_t>(image)] = true;
+  }
+}
+
+const InputFingerprints::View& InputFingerprints::Find(int image) {
+  View& view = views_[static_cast<size_t>(image)];
+  std::call_once(view.flag, [&] {
+    view.state = Read(image);
+    std::string text = Name(image);
+    for (const auto& [key, value] : view.state) {
+      text += "\n" + key + " " + value;
+    }
+    view.fingerprint = FingerprintOf(text);
+  });
+  return view;
+}
+
+InputState InputFingerprints::Read(int image) const {
+  const auto expected = expected_.find(image);
+  const bool reads_maps =
+      expected == expected_.end() || is_own_[static_cast<size_t>(image)];
+  InputState state = {
+      {kMaps, reads_maps ? MapsOf(image) : Get(expected->second, kMaps)}};
+  if (state[kMaps] != kNoMaps) {
+    state[kCamera] = FingerprintOf(
+        workspace_.Model().images[static_cast<size_t>(image)].camera);
+    state[kPhoto] = FingerprintOf(FileState(workspace_.ImagePath(image)));
+    if (workspace_.HasMask(image)) {
+      state[kMask] = FingerprintOf(FileState(workspace_.MaskPath(image)));
+    }
+    if (workspace_.Priors().HasPrior(image)) {
+      state[kPrior] = PriorOf(image);
+    }
+    if (const auto path = workspace_.LabelImagePath(image); !path.empty()) {
+      state[kRegions] = FingerprintOf(FileState(path));
+    }
+    std::string costs;
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      costs += FileState(workspace_.CostPath(image, type)) + " ";
+    }
+    state[kCosts] = FingerprintOf(costs);
+  }
+  if (expected != expected_.end()) {
+    const std::vector<ChangedInput> changes =
+        ChangesOfView(expected->second, state);
+    if (!changes.empty()) {
+      throw Error(ErrorCode::kMismatch,
+                  Name(image) + ": " + DescribeChanges(changes) +
+                      " since it was observed; run " + OptionName("pass") +
+                      " observe of "
+                      "all shards again");
+    }
+  }
+  return state;
+}
+
+std::string InputFingerprints::MapsOf(int image) const {
+  std::string text;
+  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    const OriginalMaps originals = FindOriginals(
+        workspace_.SourcePaths(image, type), Scrutiny::kTimeAndSamples);
+    if (type == workspace_.Type() &&
+        (originals.depth_state == OriginalState::kMissing ||
+         originals.normal_state == OriginalState::kMissing)) {
+      return kNoMaps;
+    }
+    text +=
+        FileState(originals.depth) + " " + FileState(originals.normal) + " ";
+  }
+  return FingerprintOf(text);
+}
+
+std::string InputFingerprints::PriorOf(int image) const {
+  const PriorFiles& files = workspace_.Priors().FilesOf(image);
+  return FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
+                       " " + ToString(workspace_.Priors().Type()));
+}
+
+const std::string& InputFingerprints::Name(int image) const {
+  return workspace_.Model().images[static_cast<size_t>(image)].name;
+}
+
+}  // namespace tsar

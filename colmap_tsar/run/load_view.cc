@@ -1,0 +1,400 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/load_view.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/io/map_reader.h"
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/view/unmatched_depths.h"
+#include "colmap_tsar/view/uploaded_view.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+// Where the hypotheses of consecutive pixels go; as in ViewData.
+struct HypothesisPiece {
+  std::span<float> depth;
+  std::span<Vec3f> normal;
+  std::span<uint8_t> is_to_refine;
+  // Empty where none were exported.
+  std::span<float> min_cost;
+  std::span<float> second_cost;
+};
+
+// Reads the hypotheses of one image a piece at a time: those of the map to
+// refine and, where it has none, those of the other type; none where the image
+// is masked. Each piece goes through the processor's cache once, however large
+// the maps are.
+class HypothesisReader {
+ public:
+  // Opens all maps of the image. Throws what Workspace::OpenOriginalMaps
+  // throws; kMismatch when two of its maps differ in size; what
+  // Workspace::ReadMask throws.
+  HypothesisReader(const Workspace& workspace, int image);
+
+  int Width() const { return own_.Width(); }
+  int Height() const { return own_.Height(); }
+  size_t NumPixels() const { return own_.NumPixels(); }
+  // Whether costs of the map to refine were exported.
+  bool HasCosts() const { return own_costs_.has_value(); }
+
+  // From this pixel on, as many as the piece has room for. Throws kCorrupt
+  // where a file has become shorter.
+  void Read(size_t first_pixel, const HypothesisPiece& piece);
+
+  // Of all pieces that were read: NaN or infinite values of both types; pixels
+  // that are not masked; depths of the map to refine there; those of them that
+  // have a normal and evidence.
+  int64_t NumNotFinite() const;
+  int64_t NumPixelsInUse() const { return num_pixels_in_use_; }
+  int64_t NumDepths() const { return num_depths_; }
+  int64_t NumDepthsToRefine() const { return num_depths_to_refine_; }
+
+ private:
+  void OpenOtherType(const Workspace& workspace, int image);
+  void ReadOwn(size_t first_pixel, const HypothesisPiece& piece);
+  void RemoveMasked(size_t first_pixel, const HypothesisPiece& piece);
+  void FillFromOtherType(size_t first_pixel, const HypothesisPiece& piece);
+
+  bool IsMasked(size_t pixel) const {
+    return !mask_.Empty() && mask_.Data()[pixel] != 0;
+  }
+
+  DepthNormalReader own_;
+  Image<uint8_t> mask_;  // Empty: none.
+  std::optional<MapReader> own_costs_;
+  std::optional<DepthNormalReader> other_;
+  // Opened only where they are needed.
+  std::optional<MapReader> other_costs_;
+  // Whether the other type holds depths that count only with evidence.
+  bool other_is_filtered_ = false;
+  // A piece of the other type.
+  std::vector<float> depth_;
+  std::vector<Vec3f> normal_;
+  std::vector<float> min_cost_;
+  std::vector<float> second_cost_;
+  int64_t num_pixels_in_use_ = 0;
+  int64_t num_depths_ = 0;
+  int64_t num_depths_to_refine_ = 0;
+};
+
+MapType OtherType(MapType type) {
+  return type == MapType::kGeometric ? MapType::kPhotometric
+                                     : MapType::kGeometric;
+}
+
+// The exported costs of one type of map, if there are any.
+std::optional<MapReader> OpenCosts(const std::filesystem::path& path,
+                                   const DepthNormalReader& maps) {
+  if (!std::filesystem::exists(path)) {
+    return std::nullopt;
+  }
+  MapReader costs(path);
+  const MapSize& size = costs.Size();
+  if (size.channels != 2 || size.width != maps.Width() ||
+      size.height != maps.Height()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "has " + std::to_string(size.channels) + " channels of " +
+                          std::to_string(size.width) + "x" +
+                          std::to_string(size.height) + ", but needs 2 of " +
+                          std::to_string(maps.Width()) + "x" +
+                          std::to_string(maps.Height()),
+                      "write it anew with patch_match_stereo or delete it");
+  }
+  return costs;
+}
+
+// COLMAP gives windows without texture and views that see nothing a cost
+// without evidence.
+void ReadCosts(MapReader& reader,
+               int channel,
+               size_t first_pixel,
+               std::span<float> costs) {
+  reader.Read(channel, first_pixel, costs);
+  for (float& cost : costs) {
+    if (!(cost >= 0.f && cost < kCostWithoutEvidence)) {
+      cost = kUndefinedCost;
+    }
+  }
+}
+
+bool IsValid(float depth, const Vec3f& normal) {
+  return depth > 0.f && !(normal == Vec3f{});
+}
+
+HypothesisReader::HypothesisReader(const Workspace& workspace, int image)
+    : own_(workspace.OpenOriginalMaps(image, workspace.Type())),
+      mask_(workspace.ReadMask(image, {own_.Width(), own_.Height()})),
+      own_costs_(OpenCosts(workspace.CostPath(image, workspace.Type()), own_)) {
+  OpenOtherType(workspace, image);
+}
+
+void HypothesisReader::OpenOtherType(const Workspace& workspace, int image) {
+  const MapType type = OtherType(workspace.Type());
+  if (!workspace.HasMaps(image, type)) {
+    return;
+  }
+  other_.emplace(workspace.OpenOriginalMaps(image, type));
+  if (other_->Width() != Width() || other_->Height() != Height()) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        workspace.DepthPath(image, type).string(),
+        "is not of the size of the " + ToString(workspace.Type()) + " map",
+        "run patch_match_stereo again for this image, or delete the file");
+  }
+  other_is_filtered_ = type == MapType::kGeometric;
+  if (HasCosts() || other_is_filtered_) {
+    other_costs_ = OpenCosts(workspace.CostPath(image, type), own_);
+  }
+}
+
+void HypothesisReader::Read(size_t first_pixel, const HypothesisPiece& piece) {
+  ReadOwn(first_pixel, piece);
+  if (other_) {
+    FillFromOtherType(first_pixel, piece);
+  }
+  for (size_t i = 0; i < piece.depth.size(); ++i) {
+    // COLMAP writes unit vectors; other lengths are rounding, or hostile.
+    piece.normal[i] = Normalized(piece.normal[i]);
+    if (piece.normal[i] == Vec3f{}) {
+      piece.depth[i] = 0.f;
+      piece.is_to_refine[i] = 0;
+    }
+  }
+}
+
+int64_t HypothesisReader::NumNotFinite() const {
+  return own_.NumNotFinite() + (other_ ? other_->NumNotFinite() : 0);
+}
+
+void HypothesisReader::ReadOwn(size_t first_pixel,
+                               const HypothesisPiece& piece) {
+  own_.depth.Read(first_pixel, piece.depth);
+  own_.normal.Read(first_pixel, piece.normal);
+  RemoveMasked(first_pixel, piece);
+  num_depths_ += std::count_if(piece.depth.begin(),
+                               piece.depth.end(),
+                               [](float depth) { return depth > 0.f; });
+  if (own_costs_) {
+    ReadCosts(*own_costs_, 0, first_pixel, piece.min_cost);
+    ReadCosts(*own_costs_, 1, first_pixel, piece.second_cost);
+    for (size_t i = 0; i < piece.depth.size(); ++i) {
+      if (IsMasked(first_pixel + i)) {
+        piece.min_cost[i] = kUndefinedCost;
+        piece.second_cost[i] = kUndefinedCost;
+      } else if (piece.min_cost[i] == kUndefinedCost) {
+        // The images say nothing about this depth: it follows from what is
+        // around it, or from chance.
+        piece.depth[i] = 0.f;
+        piece.normal[i] = {};
+      }
+    }
+  }
+  int num_to_refine = 0;
+  for (size_t i = 0; i < piece.depth.size(); ++i) {
+    const bool is_valid = IsValid(piece.depth[i], piece.normal[i]);
+    piece.is_to_refine[i] = is_valid ? 1 : 0;
+    num_to_refine += is_valid ? 1 : 0;
+  }
+  num_depths_to_refine_ += num_to_refine;
+}
+
+void HypothesisReader::RemoveMasked(size_t first_pixel,
+                                    const HypothesisPiece& piece) {
+  num_pixels_in_use_ += static_cast<int64_t>(piece.depth.size());
+  if (mask_.Empty()) {
+    return;
+  }
+  for (size_t i = 0; i < piece.depth.size(); ++i) {
+    if (IsMasked(first_pixel + i)) {
+      piece.depth[i] = 0.f;
+      piece.normal[i] = {};
+      --num_pixels_in_use_;
+    }
+  }
+}
+
+void HypothesisReader::FillFromOtherType(size_t first_pixel,
+                                         const HypothesisPiece& piece) {
+  const size_t count = piece.depth.size();
+  depth_.resize(count);
+  normal_.resize(count);
+  other_->depth.Read(first_pixel, depth_);
+  other_->normal.Read(first_pixel, normal_);
+  if (other_costs_) {
+    min_cost_.resize(count);
+    second_cost_.resize(count);
+    ReadCosts(*other_costs_, 0, first_pixel, min_cost_);
+    ReadCosts(*other_costs_, 1, first_pixel, second_cost_);
+  }
+  const bool needs_evidence = other_is_filtered_ && other_costs_;
+  for (size_t i = 0; i < count; ++i) {
+    if (piece.is_to_refine[i] != 0 || IsMasked(first_pixel + i) ||
+        // Not measured: a planar prior filled it.
+        (needs_evidence && min_cost_[i] == kUndefinedCost)) {
+      continue;
+    }
+    piece.depth[i] = depth_[i];
+    piece.normal[i] = normal_[i];
+    if (HasCosts()) {
+      // Without the other type's, the costs at hand are those of the hypothesis
+      // that COLMAP rejected.
+      piece.min_cost[i] = other_costs_ ? min_cost_[i] : kUndefinedCost;
+      piece.second_cost[i] = other_costs_ ? second_cost_[i] : kUndefinedCost;
+    }
+  }
+}
+
+// With all maps undefined.
+ViewData MakeMaps(int width, int height, bool has_costs) {
+  ViewData view;
+  view.depth = Image<float>::Uninitialized(width, height);
+  view.normal = Image<Vec3f>::Uninitialized(width, height);
+  view.is_to_refine = Image<uint8_t>::Uninitialized(width, height);
+  if (has_costs) {
+    view.min_cost = Image<float>::Uninitialized(width, height);
+    view.second_cost = Image<float>::Uninitialized(width, height);
+  }
+  return view;
+}
+
+HypothesisPiece PieceOf(ViewData* view, size_t first, size_t count) {
+  HypothesisPiece piece = {{view->depth.Data() + first, count},
+                           {view->normal.Data() + first, count},
+                           {view->is_to_refine.Data() + first, count},
+                           {},
+                           {}};
+  if (!view->min_cost.Empty()) {
+    piece.min_cost = {view->min_cost.Data() + first, count};
+    piece.second_cost = {view->second_cost.Data() + first, count};
+  }
+  return piece;
+}
+
+Camera CameraOfMaps(const Workspace& workspace,
+                    int image,
+                    int width,
+                    int height) {
+  return workspace.Model().images[static_cast<size_t>(image)].camera.Resized(
+      width, height);
+}
+
+// Of the map to refine.
+Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
+  DepthMapReader reader =
+      workspace.OpenOriginalMaps(image, workspace.Type()).depth;
+  auto depth =
+      Image<float>::Uninitialized(reader.Size().width, reader.Size().height);
+  ForEachPiece(depth.NumPixels(), [&](size_t first, size_t count) {
+    reader.Read(first, {depth.Data() + first, count});
+  });
+  return depth;
+}
+
+// Without what the mask hides. maps: the size of the image's maps.
+std::shared_ptr<const DepthPrior> ReadPrior(const Workspace& workspace,
+                                            int image,
+                                            const RasterSize& maps) {
+  std::shared_ptr<DepthPrior> prior = workspace.ReadPrior(image);
+  if (prior == nullptr || !workspace.HasMask(image)) {
+    return prior;
+  }
+  const Image<uint8_t> mask = workspace.ReadMask(image, maps);
+  const auto clear = [&](auto* values) {
+    if (!values->Empty()) {
+      ClearMasked(ResizeMask(mask, {values->Width(), values->Height()}),
+                  values);
+    }
+  };
+  clear(&prior->values);
+  clear(&prior->normals);
+  return prior;
+}
+
+}  // namespace
+
+ViewData LoadView(const Workspace& workspace, int image) {
+  HypothesisReader reader(workspace, image);
+  const int width = reader.Width();
+  const int height = reader.Height();
+  ViewData view = MakeMaps(width, height, reader.HasCosts());
+  ForEachPiece(reader.NumPixels(), [&](size_t first, size_t count) {
+    reader.Read(first, PieceOf(&view, first, count));
+  });
+  view.num_depths_to_refine = reader.NumDepthsToRefine();
+  view.num_not_finite = reader.NumNotFinite();
+  view.is_unfiltered =
+      IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
+  view.color = workspace.ReadImage(image, width, height);
+  view.camera = CameraOfMaps(workspace, image, width, height);
+  view.prior = ReadPrior(workspace, image, {width, height});
+  view.segments = workspace.ReadLabels(image);
+  return view;
+}
+
+ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
+  HypothesisReader reader(workspace, image);
+  const int width = reader.Width();
+  const int height = reader.Height();
+  const int factor = ReductionFactor(width, height, max_side);
+  if (factor == 1) {
+    return LoadView(workspace, image);
+  }
+  ViewReducer reducer(
+      CameraOfMaps(workspace, image, width, height), factor, reader.HasCosts());
+  ViewData rows;
+  for (int row = 0; row < height; row += factor) {
+    const int num_rows = std::min(factor, height - row);
+    if (rows.depth.Height() != num_rows) {
+      rows = MakeMaps(width, num_rows, reader.HasCosts());
+    }
+    reader.Read(static_cast<size_t>(row) * static_cast<size_t>(width),
+                PieceOf(&rows, 0, rows.depth.NumPixels()));
+    reducer.Add(rows);
+  }
+  ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
+  reduced.num_not_finite = reader.NumNotFinite();
+  reduced.prior = ReadPrior(workspace, image, {width, height});
+  reduced.segments = workspace.ReadLabels(image);
+  return reduced;
+}
+
+ViewData LoadDepthAndColor(const Workspace& workspace, int image) {
+  ViewData view;
+  view.depth = ReadOriginalDepth(workspace, image);
+  const int width = view.depth.Width();
+  const int height = view.depth.Height();
+  ClearMasked(workspace.ReadMask(image, {width, height}), &view.depth);
+  view.color = workspace.ReadImage(image, width, height);
+  view.camera = CameraOfMaps(workspace, image, width, height);
+  return view;
+}
+
+bool IsMaskedAway(const Workspace& workspace, int image) {
+  if (!workspace.HasMask(image)) {
+    return false;
+  }
+  Image<float> depth = ReadOriginalDepth(workspace, image);
+  if (!HasDepth(depth)) {
+    return false;
+  }
+  ClearMasked(workspace.ReadMask(image, {depth.Width(), depth.Height()}),
+              &depth);
+  return !HasDepth(depth);
+}
+
+}  // namespace tsar

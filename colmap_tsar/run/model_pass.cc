@@ -1,0 +1,69 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/model_pass.h"
+
+#include "colmap_tsar/run/neighbour_order.h"
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+// In an order in which neighbours are close to each other.
+std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
+  const std::vector<SparseModel::ModelImage>& images =
+      inputs.workspace.Model().images;
+  std::vector<size_t> indices;
+  std::vector<std::optional<size_t>> places(images.size());
+  for (const size_t index : OrderByNeighbours(inputs.workspace)) {
+    const int image = inputs.images.Reference(index);
+    if (inputs.images.CanRefine(index) && inputs.evidence.IsCurrent(image)) {
+      places[static_cast<size_t>(image)] = indices.size();
+      indices.push_back(index);
+    }
+  }
+  std::vector<SceneView> views;
+  for (const size_t index : indices) {
+    const int image = inputs.images.Reference(index);
+    SceneView view{image, images[static_cast<size_t>(image)].camera, {}};
+    for (const int source : inputs.images.Sources(index)) {
+      if (source != image && places[static_cast<size_t>(source)]) {
+        view.sources.push_back(*places[static_cast<size_t>(source)]);
+      }
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+}  // namespace
+
+bool ModelWorkspace(const ModelPassInputs& inputs,
+                    const ModelResources& resources,
+                    const std::string& pass,
+                    Progress& progress,
+                    const std::function<bool()>& should_stop) {
+  const std::vector<SceneView> views = FindViews(inputs);
+  const SceneEvidence evidence = {
+      [&](size_t view) { return inputs.evidence.Get(views[view].image); },
+      [&](size_t view) { return inputs.evidence.ReadAll(views[view].image); }};
+  const std::optional<SceneModel> model = ModelScene(views,
+                                                     evidence,
+                                                     inputs.options,
+                                                     ModelSceneOptions(),
+                                                     resources,
+                                                     pass,
+                                                     progress,
+                                                     should_stop);
+  if (!model) {
+    return false;
+  }
+  inputs.store.Write(*model);
+  return true;
+}
+
+}  // namespace tsar

@@ -1,0 +1,14 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/refine_workspace.h"
+#include "colmap_tsar/run/store/workspace.h"
+
+namespace tsar {
+
+// With the type of maps that was asked for, or that there is.
+Workspace OpenWorkspace(const WorkspaceRefineOptions& options);
+
+}  // namespace tsar

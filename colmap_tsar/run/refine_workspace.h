@@ -1,0 +1,80 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/priors/depth_prior.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/run/shard.h"
+#include "colmap_tsar/view/refine_observer.h"
+#include "colmap_tsar/view/refine_options.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace tsar {
+
+// What to work on and with; nothing here but input_type, the masks, the depth
+// priors and the label images changes a result.
+struct WorkspaceRefineOptions {
+  std::filesystem::path workspace_path;
+  // Where to make a second workspace with the results; empty: in place.
+  std::filesystem::path output_path;
+  // The maps to refine; nothing: the geometric ones, or the photometric ones
+  // where there are no others.
+  std::optional<MapType> input_type;
+  // A text file with the names of the images to refine; empty: all.
+  std::filesystem::path image_list_path;
+  // The folder with the masks of images, see io/image_mask.h; empty:
+  // none. Masked pixels are no evidence for anything and get no depth.
+  std::filesystem::path mask_path;
+  // The folder with the depth priors of images, see priors/prior_folder.h;
+  // empty: none. And what their values mean.
+  std::filesystem::path prior_path;
+  PriorType prior_type = PriorType::kAuto;
+  // The folder with the label images of images, see io/label_image.h;
+  // empty: none. Their segments correct the textureless regions.
+  std::filesystem::path region_path;
+  DeviceOptions devices;
+  // For several machines: which part of the images, and which pass over them.
+  Shard shard;
+  RefinePass pass = RefinePass::kAll;
+
+  // Throws kBadOption, naming the option.
+  void Check() const;
+};
+
+// Refines all images of stereo/patch-match.cfg, or those of them that are
+// listed, whose results are the same, and writes the result, an
+// account of the run (stereo/tsar/manifest.json) and progress. Images that were
+// done before with the same options, and of which nothing that they depend on
+// has changed since, are skipped; those that cannot be refined keep their maps.
+//
+// Before the first file is changed, everything that can be seen from the
+// outside of the files is checked. Throws Error: what CheckWorkspace,
+// Workspace::UseMasks, UsePriors and UseLabelImages, CreateOutputWorkspace,
+// WorkspaceLock and the options' Check throw; kDevice; kInterrupted once
+// should_stop returned true (it is called often, from several threads); and what
+// reading and writing an image throw. Whatever is thrown, the images that were
+// done stay done, and the same call goes on from there.
+//
+// observer: where given, is shown what the stages find for each image. The maps
+// are the same, but images that were done before are done again. Passes other
+// than kAll show it nothing.
+//
+// kObserve and kCompose leave a record of the shard (see ShardAccount) instead
+// of the manifest. Before kCompose, all shards must have been observed with
+// these options, and the planes of the scene must have been found, else
+// kNotFound; kModel: see ModelShards, kMerge: see MergeShards.
+RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
+                           const RefineOptions& refine_options,
+                           Progress& progress,
+                           const std::function<bool()>& should_stop,
+                           RefineObserver* observer = nullptr);
+
+}  // namespace tsar

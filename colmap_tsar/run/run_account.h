@@ -1,0 +1,128 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/run/evidence_store.h"
+#include "colmap_tsar/run/image_catalogue.h"
+#include "colmap_tsar/run/input_fingerprints.h"
+#include "colmap_tsar/run/pipeline_outcome.h"
+#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/refine_workspace.h"
+#include "colmap_tsar/run/scene_model_store.h"
+#include "colmap_tsar/run/shard_entries.h"
+#include "colmap_tsar/run/store/count_masks.h"
+#include "colmap_tsar/run/store/manifest.h"
+#include "colmap_tsar/run/store/shard_record.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/view/refine_options.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The parts of a run over images. All outlive what they are handed to.
+struct RefineRun {
+  const WorkspaceRefineOptions& options;
+  const RefineOptions& refine_options;
+  Workspace& workspace;  // The one that is written.
+  // By shard, places in Problems(); those of this run are its own shard's.
+  const std::vector<std::vector<size_t>>& shards;
+  const RefineDevices& devices;
+  InputFingerprints& inputs;
+  EvidenceStore& evidence;
+  const SceneModelStore& model;
+  ImageCatalogue& catalogue;
+
+  const std::vector<size_t>& Images() const {
+    return shards[static_cast<size_t>(options.shard.index)];
+  }
+  // Whether some image of the run has yet to be refined and can be.
+  bool IsAnyNeeded() const {
+    return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
+      return catalogue.IsToBeRefined(index);
+    });
+  }
+  // Of the run's images, those with a mask; nothing where no masks are used.
+  std::optional<int64_t> NumMasks() const {
+    return CountMasks(workspace, ReferencesOf(workspace, Images()));
+  }
+  // The same of depth priors.
+  std::optional<int64_t> NumPriors() const {
+    return workspace.Priors().Count(ReferencesOf(workspace, Images()));
+  }
+  bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
+};
+
+// What a run leaves on disk beside the results of its images, so that the user,
+// later runs and other shards know what was done.
+class RunAccount {
+ public:
+  virtual ~RunAccount() = default;
+
+  // Before any image is changed. Throws what forbids the run.
+  virtual void Begin() = 0;
+  // Before the passes.
+  virtual void BeforeObserving() {}
+  virtual void BeforeComposing() {}
+  // When the last pass has come to its end, or to where it had to stop: then
+  // throws the failure of an image, or kInterrupted.
+  virtual void End(const PipelineOutcome& outcome) = 0;
+};
+
+// What a run was done with, by names; no result depends on it.
+std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
+                                               const RefineDevices& devices);
+
+// Throws the first failure or, where images are left to be done, kInterrupted,
+// which tells how many of num_wanted are done.
+void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted);
+
+// The account of a run over all images: stereo/tsar/manifest.json. When
+// everything is done, what only an unfinished run needs is removed, and output
+// workspaces made of this one get their links again.
+class ManifestAccount : public RunAccount {
+ public:
+  // run must outlive this object.
+  explicit ManifestAccount(const RefineRun& run) : run_(run) {}
+
+  void Begin() override;
+  void End(const PipelineOutcome& outcome) override;
+
+ private:
+  Manifest Build() const;
+  void MarkFailures(const PipelineOutcome& outcome, Manifest* manifest) const;
+
+  const RefineRun& run_;
+};
+
+// The account of a shard in one pass: its ShardRecord. A pass begins only where
+// the records of other shards are of the same work and, to compose, all of them
+// have been observed.
+class ShardAccount : public RunAccount {
+ public:
+  // run must outlive this object.
+  explicit ShardAccount(const RefineRun& run) : run_(run) {}
+
+  void Begin() override;
+  void BeforeObserving() override;
+  void BeforeComposing() override;
+  void End(const PipelineOutcome& outcome) override;
+
+ private:
+  bool IsObserving() const { return run_.options.pass == RefinePass::kObserve; }
+  ShardRecord::State ObservedState(size_t index) const;
+
+  const RefineRun& run_;
+  ShardRecord record_;
+  ObservedShards observed_;  // Of all shards, where this pass composes.
+};
+
+}  // namespace tsar

@@ -1,0 +1,64 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/pipeline_outcome.h"
+#include "colmap_tsar/run/shard.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// What a run of RefineWorkspace did.
+struct RunSummary {
+  struct KeptImage {
+    std::string name;
+    std::string reason;
+  };
+  struct GpuMemory {
+    std::string gpu;
+    size_t num_bytes = 0;  // The most that was held at a time.
+  };
+
+  std::filesystem::path workspace_path;  // The one that was written.
+  std::filesystem::path model_folder;    // With its sparse model.
+  RefinePass pass = RefinePass::kAll;
+  Shard shard;
+  MapType type = MapType::kGeometric;
+  std::string device;
+  int num_workers = 0;  // Images at a time.
+  int num_images = 0;
+  int num_observed = 0;  // Only in a pass that does nothing else.
+  int num_refined = 0;
+  int num_skipped = 0;
+  int num_not_listed = 0;
+  // Of the images, those with a mask; nothing where no masks were given.
+  std::optional<int64_t> num_masks;
+  // The same of depth priors.
+  std::optional<int64_t> num_priors;
+  std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
+  int64_t num_sources_without_maps = 0;
+  std::map<std::string, int64_t> counts;  // Sums over the refined images.
+  std::map<std::string, double> seconds;
+  double wall_seconds = 0.0;
+  std::vector<GpuMemory> peak_gpu_memory;
+
+  void Add(const std::string& image, const ImageReport& report);
+
+  // Whether all images that were to be refined were kept as they were: after a
+  // run, or once its shards were merged.
+  bool RefinedNone() const {
+    return (pass == RefinePass::kAll || pass == RefinePass::kMerge) &&
+           num_refined == 0 && num_skipped == 0 && !kept.empty();
+  }
+};
+
+}  // namespace tsar

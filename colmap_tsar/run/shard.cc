@@ -1,0 +1,141 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/shard.h"
+
+#include "colmap_tsar/base/enum_names.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/run/neighbour_order.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr int kMaxShards = 100000;
+
+constexpr std::array kPassNames = {
+    std::pair(RefinePass::kAll, "all"),
+    std::pair(RefinePass::kObserve, "observe"),
+    std::pair(RefinePass::kModel, "model"),
+    std::pair(RefinePass::kCompose, "compose"),
+    std::pair(RefinePass::kMerge, "merge"),
+};
+
+std::optional<int> ParseCount(std::string_view text) {
+  int value = 0;
+  const auto result =
+      std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size() ||
+      value < 0) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+Error Refused(const std::string& what) {
+  return Error(ErrorCode::kBadOption,
+               OptionName("shard") + ": " + what +
+                   "; give i/n with i from 0 to n - 1, such as 0/4 for the "
+                   "first of four parts");
+}
+
+// What an image takes: each source is compared with all its pixels.
+std::vector<int64_t> FindWork(const Workspace& workspace) {
+  std::vector<int64_t> work;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    const Camera& camera =
+        workspace.Model().images[static_cast<size_t>(problem.reference)].camera;
+    work.push_back(static_cast<int64_t>(camera.width) * camera.height *
+                   static_cast<int64_t>(problem.sources.size() + 1));
+  }
+  return work;
+}
+
+}  // namespace
+
+std::string ToString(const Shard& shard) {
+  return std::to_string(shard.index) + " of " + std::to_string(shard.count);
+}
+
+Shard ParseShard(const std::string& text) {
+  if (text.empty()) {
+    return {};
+  }
+  const std::string_view view = text;
+  const size_t slash = view.find('/');
+  const std::optional<int> index = ParseCount(view.substr(0, slash));
+  const std::optional<int> count = slash == std::string_view::npos
+                                       ? std::nullopt
+                                       : ParseCount(view.substr(slash + 1));
+  if (!index || !count) {
+    throw Refused("'" + text + "' is not a part of the images");
+  }
+  const Shard shard = {*index, *count};
+  shard.Check();
+  return shard;
+}
+
+void Shard::Check() const {
+  if (count < 1 || count > kMaxShards) {
+    throw Refused("there can be 1 to " + std::to_string(kMaxShards) +
+                  " parts, not " + std::to_string(count));
+  }
+  if (index < 0 || index >= count) {
+    throw Refused(
+        "of " + std::to_string(count) + (count == 1 ? " part" : " parts") +
+        ", counted from 0 on, there is no part " + std::to_string(index));
+  }
+}
+
+std::string ToString(RefinePass pass) { return EnumName(kPassNames, pass); }
+
+RefinePass ParsePass(const std::string& text) {
+  if (const auto pass = FindEnumValue(kPassNames, text)) {
+    return *pass;
+  }
+  throw Error(ErrorCode::kBadOption,
+              OptionName("pass") + ": '" + text +
+                  "' is not known; give all, observe, model, compose or merge");
+}
+
+std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
+                                             int count) {
+  if (count == 1) {
+    // The order of neighbours is that of the images again, once sorted.
+    std::vector<size_t> all(workspace.Problems().size());
+    std::iota(all.begin(), all.end(), size_t{0});
+    return {std::move(all)};
+  }
+  const std::vector<int64_t> work = FindWork(workspace);
+  int64_t total = 0;
+  for (const int64_t value : work) {
+    total += value;
+  }
+  std::vector<std::vector<size_t>> shards(static_cast<size_t>(count));
+  int64_t before = 0;
+  for (const size_t image : OrderByNeighbours(workspace)) {
+    // The part in which the middle of the image's work lies.
+    const double middle =
+        static_cast<double>(before) + 0.5 * static_cast<double>(work[image]);
+    const auto shard =
+        static_cast<size_t>(middle * count / static_cast<double>(total));
+    shards[std::min(shard, shards.size() - 1)].push_back(image);
+    before += work[image];
+  }
+  for (std::vector<size_t>& shard : shards) {
+    std::sort(shard.begin(), shard.end());
+  }
+  return shards;
+}
+
+}  // namespace tsar

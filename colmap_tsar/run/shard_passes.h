@@ -1,0 +1,37 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/run/refine_workspace.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/view/refine_options.h"
+
+#include <functional>
+
+namespace tsar {
+
+// Finds the planes of the scene once all shards have been observed; one program
+// does that for all of them. Does nothing where that was done before, where
+// images are refined each on its own, and where none is left to be refined.
+// Throws Error: kNotFound where some shard has not been observed, or some image
+// that is needed now; kMismatch where shards were observed with other options,
+// or something has changed since; kInterrupted; what the files give.
+RunSummary ModelShards(const WorkspaceRefineOptions& workspace_options,
+                       const RefineOptions& refine_options,
+                       Progress& progress,
+                       const std::function<bool()>& should_stop);
+
+// Ends the work of shards: writes the account of all images (manifest.json),
+// and removes the evidence and the shards' own records. Opens no map. Where
+// there are no shards because they were merged before, it only makes sure that
+// nothing is left of them.
+//
+// Throws Error, and changes nothing: kNotFound, naming them, where shards or
+// images have not been composed; kMismatch where the shards were run with other
+// options; what WorkspaceLock throws, while a shard is at work for one.
+RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
+                       const RefineOptions& refine_options);
+
+}  // namespace tsar

@@ -1,0 +1,374 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/store/evidence_file.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/run/store/state_file.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+// Without branches: infinity or NaN minus itself is NaN.
+bool IsFinite(float value) { return value - value == 0.f; }
+bool IsFiniteNotNegative(float value) {
+  return IsFinite(value) & (value >= 0.f);
+}
+bool IsFinitePositive(float value) { return IsFinite(value) & (value > 0.f); }
+
+// Looks at all elements, so that the loops over rasters need no branches.
+template <typename Container, typename Function>
+bool AllOf(const Container& elements, Function is_good) {
+  bool all_good = true;
+  for (const auto& element : elements) {
+    all_good &= is_good(element);
+  }
+  return all_good;
+}
+
+bool BordersFit(const ViewEvidence& evidence) {
+  const auto num_pixels =
+      static_cast<int64_t>(evidence.superpixels.NumPixels());
+  return std::ranges::is_sorted(evidence.borders,
+                                {},
+                                [](const SuperpixelBorder& border) {
+                                  return std::pair(border.first, border.second);
+                                }) &&
+         AllOf(evidence.borders, [&](const SuperpixelBorder& border) {
+           return border.first >= 0 && border.first < border.second &&
+                  border.second < evidence.NumSuperpixels() &&
+                  AllOf(border.pixels, [&](int pixel) {
+                    return pixel >= 0 && pixel < num_pixels;
+                  });
+         });
+}
+
+// Which promise of ViewEvidence these parts break, as what they have ("a label
+// that no superpixel has"); nothing where they keep all.
+std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
+                                             EvidenceParts parts) {
+  const auto has_raster = [&](const auto& image) {
+    return image.Width() == evidence.width && image.Height() == evidence.height;
+  };
+  const std::vector<int>& first = evidence.first_observation;
+  if (evidence.width < 1 || evidence.height < 1 ||
+      !has_raster(evidence.superpixels) ||
+      !has_raster(evidence.confident_depth) || !has_raster(evidence.color) ||
+      first.size() != evidence.weights.size() + 1) {
+    return "sizes that do not fit each other";
+  }
+  const Intrinsics& intrinsics = evidence.intrinsics;
+  if (!IsFinitePositive(intrinsics.fx) || !IsFinitePositive(intrinsics.fy) ||
+      !IsFinite(intrinsics.cx) || !IsFinite(intrinsics.cy)) {
+    return "intrinsics that no camera has";
+  }
+  if (!IsFiniteNotNegative(evidence.resolution.error_per_depth) ||
+      !IsFiniteNotNegative(evidence.noise)) {
+    return "a noise that is no number";
+  }
+  const size_t num_superpixels = evidence.weights.size();
+  if (!AllOf(evidence.superpixels,
+             [&](uint16_t label) { return label < num_superpixels; })) {
+    return "a label that no superpixel has";
+  }
+  if (!AllOf(evidence.weights, IsFiniteNotNegative)) {
+    return "a superpixel's invalid weight";
+  }
+  if (first.front() != 0 || !std::ranges::is_sorted(first) ||
+      static_cast<size_t>(first.back()) != evidence.observations.size() ||
+      evidence.sources.size() != evidence.observations.size() ||
+      !(evidence.errors.empty() ||
+        evidence.errors.size() == evidence.observations.size())) {
+    return "observations that are not those of the superpixels";
+  }
+  if (!AllOf(evidence.observations,
+             [](const Observation& observation) {
+               const RayDepth& sample = observation.sample;
+               return IsFinite(sample.x) & IsFinite(sample.y) &
+                      IsFinitePositive(sample.z) &
+                      IsFinitePositive(observation.confidence);
+             }) ||
+      !AllOf(evidence.errors, IsFinitePositive)) {
+    return "an invalid observation";
+  }
+  if (!AllOf(evidence.sources, [](ObservationSource source) {
+        return source <= ObservationSource::kPrior;
+      })) {
+    return "an observation of an unknown kind";
+  }
+  if (!AllOf(evidence.candidates, [](const Plane& plane) {
+        return IsFinite(plane.normal.x) & IsFinite(plane.normal.y) &
+               IsFinite(plane.normal.z) & IsFinitePositive(plane.offset);
+      })) {
+    return "an invalid plane";
+  }
+  if (!AllOf(evidence.confident_depth, IsFiniteNotNegative)) {
+    return "an invalid depth";
+  }
+  if (parts == EvidenceParts::kForNeighbours) {
+    return std::nullopt;
+  }
+  const std::vector<int>& first_confirmed = evidence.first_confirmed;
+  if (evidence.ratings.Empty() || first_confirmed.size() != first.size() ||
+      evidence.confirmed_pixels.size() != num_superpixels) {
+    return "sizes that do not fit each other";
+  }
+  const AlignedPrior& prior = evidence.prior;
+  if (prior.Empty() != (prior.assessment.verdict != PriorVerdict::kUsed) ||
+      !IsFiniteNotNegative(prior.assessment.skill)) {
+    return "an invalid prior";
+  }
+  if (!prior.Empty() &&
+      (!has_raster(prior.depth) || !has_raster(prior.sigma) ||
+       !AllOf(prior.depth, IsFiniteNotNegative) ||
+       !AllOf(prior.sigma, IsFiniteNotNegative) ||
+       !(prior.outlier_share > 0.f && prior.outlier_share < 1.f))) {
+    return "an invalid prior";
+  }
+  if (first_confirmed.front() != 0 ||
+      !std::ranges::is_sorted(first_confirmed) ||
+      static_cast<size_t>(first_confirmed.back()) !=
+          evidence.confirmed.size() ||
+      !AllOf(evidence.confirmed_pixels, [](int count) { return count >= 0; })) {
+    return "confirmed depths that are not those of the superpixels";
+  }
+  if (!AllOf(evidence.confirmed, [](const RayDepth& sample) {
+        return IsFinite(sample.x) & IsFinite(sample.y) &
+               IsFinitePositive(sample.z);
+      })) {
+    return "an invalid confirmed depth";
+  }
+  if (!BordersFit(evidence)) {
+    return "borders that are not those of the superpixels";
+  }
+  if (!AllOf(evidence.borders, [](const SuperpixelBorder& border) {
+        return IsFiniteNotNegative(border.weight);
+      })) {
+    return "a border's invalid weight";
+  }
+  return std::nullopt;
+}
+
+// Where the size is the sum of the fields' sizes, there is no padding.
+static_assert(sizeof(Observation) == 16 &&
+              std::is_trivially_copyable_v<Observation>);
+static_assert(sizeof(RayDepth) == 12 && std::is_trivially_copyable_v<RayDepth>);
+static_assert(sizeof(SuperpixelBorder) == 28 &&
+              std::is_trivially_copyable_v<SuperpixelBorder>);
+static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
+static_assert(sizeof(Rgb) == 3 && std::is_trivially_copyable_v<Rgb>);
+static_assert(sizeof(Intrinsics) == 16 &&
+              std::is_trivially_copyable_v<Intrinsics>);
+
+struct Header {
+  StateFileStart start;
+  int32_t width = 0;
+  int32_t height = 0;
+  int32_t ratings_width = 0;
+  int32_t ratings_height = 0;
+  Intrinsics intrinsics;
+  float error_per_depth = 0.f;
+  float noise = 0.f;
+  float prior_outlier_share = 0.f;
+  float prior_skill = 0.f;
+  uint32_t prior_verdict = 0;  // A PriorVerdict.
+  uint32_t prior_type = 0;     // A PriorType.
+  uint64_t num_superpixels = 0;
+  uint64_t num_observations = 0;
+  uint64_t num_errors = 0;
+  uint64_t num_confirmed = 0;
+  uint64_t num_candidates = 0;
+  uint64_t num_borders = 0;
+  uint64_t neighbour_fingerprint = 0;
+  uint64_t own_fingerprint = 0;
+  uint64_t header_fingerprint = 0;
+
+  bool HasPriorDepth() const {
+    return prior_verdict == static_cast<uint32_t>(PriorVerdict::kUsed);
+  }
+  // In the order of NeighbourArrays() and OwnArrays().
+  std::vector<StateFileArray> Arrays() const {
+    if (width < 1 || height < 1 || ratings_width < 1 || ratings_height < 1) {
+      return {};
+    }
+    const uint64_t num_pixels =
+        static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+    const uint64_t num_ratings = static_cast<uint64_t>(ratings_width) *
+                                 static_cast<uint64_t>(ratings_height);
+    const uint64_t num_prior_pixels = HasPriorDepth() ? num_pixels : 0;
+    return {{num_pixels, sizeof(uint16_t)},
+            {num_pixels, sizeof(float)},
+            {num_pixels, sizeof(Rgb)},
+            {num_superpixels, sizeof(float)},
+            {num_superpixels, sizeof(int)},
+            {1, sizeof(int)},
+            {num_observations, sizeof(Observation)},
+            {num_observations, sizeof(ObservationSource)},
+            {num_errors, sizeof(float)},
+            {num_candidates, sizeof(Plane)},
+            {num_prior_pixels, sizeof(float)},
+            {num_prior_pixels, sizeof(float)},
+            {num_superpixels, sizeof(int)},
+            {1, sizeof(int)},
+            {num_confirmed, sizeof(RayDepth)},
+            {num_superpixels, sizeof(int)},
+            {num_borders, sizeof(SuperpixelBorder)},
+            {num_ratings, sizeof(uint8_t)}};
+  }
+};
+static_assert(sizeof(Header) == 144);
+
+// For writing and for reading.
+template <typename Evidence>
+auto NeighbourArrays(Evidence& evidence) {
+  return std::vector{BytesOf(evidence.superpixels),
+                     BytesOf(evidence.confident_depth),
+                     BytesOf(evidence.color),
+                     BytesOf(evidence.weights),
+                     BytesOf(evidence.first_observation),
+                     BytesOf(evidence.observations),
+                     BytesOf(evidence.sources),
+                     BytesOf(evidence.errors),
+                     BytesOf(evidence.candidates)};
+}
+template <typename Evidence>
+auto OwnArrays(Evidence& evidence) {
+  return std::vector{BytesOf(evidence.prior.depth),
+                     BytesOf(evidence.prior.sigma),
+                     BytesOf(evidence.first_confirmed),
+                     BytesOf(evidence.confirmed),
+                     BytesOf(evidence.confirmed_pixels),
+                     BytesOf(evidence.borders),
+                     BytesOf(evidence.ratings)};
+}
+
+Error MissingEvidence(const std::filesystem::path& path) {
+  return Error::File(ErrorCode::kNotFound,
+                     path.string(),
+                     "no such file",
+                     "run again without removing files meanwhile");
+}
+
+Error CorruptEvidence(const std::filesystem::path& path,
+                      const std::string& what) {
+  return Error::File(
+      ErrorCode::kCorrupt,
+      path.string(),
+      "not a usable evidence file: " + what,
+      "delete the folder " + path.parent_path().string() + " and run again");
+}
+
+constexpr StateFileKind kEvidenceFile = {
+    {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
+    /*version=*/11,
+    &MissingEvidence,
+    &CorruptEvidence};
+
+}  // namespace
+
+ContainedPath GetEvidenceFolder(const std::filesystem::path& root) {
+  return GetTsarFolder(root) / "evidence";
+}
+
+ContainedPath GetEvidencePath(const std::filesystem::path& root,
+                              const std::string& image_name,
+                              MapType type) {
+  return GetEvidenceFolder(root) / (image_name + "." + ToString(type) + ".bin");
+}
+
+void WriteEvidence(const ContainedPath& path,
+                   const std::string& options_hash,
+                   const ViewEvidence& evidence) {
+  RequireNoFault(path, FindEvidenceFault(evidence, EvidenceParts::kAll));
+  const ReadableArrays neighbour_arrays = NeighbourArrays(evidence);
+  const ReadableArrays own_arrays = OwnArrays(evidence);
+  Header header;
+  header.width = evidence.width;
+  header.height = evidence.height;
+  header.ratings_width = evidence.ratings.Width();
+  header.ratings_height = evidence.ratings.Height();
+  header.intrinsics = evidence.intrinsics;
+  header.error_per_depth = evidence.resolution.error_per_depth;
+  header.noise = evidence.noise;
+  header.prior_outlier_share = evidence.prior.outlier_share;
+  header.prior_skill = evidence.prior.assessment.skill;
+  header.prior_verdict =
+      static_cast<uint32_t>(evidence.prior.assessment.verdict);
+  header.prior_type = static_cast<uint32_t>(evidence.prior.assessment.type);
+  header.num_superpixels = evidence.weights.size();
+  header.num_errors = evidence.errors.size();
+  header.num_observations = evidence.observations.size();
+  header.num_confirmed = evidence.confirmed.size();
+  header.num_candidates = evidence.candidates.size();
+  header.num_borders = evidence.borders.size();
+  header.neighbour_fingerprint = FingerprintOfArrays(neighbour_arrays);
+  header.own_fingerprint = FingerprintOfArrays(own_arrays);
+  WriteStateFile(path,
+                 kEvidenceFile,
+                 header,
+                 options_hash,
+                 {neighbour_arrays, own_arrays});
+}
+
+ViewEvidence ReadEvidence(const std::filesystem::path& path,
+                          EvidenceParts parts) {
+  StateFileReader<Header> reader(path, kEvidenceFile);
+  const Header& header = reader.GetHeader();
+  const int width = header.width;
+  const int height = header.height;
+  ViewEvidence evidence;
+  evidence.width = width;
+  evidence.height = height;
+  evidence.intrinsics = header.intrinsics;
+  evidence.resolution.error_per_depth = header.error_per_depth;
+  evidence.noise = header.noise;
+  evidence.superpixels = Image<uint16_t>::Uninitialized(width, height);
+  evidence.confident_depth = Image<float>::Uninitialized(width, height);
+  evidence.color = Image<Rgb>::Uninitialized(width, height);
+  evidence.weights.resize(header.num_superpixels);
+  evidence.first_observation.resize(header.num_superpixels + 1);
+  evidence.observations.resize(header.num_observations);
+  evidence.sources.resize(header.num_observations);
+  evidence.errors.resize(header.num_errors);
+  evidence.candidates.resize(header.num_candidates);
+  reader.Read(NeighbourArrays(evidence), header.neighbour_fingerprint);
+  if (parts == EvidenceParts::kAll) {
+    if (header.prior_verdict > static_cast<uint32_t>(PriorVerdict::kUnlike) ||
+        header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
+      throw CorruptEvidence(path, "it has an invalid prior");
+    }
+    evidence.prior.assessment.verdict =
+        static_cast<PriorVerdict>(header.prior_verdict);
+    evidence.prior.assessment.type = static_cast<PriorType>(header.prior_type);
+    evidence.prior.assessment.skill = header.prior_skill;
+    if (header.HasPriorDepth()) {
+      evidence.prior.outlier_share = header.prior_outlier_share;
+      evidence.prior.depth = Image<float>::Uninitialized(width, height);
+      evidence.prior.sigma = Image<float>::Uninitialized(width, height);
+    }
+    evidence.first_confirmed.resize(header.num_superpixels + 1);
+    evidence.confirmed.resize(header.num_confirmed);
+    evidence.confirmed_pixels.resize(header.num_superpixels);
+    evidence.borders.resize(header.num_borders);
+    evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
+                                                     header.ratings_height);
+    reader.Read(OwnArrays(evidence), header.own_fingerprint);
+  }
+  if (const auto fault = FindEvidenceFault(evidence, parts)) {
+    throw CorruptEvidence(path, "it has " + *fault);
+  }
+  return evidence;
+}
+
+std::optional<std::string> ReadEvidenceHash(const std::filesystem::path& path) {
+  return ReadStateFileHash<Header>(path, kEvidenceFile);
+}
+
+}  // namespace tsar

@@ -1,0 +1,60 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/store/input_folders.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/run/store/output_workspace.h"
+
+#include <algorithm>
+#include <optional>
+#include <system_error>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of a path that need not exist. One that cannot be looked up is none that can
+// be written to, and whoever tries says so.
+fs::path Canonical(const fs::path& path) {
+  std::error_code error;
+  const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
+  return error ? path : canonical;
+}
+
+}  // namespace
+
+std::string FindInputFolder(const fs::path& root, const fs::path& path) {
+  // A link of this name would be replaced where it is, or led to its target.
+  const fs::path place =
+      Canonical(path.parent_path().empty() ? fs::path(".")
+                                           : path.parent_path()) /
+      path.filename();
+  const fs::path target = Canonical(path);
+  for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
+    const fs::path folder = Canonical(root / name);
+    if (IsWithin(place, folder) || IsWithin(target, folder)) {
+      return name;
+    }
+  }
+  return "";
+}
+
+void RequireOutsideInputs(const fs::path& root,
+                          const fs::path& path,
+                          const std::string& option) {
+  const std::optional<fs::path> source = ReadOutputMarker(root);
+  for (const fs::path& workspace : {root, source.value_or(root)}) {
+    const std::string folder = FindInputFolder(workspace, path);
+    if (!folder.empty()) {
+      throw Error::File(ErrorCode::kUnsupported,
+                        path.string(),
+                        "is in the folder " + folder + " of a workspace",
+                        "choose another " + option);
+    }
+  }
+}
+
+}  // namespace tsar

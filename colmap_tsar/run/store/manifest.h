@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/run/store/workspace.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// The account of one run over a workspace: stereo/tsar/manifest.json.
+struct Manifest {
+  std::string version;
+  std::string type;
+  std::map<std::string, std::string> options;
+  // What the run was done with; no result depends on it.
+  std::map<std::string, std::string> runtime;
+  // Sums over the images' records.
+  std::map<std::string, int64_t> counts;
+  std::map<std::string, double> seconds;
+
+  struct Entry {
+    std::string image;
+    ImageStatus status = ImageStatus::kPending;
+    std::string note;
+    std::map<std::string, int64_t> counts;
+    std::map<std::string, double> seconds;
+  };
+  std::vector<Entry> images;  // In the order of Workspace::Problems().
+
+  int NumImages(ImageStatus status) const;
+};
+
+// The state of every image of the workspace, from the records: those with
+// another options_hash, or none, are pending.
+Manifest BuildManifest(const Workspace& workspace,
+                       const std::map<std::string, std::string>& options,
+                       const std::string& options_hash);
+
+// Note of how many images masks and depth priors were used; nothing where none
+// were given.
+void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest);
+void NotePriors(const std::optional<int64_t>& num_priors, Manifest* manifest);
+
+// In one step.
+void WriteManifest(const Workspace& workspace, const Manifest& manifest);
+
+}  // namespace tsar

@@ -1,0 +1,42 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/store/record.h"
+
+#include <filesystem>
+
+namespace tsar {
+
+// Where the map that COLMAP wrote is to be found.
+enum class OriginalState {
+  kMissing,  // There is no map at all.
+  kInPlace,  // Under its own name; nothing is stored.
+  kStored,   // In stereo/tsar/original; what is in its place is this program's.
+  kReplaced,  // Under its own name: COLMAP wrote both maps of the image anew,
+              // and the stored ones are of former times.
+};
+
+// The originals of an image's maps.
+struct OriginalMaps {
+  OriginalState depth_state = OriginalState::kMissing;
+  OriginalState normal_state = OriginalState::kMissing;
+  std::filesystem::path depth;
+  std::filesystem::path normal;
+};
+
+// Looks at both maps of an image. Throws Error kMismatch where an original is
+// lost or was changed where it is kept, where refined maps were edited (they
+// are no originals), and where nothing tells whose the maps in place are; what
+// to do then depends on the user, who is told.
+OriginalMaps FindOriginals(const MapPaths& paths,
+                           Scrutiny scrutiny = Scrutiny::kContent);
+
+// Throws Error kMismatch where what lies beside an image's maps tells that they
+// were refined, but stereo/tsar, which held their originals, is gone: refined
+// maps are no originals.
+void RequireNoStrayResults(const MapPaths& paths);
+
+}  // namespace tsar

@@ -1,0 +1,331 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/store/output_folder.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/option_name.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <exception>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <sys/file.h>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of a former folder, where the file system cannot exchange it for the new one.
+constexpr const char* kFormerSuffix = ".tsar_old";
+
+// Without the separator that a user may write at the end.
+fs::path Normal(const fs::path& path) {
+  const fs::path normal = fs::absolute(path).lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
+Error Refused(const OutputFolderKind& kind,
+              const fs::path& path,
+              const std::string& what,
+              const std::string& advice) {
+  return Error::File(
+      ErrorCode::kUnsupported,
+      path.string(),
+      what,
+      advice + ", or give another folder as " + OptionName(kind.path_option));
+}
+
+// What has the name, links not followed.
+fs::file_type TypeOf(const fs::path& path) {
+  std::error_code error;
+  const fs::file_type type = fs::symlink_status(path, error).type();
+  if (type == fs::file_type::none) {
+    ThrowSystemError(path, "cannot be looked at", error.value());
+  }
+  return type;
+}
+
+bool IsThere(const fs::path& path) {
+  return TypeOf(path) != fs::file_type::not_found;
+}
+
+// Whether it is an unfinished folder of this program: an empty one, or one that
+// was marked, if only the marker's temporary is there.
+bool IsUnfinished(const OutputFolderKind& kind, const fs::path& path) {
+  if (TypeOf(path) != fs::file_type::directory) {
+    return false;
+  }
+  const std::vector<Folder::Entry> entries = Folder(UserPath(path)).List();
+  const std::string marker = kind.unfinished_file;
+  return std::all_of(entries.begin(),
+                     entries.end(),
+                     [&](const Folder::Entry& entry) {
+                       return entry.name ==
+                              marker + AtomicFile::kTemporarySuffix;
+                     }) ||
+         std::any_of(
+             entries.begin(), entries.end(), [&](const Folder::Entry& entry) {
+               return entry.name == marker && !entry.is_folder;
+             });
+}
+
+void Mark(const OutputFolderKind& kind, const fs::path& folder) {
+  AtomicFile marker(UserPath(folder) / kind.unfinished_file);
+  marker.Stream() << kind.command
+                  << " removes this folder when it is called with the same "
+                  << OptionName(kind.path_option) << ".\n";
+  marker.Commit();
+}
+
+// Removes all but the marker.
+void EmptyUnfinished(const OutputFolderKind& kind, const fs::path& path) {
+  const ContainedPath folder = UserPath(path);
+  const fs::path marker = path / kind.unfinished_file;
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      RemoveTree(entry->path);
+    } else if (entry->path.Path() != marker) {
+      RemoveFile(entry->path);
+    }
+  }
+}
+
+// The marker goes last, so that what a kill leaves is known for what it is.
+void RemoveUnfinished(const OutputFolderKind& kind, const fs::path& path) {
+  EmptyUnfinished(kind, path);
+  RemoveTree(UserPath(path));
+}
+
+// Held until the folder is closed, however the program ends. Some network file
+// systems cannot lock folders; nothing is said about that, since one is hardly
+// ever written by two programs.
+void Lock(const OutputFolderKind& kind, const Folder& folder) {
+  if (flock(folder.Descriptor(), LOCK_EX | LOCK_NB) != 0 &&
+      errno == EWOULDBLOCK) {
+    throw Refused(kind,
+                  folder.Path(),
+                  std::string("another ") + kind.command + " is at work there",
+                  "wait until it has ended");
+  }
+}
+
+std::string NameIn(const ContainedPath& folder, const TreeEntry& entry) {
+  return entry.path.Relative()
+      .lexically_relative(folder.Relative())
+      .generic_string();
+}
+
+void WriteList(const OutputFolderKind& kind, const fs::path& path) {
+  const ContainedPath folder = UserPath(path);
+  std::set<std::string> names;
+  for (const TreeEntry& entry : ListTree(folder)) {
+    if (!entry.is_folder) {
+      names.insert(NameIn(folder, entry));
+    }
+  }
+  names.erase(kind.unfinished_file);
+  const ContainedPath list = folder / kind.list_file;
+  CreateFolders(list.Parent());
+  AtomicFile file(list);
+  for (const std::string& name : names) {
+    file.Stream() << name << "\n";
+  }
+  file.Stream() << kind.list_file << "\n";
+  file.Commit();
+}
+
+// Nothing where there is no list, or only a part of one.
+std::optional<std::set<std::string>> ReadList(const OutputFolderKind& kind,
+                                              const fs::path& path) {
+  InputFile file(path / kind.list_file);
+  std::set<std::string> names;
+  std::string name;
+  while (std::getline(file, name)) {
+    names.insert(name);
+  }
+  return names.count(kind.list_file) != 0 ? std::optional(names) : std::nullopt;
+}
+
+// Throws where anything is below the folder that it does not list.
+void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
+  const std::optional<std::set<std::string>> files = ReadList(kind, path);
+  if (!files) {
+    throw Refused(kind,
+                  path,
+                  std::string("holds ") + kind.name_with_a +
+                      " without the list of its files (" + kind.list_file +
+                      "), so that other files in it would not be noticed",
+                  "move or delete it");
+  }
+  std::set<std::string> folders;
+  for (const fs::path file : *files) {
+    for (fs::path folder = file.parent_path(); folder.has_relative_path();
+         folder = folder.parent_path()) {
+      folders.insert(folder.generic_string());
+    }
+  }
+  const ContainedPath folder = UserPath(path);
+  const std::string marker = kind.unfinished_file;
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  const TreeEntry* foreign = nullptr;  // A file rather than the folder above.
+  for (const TreeEntry& entry : tree) {
+    const std::string name = NameIn(folder, entry);
+    const bool is_known =
+        entry.is_folder
+            ? folders.count(name) != 0
+            : !entry.is_link && (files->count(name) != 0 || name == marker ||
+                                 name == marker + AtomicFile::kTemporarySuffix);
+    if (!is_known &&
+        (foreign == nullptr || (foreign->is_folder && !entry.is_folder))) {
+      foreign = &entry;
+    }
+  }
+  if (foreign != nullptr) {
+    throw Refused(kind,
+                  foreign->path,
+                  std::string("is not of the ") + kind.name + " in this folder",
+                  "move it away");
+  }
+}
+
+// Whether one stands there that is to be replaced.
+bool CheckPlace(const OutputFolderKind& kind,
+                const fs::path& path,
+                bool overwrite) {
+  const fs::file_type type = TypeOf(path);
+  if (type == fs::file_type::not_found) {
+    return false;
+  }
+  if (type == fs::file_type::symlink) {
+    throw Refused(kind, path, "is a link", "remove it");
+  }
+  if (type == fs::file_type::directory &&
+      Folder(UserPath(path)).List().empty()) {
+    return false;
+  }
+  std::error_code error;
+  if (!fs::is_regular_file(path / kind.known_file, error)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      std::string("is there already and is no ") + kind.name,
+                      "give another folder as " + OptionName(kind.path_option));
+  }
+  if (!overwrite) {
+    throw Refused(kind,
+                  path,
+                  std::string("holds ") + kind.name_with_a + " already",
+                  "give " + OptionName("overwrite") + " 1 to replace it");
+  }
+  CheckHoldsNothingElse(kind, path);
+  return true;
+}
+
+// The names for a former folder, of which there are more than one where others
+// are taken.
+fs::path FormerPath(const fs::path& path, int number) {
+  std::string name = path.string() + kFormerSuffix;
+  if (number > 0) {
+    name.append("_").append(std::to_string(number));
+  }
+  return name;
+}
+
+fs::path FreeFormerPath(const fs::path& path) {
+  int number = 0;
+  while (IsThere(FormerPath(path, number))) {
+    ++number;
+  }
+  return FormerPath(path, number);
+}
+
+void RemoveFormer(const OutputFolderKind& kind, const fs::path& path) {
+  for (int i = 0; IsThere(FormerPath(path, i)); ++i) {
+    if (IsUnfinished(kind, FormerPath(path, i))) {
+      RemoveUnfinished(kind, FormerPath(path, i));
+    }
+  }
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const OutputFolderKind& kind,
+                           const fs::path& path,
+                           bool overwrite)
+    : kind_(kind),
+      path_(Normal(path)),
+      temporary_(path_.string() + AtomicFile::kTemporarySuffix),
+      overwrite_(overwrite) {
+  CheckPlace(kind_, path_, overwrite_);
+  if (IsThere(temporary_) && !IsUnfinished(kind_, temporary_)) {
+    throw Refused(kind_,
+                  temporary_,
+                  std::string("is no unfinished ") + kind_.name +
+                      ", and its name is needed for one",
+                  "move it away");
+  }
+  lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
+  Lock(kind_, *lock_);
+  EmptyUnfinished(kind_, temporary_);  // Of a program that was killed.
+  try {
+    Mark(kind_, temporary_);
+  } catch (const Error&) {
+    RemoveFolderIfEmpty(UserPath(temporary_));
+    throw;
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  try {
+    if (IsUnfinished(kind_, temporary_)) {
+      RemoveUnfinished(kind_, temporary_);
+    }
+  } catch (const std::exception&) {
+    // The next call for the same place removes it.
+  }
+}
+
+void OutputFolder::Commit() {
+  WriteList(kind_, temporary_);
+  if (CheckPlace(kind_, path_, overwrite_)) {
+    Mark(kind_, path_);
+    if (!ExchangeFiles(UserPath(temporary_), UserPath(path_))) {
+      ReplaceInTwoSteps();
+    }
+  } else {
+    RenameFile(UserPath(temporary_), UserPath(path_));
+  }
+  RemoveFile(UserPath(path_) / kind_.unfinished_file);
+  // The folder is there: what fails from now on does not undo that.
+  try {
+    if (IsUnfinished(kind_, temporary_)) {
+      RemoveUnfinished(kind_, temporary_);
+    }
+    RemoveFormer(kind_, path_);
+  } catch (const std::exception&) {
+    // The next call for the same place removes them.
+  }
+}
+
+void OutputFolder::ReplaceInTwoSteps() {
+  const ContainedPath former = UserPath(FreeFormerPath(path_));
+  RenameFile(UserPath(path_), former);
+  try {
+    RenameFile(UserPath(temporary_), UserPath(path_));
+  } catch (const Error&) {
+    RenameFile(former, UserPath(path_));
+    throw;
+  }
+}
+
+}  // namespace tsar

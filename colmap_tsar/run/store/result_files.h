@@ -1,0 +1,28 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/io/map_paths.h"
+
+#include <array>
+
+namespace tsar {
+
+// The folders of stereo in which a refinement leaves files of its own beside
+// the depth and normal maps.
+inline constexpr std::array<const char*, 4> kResultFolders = {
+    "confidence_maps", "sigma_maps", "provenance_maps", "plane_maps"};
+
+struct ResultFile {
+  const char* name;  // Of what it holds.
+  const ContainedPath* path;
+};
+
+// These files of one image, there or not. The pointers are into the argument.
+std::array<ResultFile, 4> ResultFiles(const MapPaths& paths);
+
+// Removes them.
+void RemoveResults(const MapPaths& paths);
+
+}  // namespace tsar

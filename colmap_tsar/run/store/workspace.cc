@@ -1,0 +1,326 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/store/workspace.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/files_of_images.h"
+#include "colmap_tsar/io/image_mask.h"
+#include "colmap_tsar/io/label_image.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/io/workspace_model.h"
+#include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/output_workspace.h"
+
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+void RequireFolder(const std::filesystem::path& folder,
+                   const std::string& advice) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "no such folder, so this is not a dense workspace",
+                      advice);
+  }
+}
+
+// Opens what is stored or, where nothing is, the current map. An image that
+// turns out to keep its maps gets what is stored back, perhaps meanwhile.
+template <typename Open>
+auto OpenStoredOrCurrent(const std::filesystem::path& stored,
+                         const std::filesystem::path& current,
+                         const Open& open) {
+  if (Exists(stored)) {
+    try {
+      return open(stored);
+    } catch (const Error&) {
+      if (Exists(stored)) {
+        throw;
+      }
+    }
+  }
+  return open(current);
+}
+
+void RequireMap(OriginalState state,
+                const std::filesystem::path& path,
+                const char* kind) {
+  if (state == OriginalState::kMissing) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      std::string("the image has no ") + kind + " map",
+                      "run patch_match_stereo for this image");
+  }
+}
+
+std::vector<std::string> NamesOf(const SparseModel& model) {
+  std::vector<std::string> names;
+  for (const SparseModel::ModelImage& image : model.images) {
+    names.push_back(image.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Workspace::Workspace(const std::filesystem::path& root, MapType type)
+    : root_(root), source_root_(root), type_(type) {
+  RequireFolder(root, "check " + OptionName("workspace_path"));
+  for (const char* folder : {"images", "sparse", "stereo"}) {
+    RequireFolder(root / folder, "make the workspace with image_undistorter");
+  }
+  for (const char* folder : {"depth_maps", "normal_maps"}) {
+    RequireFolder(root / "stereo" / folder, "run patch_match_stereo first");
+  }
+  if (const std::optional<std::filesystem::path> source =
+          ReadOutputMarker(root)) {
+    source_root_ = *source;
+    is_output_ = true;
+    RequireFolder(source_root_,
+                  "the input of this output workspace has been moved or "
+                  "deleted; make the output workspace again");
+  }
+  model_folder_ = FindModelFolder(root);
+  model_ = ReadWorkspaceModel(model_folder_);
+  problems_ = ReadPatchMatchConfig(root / "stereo" / "patch-match.cfg", model_);
+}
+
+std::filesystem::path Workspace::ImagePath(int image) const {
+  return root_ / "images" / model_.images.at(static_cast<size_t>(image)).name;
+}
+
+MapPaths Workspace::Paths(int image, MapType type) const {
+  return GetMapPaths(
+      root_, model_.images.at(static_cast<size_t>(image)).name, type);
+}
+
+std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
+  return Paths(image, type).depth;
+}
+
+std::filesystem::path Workspace::CostPath(int image, MapType type) const {
+  return Paths(image, type).cost;
+}
+
+std::filesystem::path Workspace::ConfidencePath(int image, MapType type) const {
+  return Paths(image, type).confidence;
+}
+
+std::filesystem::path Workspace::SigmaPath(int image, MapType type) const {
+  return Paths(image, type).sigma;
+}
+
+std::filesystem::path Workspace::ProvenancePath(int image, MapType type) const {
+  return Paths(image, type).provenance;
+}
+
+std::filesystem::path Workspace::PlanesPath(int image, MapType type) const {
+  return Paths(image, type).planes;
+}
+
+MapPaths Workspace::SourcePaths(int image, MapType type) const {
+  return GetMapPaths(
+      source_root_, model_.images.at(static_cast<size_t>(image)).name, type);
+}
+
+void Workspace::TrustStoredOriginals() {
+  trusts_stored_.assign(model_.images.size(), false);
+  for (const StereoProblem& problem : problems_) {
+    trusts_stored_[static_cast<size_t>(problem.reference)] = true;
+  }
+}
+
+void Workspace::UseMasks(const std::filesystem::path& folder) {
+  masks_.clear();
+  if (folder.empty()) {
+    return;
+  }
+  RequireNoImageFolder(
+      folder, root_ / "images", "masks", OptionName("mask_path"));
+  masks_ = FindImageMasks(folder, NamesOf(model_), OptionName("mask_path"));
+}
+
+std::filesystem::path Workspace::MaskPath(int image) const {
+  return masks_.empty() ? std::filesystem::path()
+                        : masks_.at(static_cast<size_t>(image));
+}
+
+RasterSize Workspace::SizeOfImage(int image) const {
+  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  return {camera.width, camera.height};
+}
+
+MaskSizes Workspace::SizesOfMask(int image, const RasterSize& maps) const {
+  return {SizeOfImage(image), maps};
+}
+
+Image<uint8_t> Workspace::ReadMask(int image, const RasterSize& maps) const {
+  return HasMask(image) ? ResizeMask(ReadImageMask(MaskPath(image),
+                                                   SizesOfMask(image, maps)),
+                                     maps)
+                        : Image<uint8_t>();
+}
+
+Image<uint8_t> Workspace::ReadMaskOfImage(int image,
+                                          const RasterSize& maps) const {
+  const MaskSizes sizes = SizesOfMask(image, maps);
+  return HasMask(image)
+             ? ResizeMask(ReadImageMask(MaskPath(image), sizes), sizes.image)
+             : Image<uint8_t>();
+}
+
+void Workspace::CheckMask(int image, const RasterSize& maps) const {
+  if (HasMask(image)) {
+    CheckImageMask(MaskPath(image), SizesOfMask(image, maps));
+  }
+}
+
+void Workspace::UsePriors(const std::filesystem::path& folder, PriorType type) {
+  priors_ = PriorFolder();
+  if (folder.empty()) {
+    return;
+  }
+  RequireNoImageFolder(
+      folder, root_ / "images", "depth priors", OptionName("prior_path"));
+  priors_ = PriorFolder(folder, type, NamesOf(model_));
+}
+
+std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
+  return priors_.HasPrior(image)
+             ? std::make_shared<DepthPrior>(tsar::ReadPrior(
+                   priors_.FilesOf(image), priors_.Type(), SizeOfImage(image)))
+             : nullptr;
+}
+
+PriorMemory Workspace::CheckPrior(int image) const {
+  return tsar::CheckPrior(priors_.FilesOf(image), SizeOfImage(image));
+}
+
+void Workspace::UseLabelImages(const std::filesystem::path& folder) {
+  label_images_.clear();
+  if (folder.empty()) {
+    return;
+  }
+  const std::string option = OptionName("region_path");
+  RequireNoImageFolder(folder, root_ / "images", "label images", option);
+  label_images_ = FindLabelImages(folder, NamesOf(model_), option);
+}
+
+std::filesystem::path Workspace::LabelImagePath(int image) const {
+  return label_images_.empty() ? std::filesystem::path()
+                               : label_images_.at(static_cast<size_t>(image));
+}
+
+Image<uint16_t> Workspace::ReadLabels(int image) const {
+  const std::filesystem::path path = LabelImagePath(image);
+  return path.empty() ? Image<uint16_t>()
+                      : ReadLabelImage(path, SizeOfImage(image));
+}
+
+int64_t Workspace::CheckLabels(int image) const {
+  const std::filesystem::path path = LabelImagePath(image);
+  return path.empty() ? 0 : CheckLabelImage(path, SizeOfImage(image));
+}
+
+bool Workspace::HasMaps(int image, MapType type) const {
+  const MapPaths paths = SourcePaths(image, type);
+  return (Exists(paths.depth) || Exists(paths.original_depth)) &&
+         (Exists(paths.normal) || Exists(paths.original_normal));
+}
+
+Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
+  const std::filesystem::path path = ImagePath(image);
+  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  Image<Rgb> photo = ReadPhoto(path);
+  if (photo.Width() != camera.width || photo.Height() != camera.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the image has " +
+                          ToString(RasterSize{photo.Width(), photo.Height()}) +
+                          " pixels, its camera " +
+                          ToString(RasterSize{camera.width, camera.height}),
+                      "make the workspace again with image_undistorter");
+  }
+  if (photo.Width() == width && photo.Height() == height) {
+    return photo;
+  }
+  auto result = Image<Rgb>::Uninitialized(width, height);
+  const cv::Mat pixels(photo.Height(), photo.Width(), CV_8UC3, photo.Data());
+  cv::Mat target(height, width, CV_8UC3, result.Data());
+  cv::resize(pixels, target, target.size(), 0, 0, cv::INTER_AREA);
+  return result;
+}
+
+DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
+  DepthNormalReader reader = OpenOriginalMaps(image, type);
+  DepthNormal maps;
+  maps.depth = Image<float>::Uninitialized(reader.Width(), reader.Height());
+  maps.normal = Image<Vec3f>::Uninitialized(reader.Width(), reader.Height());
+  ForEachPiece(reader.NumPixels(), [&](size_t first, size_t count) {
+    reader.depth.Read(first, {maps.depth.Data() + first, count});
+    reader.normal.Read(first, {maps.normal.Data() + first, count});
+  });
+  maps.num_not_finite = reader.NumNotFinite();
+  return maps;
+}
+
+DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
+  const MapPaths paths = SourcePaths(image, type);
+  const auto open = [&]<typename Reader>(const std::filesystem::path& path) {
+    Reader map(path);
+    const SparseModel::ModelImage& model_image =
+        model_.images[static_cast<size_t>(image)];
+    RequireShape(path,
+                 {map.Size().width, map.Size().height},
+                 {model_image.camera.width, model_image.camera.height},
+                 "the image " + model_image.name,
+                 "run patch_match_stereo again for this image");
+    return map;
+  };
+  const auto open_depth = [&](const std::filesystem::path& path) {
+    return open.operator()<DepthMapReader>(path);
+  };
+  const auto open_normal = [&](const std::filesystem::path& path) {
+    return open.operator()<NormalMapReader>(path);
+  };
+  const auto open_both = [&]() -> DepthNormalReader {
+    if (type == type_ && !trusts_stored_.empty() &&
+        trusts_stored_.at(static_cast<size_t>(image))) {
+      return {
+          OpenStoredOrCurrent(paths.original_depth, paths.depth, open_depth),
+          OpenStoredOrCurrent(
+              paths.original_normal, paths.normal, open_normal)};
+    }
+    const OriginalMaps originals =
+        FindOriginals(paths, Scrutiny::kTimeAndSamples);
+    RequireMap(originals.depth_state, originals.depth, "depth");
+    RequireMap(originals.normal_state, originals.normal, "normal");
+    return {open_depth(originals.depth), open_normal(originals.normal)};
+  };
+  DepthNormalReader maps = open_both();
+  const MapSize& normal = maps.normal.Size();
+  if (maps.Width() != normal.width || maps.Height() != normal.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      paths.normal.string(),
+                      "the normal map has " +
+                          ToString(RasterSize{normal.width, normal.height}) +
+                          " pixels, the depth map " +
+                          ToString(RasterSize{maps.Width(), maps.Height()}),
+                      "run patch_match_stereo again for this image");
+  }
+  return maps;
+}
+
+}  // namespace tsar

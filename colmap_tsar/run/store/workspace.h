@@ -1,0 +1,152 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/io/image_mask.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/io/map_reader.h"
+#include "colmap_tsar/io/patch_match_config.h"
+#include "colmap_tsar/io/sparse_model.h"
+#include "colmap_tsar/priors/depth_prior.h"
+#include "colmap_tsar/priors/prior_folder.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace tsar {
+
+// A depth and a normal map of the same size (see map_io.h).
+struct DepthNormal {
+  Image<float> depth;
+  Image<Vec3f> normal;
+  int64_t num_not_finite = 0;  // Values that were read as invalid.
+};
+
+// The same, open to be read a piece at a time.
+struct DepthNormalReader {
+  DepthMapReader depth;
+  NormalMapReader normal;
+
+  int Width() const { return depth.Size().width; }
+  int Height() const { return depth.Size().height; }
+  size_t NumPixels() const { return depth.Size().NumPixels(); }
+  // Of both, among those that were read.
+  int64_t NumNotFinite() const {
+    return depth.NumNotFinite() + normal.NumNotFinite();
+  }
+};
+
+// COLMAP's dense workspace: images/, sparse/ and stereo/. Images are named by
+// their index in Model().images. All methods that are const may be called from
+// several threads.
+class Workspace {
+ public:
+  // type: the maps to refine. Reads the sparse model and patch-match.cfg.
+  // Throws Error: kNotFound (a folder or file of the workspace is missing),
+  // kUnsupported (an image's name leaves the folder: absolute or with ".."),
+  // and what ReadSparseModel and ReadPatchMatchConfig throw.
+  Workspace(const std::filesystem::path& root, MapType type);
+
+  const std::filesystem::path& Root() const { return root_; }
+  MapType Type() const { return type_; }
+  const SparseModel& Model() const { return model_; }
+  // Where it was read: sparse, or sparse/0.
+  const std::filesystem::path& ModelFolder() const { return model_folder_; }
+  const std::vector<StereoProblem>& Problems() const { return problems_; }
+
+  // The workspace that holds the originals: another one where this one was
+  // made by CreateOutputWorkspace, otherwise this one.
+  const std::filesystem::path& SourceRoot() const { return source_root_; }
+  bool IsOutput() const { return is_output_; }
+
+  std::filesystem::path ImagePath(int image) const;
+  // In this workspace, and in the one that holds the originals.
+  MapPaths Paths(int image, MapType type) const;
+  MapPaths SourcePaths(int image, MapType type) const;
+  std::filesystem::path DepthPath(int image, MapType type) const;
+  std::filesystem::path CostPath(int image, MapType type) const;
+  std::filesystem::path ConfidencePath(int image, MapType type) const;
+  std::filesystem::path SigmaPath(int image, MapType type) const;
+  std::filesystem::path ProvenancePath(int image, MapType type) const;
+  std::filesystem::path PlanesPath(int image, MapType type) const;
+
+  // From now on, ReadOriginalMaps() takes what is stored where anything is, and
+  // needs no record to find it: of references and this type, for these are the
+  // maps at which other programs may be at work. Of all others, what is stored
+  // may be stale.
+  void TrustStoredOriginals();
+
+  // From now on, images have the masks in this folder, see image_mask.h; none
+  // where it is empty. Throws Error: what FindImageMasks throws, kBadOption (it
+  // is the folder of the images).
+  void UseMasks(const std::filesystem::path& folder);
+  bool HasMask(int image) const { return !MaskPath(image).empty(); }
+  // Empty where it has none.
+  std::filesystem::path MaskPath(int image) const;
+  // 1 where the image is masked, at the size of its maps or of the image; empty
+  // where it has no mask. Throw what ReadImageMask throws.
+  Image<uint8_t> ReadMask(int image, const RasterSize& maps) const;
+  Image<uint8_t> ReadMaskOfImage(int image, const RasterSize& maps) const;
+  // Looks at the mask of an image without reading it, see CheckImageMask.
+  void CheckMask(int image, const RasterSize& maps) const;
+
+  // From now on, images have the depth priors in this folder, see
+  // priors/prior_folder.h; none where it is empty. Throws Error: what
+  // PriorFolder throws, kBadOption (it is the folder of the images).
+  void UsePriors(const std::filesystem::path& folder, PriorType type);
+  const PriorFolder& Priors() const { return priors_; }
+  // Null where the image has none. Throws what ReadPrior throws.
+  std::shared_ptr<DepthPrior> ReadPrior(int image) const;
+  // Throws what CheckPrior throws; of an image without a prior, zeros.
+  PriorMemory CheckPrior(int image) const;
+  // From now on, images have the label images in this folder, see
+  // label_image.h; none where it is empty. Throws Error: what FindLabelImages
+  // throws, kBadOption (it is the folder of the images).
+  void UseLabelImages(const std::filesystem::path& folder);
+  // Empty where it has none.
+  std::filesystem::path LabelImagePath(int image) const;
+  // The segments of the image; empty where it has no label image. Throws what
+  // ReadLabelImage throws.
+  Image<uint16_t> ReadLabels(int image) const;
+  // Looks at the label image without reading it, see CheckLabelImage, and
+  // returns how many pixels it has; 0 where there is none.
+  int64_t CheckLabels(int image) const;
+
+  // Whether the image has both a depth and a normal map of this type.
+  bool HasMaps(int image, MapType type) const;
+
+  // The undistorted image, reduced to width x height by averaging. Throws
+  // Error: what ReadPhoto throws, kMismatch (its size is not the camera's).
+  Image<Rgb> ReadImage(int image, int width, int height) const;
+
+  // The maps as COLMAP wrote them, also where they have been refined since.
+  // Maps that COLMAP has written anew after that count as the originals.
+  // Throws Error: kNotFound (one of the two is missing), kMismatch (sizes
+  // differ; a map is not of the image's shape; or the original is lost), and
+  // what the readers of map_io.h throw.
+  DepthNormal ReadOriginalMaps(int image, MapType type) const;
+  DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
+
+ private:
+  RasterSize SizeOfImage(int image) const;
+  MaskSizes SizesOfMask(int image, const RasterSize& maps) const;
+
+  std::filesystem::path root_;
+  std::filesystem::path source_root_;
+  bool is_output_ = false;
+  std::vector<bool> trusts_stored_;           // By image; empty: of none.
+  std::vector<std::filesystem::path> masks_;  // By image; empty: of none.
+  PriorFolder priors_;
+  std::vector<std::filesystem::path> label_images_;  // By image; as masks_.
+  MapType type_;
+  std::filesystem::path model_folder_;
+  SparseModel model_;
+  std::vector<StereoProblem> problems_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,293 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/store/write_back.h"
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/file_time.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/picture_file.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/compose/confidence_level.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/run/store/links.h"
+#include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/result_files.h"
+#include "colmap_tsar/run/store/superseded.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <opencv2/core.hpp>
+
+namespace tsar {
+namespace {
+
+void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
+  if (!maps.normal.HasSizeOf(maps.depth) ||
+      !maps.confidence.HasSizeOf(maps.depth) ||
+      !maps.provenance.HasSizeOf(maps.depth) ||
+      (!maps.planes.Empty() && !maps.planes.HasSizeOf(maps.depth)) ||
+      (!maps.sigma.Empty() && !maps.sigma.HasSizeOf(maps.depth))) {
+    throw Error(ErrorCode::kMismatch,
+                image +
+                    ": the refined maps differ in size; this is a mistake "
+                    "of the program, please report it");
+  }
+}
+
+Image<uint8_t> ToLevels(const Image<float>& confidence) {
+  Image<uint8_t> levels(confidence.Width(), confidence.Height());
+  std::transform(
+      confidence.begin(), confidence.end(), levels.begin(), &ToConfidenceLevel);
+  return levels;
+}
+
+// One channel of as many bits as T has.
+template <typename T>
+void PutPng(const Image<T>& values,
+            const std::filesystem::path& path,
+            AtomicFile* file) {
+  // Encoding only reads. OpenCV's own settings are the fastest; the others save
+  // a few per cent.
+  PutPicture(cv::Mat(values.Height(),
+                     values.Width(),
+                     cv::DataType<T>::type,
+                     const_cast<T*>(values.Data())),
+             ".png",
+             path,
+             file);
+}
+
+// Of a map that was written anew since, so that it is an original no longer.
+void SupersedeOriginal(const ContainedPath& current,
+                       const ContainedPath& stored) {
+  const ContainedPath moved = Supersede(stored, current);
+  Warn(current.string() +
+       ": this map is newer than its refinement and counts "
+       "as the original now; the one before is " +
+       moved.string());
+}
+
+void KeepOriginal(OriginalState state,
+                  const ContainedPath& current,
+                  const ContainedPath& stored) {
+  switch (state) {
+    case OriginalState::kMissing:
+      throw Error::File(ErrorCode::kNotFound,
+                        current.string(),
+                        "there is no map to refine",
+                        "run patch_match_stereo for this image");
+    case OriginalState::kInPlace:
+    case OriginalState::kReplaced:
+      LinkOrCopyFile(current, stored);
+      break;
+    case OriginalState::kStored:
+      break;
+  }
+}
+
+void KeepBoth(const OriginalMaps& originals, const MapPaths& paths) {
+  // All former ones go first, so that at every instant what is stored is either
+  // of former times or of today, and not one of each.
+  if (originals.depth_state == OriginalState::kReplaced) {
+    SupersedeOriginal(paths.depth, paths.original_depth);
+  }
+  if (originals.normal_state == OriginalState::kReplaced) {
+    SupersedeOriginal(paths.normal, paths.original_normal);
+  }
+  KeepOriginal(originals.depth_state, paths.depth, paths.original_depth);
+  KeepOriginal(originals.normal_state, paths.normal, paths.original_normal);
+}
+
+// The inverse of KeepOriginal.
+void PutOriginalBack(OriginalState state,
+                     const ContainedPath& current,
+                     const ContainedPath& stored) {
+  if (state == OriginalState::kStored) {
+    RenameFile(stored, current);
+  } else if (state == OriginalState::kReplaced) {
+    SupersedeOriginal(current, stored);
+  }
+}
+
+void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
+  record->version = TSAR_VERSION;
+  record->image = workspace.Model().images.at(static_cast<size_t>(image)).name;
+  record->type = ToString(workspace.Type());
+}
+
+}  // namespace
+
+WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
+    : workspace_(workspace),
+      image_(image),
+      paths_(workspace.Paths(image, workspace.Type())),
+      record_(std::move(record)) {
+  FillIn(workspace, image, &record_);
+}
+
+void WriteBack::PrepareFiles(const RefinedMaps& maps) {
+  RequireSameSizes(maps, record_.image);
+  const auto add_file = [this](const ContainedPath& path) {
+    CreateFolders(path.Parent());
+    files_.emplace_back(path);
+  };
+  add_file(paths_.depth);
+  add_file(paths_.normal);
+  add_file(paths_.confidence);
+  add_file(paths_.provenance);
+  has_planes_ = !maps.planes.Empty();
+  if (has_planes_) {
+    add_file(paths_.planes);
+  }
+  has_sigma_ = !maps.sigma.Empty();
+  if (has_sigma_) {
+    add_file(paths_.sigma);
+  }
+  // An earlier refinement may still be in place until the files are renamed.
+  const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
+  record_.original_depth = earlier.original_depth;
+  record_.original_normal = earlier.original_normal;
+  record_.written_depth = earlier.written_depth;
+  record_.written_normal = earlier.written_normal;
+  record_.written_depth.insert(record_.written_depth.begin(),
+                               PutDepthMap(maps.depth, &files_[0]));
+  record_.written_normal.insert(record_.written_normal.begin(),
+                                PutNormalMap(maps.normal, &files_[1]));
+  PutPng(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
+  PutPng(maps.provenance, paths_.provenance, &files_[3]);
+  if (has_planes_) {
+    PutPng(maps.planes, paths_.planes, &files_[4]);
+  }
+  if (has_sigma_) {
+    PutSigmaMap(maps.sigma, &files_.back());
+  }
+  for (AtomicFile& file : files_) {
+    file.Prepare();
+  }
+  record_.written_depth.front().time = files_[0].Time();
+  record_.written_normal.front().time = files_[1].Time();
+}
+
+void WriteBack::Commit() {
+  KeepOriginals();
+  RecordWriting();
+  RenameFiles();
+  RecordDone();
+}
+
+void WriteBack::KeepOriginals() {
+  const OriginalMaps originals =
+      FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
+  if (!workspace_.IsOutput()) {
+    KeepBoth(originals, paths_);
+    // One that was stored before is known already.
+    const auto describe = [](OriginalState state,
+                             const ContainedPath& stored,
+                             std::optional<WrittenMap>* original) {
+      if (state != OriginalState::kStored || !*original) {
+        *original = DescribeMap(stored);
+      }
+    };
+    describe(
+        originals.depth_state, paths_.original_depth, &record_.original_depth);
+    describe(originals.normal_state,
+             paths_.original_normal,
+             &record_.original_normal);
+  }
+}
+
+void WriteBack::RecordWriting() {
+  record_.status = ImageStatus::kWriting;
+  WriteRecord(paths_.record, record_);
+}
+
+void WriteBack::RenameFiles() {
+  // Those of an earlier refinement do not belong to these maps.
+  if (!has_planes_) {
+    RemoveFile(paths_.planes);
+  }
+  if (!has_sigma_) {
+    RemoveFile(paths_.sigma);
+  }
+  for (AtomicFile& file : files_) {
+    file.Commit();
+  }
+}
+
+void WriteBack::RecordDone() {
+  record_.status = ImageStatus::kDone;
+  record_.written_depth.resize(1);
+  record_.written_normal.resize(1);
+  for (const ResultFile& file : ResultFiles(paths_)) {
+    if (IsFile(*file.path)) {
+      record_.results[file.name] = {
+          HashFile(*file.path), TimeOf(*file.path), {}};
+    }
+  }
+  WriteRecord(paths_.record, record_);
+}
+
+void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals =
+      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
+  if (workspace.IsOutput()) {
+    LinkMap(originals.depth_state, originals.depth, paths.depth);
+    LinkMap(originals.normal_state, originals.normal, paths.normal);
+  } else {
+    PutOriginalBack(originals.depth_state, paths.depth, paths.original_depth);
+    PutOriginalBack(
+        originals.normal_state, paths.normal, paths.original_normal);
+  }
+  RemoveResults(paths);
+  FillIn(workspace, image, &record);
+  record.status = ImageStatus::kKept;
+  record.written_depth.clear();
+  record.written_normal.clear();
+  WriteRecord(paths.record, record);
+}
+
+void StoreOriginals(const Workspace& workspace, int image) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals = FindOriginals(paths);
+  if (!ReadRecord(paths.record)) {
+    // Tells that a map which is found in place later is a newer one.
+    ImageRecord record;
+    FillIn(workspace, image, &record);
+    WriteRecord(paths.record, record);
+  }
+  KeepBoth(originals, paths);
+}
+
+bool IsDone(const Workspace& workspace,
+            int image,
+            const std::string& options_hash,
+            const std::map<std::string, std::string>& inputs) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const std::optional<ImageRecord> record = ReadRecord(paths.record);
+  if (!record || record->status != ImageStatus::kDone ||
+      record->options_hash != options_hash || record->version != TSAR_VERSION ||
+      record->inputs != inputs) {
+    return false;
+  }
+  // The inputs tell of the originals, also of those in another workspace.
+  const auto is_there = [](const ContainedPath& path,
+                           const std::vector<WrittenMap>& written) {
+    return IsFile(path) && IsAnyOf(path, written, Scrutiny::kTimeAndSamples);
+  };
+  const auto results = ResultFiles(paths);
+  return is_there(paths.depth, record->written_depth) &&
+         is_there(paths.normal, record->written_normal) &&
+         std::all_of(results.begin(), results.end(), [&](const auto& file) {
+           const auto written = record->results.find(file.name);
+           return written == record->results.end() ||
+                  is_there(*file.path, {written->second});
+         });
+}
+
+}  // namespace tsar

@@ -1,0 +1,317 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/workspace_check.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/io/photo_error.h"
+#include "colmap_tsar/run/store/originals.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+constexpr const char* kAgain = "run patch_match_stereo again for this image";
+
+std::string SizeText(const MapSize& size) {
+  return ToString(RasterSize{size.width, size.height});
+}
+
+void RequireSameSize(const std::filesystem::path& path,
+                     const MapSize& size,
+                     const MapSize& depth_size) {
+  if (size.width != depth_size.width || size.height != depth_size.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the map has " + SizeText(size) +
+                          " pixels, the depth map " + SizeText(depth_size),
+                      kAgain);
+  }
+}
+
+// Returns the number of pixels.
+int64_t RequirePossibleSize(const std::filesystem::path& path,
+                            int width,
+                            int height,
+                            const char* advice) {
+  const int64_t num_pixels = int64_t{width} * height;
+  if (num_pixels > kMaxNumPixels) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "has " + SizeText({width, height, 1}) +
+                          " pixels, more than the 2^30 that can be worked on",
+                      advice);
+  }
+  return num_pixels;
+}
+
+MapSize RequireMap(const SparseModel::ModelImage& image,
+                   const std::filesystem::path& path,
+                   int num_channels) {
+  const MapSize size = ReadMapSize(path);
+  if (size.channels != num_channels) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      path.string(),
+                      "has " + std::to_string(size.channels) +
+                          " channels, but needs " +
+                          std::to_string(num_channels),
+                      kAgain);
+  }
+  RequireShape(path,
+               {size.width, size.height},
+               {image.camera.width, image.camera.height},
+               "the image " + image.name,
+               kAgain);
+  return size;
+}
+
+// The size of an image's map, or nothing where there is none. Where its
+// original is kept elsewhere both are looked at, since either may turn out to
+// be the one to read.
+std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
+                                const std::filesystem::path& current,
+                                const std::filesystem::path& stored,
+                                int num_channels) {
+  std::optional<MapSize> size;
+  if (Exists(stored)) {
+    try {
+      size = RequireMap(image, stored, num_channels);
+    } catch (const Error&) {
+      // It may be of former times: CheckOriginals() tells whether it matters.
+      // And a shard that keeps an image's maps has put it back.
+      if (!Exists(current)) {
+        throw;
+      }
+    }
+  }
+  if (Exists(current)) {
+    try {
+      size = RequireMap(image, current, num_channels);
+    } catch (const Error& error) {
+      if (!size || error.Code() != ErrorCode::kCorrupt) {
+        throw;
+      }
+    }
+  }
+  return size;
+}
+
+std::optional<MapSize> CheckMaps(const Workspace& workspace,
+                                 int image,
+                                 MapType type) {
+  const MapPaths paths = workspace.SourcePaths(image, type);
+  const SparseModel::ModelImage& model_image =
+      workspace.Model().images[static_cast<size_t>(image)];
+  RequireNoStrayResults(paths);
+  const auto depth =
+      CheckMap(model_image, paths.depth, paths.original_depth, 1);
+  const auto normal =
+      CheckMap(model_image, paths.normal, paths.original_normal, 3);
+  if (depth.has_value() != normal.has_value()) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        (depth ? paths.normal : paths.depth).string(),
+        depth ? "there is a depth map of this name, but no normal map"
+              : "there is a normal map of this name, but no depth map",
+        kAgain);
+  }
+  if (depth) {
+    RequireSameSize(paths.normal, *normal, *depth);
+  }
+  return depth;
+}
+
+void CheckCosts(const Workspace& workspace,
+                int image,
+                MapType type,
+                const MapSize& depth_size,
+                WorkspaceOverview* overview) {
+  const std::filesystem::path path = workspace.CostPath(image, type);
+  const std::optional<MapSize> size = CheckMap(
+      workspace.Model().images[static_cast<size_t>(image)], path, {}, 2);
+  if (size) {
+    RequireSameSize(path, *size, depth_size);
+    overview->has_costs = true;
+  }
+}
+
+// Whether the image has maps to refine.
+bool CheckImage(const Workspace& workspace,
+                int image,
+                WorkspaceOverview* overview) {
+  const MapType type = workspace.Type();
+  const std::optional<MapSize> size = CheckMaps(workspace, image, type);
+  if (!size) {
+    return false;
+  }
+  CheckPhotoFile(workspace.ImagePath(image));
+  workspace.CheckMask(image, {size->width, size->height});
+  overview->has_masks = overview->has_masks || workspace.HasMask(image);
+  const PriorMemory prior = workspace.CheckPrior(image);
+  overview->prior_memory.prior =
+      std::max(overview->prior_memory.prior, prior.prior);
+  overview->prior_memory.to_read =
+      std::max(overview->prior_memory.to_read, prior.to_read);
+  overview->max_num_label_pixels =
+      std::max(overview->max_num_label_pixels, workspace.CheckLabels(image));
+  CheckCosts(workspace, image, type, *size, overview);
+  const MapType other =
+      type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
+  if (workspace.HasMaps(image, other)) {
+    const std::optional<MapSize> other_size =
+        CheckMaps(workspace, image, other);
+    RequireSameSize(
+        workspace.SourcePaths(image, other).depth, *other_size, *size);
+    CheckCosts(workspace, image, other, *size, overview);
+  }
+  const Camera& camera =
+      workspace.Model().images[static_cast<size_t>(image)].camera;
+  const int side = std::max(size->width, size->height);
+  overview->map_sides[static_cast<size_t>(image)] = side;
+  overview->max_side = std::max(overview->max_side, side);
+  overview->max_num_pixels =
+      std::max(overview->max_num_pixels,
+               RequirePossibleSize(workspace.DepthPath(image, type),
+                                   size->width,
+                                   size->height,
+                                   "run patch_match_stereo with a smaller "
+                                   "--PatchMatchStereo.max_image_size"));
+  overview->max_num_image_pixels =
+      std::max(overview->max_num_image_pixels,
+               RequirePossibleSize(workspace.ImagePath(image),
+                                   camera.width,
+                                   camera.height,
+                                   "run image_undistorter with a smaller "
+                                   "--max_image_size"));
+  return true;
+}
+
+Error NoMaps(const Workspace& workspace) {
+  const std::filesystem::path root = workspace.Root();
+  if (workspace.Problems().empty()) {
+    return Error::File(ErrorCode::kNotFound,
+                       (root / "stereo" / "patch-match.cfg").string(),
+                       "names no image",
+                       "make the workspace again with image_undistorter");
+  }
+  return Error::File(ErrorCode::kNotFound,
+                     (root / "stereo" / "depth_maps").string(),
+                     "holds no " + ToString(workspace.Type()) +
+                         " map of an image in patch-match.cfg",
+                     "run patch_match_stereo first, or choose the other " +
+                         OptionName("input_type"));
+}
+
+std::set<int> ImagesOfProblems(const Workspace& workspace) {
+  std::set<int> images;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
+  }
+  return images;
+}
+
+// In lower case, as far as it is ASCII.
+std::string Folded(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return name;
+}
+
+// On file systems where upper and lower case are one, two images may have one
+// map.
+void RequireMapsOfTheirOwn(const Workspace& workspace,
+                           const std::set<int>& images) {
+  std::map<std::string, int> first_of_name;
+  for (const int image : images) {
+    const auto name_of = [&](int index) -> const std::string& {
+      return workspace.Model().images[static_cast<size_t>(index)].name;
+    };
+    const auto [other, is_new] =
+        first_of_name.emplace(Folded(name_of(image)), image);
+    std::error_code error;
+    const std::filesystem::path path =
+        workspace.DepthPath(image, workspace.Type());
+    if (!is_new && std::filesystem::equivalent(
+                       path,
+                       workspace.DepthPath(other->second, workspace.Type()),
+                       error)) {
+      throw Error::File(ErrorCode::kUnsupported,
+                        path.string(),
+                        "is the map of both " + name_of(other->second) +
+                            " and " + name_of(image) +
+                            ", since this file system does not tell upper from "
+                            "lower case",
+                        "rename one of them, or move the workspace");
+    }
+  }
+}
+
+}  // namespace
+
+bool HasAnyMap(const Workspace& workspace, MapType type) {
+  return std::any_of(
+      workspace.Problems().begin(),
+      workspace.Problems().end(),
+      [&](const StereoProblem& problem) {
+        const MapPaths paths = workspace.SourcePaths(problem.reference, type);
+        return Exists(paths.depth) || Exists(paths.normal) ||
+               Exists(paths.original_depth) || Exists(paths.original_normal);
+      });
+}
+
+void CheckOriginals(const Workspace& workspace) {
+  for (const int image : ImagesOfProblems(workspace)) {
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      const MapPaths paths = workspace.SourcePaths(image, type);
+      if (Exists(paths.original_depth) || Exists(paths.original_normal)) {
+        FindOriginals(paths, Scrutiny::kTimeAndSamples);
+      }
+    }
+  }
+}
+
+WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
+  const std::set<int> images = ImagesOfProblems(workspace);
+  RequireMapsOfTheirOwn(workspace, images);
+  WorkspaceOverview overview;
+  overview.has_maps.resize(workspace.Model().images.size());
+  overview.map_sides.resize(workspace.Model().images.size());
+  for (const int image : images) {
+    overview.has_maps[static_cast<size_t>(image)] =
+        CheckImage(workspace, image, &overview);
+  }
+  bool any_reference = false;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    if (!overview.has_maps[static_cast<size_t>(problem.reference)]) {
+      continue;
+    }
+    any_reference = true;
+    const auto num_sources = std::count_if(
+        problem.sources.begin(), problem.sources.end(), [&](int source) {
+          return overview.has_maps[static_cast<size_t>(source)];
+        });
+    overview.max_num_sources =
+        std::max(overview.max_num_sources, static_cast<int>(num_sources));
+  }
+  if (!any_reference) {
+    throw NoMaps(workspace);
+  }
+  return overview;
+}
+
+}  // namespace tsar

@@ -1,0 +1,261 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/creases/bounding_creases.h"
+
+#include "colmap_tsar/scene/creases/plane_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+namespace tsar {
+namespace {
+
+// A line at which its plane ends.
+struct EndOfPlane {
+  SharedLine shared;
+  int beyond;  // Side of it.
+};
+
+bool Ends(const LineEvidence& evidence,
+          size_t beyond,
+          const BoundingCreaseOptions& options) {
+  const LineEvidence::Side& side = evidence.sides[beyond];
+  return side.num_views >= options.min_views && side.area > options.min_area &&
+         side.measured <=
+             options.max_measured *
+                 std::min(side.area, evidence.sides[1 - beyond].measured) &&
+         side.through <= options.max_through * side.area &&
+         evidence.sides[1 - beyond].measured > options.min_measured;
+}
+
+class CreaseFinderOfModel {
+ public:
+  CreaseFinderOfModel(const std::vector<SharedLine>& lines,
+                      const std::vector<LineEvidence>& evidence,
+                      const std::vector<int>& copies,
+                      const BoundingCreaseOptions& options,
+                      SceneModel* model)
+      : lines_(lines),
+        evidence_(evidence),
+        copies_(copies),
+        options_(options),
+        model_(model),
+        first_new_(model->planes.size()) {
+    for (size_t i = 0; i < lines.size(); ++i) {
+      on_axis_[{lines[i].line.plane, lines[i].line.axis}].push_back(i);
+    }
+  }
+
+  std::vector<BoundingCrease> Run() {
+    std::vector<BoundingCrease> creases;
+    for (const auto& [key, ends] : FindEnds()) {
+      creases.push_back(MakeCrease(Outermost(ends)));
+    }
+    PlaceNewPlanes();
+    return creases;
+  }
+
+ private:
+  using Ends = std::vector<EndOfPlane>;
+
+  // By plane, axis and side.
+  std::map<std::tuple<int, int, int>, Ends> FindEnds() const {
+    std::map<std::tuple<int, int, int>, Ends> ends;
+    for (size_t i = 0; i < lines_.size(); ++i) {
+      const PlaneLine& line = lines_[i].line;
+      for (const int beyond : {0, 1}) {
+        if (tsar::Ends(evidence_[i], static_cast<size_t>(beyond), options_) &&
+            !IsPattern(line)) {
+          ends[{line.plane, line.axis, beyond}].push_back({lines_[i], beyond});
+        }
+      }
+    }
+    return ends;
+  }
+
+  bool IsPattern(const PlaneLine& crease) const {
+    int count = 0;
+    for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
+      const PlaneLine& line = lines_[i].line;
+      const double below = evidence_[i].sides[0].measured;
+      const double above = evidence_[i].sides[1].measured;
+      count += std::min(below, above) >
+                   options_.min_pattern_share * (below + above) &&
+               std::abs(line.step) >
+                   options_.min_pattern_step * std::abs(crease.step);
+    }
+    return count >= options_.min_pattern_lines;
+  }
+
+  // ends: of one side of a plane. Of a fall and a rise side by side, their
+  // middle.
+  EndOfPlane Outermost(const Ends& ends) const {
+    const auto is_further = [](const EndOfPlane& a, const EndOfPlane& b) {
+      return a.beyond == 0 ? a.shared.line.place < b.shared.line.place
+                           : a.shared.line.place > b.shared.line.place;
+    };
+    EndOfPlane last = *std::min_element(ends.begin(), ends.end(), is_further);
+    PlaneLine& line = last.shared.line;
+    std::optional<EndOfPlane> partner;
+    for (const EndOfPlane& end : ends) {
+      const PlaneLine& other = end.shared.line;
+      if (other.step * line.step < 0.f &&
+          std::abs(other.place - line.place) <
+              options_.max_crease_width * line.pixel &&
+          (!partner || is_further(end, *partner))) {
+        partner = end;
+      }
+    }
+    if (partner) {
+      line.place = 0.5f * (line.place + partner->shared.line.place);
+    }
+    return last;
+  }
+
+  BoundingCrease MakeCrease(const EndOfPlane& end) {
+    const PlaneLine& line = end.shared.line;
+    BoundingCrease crease;
+    crease.plane = line.plane;
+    crease.limit = PlaneAtLine(*model_, line, end.beyond);
+    crease.beyond = FindPlane(line, crease.limit);
+    if (crease.beyond < 0) {
+      crease.beyond = static_cast<int>(model_->planes.size());
+      model_->planes.push_back(MakePlane(line, crease.limit));
+    }
+    const auto number = static_cast<size_t>(crease.beyond);
+    crease.is_new = number >= first_new_;
+    if (crease.is_new) {
+      creases_of_new_.resize(model_->planes.size() - first_new_);
+      creases_of_new_[number - first_new_].push_back(
+          {-model_->planes[number].plane.normal.dot(OnLine(line)),
+           double(end.shared.num_views)});
+    }
+    return crease;
+  }
+
+  // Of those within reach that face the same way, were measured well enough and
+  // are no copies, the one of which most was measured, or else the nearest that
+  // begins at another crease; -1 where there is none.
+  int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
+    const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
+    const double max_gap = double{options_.max_offset} * line.pixel;
+    const Eigen::Vector3d on_line = OnLine(line);
+    const auto gap = [&](int plane) {
+      return std::abs(
+          model_->planes[static_cast<size_t>(plane)].plane.Height(on_line));
+    };
+    int best = -1;
+    const auto is_better = [&](int plane) {
+      if (best < 0) {
+        return true;
+      }
+      const double most = model_->planes[static_cast<size_t>(best)].support;
+      const double support = model_->planes[static_cast<size_t>(plane)].support;
+      return support > most || (support == most && gap(plane) < gap(best));
+    };
+    for (size_t i = 0; i < model_->planes.size(); ++i) {
+      const ModelPlane& plane = model_->planes[i];
+      const auto number = static_cast<int>(i);
+      if (plane.component == ending.component &&
+          plane.plane.normal.dot(limit.normal) > kMinCopyCosine &&
+          (i >= first_new_ ||
+           (copies_[i] == number &&
+            plane.support >= options_.min_support * ending.support)) &&
+          gap(number) < max_gap && is_better(number)) {
+        best = number;
+      }
+    }
+    return best;
+  }
+
+  Eigen::Vector3d OnLine(const PlaneLine& line) const {
+    return model_->planes[static_cast<size_t>(line.plane)].center +
+           double{line.place} * AxisOf(*model_, line.plane, line.axis);
+  }
+
+  ModelPlane MakePlane(const PlaneLine& line, const WorldPlane& limit) const {
+    const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
+    ModelPlane plane;
+    plane.plane = limit;
+    plane.center = OnLine(line);
+    plane.axis_s = ending.plane.normal;
+    plane.axis_t = limit.normal.cross(plane.axis_s);
+    // Its direction is taken to be that of the frame, and its place is known to
+    // a pixel.
+    plane.covariance(2, 2) = double{line.pixel} * line.pixel;
+    plane.component = ending.component;
+    plane.frame = ending.frame;
+    plane.axis = line.axis;
+    return plane;
+  }
+
+  // Lays each new plane in the middle of its creases, by the numbers of views
+  // that see them.
+  void PlaceNewPlanes() {
+    for (size_t i = 0; i < creases_of_new_.size(); ++i) {
+      double sum = 0.0;
+      double weights = 0.0;
+      for (const auto& [offset, weight] : creases_of_new_[i]) {
+        sum += weight * offset;
+        weights += weight;
+      }
+      const double middle = sum / weights;
+      double spread = 0.0;
+      for (const auto& [offset, weight] : creases_of_new_[i]) {
+        spread += weight * (offset - middle) * (offset - middle) / weights;
+      }
+      ModelPlane& plane = model_->planes[first_new_ + i];
+      plane.center += (plane.plane.offset - middle) * plane.plane.normal;
+      plane.plane.offset = middle;
+      plane.covariance(2, 2) += spread;
+    }
+  }
+
+  const std::vector<SharedLine>& lines_;
+  const std::vector<LineEvidence>& evidence_;
+  const std::vector<int>& copies_;
+  const BoundingCreaseOptions& options_;
+  SceneModel* const model_;
+  const size_t first_new_;  // Plane of the model.
+  // By new plane, the offsets with which it would hold each of its creases, and
+  // how many views see these.
+  std::vector<std::vector<std::pair<double, double>>> creases_of_new_;
+  // Numbers of lines, by plane and axis.
+  std::map<std::pair<int, int>, std::vector<size_t>> on_axis_;
+};
+
+}  // namespace
+
+std::vector<BoundingCrease> FindBoundingCreases(
+    const std::vector<SharedLine>& lines,
+    const std::vector<LineEvidence>& evidence,
+    const std::vector<int>& copies,
+    const BoundingCreaseOptions& options,
+    SceneModel* model) {
+  std::vector<BoundingCrease> creases =
+      CreaseFinderOfModel(lines, evidence, copies, options, model).Run();
+  std::map<int, std::vector<int>> of_originals;
+  for (size_t plane = 0; plane < copies.size(); ++plane) {
+    if (copies[plane] != static_cast<int>(plane)) {
+      of_originals[copies[plane]].push_back(static_cast<int>(plane));
+    }
+  }
+  const size_t num_originals = creases.size();
+  for (size_t i = 0; i < num_originals; ++i) {
+    for (const int copy : of_originals[creases[i].plane]) {
+      creases.push_back(creases[i]);
+      creases.back().plane = copy;
+    }
+  }
+  return creases;
+}
+
+}  // namespace tsar

@@ -1,0 +1,341 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/creases/line_evidence.h"
+
+#include "colmap_tsar/scene/creases/plane_lines.h"
+#include "colmap_tsar/scene/evidence/view_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <set>
+
+namespace tsar {
+namespace {
+
+// A depth that was measured, on its ray.
+struct Measurement {
+  RayDepth sample;
+  float place;  // Of the ray on the axis.
+  bool is_on_plane;
+  double weight;
+};
+
+// Sums of weights by place, for places that are known before.
+class SumsByPlace {
+ public:
+  explicit SumsByPlace(std::vector<float> places)
+      : places_(std::move(places)), sums_(places_.size() + 1, 0.0) {
+    std::sort(places_.begin(), places_.end());
+  }
+
+  void Add(float place, double weight) {
+    sums_[static_cast<size_t>(
+        std::lower_bound(places_.begin(), places_.end(), place) -
+        places_.begin())] += weight;
+  }
+
+  // Of what lies at one of the places, or below it.
+  double UpTo(float place) const {
+    const auto end = std::upper_bound(places_.begin(), places_.end(), place) -
+                     places_.begin();
+    return std::accumulate(sums_.begin(), sums_.begin() + end, 0.0);
+  }
+
+ private:
+  std::vector<float> places_;
+  std::vector<double> sums_;
+};
+
+// One view and the lines of one plane along one axis.
+class LineTest {
+ public:
+  // is_plane: by superpixel, whether it has the plane, or none.
+  LineTest(const ObservedView& view,
+           const std::vector<uint8_t>& is_plane,
+           const std::vector<SharedLine>& lines,
+           const SceneModel& model,
+           const LineEvidenceOptions& options)
+      : evidence_(*view.evidence),
+        camera_(view.camera),
+        intrinsics_(view.camera.GetIntrinsics()),
+        is_plane_(is_plane),
+        lines_(lines),
+        model_(model),
+        options_(options) {}
+
+  // shown: by superpixel, whether it has the plane.
+  ViewLineEvidence Run(size_t first,
+                       size_t last,
+                       const std::vector<uint8_t>& shown,
+                       const std::vector<Vec3f>& middles) const {
+    const PlaneLine& any = lines_[first].line;
+    const PlaneAxis axis(model_.planes[static_cast<size_t>(any.plane)],
+                         AxisOf(model_, any.plane, any.axis),
+                         camera_);
+    ViewLineEvidence result;
+    result.first = first;
+    result.last = last;
+    const std::vector<Measurement> measurements = Measurements(axis);
+    for (const Measurement& measurement : measurements) {
+      result.measured += measurement.is_on_plane ? measurement.weight : 0.0;
+    }
+    result.measured = std::round(result.measured);
+    const auto [begin, end] = LinesAround(axis, shown, middles, first, last);
+    result.begin = begin;
+    if (begin == end) {
+      return result;
+    }
+    std::vector<float> cuts[2];
+    for (size_t i = begin; i < end; ++i) {
+      const PlaneLine& line = lines_[i].line;
+      cuts[0].push_back(line.place - options_.margin * line.pixel);
+      // What lies at it is above it.
+      cuts[1].push_back(
+          std::nextafter(line.place + options_.margin * line.pixel,
+                         -std::numeric_limits<float>::infinity()));
+    }
+    std::vector<SumsByPlace> areas = {SumsByPlace(cuts[0]),
+                                      SumsByPlace(cuts[1])};
+    std::vector<SumsByPlace> measured = areas;
+    double area = 0.0;
+    for (int y = 0; y < evidence_.height; ++y) {
+      for (int x = 0; x < evidence_.width; ++x) {
+        if (is_plane_[evidence_.superpixels(x, y)] == 0) {
+          continue;
+        }
+        const float place = axis.Place(
+            intrinsics_.Ray(static_cast<float>(x), static_cast<float>(y)));
+        if (!std::isnan(place)) {
+          areas[0].Add(place, 1.0);
+          areas[1].Add(place, 1.0);
+          ++area;
+        }
+      }
+    }
+    double on_plane = 0.0;
+    for (const Measurement& measurement : measurements) {
+      if (measurement.is_on_plane) {
+        measured[0].Add(measurement.place, measurement.weight);
+        measured[1].Add(measurement.place, measurement.weight);
+        on_plane += measurement.weight;
+      }
+    }
+    for (size_t i = begin; i < end; ++i) {
+      LineEvidence& line = result.lines.emplace_back();
+      const float low = cuts[0][i - begin];
+      const float high = cuts[1][i - begin];
+      line.sides[0].area = areas[0].UpTo(low);
+      line.sides[1].area = area - areas[1].UpTo(high);
+      line.sides[0].measured = std::round(measured[0].UpTo(low));
+      line.sides[1].measured = std::round(on_plane - measured[1].UpTo(high));
+      for (const int side : {0, 1}) {
+        LookThrough(i, axis, measurements, side, &line);
+      }
+    }
+    return result;
+  }
+
+ private:
+  std::vector<Measurement> Measurements(const PlaneAxis& axis) const {
+    std::vector<Measurement> result;
+    for (size_t s = 0; s < evidence_.weights.size(); ++s) {
+      const auto begin = static_cast<size_t>(evidence_.first_observation[s]);
+      const auto end = static_cast<size_t>(evidence_.first_observation[s + 1]);
+      float confidence = 0.f;
+      for (size_t i = begin; i < end; ++i) {
+        confidence += evidence_.observations[i].confidence;
+      }
+      for (size_t i = begin; i < end; ++i) {
+        const RayDepth& sample = evidence_.observations[i].sample;
+        const Vec3f ray = {sample.x, sample.y, 1.f};
+        const float place = axis.Place(ray);
+        if (evidence_.sources[i] != ObservationSource::kMeasured ||
+            std::isnan(place)) {
+          continue;
+        }
+        const float max_gap = options_.tolerance * sample.z *
+                              evidence_.resolution.RelativeDepthError(sample.z);
+        result.push_back(
+            {sample,
+             place,
+             std::abs(axis.InCamera().Depth(ray) - sample.z) < max_gap,
+             evidence_.observations[i].confidence * evidence_.weights[s] /
+                 confidence});
+      }
+    }
+    return result;
+  }
+
+  // Those amid what the view shows of the plane, and as far again to either
+  // side: views that do not show a line may look through what begins there.
+  std::pair<size_t, size_t> LinesAround(const PlaneAxis& axis,
+                                        const std::vector<uint8_t>& shown,
+                                        const std::vector<Vec3f>& middles,
+                                        size_t first,
+                                        size_t last) const {
+    float low = std::numeric_limits<float>::infinity();
+    float high = -low;
+    for (size_t s = 0; s < shown.size(); ++s) {
+      const float place = shown[s] != 0 ? axis.Place(middles[s]) : NAN;
+      if (!std::isnan(place)) {
+        low = std::min(low, place);
+        high = std::max(high, place);
+      }
+    }
+    const float width = std::max(high - low, 0.f);
+    const auto is_before = [](const SharedLine& line, float place) {
+      return line.line.place < place;
+    };
+    const auto all = lines_.begin();
+    const auto begin =
+        std::lower_bound(all + static_cast<std::ptrdiff_t>(first),
+                         all + static_cast<std::ptrdiff_t>(last),
+                         low - width,
+                         is_before);
+    const auto end = std::lower_bound(begin,
+                                      all + static_cast<std::ptrdiff_t>(last),
+                                      high + width,
+                                      is_before);
+    return {static_cast<size_t>(begin - all), static_cast<size_t>(end - all)};
+  }
+
+  // What was measured behind the plane that begins at the line, if the first
+  // one ends at this side of it. Where the camera does not see it, the area
+  // tells nothing.
+  void LookThrough(size_t number,
+                   const PlaneAxis& axis,
+                   const std::vector<Measurement>& measurements,
+                   int side,
+                   LineEvidence* result) const {
+    const PlaneLine& line = lines_[number].line;
+    const WorldPlane limit = PlaneAtLine(model_, line, side);
+    LineEvidence::Side& of_side = result->sides[static_cast<size_t>(side)];
+    if (limit.Height(camera_.Center()) <= 0.0) {
+      of_side.area = 0.0;
+      return;
+    }
+    of_side.num_views = of_side.area >= options_.min_view_area;
+    const Plane plane = ToCameraPlane(limit, camera_);
+    const float margin = options_.margin * line.pixel;
+    for (const Measurement& measurement : measurements) {
+      const float height = measurement.place - line.place;
+      if ((side == 0 ? -height : height) < margin) {
+        continue;
+      }
+      const RayDepth& sample = measurement.sample;
+      const Vec3f ray = {sample.x, sample.y, 1.f};
+      const float depth = plane.Depth(ray);
+      const float unit = evidence_.resolution.RelativeDepthError(sample.z);
+      // The other half of it is behind the plane that ends.
+      if (depth > 0.f && depth < axis.InCamera().Depth(ray) &&
+          sample.z > depth * (1.f + options_.min_through * unit)) {
+        of_side.through += measurement.weight;
+      }
+    }
+    of_side.through = std::round(of_side.through);
+  }
+
+  const ViewEvidence& evidence_;
+  const Camera& camera_;
+  const Intrinsics intrinsics_;
+  const std::vector<uint8_t>& is_plane_;
+  const std::vector<SharedLine>& lines_;
+  const SceneModel& model_;
+  const LineEvidenceOptions& options_;
+};
+
+void AddTo(const LineEvidence& from, LineEvidence* to) {
+  for (size_t i = 0; i < from.sides.size(); ++i) {
+    to->sides[i].area += from.sides[i].area;
+    to->sides[i].measured += from.sides[i].measured;
+    to->sides[i].through += from.sides[i].through;
+    to->sides[i].num_views += from.sides[i].num_views;
+  }
+}
+
+}  // namespace
+
+std::vector<ViewLineEvidence> TestPlaneLines(
+    const ObservedView& view,
+    const std::vector<int>& labels,
+    const std::vector<int>& copies,
+    const std::vector<SharedLine>& lines,
+    const SceneModel& model,
+    const LineEvidenceOptions& options) {
+  std::set<int> planes;
+  for (const int label : labels) {
+    if (label >= 0) {
+      planes.insert(copies[static_cast<size_t>(label)]);
+    }
+  }
+  const std::vector<Vec3f> middles =
+      MiddleRays(*view.evidence, view.camera.GetIntrinsics());
+  std::vector<ViewLineEvidence> result;
+  for (const int plane : planes) {
+    auto first = std::lower_bound(lines.begin(),
+                                  lines.end(),
+                                  plane,
+                                  [](const SharedLine& line, int number) {
+                                    return line.line.plane < number;
+                                  });
+    if (first == lines.end() || first->line.plane != plane) {
+      continue;
+    }
+    std::vector<uint8_t> shown;
+    std::vector<uint8_t> is_plane;
+    for (const int label : labels) {
+      shown.push_back(label >= 0 &&
+                      copies[static_cast<size_t>(label)] == plane);
+      is_plane.push_back(shown.back() != 0 || label < 0);
+    }
+    const LineTest test(view, is_plane, lines, model, options);
+    while (first != lines.end() && first->line.plane == plane) {
+      const auto last =
+          std::find_if(first, lines.end(), [&](const SharedLine& line) {
+            return line.line.plane != plane ||
+                   line.line.axis != first->line.axis;
+          });
+      result.push_back(test.Run(static_cast<size_t>(first - lines.begin()),
+                                static_cast<size_t>(last - lines.begin()),
+                                shown,
+                                middles));
+      first = last;
+    }
+  }
+  return result;
+}
+
+LineEvidenceSum::LineEvidenceSum(size_t num_lines)
+    : of_lines_(num_lines), elsewhere_(num_lines + 1) {}
+
+void LineEvidenceSum::Add(const std::vector<ViewLineEvidence>& view) {
+  for (const ViewLineEvidence& evidence : view) {
+    const size_t end = evidence.begin + evidence.lines.size();
+    for (size_t i = 0; i < evidence.lines.size(); ++i) {
+      AddTo(evidence.lines[i], &of_lines_[evidence.begin + i]);
+    }
+    elsewhere_[evidence.first][1] += evidence.measured;
+    elsewhere_[evidence.begin][1] -= evidence.measured;
+    elsewhere_[end][0] += evidence.measured;
+    elsewhere_[evidence.last][0] -= evidence.measured;
+  }
+}
+
+std::vector<LineEvidence> LineEvidenceSum::Get() const {
+  std::vector<LineEvidence> result = of_lines_;
+  std::array<double, 2> measured = {};
+  for (size_t i = 0; i < result.size(); ++i) {
+    for (size_t side = 0; side < 2; ++side) {
+      measured[side] += elsewhere_[i][side];
+      result[i].sides[side].measured += measured[side];
+    }
+  }
+  return result;
+}
+
+}  // namespace tsar

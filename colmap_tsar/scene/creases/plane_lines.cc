@@ -1,0 +1,365 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/creases/plane_lines.h"
+
+#include "colmap_tsar/base/gray_level.h"
+#include "colmap_tsar/base/median.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// Bins of one pixel. The level around a line is that of bins so far away,
+constexpr int kNearestAround = 5;
+constexpr int kFarthestAround = 14;
+// of at least so many, and of several lines that are this close to each other
+// only the strongest counts.
+constexpr size_t kMinAround = 6;
+constexpr int kMinGap = 4;
+// Around the middle of what is seen of a plane: that of one seen at a flat
+// angle reaches very far.
+constexpr int kMaxBins = 4096;
+
+float Median(std::vector<float> values) { return UpperMedian(&values); }
+
+Image<float> GrayLevels(const Image<Rgb>& color) {
+  Image<float> gray(color.Width(), color.Height());
+  std::transform(color.begin(), color.end(), gray.begin(), GrayLevel);
+  return gray;
+}
+
+// How the image rises along an axis, for each place on it.
+class LineProfile {
+ public:
+  struct Sample {
+    float place;
+    float rise;  // In grey levels.
+  };
+
+  // pixel: the size of a bin.
+  LineProfile(const std::vector<Sample>& samples, float pixel, int min_length)
+      : pixel_(pixel) {
+    std::vector<float> places;
+    for (const Sample& sample : samples) {
+      places.push_back(sample.place);
+    }
+    first_ = std::max(*std::min_element(places.begin(), places.end()),
+                      Median(places) - kMaxBins / 2 * pixel);
+    for (const Sample& sample : samples) {
+      const float bin = (sample.place - first_) / pixel;
+      if (bin >= 0.f && bin < kMaxBins) {
+        const auto i = static_cast<size_t>(bin);
+        bins_.resize(std::max(bins_.size(), i + 1));
+        bins_[i].push_back(sample.rise);
+      }
+    }
+    for (const std::vector<float>& bin : bins_) {
+      means_.push_back(
+          static_cast<int>(bin.size()) >= min_length
+              ? std::optional(std::accumulate(bin.begin(), bin.end(), 0.f) /
+                              static_cast<float>(bin.size()))
+              : std::nullopt);
+    }
+    for (int bin = 0; bin < NumBins(); ++bin) {
+      steps_.push_back(Mean(bin) ? *Mean(bin) - LevelAround(bin) : 0.f);
+    }
+  }
+
+  int NumBins() const { return static_cast<int>(bins_.size()); }
+  float Step(int bin) const { return steps_[static_cast<size_t>(bin)]; }
+  float Place(int bin) const {
+    return first_ + (static_cast<float>(bin) + 0.5f) * pixel_;
+  }
+
+  bool IsPeak(int bin) const {
+    const float step = std::abs(Step(bin));
+    for (int other = std::max(bin - kMinGap, 0);
+         other <= std::min(bin + kMinGap, NumBins() - 1);
+         ++other) {
+      const float rival = std::abs(Step(other));
+      if (rival > step || (rival == step && other < bin)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // The share of the pixels at which the image rises by half of the step or
+  // more.
+  float Share(int bin) const {
+    const std::vector<float>& rises = bins_[static_cast<size_t>(bin)];
+    const float step = Step(bin);
+    const float level = *Mean(bin) - step;
+    const auto num_rises =
+        std::count_if(rises.begin(), rises.end(), [&](float rise) {
+          return (rise - level) / step > 0.5f;
+        });
+    return static_cast<float>(num_rises) / static_cast<float>(rises.size());
+  }
+
+ private:
+  const std::optional<float>& Mean(int bin) const {
+    return means_[static_cast<size_t>(bin)];
+  }
+
+  // That of the bin itself where too little is known around it.
+  float LevelAround(int bin) const {
+    std::vector<float> around;
+    for (int gap = kNearestAround; gap <= kFarthestAround; ++gap) {
+      for (const int other : {bin - gap, bin + gap}) {
+        if (other >= 0 && other < NumBins() && Mean(other)) {
+          around.push_back(*Mean(other));
+        }
+      }
+    }
+    return around.size() >= kMinAround ? Median(std::move(around)) : *Mean(bin);
+  }
+
+  float pixel_;
+  float first_ = 0.f;
+  std::vector<std::vector<float>> bins_;
+  std::vector<std::optional<float>> means_;
+  std::vector<float> steps_;
+};
+
+class LineFinder {
+ public:
+  LineFinder(const ObservedView& view,
+             const std::vector<int>& labels,
+             const std::vector<int>& copies,
+             const SceneModel& model,
+             const PlaneLineOptions& options)
+      : evidence_(*view.evidence),
+        camera_(view.camera),
+        intrinsics_(view.camera.GetIntrinsics()),
+        model_(model),
+        options_(options),
+        gray_(GrayLevels(evidence_.color)),
+        planes_(evidence_.width, evidence_.height) {
+    for (size_t i = 0; i < planes_.NumPixels(); ++i) {
+      const int label = labels[evidence_.superpixels.Data()[i]];
+      planes_.Data()[i] = label >= 0 ? copies[static_cast<size_t>(label)] : -1;
+    }
+  }
+
+  std::vector<PlaneLine> Run() {
+    std::map<int, int> areas;
+    for (const int plane : planes_) {
+      ++areas[plane];
+    }
+    const float min_area =
+        options_.min_area * static_cast<float>(planes_.NumPixels());
+    std::vector<PlaneLine> lines;
+    for (const auto& [number, area] : areas) {
+      if (number < 0 || static_cast<float>(area) < min_area) {
+        continue;
+      }
+      const ModelPlane& plane = model_.planes[static_cast<size_t>(number)];
+      for (int axis = 0; axis < 3 && plane.axis >= 0; ++axis) {
+        if (axis != plane.axis) {
+          FindAcross(number, axis, &lines);
+        }
+      }
+    }
+    return lines;
+  }
+
+ private:
+  // Whether none of the pixels that Gray() reads there shows another plane:
+  // what stands in the way ends at a line as well.
+  bool IsFree(int plane, float x, float y) const {
+    const auto column = static_cast<int>(x);
+    const auto row = static_cast<int>(y);
+    for (const int label : {planes_(column, row),
+                            planes_(column + 1, row),
+                            planes_(column, row + 1),
+                            planes_(column + 1, row + 1)}) {
+      if (label != plane && label >= 0) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool IsOn(int plane, float x, float y) const {
+    const auto column = static_cast<int>(std::lround(x));
+    const auto row = static_cast<int>(std::lround(y));
+    return column >= 0 && row >= 0 && column < planes_.Width() &&
+           row < planes_.Height() && planes_(column, row) == plane;
+  }
+
+  float Gray(float x, float y) const {
+    const auto column = static_cast<int>(x);
+    const auto row = static_cast<int>(y);
+    const float right = x - static_cast<float>(column);
+    const float below = y - static_cast<float>(row);
+    return (gray_(column, row) * (1.f - right) +
+            gray_(column + 1, row) * right) *
+               (1.f - below) +
+           (gray_(column, row + 1) * (1.f - right) +
+            gray_(column + 1, row + 1) * right) *
+               below;
+  }
+
+  void FindAcross(int number, int axis, std::vector<PlaneLine>* lines) const {
+    const ModelPlane& plane = model_.planes[static_cast<size_t>(number)];
+    const PlaneAxis in_view(plane, AxisOf(model_, number, axis), camera_);
+    std::vector<LineProfile::Sample> samples;
+    std::vector<float> pixels;
+    // The reach, and a pixel to interpolate.
+    const int margin = static_cast<int>(std::ceil(options_.reach)) + 1;
+    for (int y = margin; y < planes_.Height() - margin; ++y) {
+      for (int x = margin; x < planes_.Width() - margin; ++x) {
+        if (planes_(x, y) != number && planes_(x, y) >= 0) {
+          continue;
+        }
+        AddSample(number, in_view, x, y, &samples, &pixels);
+      }
+    }
+    if (pixels.empty()) {
+      return;
+    }
+    const float pixel = Median(std::move(pixels));
+    const auto min_length = static_cast<int>(
+        options_.min_length * static_cast<float>(planes_.Width()));
+    const LineProfile profile(samples, pixel, std::max(min_length, 1));
+    for (int bin = 0; bin < profile.NumBins(); ++bin) {
+      const float step = profile.Step(bin);
+      if (std::abs(step) >= options_.min_step && profile.IsPeak(bin) &&
+          profile.Share(bin) >= options_.min_share) {
+        lines->push_back({number, axis, profile.Place(bin), pixel, step});
+      }
+    }
+  }
+
+  void AddSample(int plane,
+                 const PlaneAxis& in_view,
+                 int column,
+                 int row,
+                 std::vector<LineProfile::Sample>* samples,
+                 std::vector<float>* pixels) const {
+    const auto x = static_cast<float>(column);
+    const auto y = static_cast<float>(row);
+    const float place = in_view.Place(intrinsics_.Ray(x, y));
+    float across_x = in_view.Place(intrinsics_.Ray(x + 1.f, y)) - place;
+    float across_y = in_view.Place(intrinsics_.Ray(x, y + 1.f)) - place;
+    const float pixel = std::hypot(across_x, across_y);
+    if (!(pixel > 0.f)) {
+      return;
+    }
+    across_x /= pixel;
+    across_y /= pixel;
+    const float reach_x = options_.reach * across_x;
+    const float reach_y = options_.reach * across_y;
+    const float far_x = options_.max_distance * across_x;
+    const float far_y = options_.max_distance * across_y;
+    if (!IsFree(plane, x + reach_x, y + reach_y) ||
+        !IsFree(plane, x - reach_x, y - reach_y) ||
+        (!IsOn(plane, x + far_x, y + far_y) &&
+         !IsOn(plane, x - far_x, y - far_y))) {
+      return;
+    }
+    const float rise =
+        Gray(x + reach_x, y + reach_y) - Gray(x - reach_x, y - reach_y);
+    samples->push_back(
+        {place,
+         std::clamp(rise, -options_.max_difference, options_.max_difference)});
+    if (planes_(column, row) == plane) {
+      pixels->push_back(pixel);
+    }
+  }
+
+  const ViewEvidence& evidence_;
+  const Camera& camera_;
+  const Intrinsics intrinsics_;
+  const SceneModel& model_;
+  const PlaneLineOptions& options_;
+  const Image<float> gray_;
+  // Of each pixel of the raster the plane that is no copy, or -1.
+  Image<int> planes_;
+};
+
+}  // namespace
+
+WorldPlane PlaneAtLine(const SceneModel& model,
+                       const PlaneLine& line,
+                       int side) {
+  const Eigen::Vector3d axis = AxisOf(model, line.plane, line.axis);
+  const Eigen::Vector3d on_line =
+      model.planes[static_cast<size_t>(line.plane)].center +
+      double{line.place} * axis;
+  WorldPlane plane;
+  plane.normal = side == 0 ? axis : Eigen::Vector3d(-axis);
+  plane.offset = -plane.normal.dot(on_line);
+  return plane;
+}
+
+std::vector<int> FindPlaneCopies(
+    const SceneModel& model,
+    const std::vector<Camera>& cameras,
+    const std::vector<const std::vector<int>*>& labels,
+    float tolerance) {
+  const std::vector<ModelPlane>& planes = model.planes;
+  std::vector<std::vector<float>> distances(planes.size());
+  for (size_t view = 0; view < cameras.size(); ++view) {
+    std::vector<int> shown = *labels[view];
+    std::sort(shown.begin(), shown.end());
+    shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
+    for (const int plane : shown) {
+      if (plane >= 0) {
+        const auto i = static_cast<size_t>(plane);
+        distances[i].push_back(static_cast<float>(
+            std::abs(planes[i].plane.Height(cameras[view].Center()))));
+      }
+    }
+  }
+  std::vector<int> copies(planes.size());
+  std::iota(copies.begin(), copies.end(), 0);
+  std::vector<int> by_support = copies;
+  std::stable_sort(by_support.begin(), by_support.end(), [&](int a, int b) {
+    return planes[static_cast<size_t>(a)].support >
+           planes[static_cast<size_t>(b)].support;
+  });
+  // By component, axis and direction of the normal, those that are no copies,
+  // by their offsets.
+  std::map<std::tuple<int, int, bool>, std::multimap<double, int>> originals;
+  for (const int number : by_support) {
+    const auto i = static_cast<size_t>(number);
+    const ModelPlane& plane = planes[i];
+    if (plane.axis < 0 || distances[i].empty()) {
+      continue;
+    }
+    const Eigen::Vector3d& normal = plane.plane.normal;
+    const bool is_along = normal.dot(AxisOf(model, number, plane.axis)) > 0.0;
+    std::multimap<double, int>& of_axis =
+        originals[{plane.component, 3 * plane.frame + plane.axis, is_along}];
+    const double max_gap = tolerance * Median(distances[i]);
+    const auto nearest = of_axis.lower_bound(plane.plane.offset - max_gap);
+    if (nearest != of_axis.end() &&
+        nearest->first <= plane.plane.offset + max_gap) {
+      copies[i] = nearest->second;
+    } else {
+      of_axis.emplace(plane.plane.offset, number);
+    }
+  }
+  return copies;
+}
+
+std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
+                                      const std::vector<int>& labels,
+                                      const std::vector<int>& copies,
+                                      const SceneModel& model,
+                                      const PlaneLineOptions& options) {
+  return LineFinder(view, labels, copies, model, options).Run();
+}
+
+}  // namespace tsar

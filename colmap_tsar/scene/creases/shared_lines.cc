@@ -1,0 +1,117 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/creases/shared_lines.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <tuple>
+
+namespace tsar {
+namespace {
+
+struct LineInView {
+  PlaneLine line;
+  size_t view;
+};
+
+// Lines that are next to each other by their places.
+struct Window {
+  size_t begin;
+  size_t end;
+  int num_views;
+};
+
+// The widest windows that begin at each line.
+std::vector<Window> FindWindows(const std::vector<LineInView>& lines,
+                                float max_gap) {
+  std::vector<Window> windows;
+  std::map<size_t, int> views;
+  size_t end = 0;
+  for (size_t begin = 0; begin < lines.size(); ++begin) {
+    // A gap to either side of the middle.
+    const float last =
+        lines[begin].line.place + 2.f * max_gap * lines[begin].line.pixel;
+    for (; end < lines.size() && lines[end].line.place <= last; ++end) {
+      ++views[lines[end].view];
+    }
+    windows.push_back({begin, end, static_cast<int>(views.size())});
+    const auto own = views.find(lines[begin].view);
+    if (--own->second == 0) {
+      views.erase(own);
+    }
+  }
+  return windows;
+}
+
+SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
+  SharedLine shared = {lines[window.begin].line, window.num_views};
+  std::vector<float> pixels;
+  double places = 0.0;
+  double weights = 0.0;
+  double steps = 0.0;
+  for (size_t i = window.begin; i < window.end; ++i) {
+    const PlaneLine& line = lines[i].line;
+    const double weight = 1.0 / (double{line.pixel} * line.pixel);
+    places += weight * line.place;
+    weights += weight;
+    steps += line.step;
+    pixels.push_back(line.pixel);
+  }
+  std::sort(pixels.begin(), pixels.end());
+  shared.line.place = static_cast<float>(places / weights);
+  shared.line.pixel = pixels[pixels.size() / 2];
+  shared.line.step = static_cast<float>(
+      steps / static_cast<double>(window.end - window.begin));
+  return shared;
+}
+
+}  // namespace
+
+std::vector<SharedLine> JoinPlaneLines(
+    const std::vector<std::vector<PlaneLine>>& lines,
+    const SharedLineOptions& options) {
+  // By plane, axis, and whether the image rises.
+  std::map<std::tuple<int, int, bool>, std::vector<LineInView>> groups;
+  for (size_t view = 0; view < lines.size(); ++view) {
+    for (const PlaneLine& line : lines[view]) {
+      groups[{line.plane, line.axis, line.step > 0.f}].push_back({line, view});
+    }
+  }
+  std::vector<SharedLine> shared;
+  for (auto& [key, of_group] : groups) {
+    std::stable_sort(of_group.begin(),
+                     of_group.end(),
+                     [](const LineInView& a, const LineInView& b) {
+                       return a.line.place < b.line.place;
+                     });
+    std::vector<Window> windows = FindWindows(of_group, options.max_gap);
+    std::stable_sort(
+        windows.begin(), windows.end(), [](const Window& a, const Window& b) {
+          return a.num_views > b.num_views;
+        });
+    std::vector<uint8_t> is_taken(of_group.size(), 0);
+    for (const Window& window : windows) {
+      const auto begin =
+          is_taken.begin() + static_cast<std::ptrdiff_t>(window.begin);
+      const auto end =
+          is_taken.begin() + static_cast<std::ptrdiff_t>(window.end);
+      if (window.num_views >= options.min_views &&
+          std::find(begin, end, 1) == end) {
+        std::fill(begin, end, uint8_t{1});
+        shared.push_back(Average(of_group, window));
+      }
+    }
+  }
+  std::stable_sort(shared.begin(),
+                   shared.end(),
+                   [](const SharedLine& a, const SharedLine& b) {
+                     return std::tie(a.line.plane, a.line.axis, a.line.place) <
+                            std::tie(b.line.plane, b.line.axis, b.line.place);
+                   });
+  return shared;
+}
+
+}  // namespace tsar

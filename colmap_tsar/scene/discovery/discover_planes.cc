@@ -1,0 +1,325 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+
+#include "colmap_tsar/scene/discovery/manhattan_frame.h"
+#include "colmap_tsar/scene/discovery/merge_planes.h"
+#include "colmap_tsar/scene/discovery/plane_ranking.h"
+#include "colmap_tsar/scene/discovery/plane_scores.h"
+#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/evidence/superpixel_matches.h"
+#include "colmap_tsar/view/planes/fit_plane.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// Planes are aligned to the Manhattan frame by fewer observations of each: all
+// of them count together.
+constexpr size_t kMaxAlignedObservations = 500;
+// The share of its support that a plane may lose for being aligned. Not small:
+// what a plane misses by a little it misses in all views, by errors that they
+// have in common.
+constexpr double kMaxAlignmentLoss = 0.1;
+// How often a candidate that was chosen is fitted.
+constexpr int kNumFirstFits = 2;
+constexpr int kMaxImprovingRounds = 3;
+
+class Discovery {
+ public:
+  Discovery(const SuperpixelObservations& observations,
+            const SuperpixelMatches& matches,
+            const DiscoverPlanesOptions& options,
+            Device& device)
+      : observations_(observations),
+        matches_(matches),
+        options_(options),
+        device_(&device),
+        scorer_(observations, options.tolerance, device),
+        fitter_(observations, scorer_, options.tolerance, device) {}
+
+  std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
+    ChooseCandidates(candidates,
+                     std::vector<float>(observations_.Count(), 0.f));
+    do {
+      FitToAssigned();
+    } while (DropAndMergePlanes(
+        fitter_, matches_, options_.min_gain, device_->Threads(), &planes_));
+    if (options_.manhattan_frame) {
+      AlignPlanes();
+    }
+    return std::move(planes_);
+  }
+
+  // Planes for superpixels of which none of the known ones explains enough.
+  // best: what is reached in each superpixel.
+  std::vector<ScoredPlane> Extend(const std::vector<WorldPlane>& candidates,
+                                  std::vector<float> best) {
+    ChooseCandidates(candidates, std::move(best));
+    return std::move(planes_);
+  }
+
+  // That the planes were aligned to.
+  const std::optional<ManhattanFrame>& Frame() const { return frame_; }
+
+ private:
+  // best: the scores that are reached in each superpixel already.
+  void ChooseCandidates(const std::vector<WorldPlane>& candidates,
+                        std::vector<float> best) {
+    LazyGreedySelection selection(candidates, scorer_, *device_);
+    while (static_cast<int>(planes_.size()) < options_.max_planes) {
+      const LazyGreedySelection::Choice choice = selection.Next(best);
+      if (choice.candidate < 0 || choice.gain < options_.min_gain) {
+        break;
+      }
+      planes_.push_back(ImproveByFits(
+          {candidates[choice.candidate], selection.Scores(choice.candidate)},
+          best));
+      for (const int k : planes_.back().superpixels) {
+        best[k] = std::max(best[k], planes_.back().scores[k]);
+      }
+    }
+  }
+
+  // Fits a plane to the superpixels that it would win.
+  ScoredPlane ImproveByFits(ScoredPlane plane,
+                            const std::vector<float>& best) const {
+    const auto best_of = [&](int k) { return best[k]; };
+    double gain = PlaneGain(plane, best_of);
+    for (int i = 0; i < kNumFirstFits; ++i) {
+      std::vector<int> won;
+      for (const int k : plane.superpixels) {
+        if (plane.scores[k] > best[k]) {
+          won.push_back(k);
+        }
+      }
+      ScoredPlane fitted =
+          fitter_.ScoreOne(fitter_.Fit(plane.plane, fitter_.Sample(won)));
+      const double fitted_gain = PlaneGain(fitted, best_of);
+      if (!(fitted_gain > gain)) {
+        break;
+      }
+      plane = std::move(fitted);
+      gain = fitted_gain;
+    }
+    return plane;
+  }
+
+  // Fits the planes to the superpixels that are assigned to them and keeps what
+  // raises the sum of the best scores.
+  void FitToAssigned() {
+    const int num_planes = static_cast<int>(planes_.size());
+    bool improved = true;
+    for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
+      improved = false;
+      std::vector<Ranking> rankings =
+          Rank(planes_, observations_.Count(), device_->Threads());
+      const std::vector<std::vector<int>> members =
+          AssignedSuperpixels(rankings, planes_.size());
+      std::vector<WorldPlane> fits(num_planes);
+      device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
+        for (int64_t p = begin; p < end; ++p) {
+          fits[p] = fitter_.Fit(planes_[p].plane, fitter_.Sample(members[p]));
+        }
+      });
+      std::vector<ScoredPlane> fitted = fitter_.Score(fits);
+      for (int p = 0; p < num_planes; ++p) {
+        const auto best_of_others = [&](int k) {
+          return rankings[k].BestWithout(p, p);
+        };
+        if (PlaneGain(fitted[p], best_of_others) >
+            PlaneGain(planes_[p], best_of_others)) {
+          std::swap(planes_[p], fitted[p]);
+          UpdateRankings(planes_, p, fitted[p], device_->Threads(), &rankings);
+          improved = true;
+        }
+      }
+    }
+  }
+
+  // Aligns planes where that costs little of what is assigned to them.
+  void AlignPlanes() {
+    const std::vector<Ranking> rankings =
+        Rank(planes_, observations_.Count(), device_->Threads());
+    const std::vector<std::vector<int>> members =
+        AssignedSuperpixels(rankings, planes_.size());
+    std::vector<MeasuredPlane> measured;
+    for (size_t p = 0; p < planes_.size(); ++p) {
+      double support = 0.0;
+      for (const int k : members[p]) {
+        support += rankings[k].scores[0];
+      }
+      measured.push_back({planes_[p].plane,
+                          support,
+                          fitter_.Sample(members[p], kMaxAlignedObservations)});
+    }
+    const auto is_acceptable = [&](int p, const WorldPlane& plane) {
+      const auto best_of_others = [&](int k) {
+        return rankings[k].BestWithout(p, p);
+      };
+      const ScoredPlane scored = fitter_.ScoreOne(plane);
+      const double loss = PlaneGain(planes_[p], best_of_others) -
+                          PlaneGain(scored, best_of_others);
+      return loss <= std::max(options_.min_gain,
+                              kMaxAlignmentLoss * measured[p].support);
+    };
+    const std::vector<WorldPlane> aligned = AlignToManhattanFrame(
+        measured, fitter_.LossScale(), is_acceptable, &frame_);
+    planes_ = fitter_.Score(aligned);
+  }
+
+  const SuperpixelObservations& observations_;
+  const SuperpixelMatches& matches_;
+  DiscoverPlanesOptions options_;
+  Device* device_;
+  PlaneScorer scorer_;
+  SuperpixelPlaneFitter fitter_;
+  std::vector<ScoredPlane> planes_;
+  std::optional<ManhattanFrame> frame_;
+};
+
+WorldPlane FromWorld(const WorldPlane& plane, const Camera& reference) {
+  return {reference.rotation * plane.normal, plane.Height(reference.Center())};
+}
+
+WorldPlane ToWorld(const WorldPlane& plane, const Camera& reference) {
+  const Eigen::Vector3d normal = reference.rotation.transpose() * plane.normal;
+  return {normal, plane.offset - normal.dot(reference.Center())};
+}
+
+// Adds planes that priors alone tell of, for superpixels that no measurement
+// places on a plane. What measurements tell is found first, without priors:
+// these cannot tell planes apart that are as close as their errors.
+// candidates: in the reference's frame.
+void AddPlanesOfPriors(const std::vector<ObservedView>& views,
+                       const std::vector<WorldPlane>& candidates,
+                       const SuperpixelMatches& matches,
+                       const DiscoverPlanesOptions& options,
+                       Device& device,
+                       DiscoveredPlanes* discovered) {
+  if (std::all_of(views.begin(), views.end(), [](const ObservedView& view) {
+        return view.evidence->errors.empty();
+      })) {
+    return;
+  }
+  const Camera& reference = views[0].camera;
+  const SuperpixelObservations observations(
+      views, options.max_weight, ObservationsOf::kPriors);
+  const PlaneScorer scorer(observations, options.tolerance, device);
+  std::vector<WorldPlane> known;
+  for (const ScenePlane& plane : discovered->planes) {
+    known.push_back(FromWorld(plane.plane, reference));
+  }
+  std::vector<float> best(observations.Count(), 0.f);
+  for (const ScoredPlane& plane : ScorePlanes(scorer, known, device)) {
+    for (const int k : plane.superpixels) {
+      best[k] = std::max(best[k], plane.scores[k]);
+    }
+  }
+  std::vector<int*> assigned;
+  for (std::vector<int>& of_view : discovered->assignment) {
+    for (int& plane : of_view) {
+      if (plane >= 0) {
+        best[assigned.size()] = std::numeric_limits<float>::max();
+      }
+      assigned.push_back(&plane);
+    }
+  }
+  for (const ScoredPlane& plane :
+       Discovery(observations, matches, options, device)
+           .Extend(candidates, best)) {
+    const auto number = static_cast<int>(discovered->planes.size());
+    double support = 0.0;
+    for (const int k : plane.superpixels) {
+      if (plane.scores[k] > best[k]) {
+        best[k] = plane.scores[k];
+        support += best[k];
+        *assigned[k] = number;
+      }
+    }
+    discovered->planes.push_back(
+        {ToWorld(plane.plane, reference), support, -1});
+  }
+}
+
+}  // namespace
+
+std::vector<WorldPlane> CollectCandidates(
+    const std::vector<ObservedView>& views) {
+  std::vector<WorldPlane> candidates;
+  for (const ObservedView& view : views) {
+    for (const Plane& plane : view.evidence->candidates) {
+      candidates.push_back(ToWorldPlane(plane, view.camera));
+    }
+  }
+  return candidates;
+}
+
+DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
+                                const std::vector<WorldPlane>& candidates,
+                                const DiscoverPlanesOptions& options,
+                                Device& device) {
+  DiscoveredPlanes result;
+  for (const ObservedView& view : views) {
+    result.assignment.emplace_back(view.evidence->NumSuperpixels(), -1);
+  }
+  if (views.empty()) {
+    return result;
+  }
+  const SuperpixelObservations observations(views, options.max_weight);
+  if (observations.Count() == 0) {
+    return result;
+  }
+  const Camera& reference = views[0].camera;
+  std::vector<WorldPlane> local_candidates;
+  const size_t max_candidates = options.max_scores / observations.Count();
+  for (size_t i = 0; i < std::min(candidates.size(), max_candidates); ++i) {
+    local_candidates.push_back(FromWorld(candidates[i], reference));
+  }
+  const SuperpixelMatches matches(views);
+  Discovery discovery(observations, matches, options, device);
+  const std::vector<ScoredPlane> planes = discovery.Run(local_candidates);
+  const std::optional<ManhattanFrame>& frame = discovery.Frame();
+  if (frame) {
+    result.frame = reference.rotation.transpose() * frame->rotation;
+  }
+
+  const std::vector<Ranking> rankings =
+      Rank(planes, observations.Count(), device.Threads());
+  std::vector<double> supports(planes.size(), 0.0);
+  for (const Ranking& ranking : rankings) {
+    if (ranking.planes[0] >= 0) {
+      supports[ranking.planes[0]] += ranking.scores[0];
+    }
+  }
+  std::vector<int> order(planes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return supports[a] > supports[b];
+  });
+  std::vector<int> places(planes.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    places[order[i]] = static_cast<int>(i);
+    result.planes.push_back({ToWorld(planes[order[i]].plane, reference),
+                             supports[order[i]],
+                             frame ? frame->axes[order[i]] : -1});
+  }
+  int superpixel = 0;
+  for (std::vector<int>& of_view : result.assignment) {
+    for (int& plane : of_view) {
+      const int found = rankings[superpixel++].planes[0];
+      plane = found >= 0 ? places[found] : -1;
+    }
+  }
+  AddPlanesOfPriors(views, local_candidates, matches, options, device, &result);
+  return result;
+}
+
+}  // namespace tsar

@@ -1,0 +1,406 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/discovery/join_planes.h"
+
+#include "colmap_tsar/scene/discovery/merge_planes.h"
+#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/view/planes/fit_plane.h"
+#include "colmap_tsar/view/planes/plane_uncertainty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace tsar {
+namespace {
+
+// The share of its support that the smaller of two planes of different blocks
+// may lose for the sake of one plane: what views measure of a surface differs
+// by errors that each of them has in common with its neighbours.
+constexpr double kMaxMergeShare = 0.1;
+
+// The superpixels that are assigned to each plane, numbered through all views.
+std::vector<std::vector<int>> MembersOf(const DiscoveredPlanes& discovered) {
+  std::vector<std::vector<int>> members(discovered.planes.size());
+  int number = 0;
+  for (const std::vector<int>& of_view : discovered.assignment) {
+    for (const int plane : of_view) {
+      if (plane >= 0) {
+        members[static_cast<size_t>(plane)].push_back(number);
+      }
+      ++number;
+    }
+  }
+  return members;
+}
+
+using Observations = std::vector<DepthObservation>;
+
+// As for DiscoverPlanes, with the tolerance as the expected error.
+double Support(const WorldPlane& plane, const Observations& observations) {
+  double sum = 0.0;
+  for (const DepthObservation& observation : observations) {
+    const double residual = NormalizedResidual(plane, observation);
+    sum += observation.weight * std::max(1.0 - residual * residual, 0.0);
+  }
+  return sum;
+}
+
+// Whether at least half of what was measured of another plane is near.
+bool IsNear(const WorldPlane& plane, const Observations& observations) {
+  const auto num_near = static_cast<size_t>(
+      std::count_if(observations.begin(),
+                    observations.end(),
+                    [&](const DepthObservation& observation) {
+                      return std::abs(NormalizedResidual(plane, observation)) <
+                             kMaxMergeDistance;
+                    }));
+  return 2 * num_near >= observations.size();
+}
+
+void Append(const Observations& from, Observations* to) {
+  to->insert(to->end(), from.begin(), from.end());
+}
+
+std::vector<int> Union(const std::vector<int>& a, const std::vector<int>& b) {
+  std::vector<int> result;
+  std::set_union(
+      a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
+  return result;
+}
+
+class PlaneJoiner {
+ public:
+  PlaneJoiner(std::vector<PlaneBlock> blocks, double min_gain, Device& device)
+      : blocks_(std::move(blocks)),
+        min_gain_(min_gain),
+        device_(device),
+        nodes_of_block_(blocks_.size()) {
+    for (size_t b = 0; b < blocks_.size(); ++b) {
+      for (MeasuredScenePlane& plane : blocks_[b].planes) {
+        nodes_of_block_[b].push_back(static_cast<int>(nodes_.size()));
+        num_of_block_.push_back(static_cast<int>(b));
+        Node node;
+        node.blocks = {static_cast<int>(b)};
+        node.neighbours = blocks_[b].neighbours;
+        node.support = Support(plane.found.plane, plane.observations);
+        node.plane = std::move(plane);
+        nodes_.push_back(std::move(node));
+      }
+    }
+  }
+
+  JoinedPlanes Run() {
+    FindAllPairs();
+    while (!queue_.empty()) {
+      const auto first = queue_.begin();
+      const int a = std::get<1>(first->first);
+      const int b = std::get<2>(first->first);
+      const WorldPlane joint = first->second;
+      queue_.erase(first);
+      if (IsLeft(a) && IsLeft(b)) {
+        Join(a, b, joint);
+      }
+    }
+    return Collect();
+  }
+
+ private:
+  struct Node {
+    MeasuredScenePlane plane;
+    double support = 0.0;  // By its sample.
+    std::vector<int> blocks;
+    std::vector<int> neighbours;  // Of all of these.
+    int heir = -1;                // What it was joined into.
+  };
+  struct Joint {
+    double share = 0.0;  // Of what joining may cost.
+    WorldPlane plane;
+  };
+
+  bool IsLeft(int node) const {
+    return nodes_[static_cast<size_t>(node)].heir < 0;
+  }
+
+  void FindAllPairs() {
+    std::vector<std::pair<int, int>> pairs;
+    for (size_t a = 0; a < nodes_.size(); ++a) {
+      for (const int block : nodes_[a].neighbours) {
+        for (const int b : nodes_of_block_[static_cast<size_t>(block)]) {
+          if (static_cast<int>(a) < b) {
+            pairs.emplace_back(static_cast<int>(a), b);
+          }
+        }
+      }
+    }
+    Consider(pairs);
+  }
+
+  // Puts into the queue what is worth it.
+  void Consider(const std::vector<std::pair<int, int>>& pairs) {
+    std::vector<std::optional<Joint>> joints(pairs.size());
+    device_.Threads().Run(
+        static_cast<int64_t>(pairs.size()), [&](int64_t begin, int64_t end) {
+          for (auto i = static_cast<size_t>(begin);
+               i < static_cast<size_t>(end);
+               ++i) {
+            joints[i] = FindJoint(nodes_[static_cast<size_t>(pairs[i].first)],
+                                  nodes_[static_cast<size_t>(pairs[i].second)]);
+          }
+        });
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      if (joints[i]) {
+        queue_[{joints[i]->share, pairs[i].first, pairs[i].second}] =
+            joints[i]->plane;
+      }
+    }
+  }
+
+  std::optional<Joint> FindJoint(const Node& a, const Node& b) const {
+    const WorldPlane& plane_a = a.plane.found.plane;
+    const WorldPlane& plane_b = b.plane.found.plane;
+    if (!MayBeMerged(plane_a, plane_b) ||
+        !(IsNear(plane_a, b.plane.observations) ||
+          IsNear(plane_b, a.plane.observations))) {
+      return std::nullopt;
+    }
+    FitSamples samples;
+    for (const Node* node : {&a, &b}) {
+      for (const DepthObservation& observation : node->plane.observations) {
+        samples.Add(observation);
+      }
+    }
+    const double max_loss =
+        std::max(min_gain_, kMaxMergeShare * std::min(a.support, b.support));
+    std::optional<Joint> best;
+    for (const WorldPlane& initial : {plane_a, plane_b}) {
+      const WorldPlane fit = FitPlane(initial, samples, kCauchyShare);
+      const double loss = a.support + b.support -
+                          Support(fit, a.plane.observations) -
+                          Support(fit, b.plane.observations);
+      if (loss / max_loss < (best ? best->share : 1.0)) {
+        best = Joint{loss / max_loss, fit};
+      }
+    }
+    return best;
+  }
+
+  void Join(int a, int b, const WorldPlane& plane) {
+    Node joint;
+    Node& first = nodes_[static_cast<size_t>(a)];
+    Node& second = nodes_[static_cast<size_t>(b)];
+    joint.plane.found = {
+        plane, first.plane.found.support + second.plane.found.support};
+    joint.plane.observations = std::move(first.plane.observations);
+    Append(second.plane.observations, &joint.plane.observations);
+    joint.plane.superpixels = std::move(first.plane.superpixels);
+    Append(second.plane.superpixels, &joint.plane.superpixels);
+    ThinOut(&joint.plane.observations);
+    ThinOut(&joint.plane.superpixels);
+    joint.support = Support(plane, joint.plane.observations);
+    joint.blocks = Union(first.blocks, second.blocks);
+    joint.neighbours = Union(first.neighbours, second.neighbours);
+    const int number = static_cast<int>(nodes_.size());
+    first.heir = number;
+    second.heir = number;
+    second.plane = {};
+    std::vector<std::pair<int, int>> pairs;
+    for (const int block : Union(joint.blocks, joint.neighbours)) {
+      for (const int other : nodes_of_block_[static_cast<size_t>(block)]) {
+        if (IsLeft(other)) {
+          pairs.emplace_back(other, number);
+        }
+      }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    for (const int block : joint.blocks) {
+      std::vector<int>& nodes = nodes_of_block_[static_cast<size_t>(block)];
+      std::erase_if(nodes, [&](int node) { return node == a || node == b; });
+      nodes.push_back(number);
+    }
+    nodes_.push_back(std::move(joint));
+    Consider(pairs);
+  }
+
+  JoinedPlanes Collect() {
+    std::vector<int> order;
+    for (size_t i = 0; i < nodes_.size(); ++i) {
+      if (nodes_[i].heir < 0) {
+        order.push_back(static_cast<int>(i));
+      }
+    }
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+      return nodes_[static_cast<size_t>(a)].plane.found.support >
+             nodes_[static_cast<size_t>(b)].plane.found.support;
+    });
+    JoinedPlanes result;
+    std::vector<int> places(nodes_.size(), -1);
+    for (const int node : order) {
+      places[static_cast<size_t>(node)] =
+          static_cast<int>(result.planes.size());
+      result.planes.push_back(
+          std::move(nodes_[static_cast<size_t>(node)].plane));
+    }
+    result.places.resize(blocks_.size());
+    for (size_t i = 0; i < num_of_block_.size(); ++i) {
+      size_t node = i;
+      while (nodes_[node].heir >= 0) {
+        node = static_cast<size_t>(nodes_[node].heir);
+      }
+      result.places[static_cast<size_t>(num_of_block_[i])].push_back(
+          places[node]);
+    }
+    return result;
+  }
+
+  std::vector<PlaneBlock> blocks_;
+  const double min_gain_;
+  Device& device_;
+  // The planes of the blocks, then those that they are joined into.
+  std::vector<Node> nodes_;
+  std::vector<int> num_of_block_;  // Of the first of them.
+  // Those that have not been joined into others.
+  std::vector<std::vector<int>> nodes_of_block_;
+  // By what they cost and their numbers.
+  std::map<std::tuple<double, int, int>, WorldPlane> queue_;
+};
+
+// Moves what belongs to a plane, so that arithmetic is done near the scene.
+void Shift(const Eigen::Vector3d& offset, MeasuredScenePlane* plane) {
+  plane->found.plane.offset -= plane->found.plane.normal.dot(offset);
+  for (Observations* samples : {&plane->observations, &plane->superpixels}) {
+    for (DepthObservation& observation : *samples) {
+      observation.center += offset;
+    }
+  }
+}
+
+std::optional<Eigen::Vector3d> FindOrigin(
+    const std::vector<PlaneBlock>& blocks) {
+  for (const PlaneBlock& block : blocks) {
+    for (const MeasuredScenePlane& plane : block.planes) {
+      if (!plane.observations.empty()) {
+        return plane.observations[0].center;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void ThinOut(std::vector<DepthObservation>* samples) {
+  const size_t count = samples->size();
+  if (count <= kMaxPlaneSamples) {
+    return;
+  }
+  const double scale =
+      static_cast<double>(count) / static_cast<double>(kMaxPlaneSamples);
+  for (size_t i = 0; i < kMaxPlaneSamples; ++i) {
+    (*samples)[i] = (*samples)[i * count / kMaxPlaneSamples];
+    (*samples)[i].weight *= scale;
+  }
+  samples->resize(kMaxPlaneSamples);
+}
+
+std::vector<MeasuredScenePlane> MeasureScenePlanes(
+    const std::vector<ObservedView>& views,
+    const DiscoveredPlanes& discovered,
+    const DiscoverPlanesOptions& discovery,
+    const PlaneSupportOptions& support) {
+  if (discovered.planes.empty()) {
+    return {};
+  }
+  std::vector<std::vector<DepthObservation>> superpixels =
+      MeasuredSuperpixels(views, discovered, support);
+  const SuperpixelObservations observations(views, discovery.max_weight);
+  const SuperpixelObservations of_priors(
+      views, discovery.max_weight, ObservationsOf::kPriors);
+  const std::vector<std::vector<int>> members = MembersOf(discovered);
+  const Eigen::Matrix3d to_world = views[0].camera.rotation.transpose();
+  const Eigen::Vector3d origin = views[0].camera.Center();
+  std::vector<MeasuredScenePlane> result;
+  for (size_t p = 0; p < members.size(); ++p) {
+    MeasuredScenePlane plane;
+    plane.found = discovered.planes[p];
+    const auto count_of = [&](const SuperpixelObservations& of_members) {
+      size_t count = 0;
+      for (const int k : members[p]) {
+        count += static_cast<size_t>(of_members.NumObservations(k));
+      }
+      return count;
+    };
+    const SuperpixelObservations& sampled =
+        count_of(observations) > 0 ? observations : of_priors;
+    const size_t count = count_of(sampled);
+    sampled.Sample(members[p], kMaxPlaneSamples, [&](DepthObservation sample) {
+      sample.center = to_world * sample.center + origin;
+      sample.ray = to_world * sample.ray;
+      sample.sigma *= discovery.tolerance;
+      plane.observations.push_back(sample);
+    });
+    for (DepthObservation& sample : plane.observations) {
+      sample.weight *= static_cast<double>(count) /
+                       static_cast<double>(plane.observations.size());
+    }
+    plane.superpixels = std::move(superpixels[p]);
+    ThinOut(&plane.superpixels);
+    result.push_back(std::move(plane));
+  }
+  return result;
+}
+
+ModelPlane ToModelPlane(const MeasuredScenePlane& measured) {
+  ModelPlane plane;
+  plane.plane = measured.found.plane;
+  plane.support = measured.found.support;
+  const PlaneUncertainty uncertainty =
+      ComputeUncertainty(plane.plane, measured.superpixels);
+  plane.center = uncertainty.center;
+  plane.axis_s = uncertainty.axes.col(0);
+  plane.axis_t = uncertainty.axes.col(1);
+  if (measured.superpixels.empty()) {
+    for (const DepthObservation& observation : measured.observations) {
+      plane.center += FootPoint(plane.plane, observation) /
+                      static_cast<double>(measured.observations.size());
+    }
+    plane.axis_s = plane.plane.normal.unitOrthogonal();
+    plane.axis_t = plane.plane.normal.cross(plane.axis_s);
+  }
+  // Turning about one axis tilts the plane along the other.
+  plane.covariance(0, 0) = uncertainty.slope_variance(1);
+  plane.covariance(1, 1) = uncertainty.slope_variance(0);
+  plane.covariance(2, 2) = uncertainty.height_variance;
+  return plane;
+}
+
+JoinedPlanes JoinPlanes(std::vector<PlaneBlock> blocks,
+                        double min_gain,
+                        Device& device) {
+  const Eigen::Vector3d origin =
+      FindOrigin(blocks).value_or(Eigen::Vector3d::Zero());
+  for (PlaneBlock& block : blocks) {
+    for (MeasuredScenePlane& plane : block.planes) {
+      Shift(-origin, &plane);
+    }
+  }
+  JoinedPlanes joined = PlaneJoiner(std::move(blocks), min_gain, device).Run();
+  for (MeasuredScenePlane& plane : joined.planes) {
+    Shift(origin, &plane);
+  }
+  return joined;
+}
+
+}  // namespace tsar

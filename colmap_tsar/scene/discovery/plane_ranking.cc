@@ -1,0 +1,112 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/discovery/plane_ranking.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace tsar {
+
+void Ranking::Offer(int plane, float score) {
+  for (int i = 0; i < 3; ++i) {
+    // Of equal ones, the first is in front.
+    if (score > scores[i] || (score == scores[i] && plane < planes[i])) {
+      std::swap(plane, planes[i]);
+      std::swap(score, scores[i]);
+    }
+  }
+}
+
+bool Ranking::ChangeScore(int plane, float score) {
+  const bool is_safe = score > scores[2];
+  int place = 0;
+  while (place < 3 && planes[place] != plane) {
+    ++place;
+  }
+  if (place == 3) {
+    Offer(plane, score);
+    return true;
+  }
+  for (; place < 2; ++place) {
+    planes[place] = planes[place + 1];
+    scores[place] = scores[place + 1];
+  }
+  planes[2] = -1;
+  scores[2] = 0.f;
+  Offer(plane, score);
+  return is_safe;
+}
+
+std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
+                          int num_superpixels,
+                          ThreadPool& threads) {
+  std::vector<Ranking> rankings(num_superpixels);
+  const auto rank = [&](int begin, int end) {
+    for (size_t p = 0; p < planes.size(); ++p) {
+      const std::vector<int>& superpixels = planes[p].superpixels;
+      for (auto k =
+               std::lower_bound(superpixels.begin(), superpixels.end(), begin);
+           k != superpixels.end() && *k < end;
+           ++k) {
+        rankings[*k].Offer(static_cast<int>(p), planes[p].scores[*k]);
+      }
+    }
+  };
+  // Each part is sought in the lists of all planes.
+  constexpr int kPartSize = 512;
+  threads.Run(
+      (num_superpixels + kPartSize - 1) / kPartSize,
+      [&](int64_t begin, int64_t end) {
+        rank(static_cast<int>(begin) * kPartSize,
+             std::min(static_cast<int>(end) * kPartSize, num_superpixels));
+      });
+  return rankings;
+}
+
+void UpdateRankings(const std::vector<ScoredPlane>& planes,
+                    int changed,
+                    const ScoredPlane& before,
+                    ThreadPool& threads,
+                    std::vector<Ranking>* rankings) {
+  const ScoredPlane& plane = planes[changed];
+  const auto update = [&](int k) {
+    Ranking& ranking = (*rankings)[k];
+    if (!ranking.ChangeScore(changed, plane.scores[k])) {
+      ranking = {};
+      for (size_t p = 0; p < planes.size(); ++p) {
+        ranking.Offer(static_cast<int>(p), planes[p].scores[k]);
+      }
+    }
+  };
+  const auto for_each = [&](const std::vector<int>& superpixels,
+                            const auto& function) {
+    threads.Run(static_cast<int64_t>(superpixels.size()),
+                [&](int64_t begin, int64_t end) {
+                  std::for_each(superpixels.begin() + begin,
+                                superpixels.begin() + end,
+                                function);
+                });
+  };
+  for_each(before.superpixels, update);
+  for_each(plane.superpixels, [&](int k) {
+    if (!(before.scores[k] > 0.f)) {
+      update(k);
+    }
+  });
+}
+
+std::vector<std::vector<int>> AssignedSuperpixels(
+    const std::vector<Ranking>& rankings, size_t num_planes) {
+  std::vector<std::vector<int>> members(num_planes);
+  for (size_t k = 0; k < rankings.size(); ++k) {
+    if (rankings[k].planes[0] >= 0) {
+      members[rankings[k].planes[0]].push_back(static_cast<int>(k));
+    }
+  }
+  return members;
+}
+
+}  // namespace tsar

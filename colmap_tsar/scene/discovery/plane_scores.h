@@ -1,0 +1,110 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/view/planes/world_plane.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// Some observations of one superpixel, side by side so that vector units work
+// on all at once. Unused ones are zero and add nothing.
+struct ObservationBlock {
+  static constexpr int kSize = 8;
+  float ray_x[kSize] = {};  // A unit vector.
+  float ray_y[kSize] = {};
+  float ray_z[kSize] = {};
+  float inverse_distance[kSize] = {};  // One over the length along it.
+  float precision[kSize] = {};  // One over the tolerance, which is relative.
+  float weight[kSize] = {};
+  float slack[kSize] = {};  // See DepthObservation.
+};
+
+// Planes that pass by it come near none of a superpixel's observations.
+struct Ball {
+  Vec3f center;
+  float radius = 0.f;
+};
+
+// Scores planes for all superpixels on a device, by the score that
+// DiscoverPlanes states. Planes are in the frame of the first camera.
+class PlaneScorer {
+ public:
+  // tolerance: see DiscoverPlanesOptions.
+  PlaneScorer(const SuperpixelObservations& observations,
+              double tolerance,
+              Device& device);
+
+  int NumSuperpixels() const { return num_superpixels_; }
+
+  // A row of scores per plane.
+  Buffer<float> Score(const std::vector<WorldPlane>& planes) const;
+
+ private:
+  std::vector<Eigen::Vector3d> centers_;  // Of the cameras.
+  int num_superpixels_;
+  Device* device_;
+  Buffer<int> views_;
+  Buffer<Ball> balls_;
+  Buffer<ObservationBlock> blocks_;
+  Buffer<int> first_block_;
+};
+
+// A plane with its score for each superpixel.
+struct ScoredPlane {
+  ScoredPlane() = default;
+  ScoredPlane(const WorldPlane& plane, std::vector<float> scores);
+
+  WorldPlane plane;
+  std::vector<float> scores;
+  // The superpixels whose score is not 0: a few of all.
+  std::vector<int> superpixels;
+};
+
+// device: the scorer's.
+std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
+                                     const std::vector<WorldPlane>& planes,
+                                     Device& device);
+
+// Greedy choice among candidate planes: finds the one that raises the best
+// scores of the superpixels most. Lazy: a candidate's gain never grows, so that
+// an old one is a bound, and most are never computed anew.
+class LazyGreedySelection {
+ public:
+  struct Choice {
+    int candidate = -1;  // -1 where none gains anything.
+    float gain = 0.f;
+  };
+
+  LazyGreedySelection(const std::vector<WorldPlane>& candidates,
+                      const PlaneScorer& scorer,
+                      Device& device);
+
+  // The score of a candidate for each superpixel.
+  std::vector<float> Scores(int candidate) const;
+
+  // best: the score of each superpixel's best plane so far; none may be below
+  // that of the call before. Of equal candidates the first wins.
+  Choice Next(const std::vector<float>& best);
+
+ private:
+  void UpdateGains(const std::vector<int>& candidates);
+
+  int num_superpixels_;
+  Device* device_;
+  Buffer<float> scores_;
+  Buffer<float> best_;
+  std::vector<float> gains_;  // At the time when each was computed last.
+  std::vector<int> order_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,87 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+#include "colmap_tsar/view/planes/depth_observation.h"
+
+#include <cmath>
+#include <vector>
+
+namespace tsar {
+
+// A position on a plane, along the axes of its PlaneFrame.
+struct PlanePoint {
+  float s = 0.f;
+  float t = 0.f;
+};
+
+// Coordinates on a plane, and how well the plane is known there. All in the
+// reference camera's frame.
+struct PlaneFrame {
+  Vec3f center;
+  Vec3f axis_s;
+  Vec3f axis_t;
+  // Of the height of the plane: at the centre, and per squared distance along
+  // each axis. Very large where nothing tells.
+  float height_variance = 0.f;
+  float slope_variance_s = 0.f;
+  float slope_variance_t = 0.f;
+
+  TSAR_HD PlanePoint Coordinates(const Vec3f& point) const {
+    const Vec3f offset = point - center;
+    return {Dot(offset, axis_s), Dot(offset, axis_t)};
+  }
+
+  // Expected error of the plane's height at a point on it.
+  TSAR_HD float Sigma(const PlanePoint& point) const {
+    return sqrtf(height_variance + slope_variance_s * point.s * point.s +
+                 slope_variance_t * point.t * point.t);
+  }
+};
+
+struct PlaneSupportOptions {
+  // As in DiscoverPlanesOptions: observations further from the plane are not
+  // its own.
+  double tolerance = 1.0;
+  // Observations of less confidence do not tell how well the plane is known,
+  // but only where it is.
+  float min_measured_confidence = 0.5f;
+  // The expected error of one observation, as a share of the tolerance.
+  double error_share = 0.25;
+  // Pixels of full confidence from which a superpixel counts as one
+  // measurement.
+  double full_weight = 40.0;
+  // Cells along the longer side of the area in which a plane was observed.
+  int num_cells = 64;
+};
+
+// How well the scene's planes are known, and where they were observed, in all
+// views together.
+struct PlaneSupport {
+  std::vector<PlaneFrame> frames;  // One for each plane.
+  // The middles of the cells of plane k in which it was observed are
+  // cells[first_cell[k]] to cells[first_cell[k + 1]].
+  std::vector<int> first_cell;
+  std::vector<PlanePoint> cells;
+  // The side of a cell of each plane.
+  std::vector<float> cell_sizes;
+};
+
+// What the views measured of each plane: one observation for each superpixel
+// that is assigned to it, in the world frame, with errors that are independent
+// of each other.
+std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
+    const std::vector<ObservedView>& views,
+    const DiscoveredPlanes& discovered,
+    const PlaneSupportOptions& options);
+
+// views: the first is the reference.
+PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,
+                              const DiscoveredPlanes& discovered,
+                              const PlaneSupportOptions& options);
+
+}  // namespace tsar

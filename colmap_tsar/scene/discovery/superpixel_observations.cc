@@ -1,0 +1,69 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+
+namespace tsar {
+
+SuperpixelObservations::SuperpixelObservations(
+    const std::vector<ObservedView>& views,
+    double max_weight,
+    ObservationsOf which) {
+  slack_ = which == ObservationsOf::kPriors ? kSlackOfPrior : 0.0;
+  const Camera& reference = views[0].camera;
+  const Eigen::Vector3d origin = reference.Center();
+  for (const ObservedView& view : views) {
+    const ViewEvidence& evidence = *view.evidence;
+    const int number = static_cast<int>(frames_.size());
+    frames_.push_back({reference.rotation * (view.camera.Center() - origin),
+                       reference.rotation * view.camera.rotation.transpose(),
+                       evidence.resolution});
+    for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
+      int begin = evidence.first_observation[k];
+      int end = evidence.first_observation[k + 1];
+      double all = 0.0;
+      for (int i = begin; i < end; ++i) {
+        all += evidence.observations[i].confidence;
+      }
+      double weight = evidence.weights[k];
+      double confidences = all;
+      const int first_of_prior = evidence.FirstOfPrior(k);
+      if (first_of_prior < end) {
+        (which == ObservationsOf::kViews ? end : begin) = first_of_prior;
+        confidences = 0.0;
+        for (int i = begin; i < end; ++i) {
+          confidences += evidence.observations[i].confidence;
+        }
+        weight *= confidences / all;
+      } else if (which == ObservationsOf::kPriors) {
+        begin = end;
+      }
+      views_.push_back(number);
+      entries_.push_back(
+          {evidence.observations.data() + begin,
+           evidence.errors.empty() ? nullptr : evidence.errors.data() + begin,
+           end - begin,
+           std::min(weight, max_weight),
+           confidences});
+    }
+  }
+}
+
+DepthObservation SuperpixelObservations::At(int superpixel, int number) const {
+  const Entry& entry = entries_[superpixel];
+  const Frame& frame = frames_[views_[superpixel]];
+  const Observation& observed = entry.observations[number];
+  const RayDepth& sample = observed.sample;
+  DepthObservation observation;
+  observation.center = frame.center;
+  observation.ray = frame.rotation * Eigen::Vector3d(sample.x, sample.y, 1.0);
+  observation.depth = sample.z;
+  observation.sigma = static_cast<double>(sample.z) *
+                      frame.resolution.RelativeDepthError(sample.z) *
+                      (entry.errors == nullptr ? 1.f : entry.errors[number]);
+  observation.weight = observed.confidence * entry.weight / entry.confidences;
+  observation.slack = slack_;
+  return observation;
+}
+
+}  // namespace tsar

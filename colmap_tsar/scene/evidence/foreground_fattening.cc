@@ -1,0 +1,124 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/evidence/foreground_fattening.h"
+
+#include "colmap_tsar/base/median.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+// How near to a pixel pattern is its own, relative to the patch's radius.
+constexpr float kNearShare = 0.4f;
+// The share of the contrast from which on it is the pixel's own.
+constexpr float kFullShare = 0.5f;
+// Contrasts are compared with so many grey levels added, which noise causes.
+constexpr float kNoise = 1.f;
+
+using Morphology = void (*)(cv::InputArray,
+                            cv::OutputArray,
+                            cv::InputArray,
+                            cv::Point,
+                            int,
+                            int,
+                            const cv::Scalar&);
+
+// The result of cv::erode or cv::dilate with the square around each pixel, the
+// part of it that lies in the image.
+Image<float> Filter(const Image<float>& image,
+                    int radius,
+                    Morphology morphology) {
+  Image<float> result =
+      Image<float>::Uninitialized(image.Width(), image.Height());
+  const cv::Mat from(
+      image.Height(), image.Width(), CV_32F, const_cast<float*>(image.Data()));
+  cv::Mat to(image.Height(), image.Width(), CV_32F, result.Data());
+  morphology(from,
+             to,
+             cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8U),
+             cv::Point(-1, -1),
+             /*iterations=*/1,
+             cv::BORDER_CONSTANT,
+             cv::morphologyDefaultBorderValue());
+  return result;
+}
+
+Image<float> Smallest(const Image<float>& image, int radius) {
+  return Filter(image, radius, cv::erode);
+}
+
+Image<float> Largest(const Image<float>& image, int radius) {
+  return Filter(image, radius, cv::dilate);
+}
+
+// The largest minus the smallest grey level around each pixel.
+Image<float> Range(const Image<float>& gray, int radius) {
+  Image<float> range = Largest(gray, radius);
+  const Image<float> smallest = Smallest(gray, radius);
+  for (size_t i = 0; i < range.NumPixels(); ++i) {
+    range.Data()[i] -= smallest.Data()[i];
+  }
+  return range;
+}
+
+// The median contrast of each pixel's superpixel: most of it lies inside, so
+// that the edges along its border do not count.
+Image<float> TextureOfSuperpixels(const Image<float>& contrast,
+                                  const Image<int>& superpixels,
+                                  int num_superpixels) {
+  std::vector<std::vector<float>> contrasts(
+      static_cast<size_t>(num_superpixels));
+  for (size_t i = 0; i < contrast.NumPixels(); ++i) {
+    contrasts[static_cast<size_t>(superpixels.Data()[i])].push_back(
+        contrast.Data()[i]);
+  }
+  std::vector<float> medians;
+  for (std::vector<float>& of_one : contrasts) {
+    medians.push_back(of_one.empty() ? 0.f : UpperMedian(&of_one));
+  }
+  Image<float> texture(superpixels.Width(), superpixels.Height());
+  for (size_t i = 0; i < texture.NumPixels(); ++i) {
+    texture.Data()[i] = medians[static_cast<size_t>(superpixels.Data()[i])];
+  }
+  return texture;
+}
+
+}  // namespace
+
+Image<float> ComputeFatteningWeight(const Image<float>& gray,
+                                    const Image<float>& contrast,
+                                    const Image<int>& superpixels,
+                                    int num_superpixels,
+                                    int patch_radius) {
+  if (gray.Empty()) {
+    return {};
+  }
+  const int near_radius =
+      std::max(1, static_cast<int>(std::lround(kNearShare * patch_radius)));
+  patch_radius = std::max(patch_radius, near_radius + 1);
+  const Image<float> near = Range(gray, near_radius);
+  const Image<float> patch = Range(gray, patch_radius);
+  const Image<float> texture =
+      TextureOfSuperpixels(contrast, superpixels, num_superpixels);
+  const Image<float> most_texture = Largest(texture, patch_radius);
+  Image<float> own(near.Width(), near.Height(), 1.f);
+  for (size_t i = 0; i < own.NumPixels(); ++i) {
+    if (patch.Data()[i] > 0.f) {
+      const float of_contrast = near.Data()[i] / (kFullShare * patch.Data()[i]);
+      const float of_texture = (texture.Data()[i] + kNoise) /
+                               (kFullShare * (most_texture.Data()[i] + kNoise));
+      own.Data()[i] = std::min(of_contrast * std::min(of_texture, 1.f), 1.f);
+    }
+  }
+  return own;
+}
+
+}  // namespace tsar

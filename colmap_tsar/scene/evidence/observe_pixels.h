@@ -1,0 +1,48 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/plane_fit.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/view_evidence.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+bool IsMeasured(const RayDepth& sample);
+
+// The distance of a measurement from a plane, in units of the error that one
+// pixel of disparity makes.
+float Residual(const RayDepth& sample,
+               const Plane& plane,
+               const DepthResolution& resolution);
+
+// The planes of a view's regions that are worth a candidate.
+struct RegionCandidates {
+  std::vector<Plane> planes;
+  // For each pixel of the raster the number of its region's plane among these,
+  // plus one; 0 where it has none.
+  Image<uint16_t> of_pixels;
+};
+
+struct PixelObservation {
+  Observation observation;
+  ObservationSource source = ObservationSource::kMeasured;
+  float error = 1.f;  // See ViewEvidence::errors.
+};
+
+// The observation of each pixel, of confidence 0 where there is none: what was
+// measured, elsewhere the plane of the pixel's region, or what a prior says.
+// confident_depth: of ViewEvidence.
+Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
+                                      const RegionCandidates& regions,
+                                      const EvidenceOptions& options,
+                                      Image<float>* confident_depth);
+
+}  // namespace tsar

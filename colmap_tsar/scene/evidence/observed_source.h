@@ -1,0 +1,167 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+
+#include <climits>
+#include <cmath>
+#include <cstdint>
+
+namespace tsar {
+
+// What the colours of a source are multiplied by to be those of the reference:
+// exposure and white balance, and vignetting, which darkens a pixel by
+// `falloff` times the square of its distance from the image's centre, in half
+// diagonals.
+struct ColorGain {
+  Vec3f balance{1.f, 1.f, 1.f};
+  float falloff = 0.f;
+
+  // At two pixels, by the squares of their distances.
+  TSAR_HD Vec3f At(float reference, float source) const {
+    return balance * (1.f + falloff * (source - reference));
+  }
+};
+
+// The square of the distance of a pixel from the image's centre, in half
+// diagonals.
+TSAR_HD inline float SquaredRadius(float x, float y, int width, int height) {
+  const float u = 2.f * x - static_cast<float>(width - 1);
+  const float v = 2.f * y - static_cast<float>(height - 1);
+  return (u * u + v * v) / static_cast<float>(width * width + height * height);
+}
+
+// A view that looks at the same scene as the reference. Lengths are in units of
+// the sparse model throughout.
+struct ObservedSource {
+  // Of its raster, in pixels of it.
+  Intrinsics intrinsics;
+  // From the reference camera's frame into its own.
+  RelativePose from_reference;
+  // Of its map, of which the raster may be a reduced one.
+  DepthResolution resolution;
+  int width = 0;  // Of its raster, in pixels.
+  int height = 0;
+  // As in ViewEvidence, of the size of the raster; each where it is asked for,
+  // otherwise empty. Depths along its optical axis, 0 where nothing is certain.
+  ImageView<const float> confident_depth;
+  ImageView<const uint16_t> superpixels;  // The number of each pixel's.
+  ImageView<const Rgb> color;
+  ColorGain gain;
+};
+
+// A point as a source view sees it.
+struct SeenPoint {
+  float depth = 0.f;  // Along the source's optical axis.
+  float x = 0.f;      // Its place on the source's raster, in pixels,
+  float y = 0.f;
+  int column = 0;  // and the pixel there.
+  int row = 0;
+};
+
+// Where a source sees a point, which is in the reference camera's frame. False
+// where it does not see it, and `seen` is of no use then: behind the camera,
+// beside its image, or where a coordinate is NaN. Whether something hides the
+// point is not asked.
+TSAR_HD inline bool FindInSource(const ObservedSource& source,
+                                 const Vec3f& point,
+                                 SeenPoint* seen) {
+  const Vec3f position = source.from_reference * point;
+  if (!(position.z > 0.f)) {
+    return false;
+  }
+  seen->depth = position.z;
+  source.intrinsics.Project(position, &seen->x, &seen->y);
+  // As floats, since far outside they do not fit into integers.
+  if (!(seen->x >= 0.f && seen->y >= 0.f && seen->x < source.width - 0.5f &&
+        seen->y < source.height - 0.5f)) {
+    return false;
+  }
+  seen->column = static_cast<int>(seen->x + 0.5f);
+  seen->row = static_cast<int>(seen->y + 0.5f);
+  return true;
+}
+
+// The source without its rasters. Both cameras are those of the views' rasters,
+// with poses from the world into their frames.
+ObservedSource MakeObservedSource(const ObservedView& reference,
+                                  const ObservedView& source);
+
+// Votes of the other views on a surface of the reference: a view that measured
+// the same depth there confirms it. More views than these change nothing.
+constexpr int kMaxVotes = 2;
+
+// Whether the source confirms a point in the reference camera's frame. max_gap:
+// between the point and what the source measured, in relative depths of one
+// pixel of disparity.
+TSAR_HD inline bool Confirms(const ObservedSource& source,
+                             const Vec3f& point,
+                             float max_gap) {
+  SeenPoint seen;
+  if (!FindInSource(source, point, &seen)) {
+    return false;
+  }
+  const float measured = source.confident_depth(seen.column, seen.row);
+  return measured > 0.f &&
+         fabsf(seen.depth - measured) /
+                 (measured * source.resolution.RelativeDepthError(measured)) <
+             max_gap;
+}
+
+// Which of a superpixel's pixels are asked about: evenly spaced ones.
+struct VoteSampling {
+  int pixels_per_test = 1;
+  // A small superpixel has so many tests, or one at each of its pixels.
+  int min_tests = 1;
+  // A large one has no more than these.
+  int max_tests = INT_MAX;
+
+  TSAR_HD int NumTests(int num_pixels) const {
+    const int few = num_pixels < min_tests ? num_pixels : min_tests;
+    const int all = num_pixels / pixels_per_test;
+    const int many = all < max_tests ? all : max_tests;
+    const int num_tests = many > few ? many : few;
+    return num_tests > 1 ? num_tests : 1;
+  }
+
+  // The number of the pixel of a test.
+  TSAR_HD static int Pixel(int test, int num_tests, int num_pixels) {
+    return static_cast<int>((2 * test + 1) * static_cast<int64_t>(num_pixels) /
+                            (2 * num_tests));
+  }
+};
+
+// Planes are compared for all superpixels at once, on the device.
+inline constexpr VoteSampling kPlaneSampling{9, 1};
+// A growing surface is tested on the host, again in each round: fewer pixels.
+// It bends, so that one pixel does not tell of all of a small superpixel.
+inline constexpr VoteSampling kCurvedSampling{64, 6};
+
+// The votes on one superpixel. No pixel counts for more than kMaxVotes.
+struct SuperpixelVotes {
+  int num_confirmed = 0;
+  int num_tests = 0;
+  int num_impossible = 0;  // Tests where the surface has no depth.
+};
+
+// Adds the votes of several views on one point.
+TSAR_HD inline void AddVotes(const ObservedSource* sources,
+                             int num_sources,
+                             const Vec3f& point,
+                             float max_gap,
+                             SuperpixelVotes* sum) {
+  int num_confirmed = 0;
+  for (int j = 0; j < num_sources && num_confirmed < kMaxVotes; ++j) {
+    num_confirmed += Confirms(sources[j], point, max_gap) ? 1 : 0;
+  }
+  sum->num_confirmed += num_confirmed;
+}
+
+}  // namespace tsar

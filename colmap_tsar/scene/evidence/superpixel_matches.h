@@ -1,0 +1,35 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene/evidence/observed_view.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace tsar {
+
+// Which superpixels of other views show the surface that a superpixel observed.
+// Superpixels are numbered through all views, as in SuperpixelObservations.
+class SuperpixelMatches {
+ public:
+  // One of a superpixel's observations is projected into each other view. It
+  // matches the superpixel there if the median depth of that one's observations
+  // is within 4 % of its own: a surface in front of it tells nothing about it.
+  // A view without a raster of superpixels has no matches.
+  explicit SuperpixelMatches(const std::vector<ObservedView>& views);
+
+  // At most one in each other view.
+  std::span<const int> Of(int superpixel) const {
+    const size_t begin = first_[superpixel];
+    return {matches_.data() + begin, first_[superpixel + 1] - begin};
+  }
+
+ private:
+  std::vector<int> matches_;
+  std::vector<size_t> first_ = {0};  // Of each superpixel.
+};
+
+}  // namespace tsar

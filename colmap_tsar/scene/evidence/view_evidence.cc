@@ -1,0 +1,55 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/evidence/view_evidence.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace tsar {
+
+int ViewEvidence::FirstOfPrior(int superpixel) const {
+  int first = first_observation[static_cast<size_t>(superpixel) + 1];
+  while (first > first_observation[static_cast<size_t>(superpixel)] &&
+         IsOfPrior(static_cast<size_t>(first - 1))) {
+    --first;
+  }
+  return first;
+}
+
+std::vector<float> CountPixels(const ViewEvidence& evidence) {
+  std::vector<float> num_pixels(evidence.weights.size(), 0.f);
+  for (const uint16_t superpixel : evidence.superpixels) {
+    ++num_pixels[superpixel];
+  }
+  return num_pixels;
+}
+
+std::vector<Vec3f> MiddleRays(const ViewEvidence& evidence,
+                              const Intrinsics& intrinsics) {
+  struct PixelSum {
+    int64_t x = 0;
+    int64_t y = 0;
+    int count = 0;
+  };
+  std::vector<PixelSum> sums(evidence.weights.size());
+  for (int y = 0; y < evidence.height; ++y) {
+    for (int x = 0; x < evidence.width; ++x) {
+      PixelSum& sum = sums[evidence.superpixels(x, y)];
+      sum.x += x;
+      sum.y += y;
+      ++sum.count;
+    }
+  }
+  std::vector<Vec3f> rays;
+  for (const PixelSum& sum : sums) {
+    const double count = std::max(sum.count, 1);
+    rays.push_back(
+        intrinsics.Ray(static_cast<float>(static_cast<double>(sum.x) / count),
+                       static_cast<float>(static_cast<double>(sum.y) / count)));
+  }
+  return rays;
+}
+
+}  // namespace tsar

@@ -1,0 +1,336 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/find_scene.h"
+
+#include "colmap_tsar/scene/discovery/plane_support.h"
+#include "colmap_tsar/scene/labeling/choose_labels.h"
+#include "colmap_tsar/scene/labeling/crease_labels.h"
+#include "colmap_tsar/scene/labeling/label_votes.h"
+#include "colmap_tsar/scene/scene_options.h"
+#include "colmap_tsar/view/planes/world_plane.h"
+#include "colmap_tsar/view/stage_timer.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// A plane must have been measured by this much in the views around, in pixels
+// of full confidence, for one of them to be labelled with it.
+constexpr double kMinMeasured = 50.0;
+// A block has this many planes more for each of its views, up to a limit: time
+// grows with its square.
+constexpr int kPlanesPerView = 8;
+constexpr int kMaxBlockPlanes = 400;
+
+// Numbers of the model's planes that the views measured, in ascending order.
+std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
+                                size_t num_planes,
+                                double max_weight) {
+  std::vector<double> measured(num_planes, 0.0);
+  for (const ModelledView& view : views) {
+    for (size_t s = 0; s < view.assignment->size(); ++s) {
+      const int plane = (*view.assignment)[s];
+      if (plane >= 0) {
+        measured[static_cast<size_t>(plane)] +=
+            std::min(max_weight,
+                     static_cast<double>(view.observed.evidence->weights[s]));
+      }
+    }
+  }
+  std::vector<int> numbers;
+  for (size_t p = 0; p < num_planes; ++p) {
+    if (measured[p] > kMinMeasured) {
+      numbers.push_back(static_cast<int>(p));
+    }
+  }
+  return numbers;
+}
+
+// The creases at which planes with these numbers end. Adds the numbers of the
+// planes that begin there.
+std::vector<BoundingCrease> BoundingCreasesOf(
+    const std::vector<BoundingCrease>& creases, std::vector<int>* numbers) {
+  std::vector<BoundingCrease> result;
+  std::copy_if(creases.begin(),
+               creases.end(),
+               std::back_inserter(result),
+               [&](const BoundingCrease& crease) {
+                 return std::binary_search(
+                     numbers->begin(), numbers->end(), crease.plane);
+               });
+  for (const BoundingCrease& crease : result) {
+    numbers->push_back(crease.beyond);
+  }
+  std::sort(numbers->begin(), numbers->end());
+  numbers->erase(std::unique(numbers->begin(), numbers->end()), numbers->end());
+  return result;
+}
+
+// From the numbers of the model to places in a list of them; -1 for others.
+std::vector<int> Translate(const std::vector<int>& planes,
+                           const std::vector<int>& places) {
+  std::vector<int> result;
+  for (const int plane : planes) {
+    result.push_back(plane >= 0 ? places[static_cast<size_t>(plane)] : -1);
+  }
+  return result;
+}
+
+std::vector<int> PlacesOf(const std::vector<int>& numbers, size_t num_planes) {
+  std::vector<int> places(num_planes, -1);
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    places[static_cast<size_t>(numbers[i])] = static_cast<int>(i);
+  }
+  return places;
+}
+
+// Of the planes with these numbers.
+PlaneSupport FindSupport(const std::vector<ModelledView>& views,
+                         const std::vector<ModelPlane>& planes,
+                         const std::vector<int>& numbers,
+                         const std::vector<int>& places,
+                         const PlaneSupportOptions& options) {
+  DiscoveredPlanes near;
+  for (const int number : numbers) {
+    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+    near.planes.push_back({plane.plane, plane.support});
+  }
+  std::vector<ObservedView> observed;
+  for (const ModelledView& view : views) {
+    observed.push_back(view.observed);
+    near.assignment.push_back(Translate(*view.assignment, places));
+  }
+  return FindPlaneSupport(observed, near, options);
+}
+
+}  // namespace
+
+DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
+                                            int num_views) {
+  discovery.max_planes = std::min(
+      discovery.max_planes + kPlanesPerView * num_views, kMaxBlockPlanes);
+  discovery.max_scores = kMaxBlockScores;
+  return discovery;
+}
+
+BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
+                        const RefineOptions& options,
+                        Device& device) {
+  const SceneOptions scene = MakeSceneOptions(options, views);
+  const DiscoverPlanesOptions discovery =
+      BlockDiscoveryOptions(scene.discovery, static_cast<int>(views.size()));
+  DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), discovery, device);
+  return {MeasureScenePlanes(views, discovered, discovery, scene.support),
+          std::move(discovered.assignment),
+          discovered.frame};
+}
+
+LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
+                           const std::vector<ModelPlane>& planes,
+                           const std::vector<BoundingCrease>& creases,
+                           const RefineOptions& options,
+                           const DeviceLender& lend_device,
+                           Image<PlaneCost>* costs) {
+  std::vector<ObservedView> observed;
+  for (const ModelledView& view : views) {
+    observed.push_back(view.observed);
+  }
+  const SceneOptions scene = MakeSceneOptions(options, observed);
+  std::vector<int> numbers =
+      MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
+  const std::vector<BoundingCrease> bounding =
+      BoundingCreasesOf(creases, &numbers);
+  const std::vector<int> places = PlacesOf(numbers, planes.size());
+  std::vector<Plane> camera_planes;
+  for (const int number : numbers) {
+    camera_planes.push_back(ToCameraPlane(
+        planes[static_cast<size_t>(number)].plane, observed[0].camera));
+  }
+  std::vector<VotingLabels> source_labels;
+  for (size_t i = 1; i < views.size() && views[i].labels != nullptr; ++i) {
+    source_labels.push_back({Translate(views[i].labels->labels.planes, places),
+                             views[i].labels->strengths});
+  }
+  const LabelInputs::Rasters rasters = {/*confident_depth=*/costs->Empty(),
+                                        /*superpixels=*/!source_labels.empty()};
+  Image<float> votes;
+  if (!numbers.empty() && observed[0].evidence->NumSuperpixels() > 0 &&
+      (rasters.confident_depth || rasters.superpixels)) {
+    const PlaneSupport support =
+        rasters.confident_depth
+            ? FindSupport(views, planes, numbers, places, scene.support)
+            : PlaneSupport();
+    const auto compute = [&](Device& device) {
+      const LabelInputs inputs(observed, rasters, device);
+      if (rasters.confident_depth) {
+        *costs = ComputePlaneCosts(
+            inputs, camera_planes, support, scene.labels, device);
+      }
+      if (rasters.superpixels) {
+        votes = ComputeLabelVotes(
+            inputs, camera_planes, source_labels, scene.labels.votes, device);
+      }
+    };
+    lend_device(
+        LabelInModelWorkingBytes(
+            MeasureLabelingSize(observed, static_cast<int>(numbers.size())),
+            rasters),
+        compute);
+  }
+  if (!bounding.empty() && !costs->Empty()) {
+    CreaseLabels(observed[0], planes, bounding)
+        .AddVotes(numbers, *costs, scene.labels, &votes);
+  }
+  LabeledView labeled = ChooseLabels(
+      observed[0], std::move(camera_planes), *costs, votes, scene.labels);
+  for (int& label : labeled.labels) {
+    label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
+  }
+  return {{std::move(labeled.labels),
+           std::move(labeled.evidence),
+           std::move(labeled.qualities)},
+          std::move(labeled.strengths)};
+}
+
+int64_t LabelInModelWorkingBytes(const LabelingSize& size,
+                                 const LabelInputs::Rasters& rasters) {
+  // The pixels of each superpixel and of each region of one colour, their rays
+  // and colours, and what sorting them or drawing a source takes.
+  const int64_t pixels = 27 * size.num_pixels + (1 << 16);
+  const int64_t num_costs = size.num_superpixels * size.num_planes;
+  const int64_t of_source =
+      256 + (rasters.confident_depth ? 7 * size.num_pixels : 0) +
+      (rasters.superpixels ? 6 * size.num_pixels + 8 * size.num_superpixels +
+                                 16 * size.num_planes
+                           : 0);
+  // Observations by the cells of planes; no cell is without one.
+  const PlaneSupportOptions support;
+  const int64_t num_cells = std::min(
+      size.num_views * size.num_observations,
+      int64_t{support.num_cells} * support.num_cells * size.num_planes);
+  return pixels + (size.num_views - 1) * of_source +
+         64 * (size.num_superpixels + size.num_planes) +
+         24 * size.num_observations + 16 * num_cells +
+         num_costs *
+             static_cast<int64_t>(sizeof(PlaneCost) + 9 * sizeof(float) / 4);
+}
+
+FoundScene FindScene(const std::vector<ObservedView>& views,
+                     const std::vector<ModelPlane>& planes,
+                     const std::vector<const ViewLabels*>& labels_of_views,
+                     const RefineOptions& options,
+                     Device& device) {
+  FoundScene found;
+  const ViewLabels& labels = *labels_of_views[0];
+  StageTimer timer(device, &found.seconds);
+  std::vector<int>& numbers = found.plane_numbers;
+  std::copy_if(labels.planes.begin(),
+               labels.planes.end(),
+               std::back_inserter(numbers),
+               [](int plane) { return plane >= 0; });
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  for (const int number : numbers) {
+    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+    found.labeled.planes.push_back(ToCameraPlane(plane.plane, views[0].camera));
+    found.plane_errors.push_back(ErrorInView(plane, views[0].camera));
+  }
+  found.labeled.labels =
+      Translate(labels.planes, PlacesOf(numbers, planes.size()));
+  found.labeled.evidence = labels.evidence;
+  found.labeled.qualities = labels.qualities;
+  for (size_t j = 1; j < views.size(); ++j) {
+    std::vector<Plane>& of_source = found.planes_of_sources.emplace_back();
+    for (const int plane : labels_of_views[j]->planes) {
+      of_source.push_back(
+          plane >= 0 ? ToCameraPlane(planes[static_cast<size_t>(plane)].plane,
+                                     views[j].camera)
+                     : Plane{});
+    }
+  }
+  timer.Finish("labels");
+  found.curved =
+      options.curved_surfaces
+          ? FindCurvedSurfaces(
+                views, found.labeled, MakeSceneOptions(options, views).surfaces)
+          : CurvedView{{}, {}, found.labeled.evidence};
+  timer.Finish("curved surfaces");
+  return found;
+}
+
+Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
+                             const FoundScene& found) {
+  std::vector<uint16_t> of_superpixel;
+  for (size_t k = 0; k < found.labeled.labels.size(); ++k) {
+    const int label = found.labeled.labels[k];
+    const bool is_curved =
+        !found.curved.labels.empty() && found.curved.labels[k] >= 0;
+    const int number = label >= 0 && !is_curved
+                           ? found.plane_numbers[static_cast<size_t>(label)] + 1
+                           : 0;
+    of_superpixel.push_back(number <= kMaxPlanesOfMap
+                                ? static_cast<uint16_t>(number)
+                                : uint16_t{0});
+  }
+  Image<uint16_t> numbers(superpixels.Width(), superpixels.Height());
+  std::transform(
+      superpixels.begin(),
+      superpixels.end(),
+      numbers.begin(),
+      [&](uint16_t superpixel) { return of_superpixel[superpixel]; });
+  return numbers;
+}
+
+std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
+  std::vector<Plane> planes;
+  for (const int label : labeled.labels) {
+    planes.push_back(label >= 0 ? labeled.planes[static_cast<size_t>(label)]
+                                : Plane{});
+  }
+  return planes;
+}
+
+LabeledView FlattenSurfaces(const ObservedView& view,
+                            LabeledView labeled,
+                            const CurvedView& curved) {
+  if (curved.surfaces.empty()) {
+    return labeled;
+  }
+  const Image<uint16_t>& superpixels = view.evidence->superpixels;
+  struct Sum {
+    double x = 0.0;
+    double y = 0.0;
+    int count = 0;
+  };
+  std::vector<Sum> sums(labeled.labels.size());
+  for (int y = 0; y < superpixels.Height(); ++y) {
+    for (int x = 0; x < superpixels.Width(); ++x) {
+      Sum& sum = sums[superpixels(x, y)];
+      sum.x += x;
+      sum.y += y;
+      ++sum.count;
+    }
+  }
+  const Intrinsics intrinsics = view.camera.GetIntrinsics();
+  for (size_t k = 0; k < sums.size(); ++k) {
+    if (curved.labels[k] < 0 || sums[k].count == 0) {
+      continue;
+    }
+    const Plane tangent =
+        curved.surfaces[static_cast<size_t>(curved.labels[k])].TangentAt(
+            intrinsics.Ray(static_cast<float>(sums[k].x / sums[k].count),
+                           static_cast<float>(sums[k].y / sums[k].count)));
+    if (tangent.Valid()) {
+      labeled.labels[k] = static_cast<int>(labeled.planes.size());
+      labeled.planes.push_back(tangent);
+    }
+  }
+  return labeled;
+}
+
+}  // namespace tsar

@@ -1,0 +1,113 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/graph_cut/smallest_cut.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
+#include <boost/property_map/property_map.hpp>
+
+namespace tsar {
+namespace {
+
+// The property of an arc is its number before it was sorted by its origin.
+using Network = boost::
+    compressed_sparse_row_graph<boost::directedS, boost::no_property, size_t>;
+using Arc = boost::graph_traits<Network>::edge_descriptor;
+
+// Pairs of an arc and its reverse, whose capacity is 0: those from the source
+// to nodes that would rather stay, those from the others to the sink, then the
+// edges.
+struct ArcPairs {
+  std::vector<std::pair<size_t, size_t>> ends;
+  std::vector<int64_t> capacities;  // Of the pair's first one.
+
+  void Add(size_t from, size_t to, int64_t capacity) {
+    ends.emplace_back(from, to);
+    ends.emplace_back(to, from);
+    capacities.push_back(capacity);
+  }
+};
+
+}  // namespace
+
+std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
+                                     const std::vector<CutEdge>& edges) {
+  const size_t source = to_switch.size();
+  const size_t sink = source + 1;
+  ArcPairs pairs;
+  for (size_t node = 0; node < to_switch.size(); ++node) {
+    if (to_switch[node] > 0) {
+      pairs.Add(source, node, to_switch[node]);
+    } else if (to_switch[node] < 0) {
+      pairs.Add(node, sink, -to_switch[node]);
+    }
+  }
+  for (const CutEdge& edge : edges) {
+    if (edge.cost > 0) {
+      pairs.Add(static_cast<size_t>(edge.first),
+                static_cast<size_t>(edge.second),
+                edge.cost);
+    }
+  }
+  const size_t num_arcs = pairs.ends.size();
+  std::vector<size_t> numbers(num_arcs);
+  std::iota(numbers.begin(), numbers.end(), size_t{0});
+  const Network network(boost::edges_are_unsorted_multi_pass,
+                        pairs.ends.begin(),
+                        pairs.ends.end(),
+                        numbers.begin(),
+                        sink + 1);
+  const auto arc_index = boost::get(boost::edge_index, network);
+  const auto node_index = boost::get(boost::vertex_index, network);
+  std::vector<Arc> arcs(num_arcs);
+  std::vector<size_t> positions(num_arcs);
+  const auto [begin, end] = boost::edges(network);
+  for (auto arc = begin; arc != end; ++arc) {
+    const size_t number = network[*arc];
+    arcs[number] = *arc;
+    positions[number] = boost::get(boost::edge_index, network, *arc);
+  }
+  std::vector<Arc> reverses(num_arcs);
+  std::vector<int64_t> capacities(num_arcs, 0);
+  for (size_t i = 0; i < num_arcs; ++i) {
+    reverses[positions[i]] = arcs[i ^ 1];
+    if (i % 2 == 0) {
+      capacities[positions[i]] = pairs.capacities[i / 2];
+    }
+  }
+  std::vector<int64_t> residuals(num_arcs);
+  std::vector<Arc> predecessors(sink + 1);
+  std::vector<boost::default_color_type> colors(sink + 1);
+  std::vector<int> distances(sink + 1);
+  const auto of_arcs = [&](auto& values) {
+    return boost::make_iterator_property_map(values.begin(), arc_index);
+  };
+  const auto of_nodes = [&](auto& values) {
+    return boost::make_iterator_property_map(values.begin(), node_index);
+  };
+  boost::boykov_kolmogorov_max_flow(network,
+                                    of_arcs(capacities),
+                                    of_arcs(residuals),
+                                    of_arcs(reverses),
+                                    of_nodes(predecessors),
+                                    of_nodes(colors),
+                                    of_nodes(distances),
+                                    node_index,
+                                    source,
+                                    sink);
+  // The white nodes are those from which the sink can still be reached: the
+  // smallest of all sets that are best.
+  std::vector<uint8_t> switches(to_switch.size());
+  for (size_t node = 0; node < switches.size(); ++node) {
+    switches[node] = colors[node] == boost::white_color ? 1 : 0;
+  }
+  return switches;
+}
+
+}  // namespace tsar

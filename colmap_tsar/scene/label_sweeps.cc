@@ -1,0 +1,110 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/label_sweeps.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/scene/for_each_view.h"
+
+#include <memory>
+#include <utility>
+
+namespace tsar {
+
+LabelSweeps::LabelSweeps(const LabelSweepInputs& inputs)
+    : inputs_(inputs),
+      gpus_(inputs.resources.gpus),
+      costs_(inputs.views.size()) {}
+
+void LabelSweeps::Run(bool keeps_costs,
+                      Progress& progress,
+                      const std::function<bool()>& should_stop) {
+  std::vector<LabelsInModel> labels(inputs_.views.size());
+  ForEachView(labels.size(),
+              inputs_.resources.num_views,
+              inputs_.resources.num_threads,
+              [&](size_t view, Device& cpu) {
+                if (!should_stop()) {
+                  labels[view] = LabelAndKeepCosts(view, keeps_costs, cpu);
+                  progress.Advance(/*was_work=*/true);
+                }
+              });
+  labels_ = std::move(labels);
+}
+
+void LabelSweeps::Bound(std::vector<BoundingCrease> creases) {
+  creases_ = std::move(creases);
+  labels_.clear();
+  costs_ = std::vector<Image<PlaneCost>>(costs_.size());
+  kept_bytes_ = 0;
+}
+
+std::vector<ViewLabels> LabelSweeps::TakeLabels() {
+  std::vector<ViewLabels> result;
+  for (LabelsInModel& of_view : labels_) {
+    result.push_back(std::move(of_view.labels));
+  }
+  labels_.clear();
+  return result;
+}
+
+LabelsInModel LabelSweeps::LabelAndKeepCosts(size_t view,
+                                             bool keeps_costs,
+                                             Device& cpu) {
+  Image<PlaneCost> costs = std::move(costs_[view]);
+  const bool were_kept = !costs.Empty();
+  LabelsInModel labels = Label(view, cpu, &costs);
+  if (keeps_costs && (were_kept || ReserveMemory(costs))) {
+    costs_[view] = std::move(costs);
+  }
+  return labels;
+}
+
+LabelsInModel LabelSweeps::Label(size_t view,
+                                 Device& cpu,
+                                 Image<PlaneCost>* costs) {
+  const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
+    return ModelledView{MakeObservedView(evidence, inputs_.views[i].camera),
+                        &inputs_.assignment[i],
+                        labels_.empty() ? nullptr : &labels_[i]};
+  };
+  const ViewEvidence own = inputs_.evidence.read_all(view);
+  std::vector<std::shared_ptr<const ViewEvidence>> others;
+  std::vector<ModelledView> views = {modelled(view, own)};
+  for (const size_t source : inputs_.views[view].sources) {
+    if (source != view) {
+      others.push_back(inputs_.evidence.get(source));
+      views.push_back(modelled(source, *others.back()));
+    }
+  }
+  const auto lend_device = [&](int64_t num_bytes,
+                               const std::function<void(Device&)>& work) {
+    if (gpus_.Size() > 0 && num_bytes <= inputs_.resources.max_gpu_bytes) {
+      try {
+        return gpus_.Run(work);
+      } catch (const Error& error) {
+        // Other programs may have taken the GPU's memory. The CPU gives the
+        // same bits.
+        if (error.Code() != ErrorCode::kOutOfMemory) {
+          throw;
+        }
+      }
+    }
+    work(cpu);
+  };
+  return LabelInModel(
+      views, inputs_.planes, creases_, inputs_.options, lend_device, costs);
+}
+
+bool LabelSweeps::ReserveMemory(const Image<PlaneCost>& costs) {
+  const auto num_bytes =
+      static_cast<int64_t>(costs.NumPixels() * sizeof(PlaneCost));
+  if (kept_bytes_.fetch_add(num_bytes) + num_bytes <=
+      inputs_.resources.max_kept_bytes) {
+    return true;
+  }
+  kept_bytes_ -= num_bytes;
+  return false;
+}
+
+}  // namespace tsar

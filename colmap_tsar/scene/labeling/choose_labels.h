@@ -1,0 +1,34 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+#include "colmap_tsar/scene/labeling/plane_costs.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// Gives each superpixel of a view one of the planes or none, by the smallest
+// sum of the costs of
+// - observations that do not lie on their plane;
+// - planes where they are not known well enough, or were not observed around;
+// - planes that are not those that other views were labelled with;
+// - neighbours with different planes, in proportion to the gap between these
+//   along the border, unless an edge of the image runs there: where two planes
+//   meet in space the change is free.
+// planes: in the view's frame. costs: of each superpixel (row) on each plane
+// (column), see ComputePlaneCosts. votes: what ComputeLabelVotes adds to them;
+// empty where other views have not been labelled.
+LabeledView ChooseLabels(const ObservedView& view,
+                         std::vector<Plane> planes,
+                         const Image<PlaneCost>& costs,
+                         const Image<float>& votes,
+                         const LabelOptions& options);
+
+}  // namespace tsar

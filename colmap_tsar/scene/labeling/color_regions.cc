@@ -1,0 +1,146 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/labeling/color_regions.h"
+
+#include "colmap_tsar/base/vector.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// The colours that are compared lie this far on each side of a border, where
+// they do not mix.
+constexpr int kReach = 2;
+// In grey levels.
+constexpr float kMaxSteps[] = {2.f, 4.f, 8.f};
+
+// The border of two regions: the colours of the one less those of the other,
+// summed over the pairs of pixels across it.
+struct Border {
+  Vec3f step;
+  int count = 0;
+
+  float MeanStep() const {
+    return Norm(step) / static_cast<float>(std::max(count, 1));
+  }
+};
+
+// By the neighbour's number. The step is the region's colour less its own.
+using Borders = std::map<int, Border>;
+
+Vec3f ColorOf(const Rgb& color) {
+  return {static_cast<float>(color.r),
+          static_cast<float>(color.g),
+          static_cast<float>(color.b)};
+}
+
+std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
+  const Image<uint16_t>& superpixels = evidence.superpixels;
+  const Image<Rgb>& color = evidence.color;
+  std::vector<Borders> borders(static_cast<size_t>(evidence.NumSuperpixels()));
+  const auto compare = [&](int x, int y, int dx, int dy) {
+    const int first = superpixels(x, y);
+    const int second = superpixels(x + dx, y + dy);
+    const int ax = x - (kReach - 1) * dx;
+    const int ay = y - (kReach - 1) * dy;
+    const int bx = x + kReach * dx;
+    const int by = y + kReach * dy;
+    if (first == second || ax < 0 || ay < 0 || bx >= superpixels.Width() ||
+        by >= superpixels.Height()) {
+      return;
+    }
+    const Vec3f step = ColorOf(color(ax, ay)) - ColorOf(color(bx, by));
+    Border& there = borders[static_cast<size_t>(first)][second];
+    there.step = there.step + step;
+    ++there.count;
+    Border& back = borders[static_cast<size_t>(second)][first];
+    back.step = back.step - step;
+    ++back.count;
+  };
+  for (int y = 0; y + 1 < superpixels.Height(); ++y) {
+    for (int x = 0; x + 1 < superpixels.Width(); ++x) {
+      compare(x, y, 1, 0);
+      compare(x, y, 0, 1);
+    }
+  }
+  return borders;
+}
+
+// Gives all that borders on `gone` to `kept`.
+void Merge(int kept, int gone, std::vector<Borders>* borders) {
+  Borders& of_kept = (*borders)[static_cast<size_t>(kept)];
+  for (const auto& [other, border] : (*borders)[static_cast<size_t>(gone)]) {
+    Borders& of_other = (*borders)[static_cast<size_t>(other)];
+    of_other.erase(gone);
+    if (other == kept) {
+      continue;
+    }
+    Border& joined = of_kept[other];
+    joined.step = joined.step + border.step;
+    joined.count += border.count;
+    of_other[kept] = {joined.step * -1.f, joined.count};
+  }
+  (*borders)[static_cast<size_t>(gone)].clear();
+}
+
+// Numbers the regions by their first superpixels.
+ColorRegions NumberRegions(const std::vector<int>& merged_into) {
+  ColorRegions regions;
+  for (size_t s = 0; s < merged_into.size(); ++s) {
+    // Regions merge into those of lower numbers, which have theirs by now.
+    const auto into = static_cast<size_t>(merged_into[s]);
+    regions.of_superpixel.push_back(into == s ? regions.count++
+                                              : regions.of_superpixel[into]);
+  }
+  return regions;
+}
+
+}  // namespace
+
+std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence) {
+  std::vector<Borders> borders = MeasureBorders(evidence);
+  std::vector<int> merged_into(borders.size());
+  std::iota(merged_into.begin(), merged_into.end(), 0);
+  // A mean step, as it was when it was pushed, and the two regions.
+  using Candidate = std::tuple<float, int, int>;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue;
+  const auto push = [&](int a, int b, const Border& border) {
+    queue.emplace(border.MeanStep(), std::min(a, b), std::max(a, b));
+  };
+  for (size_t s = 0; s < borders.size(); ++s) {
+    for (const auto& [other, border] : borders[s]) {
+      if (static_cast<int>(s) < other) {
+        push(static_cast<int>(s), other, border);
+      }
+    }
+  }
+  std::vector<ColorRegions> levels;
+  for (const float max_step : kMaxSteps) {
+    while (!queue.empty() && std::get<0>(queue.top()) <= max_step) {
+      const auto [step, kept, gone] = queue.top();
+      queue.pop();
+      const Borders& of_kept = borders[static_cast<size_t>(kept)];
+      const auto border = of_kept.find(gone);
+      if (border == of_kept.end() || border->second.MeanStep() != step) {
+        continue;  // One of the two grew since.
+      }
+      Merge(kept, gone, &borders);
+      merged_into[static_cast<size_t>(gone)] = kept;
+      for (const auto& [other, joined] : of_kept) {
+        push(kept, other, joined);
+      }
+    }
+    levels.push_back(NumberRegions(merged_into));
+  }
+  return levels;
+}
+
+}  // namespace tsar

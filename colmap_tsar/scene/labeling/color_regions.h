@@ -1,0 +1,25 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene/evidence/view_evidence.h"
+
+#include <vector>
+
+namespace tsar {
+
+// Connected superpixels between which the image shows no step of colour.
+struct ColorRegions {
+  std::vector<int> of_superpixel;  // In [0, count).
+  int count = 0;
+};
+
+// Regions of three levels, each made of those of the level before. Neighbours
+// are merged in ascending order of the mean step across their whole common
+// border, up to 2, 4 and 8 grey levels over the three channels: a border that
+// fades away somewhere still separates, and a shaded wall is one region. Which
+// level has a surface for a region, nobody knows beforehand.
+std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence);
+
+}  // namespace tsar

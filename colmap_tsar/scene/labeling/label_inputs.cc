@@ -1,0 +1,82 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/labeling/label_inputs.h"
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/scene/evidence/color_gain.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+PixelGroups GroupBySuperpixel(const ViewEvidence& evidence, Device& device) {
+  std::vector<int> labels(static_cast<size_t>(evidence.NumSuperpixels()));
+  std::iota(labels.begin(), labels.end(), 0);
+  return GroupByLabel(evidence, labels, evidence.NumSuperpixels(), device);
+}
+
+}  // namespace
+
+PixelGroups GroupByLabel(const ViewEvidence& evidence,
+                         const std::vector<int>& labels,
+                         int num_labels,
+                         Device& device) {
+  Image<int> of_pixels =
+      Image<int>::Uninitialized(evidence.width, evidence.height);
+  std::transform(evidence.superpixels.begin(),
+                 evidence.superpixels.end(),
+                 of_pixels.begin(),
+                 [&](uint16_t superpixel) { return labels[superpixel]; });
+  return GroupPixels(
+      DeviceImage<int>(device, of_pixels).View(), num_labels, device);
+}
+
+LabelInputs::LabelInputs(const std::vector<ObservedView>& views,
+                         const Rasters& rasters,
+                         Device& device)
+    : views_(views), pixels_(GroupBySuperpixel(*views[0].evidence, device)) {
+  std::vector<ObservedSource> sources;
+  for (size_t j = 1; j < views.size(); ++j) {
+    const ViewEvidence& evidence = *views[j].evidence;
+    sources.push_back(MakeObservedSource(views[0], views[j]));
+    if (rasters.confident_depth) {
+      confident_depths_.emplace_back(device, evidence.confident_depth);
+      sources.back().confident_depth =
+          std::as_const(confident_depths_.back()).View();
+      colors_.emplace_back(device, evidence.color);
+      sources.back().color = std::as_const(colors_.back()).View();
+      sources.back().gain = EstimateColorGain(views[0], views[j]);
+    }
+    if (rasters.superpixels) {
+      superpixels_.emplace_back(device, evidence.superpixels);
+      sources.back().superpixels = std::as_const(superpixels_.back()).View();
+    }
+  }
+  sources_ = Buffer<ObservedSource>(device, sources);
+}
+
+LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
+                                 int num_planes) {
+  LabelingSize size;
+  size.num_views = static_cast<int>(views.size());
+  size.num_planes = num_planes;
+  for (const ObservedView& view : views) {
+    const ViewEvidence& evidence = *view.evidence;
+    size.num_pixels =
+        std::max(size.num_pixels, int64_t{evidence.width} * evidence.height);
+    size.num_superpixels =
+        std::max<int64_t>(size.num_superpixels, evidence.NumSuperpixels());
+    size.num_observations =
+        std::max(size.num_observations,
+                 static_cast<int64_t>(evidence.observations.size()));
+  }
+  return size;
+}
+
+}  // namespace tsar

@@ -1,0 +1,212 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/labeling/label_votes.h"
+
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/scene/evidence/observed_source.h"
+#include "colmap_tsar/scene/evidence/source_surface.h"
+#include "colmap_tsar/view/planes/world_plane.h"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// One view may be wrong.
+constexpr int kMinInFront = 2;
+// The strength of a label that hides what lies behind it.
+constexpr float kFirm = 0.5f;
+
+// A superpixel of a source view: its plane, and how much that counts.
+struct SourceLabel {
+  int plane = -1;
+  float weight = 0.f;
+};
+
+// What a source view was labelled with.
+struct SourceLabels {
+  const SourceLabel* labels;  // By superpixel.
+  const Plane* planes;        // All of them, in this view's frame.
+  // The surface of its firm labels as the reference sees it.
+  ImageView<const float> front;
+};
+
+// Sums of the weights of views.
+struct LabelVotes {
+  float same = 0.f;
+  float against = 0.f;
+};
+
+// Adds the view's vote on a point of a plane, in the reference camera's frame.
+TSAR_HD inline void AddLabelVote(const ObservedSource& source,
+                                 const SourceLabels& labels,
+                                 int plane,
+                                 const Vec3f& point,
+                                 const LabelVoteOptions& options,
+                                 LabelVotes* votes) {
+  SeenPoint seen;
+  if (!FindInSource(source, point, &seen)) {
+    return;
+  }
+  const SourceLabel label =
+      labels.labels[source.superpixels(seen.column, seen.row)];
+  if (label.plane < 0) {
+    return;
+  }
+  if (label.plane == plane) {
+    votes->same += label.weight;
+    return;
+  }
+  const float labelled =
+      labels.planes[label.plane].Depth(source.intrinsics.Ray(seen.x, seen.y));
+  if (!(labelled > 0.f)) {
+    return;
+  }
+  const float gap = (seen.depth - labelled) /
+                    (labelled * source.resolution.RelativeDepthError(labelled));
+  if (fabsf(gap) < options.max_gap) {
+    votes->against += options.cost_of_rival * label.weight *
+                      fminf(fabsf(gap) / options.full_gap, 1.f);
+  } else if (gap < 0.f) {
+    votes->against += options.cost_of_hiding * label.weight;
+  }
+}
+
+struct LabelVoteKernel {
+  PixelGroupsView pixels;  // Of the superpixels.
+  const Plane* planes;
+  const ObservedSource* sources;
+  const SourceLabels* labels;
+  int num_sources;
+  VoteSampling sampling;
+  LabelVoteOptions options;
+  int raster_width;
+  Intrinsics intrinsics;
+  ImageView<float> votes;  // Column: plane, row: superpixel.
+
+  TSAR_HD void operator()(int k, int s) const {
+    votes(k, s) = CostOfVotes(k, s);
+  }
+
+  TSAR_HD float CostOfVotes(int k, int s) const {
+    const int num_pixels = pixels.Count(s);
+    if (num_pixels == 0) {
+      return 0.f;
+    }
+    const int num_tests = sampling.NumTests(num_pixels);
+    float sum = 0.f;
+    for (int i = 0; i < num_tests; ++i) {
+      const int pixel =
+          pixels.Pixel(s, VoteSampling::Pixel(i, num_tests, num_pixels));
+      const Vec3f ray =
+          intrinsics.Ray(pixel % raster_width, pixel / raster_width);
+      const float depth = planes[k].Depth(ray);
+      if (!(depth > 0.f)) {
+        continue;
+      }
+      LabelVotes at_pixel;
+      int num_in_front = 0;
+      for (int j = 0; j < num_sources; ++j) {
+        AddLabelVote(sources[j], labels[j], k, ray * depth, options, &at_pixel);
+        num_in_front +=
+            labels[j].front.data[pixel] < (1.f - kOtherSurface) * depth ? 1 : 0;
+      }
+      if (num_in_front >= kMinInFront) {
+        at_pixel.against += options.cost_of_hidden * num_in_front;
+      }
+      sum += fminf(at_pixel.against, options.max_against) -
+             options.gain_of_same * fminf(at_pixel.same, options.max_same);
+    }
+    return sum * num_pixels / num_tests;
+  }
+};
+
+std::vector<SourceLabel> MakeSourceLabels(const VotingLabels& labels,
+                                          const LabelVoteOptions& options) {
+  std::vector<SourceLabel> result(labels.planes.size());
+  for (size_t s = 0; s < result.size(); ++s) {
+    result[s] = {labels.planes[s],
+                 options.guessed_weight +
+                     (1.f - options.guessed_weight) * labels.strengths[s]};
+  }
+  return result;
+}
+
+std::vector<Plane> MovePlanes(const std::vector<Plane>& planes,
+                              const Camera& from,
+                              const Camera& to) {
+  std::vector<Plane> result;
+  for (const Plane& plane : planes) {
+    result.push_back(
+        plane.Valid() ? ToCameraPlane(ToWorldPlane(plane, from), to) : plane);
+  }
+  return result;
+}
+
+// By superpixel; invalid where the label is not firm.
+std::vector<Plane> FirmPlanes(const VotingLabels& labels,
+                              const std::vector<Plane>& planes) {
+  std::vector<Plane> result;
+  for (size_t s = 0; s < labels.planes.size(); ++s) {
+    const int plane = labels.planes[s];
+    result.push_back(plane >= 0 && labels.strengths[s] >= kFirm
+                         ? planes[static_cast<size_t>(plane)]
+                         : Plane{});
+  }
+  return result;
+}
+
+}  // namespace
+
+Image<float> ComputeLabelVotes(const LabelInputs& inputs,
+                               const std::vector<Plane>& planes,
+                               const std::vector<VotingLabels>& labels,
+                               const LabelVoteOptions& options,
+                               Device& device) {
+  const std::vector<ObservedView>& views = inputs.Views();
+  const ViewEvidence& evidence = *views[0].evidence;
+  const Buffer<Plane> device_planes(device, planes);
+  std::vector<Buffer<SourceLabel>> labels_of_sources;
+  std::vector<Buffer<Plane>> planes_of_sources;
+  std::vector<DeviceImage<float>> fronts;
+  std::vector<SourceLabels> of_sources;
+  for (size_t j = 1; j < views.size(); ++j) {
+    labels_of_sources.emplace_back(device,
+                                   MakeSourceLabels(labels[j - 1], options));
+    const std::vector<Plane> moved =
+        MovePlanes(planes, views[0].camera, views[j].camera);
+    planes_of_sources.emplace_back(device, moved);
+    fronts.push_back(DrawIntoReference(
+        views[0],
+        views[j],
+        DepthOfPlanes(views[j], FirmPlanes(labels[j - 1], moved), device)
+            .View(),
+        device));
+    of_sources.push_back({std::as_const(labels_of_sources.back()).Data(),
+                          std::as_const(planes_of_sources.back()).Data(),
+                          std::as_const(fronts.back()).View()});
+  }
+  const Buffer<SourceLabels> device_labels(device, of_sources);
+  DeviceImage<float> votes(
+      device, static_cast<int>(planes.size()), evidence.NumSuperpixels());
+  ParallelFor(device,
+              votes.Width(),
+              votes.Height(),
+              LabelVoteKernel{inputs.Pixels(),
+                              device_planes.Data(),
+                              inputs.Sources(),
+                              device_labels.Data(),
+                              inputs.NumSources(),
+                              kPlaneSampling,
+                              options,
+                              evidence.width,
+                              views[0].camera.GetIntrinsics(),
+                              votes.View()});
+  return votes.ToHost();
+}
+
+}  // namespace tsar

@@ -1,0 +1,427 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/model_scene.h"
+
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene/adjustment/adjust_planes.h"
+#include "colmap_tsar/scene/creases/bounding_creases.h"
+#include "colmap_tsar/scene/creases/plane_lines.h"
+#include "colmap_tsar/scene/creases/shared_lines.h"
+#include "colmap_tsar/scene/discovery/join_planes.h"
+#include "colmap_tsar/scene/discovery/manhattan_frame.h"
+#include "colmap_tsar/scene/discovery/plane_measurement.h"
+#include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/scene/for_each_view.h"
+#include "colmap_tsar/scene/label_sweeps.h"
+#include "colmap_tsar/scene/scene_cylinders.h"
+#include "colmap_tsar/scene/scene_options.h"
+#include "colmap_tsar/scene/view_blocks.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+ViewGraph MakeGraph(const std::vector<SceneView>& views) {
+  ViewGraph neighbours(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (const size_t source : views[i].sources) {
+      if (source != i) {
+        neighbours[i].push_back(source);
+        neighbours[source].push_back(i);
+      }
+    }
+  }
+  for (std::vector<size_t>& of_view : neighbours) {
+    std::sort(of_view.begin(), of_view.end());
+    of_view.erase(std::unique(of_view.begin(), of_view.end()), of_view.end());
+  }
+  return neighbours;
+}
+
+class SceneModeler {
+ public:
+  SceneModeler(const std::vector<SceneView>& views,
+               const SceneEvidence& evidence,
+               const RefineOptions& refine_options,
+               const ModelSceneOptions& options,
+               const ModelResources& resources,
+               const std::string& pass,
+               Progress& progress,
+               const std::function<bool()>& should_stop)
+      : views_(views),
+        evidence_(evidence),
+        refine_options_(refine_options),
+        options_(options),
+        resources_(resources),
+        pass_(pass),
+        progress_(progress),
+        should_stop_(should_stop),
+        neighbours_(MakeGraph(views)),
+        assignment_(views.size()) {}
+
+  std::optional<SceneModel> Run() {
+    std::vector<Block> blocks = DiscoverBlocks();
+    if (should_stop_()) {
+      return std::nullopt;
+    }
+    Join(std::move(blocks));
+    Adjust();
+    if (should_stop_()) {
+      return std::nullopt;
+    }
+    std::optional<std::vector<ViewLabels>> labels = Label();
+    if (!labels) {
+      return std::nullopt;
+    }
+    for (size_t i = 0; i < views_.size(); ++i) {
+      model_.views[views_[i].image] = std::move((*labels)[i]);
+    }
+    if (refine_options_.cylinders) {
+      FindCylinders();
+      if (should_stop_()) {
+        return std::nullopt;
+      }
+    }
+    return std::move(model_);
+  }
+
+ private:
+  struct Block {
+    std::vector<size_t> views;
+    BlockOfScene found;
+  };
+
+  ObservedView Observed(size_t view, const ViewEvidence& evidence) const {
+    return MakeObservedView(evidence, views_[view].camera);
+  }
+
+  std::vector<Block> DiscoverBlocks() {
+    const std::vector<std::vector<size_t>> parts =
+        SplitIntoBlocks(neighbours_, options_.max_block_views);
+    std::vector<std::vector<Block>> found(parts.size());
+    progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
+    ForEachView(parts.size(),
+                resources_.num_blocks,
+                resources_.num_threads,
+                [&](size_t i, Device& device) {
+                  Discover(parts[i], device, &found[i]);
+                });
+    progress_.Finish();
+    std::vector<Block> blocks;
+    for (std::vector<Block>& of_part : found) {
+      std::move(of_part.begin(), of_part.end(), std::back_inserter(blocks));
+    }
+    return blocks;
+  }
+
+  void Discover(const std::vector<size_t>& part,
+                Device& device,
+                std::vector<Block>* blocks) {
+    if (should_stop_()) {
+      return;
+    }
+    // Which planes are found depends a little on the order of the views.
+    std::vector<size_t> views = part;
+    std::sort(views.begin(), views.end(), [&](size_t a, size_t b) {
+      return views_[a].image < views_[b].image;
+    });
+    std::vector<std::shared_ptr<const ViewEvidence>> evidence(views.size());
+    device.Threads().Run(static_cast<int64_t>(views.size()),
+                         [&](int64_t begin, int64_t end) {
+                           for (int64_t i = begin; i < end; ++i) {
+                             const auto place = static_cast<size_t>(i);
+                             evidence[place] = evidence_.get(views[place]);
+                           }
+                         });
+    std::vector<ObservedView> observed;
+    size_t num_superpixels = 0;
+    size_t num_candidates = 0;
+    for (size_t i = 0; i < views.size(); ++i) {
+      observed.push_back(Observed(views[i], *evidence[i]));
+      num_superpixels += evidence[i]->weights.size();
+      num_candidates += evidence[i]->candidates.size();
+    }
+    if (part.size() > 1 && num_superpixels * num_candidates > kMaxBlockScores) {
+      // All candidates of fewer views rather than some of these.
+      evidence.clear();
+      const auto middle =
+          part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+      Discover({part.begin(), middle}, device, blocks);
+      Discover({middle, part.end()}, device, blocks);
+      return;
+    }
+    blocks->push_back({views, ModelBlock(observed, refine_options_, device)});
+    for (size_t i = 0; i < views.size(); ++i) {
+      progress_.Advance(/*was_work=*/true);
+    }
+  }
+
+  // Makes the planes of the model of those of the blocks.
+  void Join(std::vector<Block> blocks) {
+    std::vector<std::vector<size_t>> views;
+    for (const Block& block : blocks) {
+      views.push_back(block.views);
+    }
+    const std::vector<std::vector<int>> block_neighbours =
+        FindBlockNeighbours(neighbours_, views);
+    const std::vector<int> components = FindComponents(neighbours_);
+    std::vector<PlaneBlock> planes;
+    std::vector<FrameOfBlock> frames;
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      FrameOfBlock frame;
+      frame.component = components[blocks[b].views[0]];
+      frame.rotation = blocks[b].found.frame;
+      for (const MeasuredScenePlane& plane : blocks[b].found.planes) {
+        frame.axes.push_back(plane.found.axis);
+        frame.supports.push_back(plane.found.support);
+      }
+      frames.push_back(std::move(frame));
+      planes.push_back(
+          {std::move(blocks[b].found.planes), block_neighbours[b]});
+    }
+    const JoinedPlanes joined =
+        JoinPlanes(std::move(planes),
+                   refine_options_.min_scene_plane,
+                   *Device::CreateCpu(resources_.num_threads));
+    for (const MeasuredScenePlane& plane : joined.planes) {
+      model_.planes.push_back(ToModelPlane(plane));
+    }
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      frames[b].places = joined.places[b];
+      for (const int place : joined.places[b]) {
+        model_.planes[static_cast<size_t>(place)].component =
+            frames[b].component;
+      }
+      for (size_t i = 0; i < blocks[b].views.size(); ++i) {
+        std::vector<int>& assignment = assignment_[blocks[b].views[i]];
+        assignment = std::move(blocks[b].found.assignment[i]);
+        for (int& plane : assignment) {
+          plane =
+              plane >= 0 ? joined.places[b][static_cast<size_t>(plane)] : -1;
+        }
+      }
+    }
+    model_.frames = FindSceneFrames(frames, &model_.planes);
+    std::map<int, int> num_blocks;
+    for (const FrameOfBlock& frame : frames) {
+      ++num_blocks[frame.component];
+    }
+    for (const ModelPlane& plane : model_.planes) {
+      may_move_.push_back(refine_options_.adjust_planes &&
+                          num_blocks[plane.component] > 1);
+    }
+  }
+
+  // Finds how well the planes of the model are known, and adjusts together
+  // those of views that were too many for one block: within a block they have
+  // been already, by a criterion that outliers move less. Of the evidence only
+  // what views measured of planes is kept, one view at a time.
+  void Adjust() {
+    int round = 0;
+    AdjustModel(
+        [&](const std::vector<WorldPlane>& planes) {
+          std::vector<std::vector<PlaneMeasurement>> of_views(views_.size());
+          VisitViews("adjustment " + std::to_string(++round), [&](size_t view) {
+            of_views[view] = Measure(view, planes);
+          });
+          std::vector<PlaneMeasurement> measurements;
+          for (const std::vector<PlaneMeasurement>& of_view : of_views) {
+            measurements.insert(
+                measurements.end(), of_view.begin(), of_view.end());
+          }
+          return measurements;
+        },
+        may_move_,
+        &model_);
+  }
+
+  std::vector<PlaneMeasurement> Measure(
+      size_t view, const std::vector<WorldPlane>& planes) const {
+    const std::shared_ptr<const ViewEvidence> evidence = evidence_.get(view);
+    const ObservedView observed = Observed(view, *evidence);
+    return MeasureView(observed,
+                       assignment_[view],
+                       planes,
+                       MakeSceneOptions(refine_options_, {observed}).measuring);
+  }
+
+  // Nothing where the run is to stop.
+  std::optional<std::vector<ViewLabels>> Label() {
+    LabelSweeps sweeps({views_,
+                        evidence_,
+                        assignment_,
+                        model_.planes,
+                        refine_options_,
+                        resources_});
+    const auto run = [&](int sweep, const std::string& name) {
+      progress_.Start(static_cast<int>(views_.size()),
+                      pass_ + " labels " + name + ":");
+      sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
+      progress_.Finish();
+      return !should_stop_();
+    };
+    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
+      if (!run(sweep,
+               std::to_string(sweep + 1) + " of " +
+                   std::to_string(options_.num_sweeps))) {
+        return std::nullopt;
+      }
+      // What views would tell each other is void beyond creases.
+      if (sweep == 0 && refine_options_.bounding_creases &&
+          FindCreases(&sweeps) && !run(sweep, "within creases")) {
+        return std::nullopt;
+      }
+    }
+    return sweeps.TakeLabels();
+  }
+
+  // By the labels of the first sweep. Where the run is to stop, what is found
+  // is of no use.
+  bool FindCreases(LabelSweeps* sweeps) {
+    std::vector<Camera> cameras;
+    std::vector<const std::vector<int>*> labels;
+    for (size_t view = 0; view < views_.size(); ++view) {
+      cameras.push_back(views_[view].camera);
+      labels.push_back(&sweeps->PlanesOf(view));
+    }
+    const std::vector<int> copies =
+        FindPlaneCopies(model_, cameras, labels, kCopyTolerance);
+    std::vector<std::vector<PlaneLine>> of_views(views_.size());
+    ForEachEvidence("lines", [&](size_t view, const ObservedView& observed) {
+      of_views[view] =
+          FindPlaneLines(observed, *labels[view], copies, model_, {});
+    });
+    const std::vector<SharedLine> lines = JoinPlaneLines(of_views, {});
+    if (lines.empty() || should_stop_()) {
+      return false;
+    }
+    LineEvidenceSum sum(lines.size());
+    std::mutex mutex;
+    ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
+      const std::vector<ViewLineEvidence> of_view =
+          TestPlaneLines(observed, *labels[view], copies, lines, model_, {});
+      const std::lock_guard lock(mutex);
+      sum.Add(of_view);
+    });
+    std::vector<BoundingCrease> creases =
+        FindBoundingCreases(lines, sum.Get(), copies, {}, &model_);
+    const bool has_creases = !creases.empty();
+    if (has_creases) {
+      sweeps->Bound(std::move(creases));
+    }
+    return has_creases;
+  }
+
+  void FindCylinders() {
+    std::vector<const ViewLabels*> labels;
+    for (const SceneView& view : views_) {
+      labels.push_back(&model_.views.at(view.image));
+    }
+    CylinderSearch search;
+    search.visit_all = [this](const auto& name, const auto& function) {
+      ForEachEvidence(name, function);
+    };
+    search.visit = [this](const auto& name, const auto& function) {
+      VisitViews(name, [&](size_t view) {
+        const std::shared_ptr<const ViewEvidence> evidence =
+            evidence_.get(view);
+        function(view, Observed(view, *evidence));
+      });
+    };
+    search.visit_axes =
+        [this](const auto& name, size_t num_axes, const auto& function) {
+          Visit(name,
+                num_axes,
+                resources_.num_threads,
+                /*are_views=*/false,
+                function);
+        };
+    search.should_stop = should_stop_;
+    model_.cylinders = FindSceneCylinders(
+        model_.frames, neighbours_, model_.planes, labels, search);
+  }
+
+  void ForEachEvidence(
+      const std::string& name,
+      const std::function<void(size_t view, const ObservedView&)>& function) {
+    VisitViews(name, [&](size_t view) {
+      const ViewEvidence evidence = evidence_.read_all(view);
+      function(view, Observed(view, evidence));
+    });
+  }
+
+  // Calls function for all views, unless the run is to stop; name: of this
+  // part of the pass.
+  void VisitViews(const std::string& name,
+                  const std::function<void(size_t view)>& function) {
+    Visit(name,
+          views_.size(),
+          resources_.num_views,
+          /*are_views=*/true,
+          [&](size_t view, Device&) { function(view); });
+  }
+
+  void Visit(const std::string& name,
+             size_t count,
+             int max_at_a_time,
+             bool are_views,
+             const std::function<void(size_t i, Device& cpu)>& function) {
+    progress_.Start(static_cast<int>(count), pass_ + " " + name + ":");
+    ForEachView(count,
+                max_at_a_time,
+                resources_.num_threads,
+                [&](size_t i, Device& cpu) {
+                  if (!should_stop_()) {
+                    function(i, cpu);
+                    // The speed that it tells is one of images.
+                    progress_.Advance(/*was_work=*/are_views);
+                  }
+                });
+    progress_.Finish();
+  }
+
+  const std::vector<SceneView>& views_;
+  const SceneEvidence& evidence_;
+  const RefineOptions& refine_options_;
+  const ModelSceneOptions options_;
+  const ModelResources resources_;
+  const std::string pass_;
+  Progress& progress_;
+  const std::function<bool()>& should_stop_;
+  const ViewGraph neighbours_;
+  // By view and superpixel, the plane of the model that it measured, or -1.
+  std::vector<std::vector<int>> assignment_;
+  SceneModel model_;
+  std::vector<bool> may_move_;  // Per plane, in the adjustment.
+};
+
+}  // namespace
+
+std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
+                                     const SceneEvidence& evidence,
+                                     const RefineOptions& refine_options,
+                                     const ModelSceneOptions& options,
+                                     const ModelResources& resources,
+                                     const std::string& pass,
+                                     Progress& progress,
+                                     const std::function<bool()>& should_stop) {
+  return SceneModeler(views,
+                      evidence,
+                      refine_options,
+                      options,
+                      resources,
+                      pass,
+                      progress,
+                      should_stop)
+      .Run();
+}
+
+}  // namespace tsar

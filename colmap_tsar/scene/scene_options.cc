@@ -1,0 +1,67 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/scene_options.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tsar {
+namespace {
+
+// The tolerance about planes, in relative depths of one pixel of disparity,
+// stays within these: COLMAP's maps are no better than the first, and what is
+// worse than the second carries no plane.
+constexpr double kMinTolerance = 0.7;
+constexpr double kMaxTolerance = 2.0;
+
+// The superpixels for which the lengths of BorderOptions hold.
+constexpr double kDefaultSuperpixelSize = 400.0;
+
+}  // namespace
+
+double MedianNoise(const std::vector<ObservedView>& views) {
+  std::vector<double> noise;
+  for (const ObservedView& view : views) {
+    if (view.evidence->noise > 0.f) {
+      noise.push_back(view.evidence->noise);
+    }
+  }
+  std::sort(noise.begin(), noise.end());
+  return noise.empty() ? 0.0 : noise[noise.size() / 2];
+}
+
+double PlaneTolerance(const RefineOptions& options, double noise) {
+  return std::clamp(
+      options.plane_tolerance * noise, kMinTolerance, kMaxTolerance);
+}
+
+SceneOptions MakeSceneOptions(const RefineOptions& options,
+                              const std::vector<ObservedView>& views) {
+  const double tolerance = PlaneTolerance(options, MedianNoise(views));
+  SceneOptions scene;
+  scene.discovery.tolerance = tolerance;
+  scene.discovery.min_gain = options.min_scene_plane;
+  scene.discovery.manhattan_frame = options.manhattan_frame;
+  scene.support.tolerance = tolerance;
+  scene.measuring.tolerance = tolerance;
+  scene.measuring.max_weight = scene.discovery.max_weight;
+  scene.labels.tolerance = static_cast<float>(tolerance);
+  scene.labels.unlabelled_cost = static_cast<float>(options.unlabelled_cost);
+  if (!options.bounded_planes) {
+    scene.labels.extrapolation_uncertainty = 0.f;
+  }
+  // Lengths of borders grow with the superpixels.
+  const double border_scale =
+      std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
+  const auto scaled = [&](int length) {
+    return std::max(1, static_cast<int>(std::lround(length * border_scale)));
+  };
+  scene.borders.reach = scaled(scene.borders.reach);
+  scene.borders.radius = scaled(scene.borders.radius);
+  scene.borders.spatial_sigma *= static_cast<float>(border_scale);
+  scene.surfaces.labels = scene.labels;
+  return scene;
+}
+
+}  // namespace tsar

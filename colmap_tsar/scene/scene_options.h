@@ -1,0 +1,39 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+#include "colmap_tsar/scene/discovery/plane_measurement.h"
+#include "colmap_tsar/scene/discovery/plane_support.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
+#include "colmap_tsar/scene/labeling/refine_borders.h"
+#include "colmap_tsar/scene/surfaces/curved_surfaces.h"
+#include "colmap_tsar/view/refine_options.h"
+
+#include <vector>
+
+namespace tsar {
+
+// What the search for the planes of the scene makes of the options of a run.
+struct SceneOptions {
+  DiscoverPlanesOptions discovery;
+  PlaneSupportOptions support;
+  MeasureViewOptions measuring;
+  LabelOptions labels;
+  BorderOptions borders;
+  CurvedSurfaceOptions surfaces;
+};
+
+// How far depths may lie off a plane, in relative depths of one pixel of
+// disparity. noise: see ViewEvidence.
+double PlaneTolerance(const RefineOptions& options, double noise);
+
+// The median of the noise of the views that have some; 0 where none has.
+double MedianNoise(const std::vector<ObservedView>& views);
+
+// views: those that see the scene; the tolerance follows from their noise.
+SceneOptions MakeSceneOptions(const RefineOptions& options,
+                              const std::vector<ObservedView>& views);
+
+}  // namespace tsar

@@ -1,0 +1,40 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/curved_surface.h"
+#include "colmap_tsar/scene/surfaces/surface_costs.h"
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// A curved surface that was fitted to the observations of superpixels.
+struct FittedSurface {
+  static constexpr int kNumParameters = 6;
+  using Covariance = Eigen::Matrix<double, kNumParameters, kNumParameters>;
+
+  CurvedSurface surface;
+  Covariance covariance = Covariance::Zero();  // Of the coefficients.
+  // The range of the depths that were measured on it.
+  float min_depth = 0.f;
+  float max_depth = 0.f;
+};
+
+// Least squares of the inverse depth with Cauchy weights. Nothing where the
+// superpixels do not tell a surface. members: superpixels of `costs`.
+// residuals: those of the members on it.
+std::optional<FittedSurface> FitCurvedSurface(const SurfaceCosts& costs,
+                                              const std::vector<int>& members,
+                                              std::vector<float>* residuals);
+
+// Whether the surface's depth is known at a superpixel's pixels, and possible.
+bool IsKnown(const FittedSurface& fitted,
+             const SurfaceCosts& costs,
+             const Superpixel& superpixel);
+
+}  // namespace tsar

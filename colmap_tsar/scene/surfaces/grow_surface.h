@@ -1,0 +1,70 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/scene/surfaces/fit_curved_surface.h"
+#include "colmap_tsar/scene/surfaces/surface_costs.h"
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace tsar {
+
+// A surface that was fitted to connected superpixels, and what it gains.
+struct GrownSurface {
+  int seed = 0;
+  std::vector<int> members;  // Ascending.
+  FittedSurface fitted;
+  double gain = 0.0;  // In the units of costs; 0 where there is no surface.
+};
+
+// Grows surfaces about superpixels, in those that no other surface has taken.
+class SurfaceGrower {
+ public:
+  // Keeps a reference.
+  explicit SurfaceGrower(const SurfaceCosts& costs);
+
+  bool IsTaken(int s) const { return taken_[static_cast<size_t>(s)] != 0; }
+  void Take(const std::vector<int>& superpixels);
+
+  // The members of one without a gain are those that were tried.
+  GrownSurface Grow(int seed);
+
+  // Adds superpixels without measurements, but with measured members all
+  // around, unless their plane was carried there by other views.
+  void FillBetween(GrownSurface* surface) const;
+
+ private:
+  // The surface of some superpixels and what it comes to, each found out where
+  // it is asked for first. Most seeds on one object grow into the same
+  // superpixels, and go on alike from there.
+  struct Trial {
+    std::optional<FittedSurface> fitted;
+    std::vector<float> residuals;  // Of the members, where it was fitted.
+    std::optional<bool> beats_planes_around;
+    std::optional<bool> improves;
+    // What Connected() found: each seed is in one of them at most.
+    std::vector<std::vector<int>> parts;
+    std::optional<GrownSurface> finished;
+  };
+  using Trials = std::map<std::vector<int>, Trial>;  // By members.
+
+  Trials::value_type& Try(std::vector<int> members);
+  bool IsBetter(int round, Trials::value_type* tried) const;
+  std::vector<int> Next(int seed, Trials::value_type* tried) const;
+  std::vector<int> Connected(int seed, const Trials::value_type& tried) const;
+  GrownSurface Finish(const Trials::value_type& tried);
+  std::vector<int> Keep(const std::vector<int>& members,
+                        const std::vector<float>& costs) const;
+  std::vector<float> CostsOn(const Trials::value_type& tried) const;
+  std::vector<int> Largest(const std::vector<int>& superpixels) const;
+
+  const SurfaceCosts& costs_;
+  std::vector<char> taken_;
+  Trials trials_;
+};
+
+}  // namespace tsar

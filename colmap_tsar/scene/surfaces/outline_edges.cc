@@ -1,0 +1,309 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/surfaces/outline_edges.h"
+
+#include "colmap_tsar/base/median.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace tsar {
+
+namespace {
+
+// Pixels of the raster along its border that tell nothing.
+constexpr double kMargin = 4.0;
+
+// Colours are averaged along the axis, and differentiated across it.
+constexpr std::array<float, 5> kSmoothing = {1.f, 2.f, 3.f, 2.f, 1.f};
+constexpr float kSumOfSmoothing = 9.f;
+constexpr int kReach = 2;
+// The derivative below of the least step that is an edge, of 4 grey levels.
+constexpr float kMinSlope = 4.f * 3.f / 8.f;
+
+using Channel = Image<float>;
+
+struct RectifiedImage {
+  std::array<Channel, 3> channels;
+  Image<uint8_t> is_valid;
+};
+
+bool Source(const Camera& camera,
+            const AxisCamera& axis_camera,
+            double column,
+            double row,
+            double* x,
+            double* y) {
+  const Eigen::Vector3d ray =
+      axis_camera.to_view *
+      Eigen::Vector3d((column - axis_camera.cx) / axis_camera.focal,
+                      (row - axis_camera.cy) / axis_camera.focal,
+                      1.0);
+  if (!(ray.z() > 0.0)) {
+    return false;
+  }
+  *x = camera.fx * ray.x() / ray.z() + camera.cx;
+  *y = camera.fy * ray.y() / ray.z() + camera.cy;
+  return *x >= kMargin && *y >= kMargin && *x < camera.width - 1 - kMargin &&
+         *y < camera.height - 1 - kMargin;
+}
+
+RectifiedImage Rectify(const Image<Rgb>& color,
+                       const Camera& camera,
+                       const AxisCamera& axis_camera) {
+  RectifiedImage rectified;
+  for (Channel& channel : rectified.channels) {
+    channel = Channel(axis_camera.width, axis_camera.height);
+  }
+  rectified.is_valid = Image<uint8_t>(axis_camera.width, axis_camera.height);
+  for (int row = 0; row < axis_camera.height; ++row) {
+    for (int column = 0; column < axis_camera.width; ++column) {
+      double x = 0.0;
+      double y = 0.0;
+      if (!Source(camera, axis_camera, column, row, &x, &y)) {
+        continue;
+      }
+      const int left = static_cast<int>(x);
+      const int above = static_cast<int>(y);
+      const auto right_share = static_cast<float>(x - left);
+      const auto below_share = static_cast<float>(y - above);
+      const auto mean = [&](uint8_t Rgb::*channel) {
+        const auto at = [&](int i, int j) {
+          return static_cast<float>(color(left + i, above + j).*channel);
+        };
+        return (at(0, 0) * (1.f - right_share) + at(1, 0) * right_share) *
+                   (1.f - below_share) +
+               (at(0, 1) * (1.f - right_share) + at(1, 1) * right_share) *
+                   below_share;
+      };
+      rectified.channels[0](column, row) = mean(&Rgb::r);
+      rectified.channels[1](column, row) = mean(&Rgb::g);
+      rectified.channels[2](column, row) = mean(&Rgb::b);
+      rectified.is_valid(column, row) = 1;
+    }
+  }
+  return rectified;
+}
+
+// The mean square of the channels' derivatives across the axis in one row; 0
+// where not all that it takes is in the image.
+std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
+  const int width = rectified.is_valid.Width();
+  std::vector<float> slopes(static_cast<size_t>(width), 0.f);
+  std::vector<uint8_t> is_valid(static_cast<size_t>(width), 1);
+  for (int y = row - kReach; y <= row + kReach; ++y) {
+    for (int x = 0; x < width; ++x) {
+      is_valid[static_cast<size_t>(x)] &= rectified.is_valid(x, y);
+    }
+  }
+  std::vector<float> smooth(static_cast<size_t>(width));
+  for (const Channel& channel : rectified.channels) {
+    std::fill(smooth.begin(), smooth.end(), 0.f);
+    for (int y = -kReach; y <= kReach; ++y) {
+      const float weight =
+          kSmoothing[static_cast<size_t>(y + kReach)] / kSumOfSmoothing;
+      for (int x = 0; x < width; ++x) {
+        smooth[static_cast<size_t>(x)] += weight * channel(x, row + y);
+      }
+    }
+    for (size_t x = kReach; x + kReach < smooth.size(); ++x) {
+      const float slope = (smooth[x + 2] - smooth[x - 2] +
+                           2.f * (smooth[x + 1] - smooth[x - 1])) /
+                          8.f;
+      slopes[x] += slope * slope / 3.f;
+    }
+  }
+  for (size_t x = 0; x < slopes.size(); ++x) {
+    for (int i = -kReach; i <= kReach; ++i) {
+      const size_t other = x + static_cast<size_t>(i);
+      if (other >= slopes.size() || is_valid[other] == 0) {
+        slopes[x] = 0.f;
+      }
+    }
+  }
+  return slopes;
+}
+
+// Edges of one row.
+struct EdgePair {
+  int row = 0;
+  float left = 0.f;
+  float right = 0.f;
+};
+
+// In pixels.
+constexpr float kBinSize = 2.f;
+using Bin = std::pair<int, int>;
+using Bins = std::map<Bin, std::vector<EdgePair>>;
+
+Bin BinOf(const EdgePair& edges) {
+  return {static_cast<int>(std::lround(edges.left / kBinSize)),
+          static_cast<int>(std::lround(edges.right / kBinSize))};
+}
+
+Bins CollectPairs(const std::vector<std::vector<AcrossEdge>>& edges,
+                  const OutlinePairOptions& options) {
+  Bins bins;
+  for (size_t row = 0; row < edges.size(); ++row) {
+    const std::vector<AcrossEdge>& of_row = edges[row];
+    for (size_t i = 0; i < of_row.size(); ++i) {
+      float between = 0.f;  // The strongest.
+      for (size_t j = i + 1; j < of_row.size(); ++j) {
+        const float width = of_row[j].column - of_row[i].column;
+        if (between >= options.max_between * of_row[i].strength ||
+            width > options.max_width) {
+          break;
+        }
+        if (width >= options.min_width &&
+            between < options.max_between * of_row[j].strength) {
+          const EdgePair pair = {
+              static_cast<int>(row), of_row[i].column, of_row[j].column};
+          bins[BinOf(pair)].push_back(pair);
+        }
+        between = std::max(between, of_row[j].strength);
+      }
+    }
+  }
+  return bins;
+}
+
+float Median(const std::vector<EdgePair>& pairs, float EdgePair::*column) {
+  std::vector<float> values;
+  for (const EdgePair& pair : pairs) {
+    values.push_back(pair.*column);
+  }
+  return UpperMedian(&values);
+}
+
+// Of the pairs those that lie where most do, one in each row: an edge may be
+// double.
+OutlinePair Join(std::vector<EdgePair> pairs,
+                 const OutlinePairOptions& options) {
+  const float left = Median(pairs, &EdgePair::left);
+  const float right = Median(pairs, &EdgePair::right);
+  std::erase_if(pairs, [&](const EdgePair& pair) {
+    return std::abs(pair.left - left) > options.tolerance ||
+           std::abs(pair.right - right) > options.tolerance;
+  });
+  const auto key = [&](const EdgePair& pair) {
+    return std::tuple(
+        pair.row,
+        std::max(std::abs(pair.left - left), std::abs(pair.right - right)),
+        pair.left,
+        pair.right);
+  };
+  std::sort(
+      pairs.begin(), pairs.end(), [&](const EdgePair& a, const EdgePair& b) {
+        return key(a) < key(b);
+      });
+  pairs.erase(std::unique(pairs.begin(),
+                          pairs.end(),
+                          [](const EdgePair& a, const EdgePair& b) {
+                            return a.row == b.row;
+                          }),
+              pairs.end());
+  OutlinePair result;
+  double sum_left = 0.0;
+  double sum_right = 0.0;
+  for (const EdgePair& pair : pairs) {
+    result.rows.push_back(pair.row);
+    sum_left += pair.left;
+    sum_right += pair.right;
+  }
+  if (!pairs.empty()) {
+    const auto count = static_cast<double>(pairs.size());
+    result.left = static_cast<float>(sum_left / count);
+    result.right = static_cast<float>(sum_right / count);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
+    const Image<Rgb>& color,
+    const Camera& camera,
+    const AxisCamera& axis_camera) {
+  const RectifiedImage rectified = Rectify(color, camera, axis_camera);
+  std::vector<std::vector<AcrossEdge>> edges(
+      static_cast<size_t>(axis_camera.height));
+  for (int row = kReach; row < axis_camera.height - kReach; ++row) {
+    std::vector<float> slopes = SquaredSlopes(rectified, row);
+    for (float& slope : slopes) {
+      slope = std::sqrt(slope);
+    }
+    for (size_t x = 1; x + 1 < slopes.size(); ++x) {
+      const float before = slopes[x - 1];
+      const float peak = slopes[x];
+      const float after = slopes[x + 1];
+      if (peak > kMinSlope && peak >= before && peak > after) {
+        const float bend = before + after - 2.f * peak;
+        edges[static_cast<size_t>(row)].push_back(
+            {static_cast<float>(x) + 0.5f * (before - after) / bend, peak});
+      }
+    }
+  }
+  return edges;
+}
+
+bool IsInRaster(const Camera& camera,
+                const AxisCamera& axis_camera,
+                double column,
+                double row) {
+  double x = 0.0;
+  double y = 0.0;
+  // The derivative takes pixels around.
+  return Source(camera, axis_camera, column - kReach, row - kReach, &x, &y) &&
+         Source(camera, axis_camera, column + kReach, row + kReach, &x, &y);
+}
+
+std::vector<OutlinePair> FindOutlinePairs(
+    const std::vector<std::vector<AcrossEdge>>& edges,
+    const OutlinePairOptions& options) {
+  Bins bins = CollectPairs(edges, options);
+  std::vector<std::pair<size_t, Bin>> by_size;
+  for (const auto& [bin, pairs] : bins) {
+    by_size.emplace_back(pairs.size(), bin);
+  }
+  std::stable_sort(
+      by_size.begin(), by_size.end(), [](const auto& a, const auto& b) {
+        return a.first > b.first;
+      });
+  std::vector<OutlinePair> result;
+  for (const auto& [size, bin] : by_size) {
+    // An edge between two bins has half of its rows in each of up to four.
+    if (4 * size < options.min_rows) {
+      break;
+    }
+    if (!bins.contains(bin)) {
+      continue;  // It has become part of another pair.
+    }
+    std::vector<EdgePair> around;
+    for (int left = bin.first - 1; left <= bin.first + 1; ++left) {
+      for (int right = bin.second - 1; right <= bin.second + 1; ++right) {
+        const auto found = bins.find({left, right});
+        if (found != bins.end()) {
+          around.insert(
+              around.end(), found->second.begin(), found->second.end());
+          bins.erase(found);
+        }
+      }
+    }
+    if (around.size() >= options.min_rows) {
+      OutlinePair pair = Join(std::move(around), options);
+      if (pair.rows.size() >= options.min_rows) {
+        result.push_back(std::move(pair));
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace tsar

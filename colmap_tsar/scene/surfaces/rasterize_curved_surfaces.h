@@ -1,0 +1,26 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene/surfaces/curved_surfaces.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// Replaces each pixel's plane by that which touches its surface, where its
+// superpixel has one.
+// superpixels: of `planes`' size; intrinsics: of this raster.
+void RasterizeCurvedSurfaces(const CurvedView& curved,
+                             const Image<uint16_t>& superpixels,
+                             const Intrinsics& intrinsics,
+                             Device& device,
+                             DeviceImage<Plane>* planes);
+
+}  // namespace tsar

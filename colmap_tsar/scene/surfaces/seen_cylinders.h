@@ -1,0 +1,107 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/cylinder.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// A cylinder of the scene in a view: where the view shows its outlines, nothing
+// hides it. Kernels read it from a buffer.
+struct SeenCylinder {
+  // The least cosine between its normal and the direction to the camera where
+  // it faces the camera. Beyond, outlines are close.
+  static constexpr float kMinCosine = 0.5f;
+  static constexpr int kNumBins = 256;
+
+  // In the view's camera frame. Heights begin where the known part does.
+  Cylinder cylinder;
+  float length = 0.f;  // Of the known part, along the axis.
+  // Of each of as many parts of it, whether the view shows its outlines.
+  uint8_t is_seen[kNumBins] = {};
+  // The directions that the covariance of its ModelCylinder is about, in the
+  // camera frame, and that covariance: variances, then those of the first and
+  // second, the first and third, the second and third parameter.
+  Vec3f across;
+  Vec3f third;
+  float variances[3] = {};
+  float covariances[3] = {};
+
+  TSAR_HD bool IsSeenAt(float height) const {
+    const float bin = height / length * kNumBins;
+    return bin >= 0.f && bin < kNumBins && is_seen[static_cast<int>(bin)] != 0;
+  }
+
+  // Whether it does in the pixel with a ray with z = 1. normal: of it there.
+  TSAR_HD static bool FacesCamera(const Vec3f& normal, const Vec3f& ray) {
+    return -Dot(normal, ray) > kMinCosine * Norm(ray);
+  }
+
+  // The variance of the depth at which a ray with z = 1 intersects it.
+  TSAR_HD float DepthVariance(const Vec3f& ray, const Vec3f& normal) const {
+    // At the very outline, where rays graze it, the depth does not follow from
+    // what it is to first order.
+    const float least = kMinCosineOfVariance * Norm(ray);
+    const float cosine = fmaxf(-Dot(normal, ray), least);
+    const float a = Dot(normal, across);
+    const float b = Dot(normal, third);
+    const float variance =
+        a * a * variances[0] + b * b * variances[1] + variances[2] +
+        2.f *
+            (a * b * covariances[0] + a * covariances[1] + b * covariances[2]);
+    return fmaxf(variance, 0.f) / (cosine * cosine);
+  }
+
+ private:
+  static constexpr float kMinCosineOfVariance = 0.1f;
+};
+
+// view: with the colours of its evidence.
+std::vector<SeenCylinder> FindSeenCylinders(
+    const ObservedView& view, const std::vector<ModelCylinder>& cylinders);
+
+// The cylinder as it is in the camera's frame, of which nothing is known to be
+// seen.
+SeenCylinder ToCameraCylinder(const ModelCylinder& cylinder,
+                              const Camera& camera);
+
+// What views tell about the known part of a cylinder, in pixels of rasters.
+// Whole numbers: sums do not depend on the order of views.
+struct CylinderEvidence {
+  int64_t area = 0;     // Of its front, where nothing was measured before it.
+  int64_t through = 0;  // Of these, where the view saw what is behind it,
+  // and where it measured a plane of the scene in the superpixel.
+  int64_t on_planes = 0;
+
+  CylinderEvidence& operator+=(const CylinderEvidence& other) {
+    area += other.area;
+    through += other.through;
+    on_planes += other.on_planes;
+    return *this;
+  }
+  // What else there may be is seen, or was measured, all over it. Single wrong
+  // depths are not.
+  bool IsContradicted() const {
+    return 4 * through > area || 4 * on_planes > area;
+  }
+};
+
+// Of one view, which needs superpixels and confident depths, by cylinder.
+// planes: of the scene; labels: of the view.
+std::vector<CylinderEvidence> TestCylinders(
+    const ObservedView& view,
+    const std::vector<ModelPlane>& planes,
+    const ViewLabels& labels,
+    const std::vector<ModelCylinder>& cylinders);
+
+}  // namespace tsar

@@ -1,0 +1,137 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/curved_surface.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
+#include "colmap_tsar/scene/evidence/observed_source.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+#include "colmap_tsar/scene/surfaces/curved_surfaces.h"
+#include "colmap_tsar/scene/surfaces/surface_samples.h"
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace tsar {
+
+// A superpixel of the reference as a search for curved surfaces sees it.
+struct Superpixel {
+  int num_pixels = 0;
+  SampleRange samples;         // What was measured: of SurfaceCosts::Samples().
+  SampleRange tests;           // Where votes are taken: of its Tests().
+  std::vector<int> neighbors;  // Ascending.
+  float confidence = 0.f;      // Of the samples together.
+  float weight = 0.f;          // Of what was measured.
+  // With its plane or without any: see MeasuredFit::residual.
+  float residual = 0.f;
+
+  bool IsMeasured() const { return confidence > 0.f; }
+};
+
+// How a surface fits what was measured of a superpixel.
+struct MeasuredFit {
+  // Mean of min(difference / tolerance, 1)^2; 1 without samples.
+  float residual = 1.f;
+  // The range of the depths that lie on the surface; min_depth > max_depth
+  // where none does.
+  float min_depth = INFINITY;
+  float max_depth = 0.f;
+};
+
+// What superpixels of the reference cost on surfaces, and with the planes that
+// they have. Keeps references. Remembers what was asked of planes: not for
+// several threads at a time.
+class SurfaceCosts {
+ public:
+  // As for FindCurvedSurfaces.
+  SurfaceCosts(const std::vector<ObservedView>& views,
+               const LabeledView& labeled,
+               const CurvedSurfaceOptions& options);
+
+  const CurvedSurfaceOptions& Options() const { return options_; }
+  const DepthResolution& Resolution() const { return resolution_; }
+  const DepthSamples& Samples() const { return samples_; }
+  const RaySamples& Tests() const { return tests_; }
+  int Count() const { return static_cast<int>(superpixels_.size()); }
+  const Superpixel& At(int s) const {
+    return superpixels_[static_cast<size_t>(s)];
+  }
+  // The mean of the rays of its pixels.
+  Vec3f MiddleOf(int s) const;
+  // The number of the superpixel's plane, or -1.
+  int LabelOf(int s) const { return labeled_.labels[static_cast<size_t>(s)]; }
+  int NumPlanes() const { return static_cast<int>(labeled_.planes.size()); }
+  // How many measured superpixels a plane has.
+  int NumMeasured(int plane) const {
+    return num_measured_[static_cast<size_t>(plane)];
+  }
+
+  MeasuredFit Measure(const Superpixel& superpixel,
+                      const CurvedSurface& surface) const;
+
+  // The residual of a measured superpixel, each sample on that of some planes
+  // which is nearest to it: where planes meet inside a superpixel, none of them
+  // explains it alone.
+  float ResidualOfNearest(int s, const std::vector<int>& planes) const;
+
+  // On a surface of this residual (MeasuredFit); see LabelOptions.
+  float Cost(const Superpixel& superpixel, float residual) const {
+    return superpixel.IsMeasured() ? superpixel.weight * residual : 0.f;
+  }
+
+  // With its plane or without any.
+  float PresentCost(int s) const;
+
+  // Whether the superpixel lies in a region whose plane is another surface.
+  bool OpposesRegion(int s, const CurvedSurface& surface) const;
+
+  LabelEvidence EvidenceOf(const Superpixel& superpixel,
+                           const CurvedSurface& surface) const;
+
+ private:
+  // Of a superpixel on a plane: difference / tolerance of each sample.
+  struct SharesOnPlane {
+    int plane = 0;
+    std::vector<float> shares;
+  };
+
+  void MakeSuperpixels();
+  void ListPixels();
+  void AddSamples(int s, Superpixel* superpixel);
+  void AddTests(int s, Superpixel* superpixel);
+  // A plane in the form of a surface.
+  CurvedSurface PlaneSurface(int label) const;
+  Vec3f RayOf(int pixel) const {
+    return intrinsics_.Ray(static_cast<float>(pixel % evidence_.width),
+                           static_cast<float>(pixel / evidence_.width));
+  }
+  const std::vector<float>& FindShares(int s, int plane) const;
+  SuperpixelVotes AskSources(const Superpixel& superpixel,
+                             const CurvedSurface& surface) const;
+
+  const ViewEvidence& evidence_;
+  Intrinsics intrinsics_;
+  DepthResolution resolution_;
+  const LabeledView& labeled_;
+  const CurvedSurfaceOptions& options_;
+  std::vector<ObservedSource> sources_;
+  std::vector<Superpixel> superpixels_;
+  // Those of superpixel s are first_pixel_[s] to first_pixel_[s + 1] of the
+  // raster's pixels, in their order there.
+  std::vector<int> first_pixel_;
+  std::vector<int> pixels_;
+  DepthSamples samples_;
+  RaySamples tests_;
+  std::vector<int> num_measured_;  // Of each plane.
+  // Per superpixel; NaN where it was not asked for yet.
+  mutable std::vector<float> present_costs_;
+  // Per superpixel, those that were asked for.
+  mutable std::vector<std::vector<SharesOnPlane>> shares_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,80 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/view_blocks.h"
+
+#include <set>
+
+namespace tsar {
+
+std::vector<int> FindComponents(const ViewGraph& neighbours) {
+  std::vector<int> components(neighbours.size(), -1);
+  int count = 0;
+  for (size_t first = 0; first < neighbours.size(); ++first) {
+    if (components[first] >= 0) {
+      continue;
+    }
+    std::vector<size_t> reached = {first};
+    components[first] = count;
+    for (size_t i = 0; i < reached.size(); ++i) {
+      for (const size_t other : neighbours[reached[i]]) {
+        if (components[other] < 0) {
+          components[other] = count;
+          reached.push_back(other);
+        }
+      }
+    }
+    ++count;
+  }
+  return components;
+}
+
+std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbours,
+                                                 size_t max_size) {
+  const std::vector<int> components = FindComponents(neighbours);
+  std::vector<std::vector<size_t>> blocks;
+  for (size_t begin = 0; begin < components.size();) {
+    size_t end = begin;
+    while (end < components.size() && components[end] == components[begin]) {
+      ++end;
+    }
+    const size_t count = end - begin;
+    const size_t num_blocks = (count + max_size - 1) / max_size;
+    for (size_t i = 0; i < num_blocks; ++i) {
+      std::vector<size_t> block;
+      for (size_t view = begin + i * count / num_blocks;
+           view < begin + (i + 1) * count / num_blocks;
+           ++view) {
+        block.push_back(view);
+      }
+      blocks.push_back(std::move(block));
+    }
+    begin = end;
+  }
+  return blocks;
+}
+
+std::vector<std::vector<int>> FindBlockNeighbours(
+    const ViewGraph& neighbours,
+    const std::vector<std::vector<size_t>>& blocks) {
+  std::vector<int> block_of(neighbours.size(), -1);
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    for (const size_t view : blocks[b]) {
+      block_of[view] = static_cast<int>(b);
+    }
+  }
+  std::vector<std::vector<int>> result;
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    std::set<int> others;
+    for (const size_t view : blocks[b]) {
+      for (const size_t other : neighbours[view]) {
+        others.insert(block_of[other]);
+      }
+    }
+    others.erase(static_cast<int>(b));
+    result.emplace_back(others.begin(), others.end());
+  }
+  return result;
+}
+
+}  // namespace tsar

@@ -1,0 +1,218 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/evaluation/depth_evaluation.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/opencv_threads.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/files_of_images.h"
+#include "colmap_tsar/io/image_mask.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/tools/evaluation/tolerances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kTextureWindow = 11;
+constexpr float kMaxGreyVariance = 16.f;
+
+// The names of all images that have ground truth, in a fixed order.
+std::vector<std::string> ListGroundTruth(const fs::path& folder) {
+  std::vector<std::string> names;
+  if (fs::is_directory(folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      if (entry.path().extension() == ".bin") {
+        names.push_back(
+            fs::relative(entry.path(), folder).replace_extension().string());
+      }
+    }
+  }
+  if (names.empty()) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        folder.string(),
+        "there are no ground truth depth maps (NAME.bin)",
+        "give their folder as " + OptionName("ground_truth_path"));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// 1 where the image at this path, brought to this size, has no texture.
+Image<uint8_t> FindTextureless(const fs::path& path,
+                               Image<uint8_t> photo,
+                               int width,
+                               int height) {
+  RequireShape(path,
+               {photo.Width(), photo.Height()},
+               {width, height},
+               "its ground truth",
+               "give ground truth of this image");
+  const cv::Mat grey(photo.Height(), photo.Width(), CV_8UC1, photo.Data());
+  cv::Mat resized;
+  cv::resize(grey, resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  resized.convertTo(resized, CV_32F);
+  const cv::Size window(kTextureWindow, kTextureWindow);
+  cv::Mat mean;
+  cv::Mat mean_square;
+  cv::blur(resized, mean, window);
+  cv::blur(resized.mul(resized), mean_square, window);
+  const cv::Mat variance = mean_square - mean.mul(mean);
+  Image<uint8_t> textureless(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      textureless(x, y) = variance.at<float>(y, x) < kMaxGreyVariance ? 1 : 0;
+    }
+  }
+  return textureless;
+}
+
+// Adds one image's pixels to the scores of one area, all or that of the ground
+// truth's pixels that are not 0. mask: of the estimate; may be empty.
+void AddPixels(const Image<float>& estimate,
+               const Image<float>& truth,
+               const Image<uint8_t>& mask,
+               const Image<uint8_t>* area,
+               DepthScore* score) {
+  const float tolerance = static_cast<float>(score->tolerance);
+  for (int y = 0; y < estimate.Height(); ++y) {
+    const int truth_y = NearestPixel(y, estimate.Height(), truth.Height());
+    for (int x = 0; x < estimate.Width(); ++x) {
+      const int truth_x = NearestPixel(x, estimate.Width(), truth.Width());
+      const float known = truth(truth_x, truth_y);
+      if (known <= 0 || (area != nullptr && (*area)(truth_x, truth_y) == 0) ||
+          (!mask.Empty() && mask(x, y) != 0)) {
+        continue;
+      }
+      const float depth = estimate(x, y);
+      ++score->num_known;
+      score->num_estimated += depth > 0;
+      score->num_right += depth > 0 && std::abs(depth - known) < tolerance;
+    }
+  }
+}
+
+// Of the named images. That none of these has a mask is no error, where others
+// of the workspace have.
+std::vector<fs::path> FindMasks(const fs::path& folder,
+                                const fs::path& images,
+                                std::vector<std::string> names) {
+  RequireNoImageFolder(folder, images, "masks", OptionName("mask_path"));
+  const size_t num_names = names.size();
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(images, error), end;
+       !error && entry != end;
+       entry.increment(error)) {
+    if (entry->is_regular_file(error)) {
+      names.push_back(entry->path().lexically_relative(images).string());
+    }
+  }
+  std::vector<fs::path> masks =
+      FindImageMasks(folder, names, OptionName("mask_path"));
+  masks.resize(num_names);
+  return masks;
+}
+
+}  // namespace
+
+fs::path GroundTruthFolder(const fs::path& workspace_path,
+                           const fs::path& given) {
+  return given.empty() ? workspace_path / "ground_truth" / "depth" : given;
+}
+
+int NearestPixel(int i, int from, int to) {
+  return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
+}
+
+double DepthScore::Precision() const {
+  return static_cast<double>(num_right) / std::max<int64_t>(num_estimated, 1);
+}
+
+double DepthScore::Recall() const {
+  return static_cast<double>(num_right) / std::max<int64_t>(num_known, 1);
+}
+
+double DepthScore::F1() const { return HarmonicMean(Precision(), Recall()); }
+
+DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
+                                  const DepthEvaluationOptions& options) {
+  CheckTolerances(options.tolerances);
+  const OpenCvWithoutThreads opencv_without_threads;
+  const fs::path truth_folder =
+      GroundTruthFolder(workspace_path, options.ground_truth_path);
+  const fs::path map_folder = workspace_path / "stereo" / "depth_maps";
+
+  DepthEvaluation evaluation;
+  for (const char* area : {"all", "textureless"}) {
+    for (const double tolerance : options.tolerances) {
+      evaluation.scores.push_back({area, tolerance});
+    }
+  }
+  const std::vector<std::string> names = ListGroundTruth(truth_folder);
+  std::vector<fs::path> masks(names.size());
+  if (!options.mask_path.empty()) {
+    masks = FindMasks(options.mask_path, workspace_path / "images", names);
+    evaluation.num_masks = 0;
+  }
+  for (size_t i = 0; i < names.size(); ++i) {
+    const std::string& name = names[i];
+    const fs::path map_path =
+        options.find_map
+            ? options.find_map(name)
+            : map_folder / (name + "." + options.input_type + ".bin");
+    if (!Exists(map_path)) {
+      ++evaluation.num_images_without_map;
+      continue;
+    }
+    ++evaluation.num_images;
+    const Image<float> estimate = ReadDepthMap(map_path);
+    const Image<float> truth = ReadDepthMap(truth_folder / (name + ".bin"));
+    RequireShape(map_path,
+                 {estimate.Width(), estimate.Height()},
+                 {truth.Width(), truth.Height()},
+                 "its ground truth",
+                 "give ground truth of this image");
+    const fs::path photo_path = workspace_path / "images" / name;
+    Image<uint8_t> photo = ReadGrayPhoto(photo_path);
+    const RasterSize photo_size{photo.Width(), photo.Height()};
+    const Image<uint8_t> textureless = FindTextureless(
+        photo_path, std::move(photo), truth.Width(), truth.Height());
+    Image<uint8_t> mask;
+    if (!masks[i].empty()) {
+      const RasterSize size{estimate.Width(), estimate.Height()};
+      mask = ResizeMask(ReadImageMask(masks[i], {photo_size, size}), size);
+      ++*evaluation.num_masks;
+    }
+    for (DepthScore& score : evaluation.scores) {
+      AddPixels(estimate,
+                truth,
+                mask,
+                score.area == "all" ? nullptr : &textureless,
+                &score);
+    }
+  }
+  if (evaluation.num_images == 0) {
+    throw Error::File(ErrorCode::kNotFound,
+                      map_folder.string(),
+                      "there is no " + options.input_type +
+                          " depth map of an image with ground truth",
+                      "check " + OptionName("workspace_path") + " and " +
+                          OptionName("input_type"));
+  }
+  return evaluation;
+}
+
+}  // namespace tsar

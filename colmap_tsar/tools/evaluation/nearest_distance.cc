@@ -1,0 +1,64 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/evaluation/nearest_distance.h"
+
+#include "colmap_tsar/tools/evaluation/parallel_blocks.h"
+
+#include <cmath>
+#include <limits>
+
+#include <flann/flann.hpp>
+
+namespace tsar {
+namespace {
+
+// FLANN takes rows of numbers that it does not change, but not as constants.
+flann::Matrix<double> AsMatrix(const Eigen::Vector3d* points, size_t count) {
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
+  return {const_cast<double*>(points->data()), count, 3};
+}
+
+}  // namespace
+
+void RequireNearestDistances() {}
+
+std::vector<double> NearestDistances(
+    const std::vector<Eigen::Vector3d>& queries,
+    const std::vector<Eigen::Vector3d>& targets,
+    double max_distance) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  std::vector<double> distances(queries.size(), infinity);
+  if (targets.empty()) {
+    return distances;
+  }
+  flann::KDTreeSingleIndex<flann::L2_Simple<double>> index(
+      AsMatrix(targets.data(), targets.size()),
+      flann::KDTreeSingleIndexParams());
+  index.buildIndex();
+  // FLANN leaves out what lies exactly at the radius, and takes it as a float;
+  // so it searches a little further.
+  const float squared_radius =
+      static_cast<float>(max_distance * max_distance) * 1.0001f;
+  flann::SearchParams params;
+  params.max_neighbors = 1;
+
+  ParallelBlocks(queries.size(), [&](size_t begin, size_t end) {
+    const size_t count = end - begin;
+    std::vector<size_t> indices(count);
+    flann::Matrix<size_t> index_matrix(indices.data(), count, 1);
+    flann::Matrix<double> distance_matrix(&distances[begin], count, 1);
+    index.radiusSearch(AsMatrix(&queries[begin], count),
+                       index_matrix,
+                       distance_matrix,
+                       squared_radius,
+                       params);
+    for (size_t i = begin; i < end; ++i) {
+      const double distance = std::sqrt(distances[i]);
+      distances[i] = distance <= max_distance ? distance : infinity;
+    }
+  });
+  return distances;
+}
+
+}  // namespace tsar

@@ -1,0 +1,55 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/evaluation/tolerances.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace tsar {
+
+void CheckTolerances(const std::vector<double>& tolerances) {
+  bool ok = !tolerances.empty();
+  double last = 0;
+  for (const double tolerance : tolerances) {
+    ok = ok && std::isfinite(tolerance) && tolerance > last;
+    last = tolerance;
+  }
+  if (!ok) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("tolerances") +
+                    ": must be positive numbers that rise; give a list "
+                    "such as 0.02,0.1");
+  }
+}
+
+std::vector<double> ParseTolerances(const std::string& text) {
+  std::vector<double> tolerances;
+  const char* next = text.data();
+  const char* const end = next + text.size();
+  while (true) {
+    double tolerance = 0;
+    const auto result = std::from_chars(next, end, tolerance);
+    if (result.ec != std::errc() || (result.ptr != end && *result.ptr != ',')) {
+      throw Error(ErrorCode::kBadOption,
+                  OptionName("tolerances") + ": '" + text +
+                      "' is not a list of numbers; give one such as 0.02,0.1");
+    }
+    tolerances.push_back(tolerance);
+    if (result.ptr == end) {
+      break;
+    }
+    next = result.ptr + 1;
+  }
+  CheckTolerances(tolerances);
+  return tolerances;
+}
+
+double HarmonicMean(double a, double b) {
+  return a + b > 0 ? 2 * a * b / (a + b) : 0;
+}
+
+}  // namespace tsar

@@ -1,0 +1,61 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/export/export_format.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+namespace tsar {
+
+struct ExportOptions {
+  static constexpr double kDefaultDepthScale = 0.001;
+
+  ExportFormat format = ExportFormat::kNpy;
+  std::filesystem::path output_path;
+  // The folder with the masks of images, see io/image_mask.h; empty:
+  // none. Masked pixels are exported as if they had no depth.
+  std::filesystem::path mask_path;
+  bool overwrite = false;  // An earlier export alone may be replaced.
+  // Of kPng16: units of the sparse model per step of depth.
+  double depth_scale = kDefaultDepthScale;
+  int num_threads = -1;  // -1: one for each core.
+};
+
+struct ExportSummary {
+  int num_images = 0;  // Exported, and those of them
+  int num_with_depth = 0;
+  // Of the exported images, those with a mask; nothing where no masks were
+  // given.
+  std::optional<int64_t> num_masks;
+  int64_t num_pixels = 0;  // Of their maps.
+  int64_t num_depths = 0;
+};
+
+// The workspace whose maps are to be exported. type: if not given, geometric
+// maps, or photometric ones where only those were refined or are there. Errors
+// as Workspace.
+Workspace OpenWorkspaceToExport(const std::filesystem::path& root,
+                                std::optional<MapType> type);
+
+// Writes the maps of a dense workspace, refined or not, into a folder of its
+// own, with a manifest.json. It is there as a whole or not at all. The masks of
+// the options are used, whatever masks the workspace uses.
+//
+// Throws Error: kNotFound (no image has maps, or none a depth), kBadOption (a
+// depth_scale for another format), kInterrupted once should_stop returned true,
+// what Workspace::UseMasks, RequireOutsideInputs, WorkspaceLock (shared: a
+// program is changing the workspace), OutputFolder, the exporters and the
+// readers of the maps throw.
+ExportSummary ExportWorkspace(Workspace workspace,
+                              const ExportOptions& options,
+                              Progress& progress,
+                              const std::function<bool()>& should_stop);
+
+}  // namespace tsar

@@ -1,0 +1,151 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/export/nerfstudio_exporter.h"
+
+#include "colmap_tsar/run/store/json_file.h"
+#include "colmap_tsar/tools/export/scene_files.h"
+#include "colmap_tsar/tools/export/value_files.h"
+
+#include <algorithm>
+#include <string>
+
+namespace tsar {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kLevelsPerUnit = 1000.f;
+
+class NerfstudioExporter : public ImageExporter {
+ public:
+  NerfstudioExporter(const Workspace& workspace, const ContainedPath& folder)
+      : workspace_(workspace),
+        folder_(folder),
+        images_with_maps_(FindImagesWithMaps(workspace)),
+        has_masks_(HasAnyMask(workspace)) {
+    RequireUtf8Names(workspace);
+  }
+
+  Json DescribeMaps() const override {
+    Json maps;
+    maps["depth"] = {
+        {"meaning",
+         "z in the camera's frame, in units of the sparse model; 0: no depth"},
+        {"stored", "float32"},
+        {"scale", 1.0 / kLevelsPerUnit},
+        {"offset", 0.0}};
+    if (has_masks_) {
+      maps["mask"] = {{"meaning", "0: masked, 255: not"}, {"stored", "uint8"}};
+    }
+    return maps;
+  }
+
+  ExportedImage Export(int image) const override {
+    const SparseModel::ModelImage& model_image =
+        workspace_.Model().images.at(static_cast<size_t>(image));
+    const bool has_maps = std::binary_search(
+        images_with_maps_.begin(), images_with_maps_.end(), image);
+    Image<float> depth = has_maps ? ReadImageDepth(workspace_, image)
+                                  : Image<float>(model_image.camera.width,
+                                                 model_image.camera.height);
+    ExportedImage exported;
+    exported.width = depth.Width();
+    exported.height = depth.Height();
+    exported.depth = MeasureDepth(depth);
+    exported.files["photo"] = CopyPhoto(workspace_, image, folder_);
+    const std::string path = "depths/" + model_image.name + ".npy";
+    for (float& z : depth) {
+      z *= kLevelsPerUnit;
+    }
+    WriteArray(folder_ / path, depth);
+    exported.files["depth"] = path;
+    if (has_masks_) {
+      const std::string mask_path = "masks/" + model_image.name + ".png";
+      WritePngFile(
+          folder_ / mask_path,
+          MaskLevels(image,
+                     has_maps ? RasterSize{depth.Width(), depth.Height()}
+                              : MapSizeOfOthers(model_image.camera)));
+      exported.files["mask"] = mask_path;
+    }
+    return exported;
+  }
+
+  void Finish(const std::vector<int>& images,
+              const std::vector<ExportedImage>& exported) const override {
+    Json json;
+    json["camera_model"] = "OPENCV";
+    // World coordinates are those of the sparse model.
+    json["applied_transform"] = {
+        {1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}};
+    json["frames"] = Json::array();
+    for (size_t i = 0; i < images.size(); ++i) {
+      const Camera& camera =
+          workspace_.Model().images.at(static_cast<size_t>(images[i])).camera;
+      Json frame;
+      frame["file_path"] = exported[i].files.at("photo");
+      frame["depth_file_path"] = exported[i].files.at("depth");
+      if (has_masks_) {
+        frame["mask_path"] = exported[i].files.at("mask");
+      }
+      frame["w"] = camera.width;
+      frame["h"] = camera.height;
+      frame["fl_x"] = camera.fx;
+      frame["fl_y"] = camera.fy;
+      frame["cx"] = camera.cx;
+      frame["cy"] = camera.cy;
+      frame["transform_matrix"] = MatrixJson(OpenGlCameraToWorld(camera));
+      json["frames"].push_back(std::move(frame));
+    }
+    WriteOrderedJson(folder_ / "transforms.json", json);
+  }
+
+ private:
+  static bool HasAnyMask(const Workspace& workspace) {
+    const int num_images = static_cast<int>(workspace.Model().images.size());
+    for (int image = 0; image < num_images; ++image) {
+      if (workspace.HasMask(image)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Of the photo's size, as it is required, also where there is no mask: of all
+  // images or of none.
+  Image<uint8_t> MaskLevels(int image, const RasterSize& maps) const {
+    const Camera& camera =
+        workspace_.Model().images.at(static_cast<size_t>(image)).camera;
+    Image<uint8_t> levels(camera.width, camera.height, 255);
+    ClearMasked(workspace_.ReadMaskOfImage(image, maps), &levels);
+    return levels;
+  }
+
+  // What maps of the camera would have, for masks of images without any.
+  RasterSize MapSizeOfOthers(const Camera& camera) const {
+    for (const int image : images_with_maps_) {
+      const Camera& other =
+          workspace_.Model().images.at(static_cast<size_t>(image)).camera;
+      if (other.width == camera.width && other.height == camera.height) {
+        const Image<float> depth = ReadImageDepth(workspace_, image);
+        return {depth.Width(), depth.Height()};
+      }
+    }
+    return {camera.width, camera.height};
+  }
+
+  const Workspace& workspace_;
+  ContainedPath folder_;
+  std::vector<int> images_with_maps_;
+  bool has_masks_;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageExporter> MakeNerfstudioExporter(
+    const Workspace& workspace, const ContainedPath& folder) {
+  return std::make_unique<NerfstudioExporter>(workspace, folder);
+}
+
+}  // namespace tsar

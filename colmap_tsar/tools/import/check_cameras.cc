@@ -1,0 +1,219 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/import/check_cameras.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <Eigen/Geometry>
+
+namespace tsar {
+namespace {
+
+constexpr double kMaxDegrees = 1.0;
+constexpr double kMaxShareOfExtent = 0.01;
+constexpr double kMaxRatio = 0.02;
+
+const SparseModel::ModelImage& ImageOf(const SparseModel& model, int image) {
+  return model.images[static_cast<size_t>(image)];
+}
+
+// The length of the diagonal of the box around all centres.
+double Extent(const SparseModel& model) {
+  Eigen::AlignedBox3d box;
+  for (const SparseModel::ModelImage& image : model.images) {
+    box.extend(image.camera.Center());
+  }
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+double Degrees(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  const double cosine = ((a * b.transpose()).trace() - 1.0) / 2.0;
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / M_PI;
+}
+
+// How far two poses are apart, each part as a share of what is allowed.
+struct PoseError {
+  double rotation = 0.0;
+  double center = 0.0;
+
+  bool Fits() const { return rotation <= 1.0 && center <= 1.0; }
+  double Sum() const { return rotation + center; }
+};
+
+class CameraChecker {
+ public:
+  CameraChecker(const std::vector<AssignedCamera>& cameras,
+                const SparseModel& model,
+                double scale)
+      : cameras_(cameras),
+        model_(model),
+        scale_(scale),
+        extent_(Extent(model)) {}
+
+  void Check() const {
+    for (const AssignedCamera& assigned : cameras_) {
+      if (!IsRight(assigned)) {
+        CheckUnits();
+        throw WrongPose(assigned);
+      }
+    }
+    for (const AssignedCamera& assigned : cameras_) {
+      CheckIntrinsics(assigned);
+    }
+  }
+
+ private:
+  PoseError Compare(const StoredCamera& stored, int image, double scale) const {
+    const Camera& camera = ImageOf(model_, image).camera;
+    PoseError error;
+    error.rotation = Degrees(stored.rotation, camera.rotation) / kMaxDegrees;
+    const double distance = (scale * stored.center - camera.Center()).norm();
+    // Of a single position nothing tells what is far.
+    if (extent_ > 0.0) {
+      error.center = distance / (kMaxShareOfExtent * extent_);
+    }
+    return error;
+  }
+
+  bool IsRight(const AssignedCamera& assigned) const {
+    const PoseError own = Compare(assigned.camera, assigned.image, scale_);
+    if (!own.Fits()) {
+      return false;
+    }
+    // What rounding in a file of text may cost.
+    constexpr double kExact = 0.2;
+    return own.Sum() <= kExact ||
+           Compare(assigned.camera, BestImage(assigned.camera), scale_).Sum() >=
+               0.1 * own.Sum();
+  }
+
+  int BestImage(const StoredCamera& stored) const {
+    int best = 0;
+    double smallest = INFINITY;
+    for (size_t i = 0; i < model_.images.size(); ++i) {
+      const int image = static_cast<int>(i);
+      const double error = Compare(stored, image, scale_).Sum();
+      if (error < smallest) {
+        smallest = error;
+        best = image;
+      }
+    }
+    return best;
+  }
+
+  // Throws where all cameras would fit if the scene were larger or smaller.
+  void CheckUnits() const {
+    Eigen::Vector3d mean_stored = Eigen::Vector3d::Zero();
+    Eigen::Vector3d mean_model = Eigen::Vector3d::Zero();
+    for (const AssignedCamera& assigned : cameras_) {
+      mean_stored += assigned.camera.center;
+      mean_model += ImageOf(model_, assigned.image).camera.Center();
+    }
+    mean_stored /= static_cast<double>(cameras_.size());
+    mean_model /= static_cast<double>(cameras_.size());
+    double spread_stored = 0.0;
+    double spread_model = 0.0;
+    for (const AssignedCamera& assigned : cameras_) {
+      spread_stored += (assigned.camera.center - mean_stored).squaredNorm();
+      spread_model +=
+          (ImageOf(model_, assigned.image).camera.Center() - mean_model)
+              .squaredNorm();
+    }
+    if (!(spread_stored > 0.0) || !(spread_model > 0.0)) {
+      return;
+    }
+    const double scale = std::sqrt(spread_model / spread_stored);
+    if (std::abs(scale / scale_ - 1.0) <= kMaxShareOfExtent) {
+      return;
+    }
+    for (const AssignedCamera& assigned : cameras_) {
+      if (!Compare(assigned.camera, assigned.image, scale).Fits()) {
+        return;
+      }
+    }
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.4g", scale);
+    throw Error::File(
+        ErrorCode::kMismatch,
+        cameras_[0].camera.file,
+        "all cameras fit those of the sparse model after scaling "
+        "by " +
+            std::string(text) + ": the maps are in other units",
+        "give " + OptionName("depth_scale") + " " + std::string(text));
+  }
+
+  Error WrongPose(const AssignedCamera& assigned) const {
+    const std::string& name = ImageOf(model_, assigned.image).name;
+    const int best = BestImage(assigned.camera);
+    if (best != assigned.image &&
+        Compare(assigned.camera, best, scale_).Fits()) {
+      return Error::File(ErrorCode::kMismatch,
+                         assigned.camera.file,
+                         "is the camera of " + ImageOf(model_, best).name +
+                             ", not of " + name +
+                             ": the images are in another order",
+                         "try the other " + OptionName("index_order") +
+                             ", or name the images in their order with " +
+                             OptionName("image_list"));
+    }
+    const PoseError error = Compare(assigned.camera, assigned.image, scale_);
+    char text[96];
+    std::snprintf(text,
+                  sizeof(text),
+                  "by %.2f degrees and %.3g of the scene's extent",
+                  error.rotation * kMaxDegrees,
+                  error.center * kMaxShareOfExtent);
+    return Error::File(
+        ErrorCode::kMismatch,
+        assigned.camera.file,
+        "the camera is not that of " + name + ", it differs " + text,
+        "use maps that were made from this sparse model");
+  }
+
+  void CheckIntrinsics(const AssignedCamera& assigned) const {
+    const Camera& camera = ImageOf(model_, assigned.image).camera;
+    const StoredCamera& stored = assigned.camera;
+    const double difference =
+        std::max({std::abs(stored.fx / stored.fy * camera.fy / camera.fx - 1.0),
+                  std::abs(stored.cx / stored.fx - camera.cx / camera.fx),
+                  std::abs(stored.cy / stored.fy - camera.cy / camera.fy)});
+    if (difference > kMaxRatio) {
+      char text[96];
+      std::snprintf(text,
+                    sizeof(text),
+                    "%.4g and %.4g, the image's %.4g and %.4g",
+                    stored.cx / stored.fx,
+                    stored.cy / stored.fy,
+                    camera.cx / camera.fx,
+                    camera.cy / camera.fy);
+      throw Error::File(
+          ErrorCode::kMismatch,
+          stored.file,
+          "the camera is not that of " + ImageOf(model_, assigned.image).name +
+              ": its principal point over its focal length is " + text,
+          "use maps of the undistorted images of this workspace");
+    }
+  }
+
+  const std::vector<AssignedCamera>& cameras_;
+  const SparseModel& model_;
+  double scale_;
+  double extent_;
+};
+
+}  // namespace
+
+void CheckCameras(const std::vector<AssignedCamera>& cameras,
+                  const SparseModel& model,
+                  double scale) {
+  CameraChecker(cameras, model, scale).Check();
+}
+
+}  // namespace tsar

@@ -1,0 +1,201 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/import/external_maps.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/io/dense_maps.h"
+#include "colmap_tsar/io/depth_image.h"
+#include "colmap_tsar/io/float_map.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/tools/import/normals_from_depth.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+FloatMap ReadMap(const std::filesystem::path& path,
+                 ExternalFormat format,
+                 bool* is_integer) {
+  const std::vector<uint8_t> bytes = ReadFileBytes(path);
+  switch (format) {
+    case ExternalFormat::kAcm:
+      return ParseDmb(bytes, path.string());
+    case ExternalFormat::kApd:
+      return ParseApdMap(bytes, path.string());
+    default: {
+      DepthImage image = ParseDepthImage(bytes, path);
+      *is_integer = image.is_integer;
+      return std::move(image.map);
+    }
+  }
+}
+
+template <typename T>
+void RequireSize(const std::filesystem::path& path,
+                 const Image<T>& map,
+                 const Image<float>& depth) {
+  if (!map.Empty() && !map.HasSizeOf(depth)) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "has " + ToString(RasterSize{map.Width(), map.Height()}) +
+                          " pixels, the depth map " +
+                          ToString(RasterSize{depth.Width(), depth.Height()}),
+                      "use maps of one run");
+  }
+}
+
+// The normal of a pixel in the camera frame, of unit length, towards the
+// camera; zero where it has no direction.
+Vec3f ConvertNormal(const Vec3f& stored,
+                    const Eigen::Matrix3d* rotation,
+                    const Vec3f& ray) {
+  constexpr double kMaxDeviation = 1e-4;
+  Vec3f normal = stored;
+  const Eigen::Vector3d exact(stored.x, stored.y, stored.z);
+  const double norm = exact.norm();
+  if (!(norm > 0.0)) {
+    return {};
+  }
+  if (rotation != nullptr || std::abs(norm - 1.0) > kMaxDeviation) {
+    const Eigen::Vector3d unit =
+        (rotation != nullptr ? Eigen::Vector3d(*rotation * exact) : exact) /
+        norm;
+    normal = {static_cast<float>(unit.x()),
+              static_cast<float>(unit.y()),
+              static_cast<float>(unit.z())};
+  }
+  return Dot(normal, ray) > 0.f ? -normal : normal;
+}
+
+PlanarMap ConvertCosts(const Image<float>& cost) {
+  constexpr float kNoEvidence = 2.f;
+  const size_t num_pixels = cost.NumPixels();
+  PlanarMap map = {cost.Width(), cost.Height(), 2, {}};
+  map.values.assign(2 * num_pixels, kNoEvidence);
+  for (size_t i = 0; i < num_pixels; ++i) {
+    const float value = cost.Data()[i];
+    if (value >= 0.f && value < kNoEvidence) {
+      map.values[i] = value;
+    }
+  }
+  return map;
+}
+
+// As ToDepth, but for costs, of which all values say something.
+Image<float> ToCosts(const FloatMap& map, const std::string& name) {
+  if (map.channels != 1) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      name,
+                      "a cost map has 1 channel, this file has " +
+                          std::to_string(map.channels),
+                      "check " + OptionName("format"));
+  }
+  Image<float> cost(map.width, map.height);
+  std::copy(map.values.begin(), map.values.end(), cost.begin());
+  return cost;
+}
+
+}  // namespace
+
+ExternalMaps ReadExternalMaps(const ExternalFiles& files,
+                              ExternalFormat format) {
+  ExternalMaps maps;
+  if (format == ExternalFormat::kOpenMvs) {
+    Dmap dmap = ParseDmap(ReadFileBytes(files.depth), files.depth.string());
+    maps.depth = std::move(dmap.depth);
+    maps.normal = std::move(dmap.normal);
+    maps.camera = dmap.camera;
+    return maps;
+  }
+  maps.depth = ToDepth(ReadMap(files.depth, format, &maps.is_integer),
+                       files.depth.string());
+  bool ignored = false;
+  if (!files.normal.empty()) {
+    maps.normal = ToNormals(ReadMap(files.normal, format, &ignored),
+                            files.normal.string());
+    RequireSize(files.normal, maps.normal, maps.depth);
+  }
+  if (!files.cost.empty()) {
+    maps.cost =
+        ToCosts(ReadMap(files.cost, format, &ignored), files.cost.string());
+    RequireSize(files.cost, maps.cost, maps.depth);
+  }
+  if (!files.camera.empty()) {
+    maps.camera =
+        ParseCamFile(ReadFileBytes(files.camera), files.camera.string());
+  }
+  return maps;
+}
+
+Image<float> ScaledDepth(const Image<float>& depth, double scale) {
+  Image<float> scaled(depth.Width(), depth.Height());
+  for (size_t i = 0; i < depth.NumPixels(); ++i) {
+    const auto value = static_cast<float>(depth.Data()[i] * scale);
+    scaled.Data()[i] = std::isfinite(value) ? value : 0.f;
+  }
+  return scaled;
+}
+
+ImportedMaps ConvertMaps(const ExternalMaps& external,
+                         const Camera& camera,
+                         const ConvertOptions& options) {
+  ImportedMaps maps;
+  maps.depth = ScaledDepth(external.depth, options.scale);
+  const int width = maps.depth.Width();
+  const int height = maps.depth.Height();
+  const Intrinsics intrinsics = camera.Resized(width, height).GetIntrinsics();
+  maps.normal = NormalsFromDepth(maps.depth, intrinsics);
+  if (!external.normal.Empty()) {
+    const Eigen::Matrix3d* rotation =
+        options.normals_in_world ? &camera.rotation : nullptr;
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const Vec3f normal = ConvertNormal(
+            external.normal(x, y),
+            rotation,
+            intrinsics.Ray(static_cast<float>(x), static_cast<float>(y)));
+        if (maps.depth(x, y) > 0.f && !(normal == Vec3f{})) {
+          maps.normal(x, y) = normal;
+        }
+      }
+    }
+  }
+  if (options.use_costs && !external.cost.Empty()) {
+    maps.cost = ConvertCosts(external.cost);
+  }
+  return maps;
+}
+
+NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera) {
+  NormalFacing facing;
+  if (external.normal.Empty()) {
+    return facing;
+  }
+  const Intrinsics intrinsics =
+      camera.Resized(external.depth.Width(), external.depth.Height())
+          .GetIntrinsics();
+  for (int y = 0; y < external.depth.Height(); ++y) {
+    for (int x = 0; x < external.depth.Width(); ++x) {
+      const Vec3f& n = external.normal(x, y);
+      if (!(external.depth(x, y) > 0.f) || n == Vec3f{}) {
+        continue;
+      }
+      const Vec3f ray =
+          intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+      const Eigen::Vector3d world_ray =
+          camera.rotation.transpose() * Eigen::Vector3d(ray.x, ray.y, ray.z);
+      ++facing.num_normals;
+      facing.num_facing_in_camera += Dot(n, ray) < 0.f ? 1 : 0;
+      facing.num_facing_in_world +=
+          world_ray.dot(Eigen::Vector3d(n.x, n.y, n.z)) < 0.0 ? 1 : 0;
+    }
+  }
+  return facing;
+}
+
+}  // namespace tsar

@@ -1,0 +1,93 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/import/import_record.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/run/store/json_file.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+
+ContainedPath GetImportFolder(const std::filesystem::path& root) {
+  return {root, std::filesystem::path("stereo") / "tsar_import"};
+}
+
+std::string GetImportKey(const std::string& image_name, MapType type) {
+  return image_name + "." + ToString(type);
+}
+
+ContainedPath GetMapPath(const std::filesystem::path& root,
+                         size_t kind,
+                         const std::string& key) {
+  return {
+      root,
+      std::filesystem::path("stereo") / kImportFolders[kind] / (key + ".bin")};
+}
+
+ContainedPath GetFormerFolder(const std::filesystem::path& root, size_t kind) {
+  return GetImportFolder(root) / "former" / kImportFolders[kind];
+}
+
+ContainedPath GetFormerPath(const std::filesystem::path& root,
+                            size_t kind,
+                            const std::string& key) {
+  return GetFormerFolder(root, kind) / (key + ".bin");
+}
+
+ContainedPath GetImportRecordFolder(const std::filesystem::path& root) {
+  return GetImportFolder(root) / "records";
+}
+
+ContainedPath GetImportRecordPath(const std::filesystem::path& root,
+                                  const std::string& key) {
+  return GetImportRecordFolder(root) / (key + ".json");
+}
+
+std::optional<ImportRecord> ReadImportRecord(
+    const std::filesystem::path& path) {
+  InputFile file(path);
+  if (file.IsMissing()) {
+    return std::nullopt;
+  }
+  ImportRecord record;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(file);
+    for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
+      for (const nlohmann::json& entry : json.at(kImportFolders[kind])) {
+        record.written[kind].push_back(
+            WrittenMapFromText(entry.get<std::string>()));
+      }
+    }
+    record.is_being_undone = json.value("is_being_undone", false);
+    return record;
+  } catch (const nlohmann::json::exception&) {
+  } catch (const std::logic_error&) {
+    // A map that is none.
+  }
+  throw Error::File(ErrorCode::kCorrupt,
+                    path.string(),
+                    "not a record of this program",
+                    "look at the maps in stereo/tsar_import/former, move them "
+                    "back by hand and delete stereo/tsar_import");
+}
+
+void WriteImportRecord(const ContainedPath& path, const ImportRecord& record) {
+  nlohmann::json json;
+  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const WrittenMap& map : record.written[kind]) {
+      list.push_back(ToText(map));
+    }
+    json[kImportFolders[kind]] = std::move(list);
+  }
+  json["is_being_undone"] = record.is_being_undone;
+  WriteJson(path, json);
+}
+
+}  // namespace tsar

@@ -1,0 +1,37 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/io/sparse_model.h"
+
+#include <filesystem>
+
+namespace tsar {
+
+// The sparse model of a workspace to import into, of which nothing but images/
+// and sparse/ need exist. Throws Error: kNotFound (one of them is missing, or
+// there are no images), kUnsupported (an image's name leaves the folder), and
+// what ReadSparseModel throws.
+SparseModel ReadTargetModel(const std::filesystem::path& root);
+
+// The folder stereo, made where it is missing; goes again if nothing comes in.
+class StereoFolder {
+ public:
+  explicit StereoFolder(const std::filesystem::path& root);
+  ~StereoFolder();
+  StereoFolder(const StereoFolder&) = delete;
+  StereoFolder& operator=(const StereoFolder&) = delete;
+
+ private:
+  ContainedPath path_;
+  bool is_new_ = false;
+};
+
+// Writes patch-match.cfg and fusion.cfg where they are missing, as
+// image_undistorter does: all images, `__auto__, 20`.
+void WriteMissingConfigs(const std::filesystem::path& root,
+                         const SparseModel& model);
+
+}  // namespace tsar

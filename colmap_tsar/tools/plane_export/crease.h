@@ -1,0 +1,79 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/tools/plane_export/plane_polygon.h"
+#include "colmap_tsar/tools/plane_export/plane_view.h"
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// A line in which two planes of the scene meet, and where views see them meet
+// there: from point + begin * direction to point + end * direction.
+struct Crease {
+  int first = 0;  // The smaller number.
+  int second = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // Of unit length.
+  double begin = 0.0;
+  double end = 0.0;
+  int64_t num_pixels = 0;  // Pairs of neighbours, one of each plane.
+};
+
+// The same in the coordinates of one of its planes.
+struct CreaseLine {
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
+  double begin = 0.0;
+  double end = 0.0;
+
+  // To the left of it, as signed distance, and along it.
+  double Height(const Eigen::Vector2d& at) const {
+    return direction.x() * (at - point).y() - direction.y() * (at - point).x();
+  }
+  double Along(const Eigen::Vector2d& at) const {
+    return direction.dot(at - point);
+  }
+  // Whether a point lies beside what was seen of it, or up to so far beyond.
+  bool IsBeside(const Eigen::Vector2d& at, double margin) const {
+    const double along = Along(at);
+    return along >= begin - margin && along <= end + margin;
+  }
+};
+
+// Finds the creases of the planes from where their labels touch in the views,
+// to be given one after the other.
+class CreaseFinder {
+ public:
+  explicit CreaseFinder(const std::vector<PlaneCoordinates>& planes)
+      : planes_(planes) {}
+
+  void Add(const PlaneView& view);
+
+  // Those that enough pixels tell of, by their planes.
+  std::vector<Crease> Creases() const;
+
+ private:
+  void AddPair(const PlaneView& view,
+               const std::vector<PlaneProjection>& projections,
+               const Eigen::Vector2i& pixel,
+               const Eigen::Vector2i& neighbour);
+
+  const std::vector<PlaneCoordinates>& planes_;
+  // Creases by their planes; those of parallel planes have no direction.
+  std::map<std::pair<int, int>, Crease> creases_;
+};
+
+// Those of plane p, in its coordinates.
+std::vector<CreaseLine> CreasesOf(int p,
+                                  const PlaneCoordinates& coordinates,
+                                  const std::vector<Crease>& creases);
+
+}  // namespace tsar

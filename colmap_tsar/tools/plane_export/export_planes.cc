@@ -1,0 +1,254 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/plane_export/export_planes.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/tools/plane_export/crease.h"
+#include "colmap_tsar/tools/plane_export/plane_statistics.h"
+#include "colmap_tsar/tools/plane_export/support_mask.h"
+#include "colmap_tsar/tools/plane_export/trace_polygons.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+bool IsRefined(const Workspace& workspace) {
+  const int num_images = static_cast<int>(workspace.Model().images.size());
+  for (int image = 0; image < num_images; ++image) {
+    if (Exists(workspace.ProvenancePath(image, workspace.Type()))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+[[noreturn]] void ThrowNoPlanes(const Workspace& workspace) {
+  const std::string type = ToString(workspace.Type());
+  if (!IsRefined(workspace)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      workspace.Root().string(),
+                      "has no refined " + type + " maps",
+                      "run tsar_refine on it first");
+  }
+  throw Error::File(ErrorCode::kNotFound,
+                    workspace.Root().string(),
+                    "its " + type +
+                        " maps were refined without keeping the planes of the "
+                        "scene",
+                    "run this version's tsar_refine on it, with the planes of "
+                    "the scene");
+}
+
+// What plane maps name are the planes that their images were composed with.
+// Those of another scene, or of a later run, are others of the same numbers.
+void RequirePlanesOfMaps(const Workspace& workspace,
+                         const std::vector<int>& images,
+                         const std::filesystem::path& model_path) {
+  const std::optional<uint64_t> planes_of_scene =
+      ReadScenePlanesFingerprint(model_path);
+  const std::string fingerprint =
+      planes_of_scene ? std::to_string(*planes_of_scene) : "";
+  for (const int image : images) {
+    const MapPaths paths = workspace.Paths(image, workspace.Type());
+    const std::optional<ImageRecord> record = ReadRecordIfValid(paths.record);
+    if (!record) {
+      continue;
+    }
+    const auto planes = record->inputs.find(ImageRecord::kPlanes);
+    if (planes != record->inputs.end() && planes->second != fingerprint) {
+      throw Error::File(
+          ErrorCode::kMismatch,
+          model_path.string(),
+          "does not hold the planes that " + paths.planes.string() + " names",
+          "run tsar_refine again");
+    }
+  }
+}
+
+// Reads what the images show of the planes and calls function with it, one
+// image after the other.
+template <typename Function>
+void VisitPlaneViews(const Workspace& workspace,
+                     const std::vector<int>& images,
+                     int num_planes,
+                     const std::string& pass,
+                     Progress& progress,
+                     const std::function<bool()>& is_stopped,
+                     Function function) {
+  progress.Start(static_cast<int>(images.size()), pass);
+  for (const int image : images) {
+    if (is_stopped()) {
+      progress.Finish();
+      throw Error(ErrorCode::kInterrupted, "stopped; nothing was written");
+    }
+    function(ReadPlaneView(workspace, image, num_planes));
+    progress.Advance(true);
+  }
+  progress.Finish();
+}
+
+Vertical VerticalOf(const Workspace& workspace,
+                    const std::vector<int>& images,
+                    const SceneModel& model) {
+  std::vector<Eigen::Vector3d> ups;
+  for (const int image : images) {
+    ups.push_back(-workspace.Model()
+                       .images[static_cast<size_t>(image)]
+                       .camera.rotation.row(1)
+                       .transpose());
+  }
+  return FindVertical(ups, model.frames);
+}
+
+// Turned so that the normal points to where it is seen from.
+void Turn(ExportedPlane* plane) {
+  plane->coordinates.normal *= -1.0;
+  plane->coordinates.axis_t *= -1.0;
+  const Eigen::DiagonalMatrix<double, 3> signs(1.0, -1.0, -1.0);
+  plane->covariance = signs * plane->covariance * signs;
+  const auto mirror = [](Ring* ring) {
+    for (Eigen::Vector2d& point : *ring) {
+      point.y() *= -1.0;
+    }
+    *ring = Ring(ring->rbegin(), ring->rend());
+  };
+  for (PlanePolygon& polygon : plane->polygons) {
+    mirror(&polygon.outline);
+    for (Ring& hole : polygon.holes) {
+      mirror(&hole);
+    }
+  }
+}
+
+// All but its shape, in the coordinates of the model.
+ExportedPlane Describe(const ModelPlane& model_plane,
+                       const PlaneStatistics& statistics,
+                       const PlaneCoordinates& coordinates,
+                       const SparseModel& sparse) {
+  ExportedPlane plane;
+  plane.coordinates = coordinates;
+  plane.covariance = model_plane.covariance;
+  if (coordinates.axis_t.dot(model_plane.axis_t) < 0.0) {
+    const Eigen::DiagonalMatrix<double, 3> signs(1.0, -1.0, 1.0);
+    plane.covariance = signs * plane.covariance * signs;
+  }
+  plane.support = model_plane.support;
+  plane.component = model_plane.component;
+  plane.frame = model_plane.frame;
+  plane.axis = model_plane.axis;
+  plane.num_pixels = statistics.num_pixels;
+  if (statistics.num_pixels > 0) {
+    plane.share_measured = static_cast<double>(statistics.num_measured) /
+                           static_cast<double>(statistics.num_pixels);
+  }
+  for (const PlaneSighting& sighting : statistics.sightings) {
+    plane.images.push_back(
+        {sparse.images[static_cast<size_t>(sighting.image)].name,
+         sighting.num_pixels});
+  }
+  return plane;
+}
+
+std::vector<Eigen::Vector3d> CentersOf(const PlaneStatistics& statistics,
+                                       const SparseModel& sparse) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const PlaneSighting& sighting : statistics.sightings) {
+    centers.push_back(
+        sparse.images[static_cast<size_t>(sighting.image)].camera.Center());
+  }
+  return centers;
+}
+
+}  // namespace
+
+bool HasPlanes(const Workspace& workspace) {
+  return Exists(GetSceneModelPath(workspace.Root())) &&
+         !FindPlaneViews(workspace).empty();
+}
+
+ExportedPlanes ExportPlanes(const Workspace& workspace,
+                            const PlaneExportOptions& options,
+                            Progress& progress,
+                            const std::function<bool()>& is_stopped) {
+  const std::filesystem::path model_path = GetSceneModelPath(workspace.Root());
+  const std::vector<int> images = FindPlaneViews(workspace);
+  if (!Exists(model_path) || images.empty()) {
+    ThrowNoPlanes(workspace);
+  }
+  const SceneModel model =
+      ReadSceneModel(model_path, SceneModelParts::kWithoutLabels);
+  RequirePlanesOfMaps(workspace, images, model_path);
+  const int num_planes = static_cast<int>(model.planes.size());
+  std::vector<PlaneCoordinates> coordinates;
+  for (const ModelPlane& plane : model.planes) {
+    coordinates.push_back(CoordinatesOf(plane));
+  }
+  const auto visit_views = [&](const char* pass, const auto& function) {
+    VisitPlaneViews(
+        workspace, images, num_planes, pass, progress, is_stopped, function);
+  };
+
+  std::vector<PlaneStatistics> statistics(model.planes.size());
+  CreaseFinder crease_finder(coordinates);
+  visit_views("Planes, pass 1 of 2:", [&](const PlaneView& view) {
+    AddStatistics(view, coordinates, &statistics);
+    crease_finder.Add(view);
+  });
+  std::vector<SupportGrid> grids = MakeSupportGrids(statistics);
+  visit_views("Planes, pass 2 of 2:", [&](const PlaneView& view) {
+    AddCoverage(view, coordinates, &grids);
+  });
+
+  const std::vector<Crease> creases = crease_finder.Creases();
+  ExportedPlanes result;
+  result.type = ToString(workspace.Type());
+  result.num_images = static_cast<int>(images.size());
+  result.vertical = VerticalOf(workspace, images, model);
+  result.frames = model.frames;
+  for (int p = 0; p < num_planes; ++p) {
+    const auto index = static_cast<size_t>(p);
+    ExportedPlane plane = Describe(model.planes[index],
+                                   statistics[index],
+                                   coordinates[index],
+                                   workspace.Model());
+    plane.id = p;
+    plane.cell = grids[index].cell;
+    plane.plane_class =
+        ClassifyPlane(coordinates[index].normal,
+                      coordinates[index].origin,
+                      CentersOf(statistics[index], workspace.Model()),
+                      result.vertical);
+    for (const Crease& crease : creases) {
+      if (crease.first == p || crease.second == p) {
+        plane.meets.push_back(crease.first == p ? crease.second : crease.first);
+      }
+    }
+    if (plane.num_pixels > 0) {
+      const std::vector<CreaseLine> lines =
+          CreasesOf(p, coordinates[index], creases);
+      plane.polygons =
+          TracePolygons(grids[index], FindSupport(grids[index], lines), lines);
+      grids[index].coverage = {};
+    }
+    for (const PlanePolygon& polygon : plane.polygons) {
+      plane.area += Area(polygon);
+    }
+    if (!statistics[index].IsSeenFromNormalSide()) {
+      Turn(&plane);
+    }
+    if (plane.area >= options.min_area) {
+      result.planes.push_back(std::move(plane));
+    }
+  }
+  return result;
+}
+
+}  // namespace tsar

@@ -1,0 +1,36 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/plane_export/exported_planes.h"
+
+#include <functional>
+
+namespace tsar {
+
+struct PlaneExportOptions {
+  // Planes of a smaller area, in square units of the sparse model, are left
+  // out.
+  double min_area = 0.0;
+};
+
+// Whether a workspace has files of the planes of its scene and maps of them;
+// those refined without scene planes have none.
+bool HasPlanes(const Workspace& workspace);
+
+// The planes of a refined workspace: what its stereo/tsar/planes.bin says of
+// each, and where the refined maps of its type show it. Holds the maps of one
+// image at a time, and reads them twice. is_stopped: asked before each image.
+//
+// Throws Error: kNotFound (HasPlanes() is false),
+// kMismatch (maps, planes and model are not of one run), kInterrupted, and what
+// the readers throw.
+ExportedPlanes ExportPlanes(const Workspace& workspace,
+                            const PlaneExportOptions& options,
+                            Progress& progress,
+                            const std::function<bool()>& is_stopped);
+
+}  // namespace tsar

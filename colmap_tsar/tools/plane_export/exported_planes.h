@@ -1,0 +1,89 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/tools/plane_export/plane_polygon.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+enum class PlaneClass { kFloor, kCeiling, kWall, kOther };
+
+// "floor", "ceiling", "wall" or "other".
+std::string ToString(PlaneClass of_plane);
+
+// Which way is up, and who says so.
+struct Vertical {
+  enum class Source {
+    kFrame,    // The axis of a Manhattan frame that the cameras come nearest.
+    kCameras,  // The mean of the cameras' own up, with no axis near it.
+    kNone,     // The cameras look all ways, and nothing is known.
+  };
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();  // Of unit length, or 0.
+  Source source = Source::kNone;
+};
+
+// "manhattan_frame", "cameras" or "none".
+std::string ToString(Vertical::Source source);
+
+// camera_ups: unit vectors in the world frame (-y of each camera). frames: see
+// SceneModel.
+Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
+                      const std::vector<Eigen::Matrix3d>& frames);
+
+// Floor and ceiling: the normal within 15 degrees of the vertical, and most of
+// the cameras that see it above or below. Wall: the normal within 15 degrees of
+// horizontal. All else, and all where there is no vertical, is other.
+// point: of the plane; cameras: the centres of those that see it.
+PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
+                         const Eigen::Vector3d& point,
+                         const std::vector<Eigen::Vector3d>& cameras,
+                         const Vertical& vertical);
+
+// A plane of the scene as it is given to others. World frame, units of the
+// sparse model.
+struct ExportedPlane {
+  int id = 0;  // In planes.bin; plane maps hold 1 + id.
+  PlaneClass plane_class = PlaneClass::kOther;
+  // Its normal points to where most of its pixels are seen from.
+  PlaneCoordinates coordinates;
+  // Of the rotation about axis_s and about axis_t (radians), and of the shift
+  // along the normal. Infinite variances: not known.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double support = 0.0;  // See ModelPlane.
+  int component = 0;
+  int frame = -1;
+  int axis = -1;
+  double area = 0.0;  // Of the polygons.
+  double cell =
+      0.0;  // The resolution of the polygons; 0 where nothing is seen.
+  int64_t num_pixels = 0;
+  double share_measured = 0.0;
+  struct Sighting {
+    std::string image;
+    int64_t num_pixels = 0;
+  };
+  std::vector<Sighting> images;
+  std::vector<int> meets;  // The planes with which it has a crease.
+  // In its coordinates; the largest first.
+  std::vector<PlanePolygon> polygons;
+
+  // normal . X + Offset() = 0.
+  double Offset() const { return -coordinates.normal.dot(coordinates.origin); }
+};
+
+struct ExportedPlanes {
+  std::string type;  // Of the maps: "geometric" or "photometric".
+  int num_images = 0;
+  Vertical vertical;
+  std::vector<Eigen::Matrix3d> frames;  // See SceneModel.
+  std::vector<ExportedPlane> planes;    // By id.
+};
+
+}  // namespace tsar

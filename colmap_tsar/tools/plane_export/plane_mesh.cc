@@ -1,0 +1,229 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/plane_export/plane_mesh.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+
+namespace tsar {
+namespace {
+
+using Loop = std::vector<int>;  // Numbers of points, counterclockwise.
+
+double Cross(const Eigen::Vector2d& a,
+             const Eigen::Vector2d& b,
+             const Eigen::Vector2d& c) {
+  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+}
+
+// Also on its border.
+bool IsInTriangle(const Eigen::Vector2d& point,
+                  const Eigen::Vector2d& a,
+                  const Eigen::Vector2d& b,
+                  const Eigen::Vector2d& c) {
+  return Cross(a, b, point) >= 0.0 && Cross(b, c, point) >= 0.0 &&
+         Cross(c, a, point) >= 0.0;
+}
+
+const Eigen::Vector2d& At(const Ring& points, const Loop& loop, size_t i) {
+  return points[static_cast<size_t>(loop[i % loop.size()])];
+}
+
+// The place in the loop of a point that can be joined to the hole's rightmost
+// point without crossing the loop.
+size_t FindBridge(const Ring& points,
+                  const Loop& loop,
+                  const Eigen::Vector2d& rightmost) {
+  // The edge that a ray to the right hits first: the loop encloses the hole, so
+  // that it runs upwards there.
+  double nearest = std::numeric_limits<double>::infinity();
+  size_t bridge = 0;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Eigen::Vector2d& a = At(points, loop, i);
+    const Eigen::Vector2d& b = At(points, loop, i + 1);
+    if (a.y() > rightmost.y() || b.y() < rightmost.y() || a.y() == b.y()) {
+      continue;
+    }
+    const double x =
+        a.x() + (rightmost.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    if (x >= rightmost.x() && x < nearest) {
+      nearest = x;
+      bridge = a.x() > b.x() ? i : (i + 1) % loop.size();
+    }
+  }
+  // What juts into the triangle between the ray and that edge's end hides it;
+  // of that, the point nearest to the ray's direction is visible.
+  const Eigen::Vector2d hit(nearest, rightmost.y());
+  Eigen::Vector2d end = At(points, loop, bridge);
+  const bool is_above = end.y() > rightmost.y();
+  const Eigen::Vector2d& a = rightmost;
+  const Eigen::Vector2d b = is_above ? hit : end;
+  const Eigen::Vector2d c = is_above ? end : hit;
+  double best_slope = std::numeric_limits<double>::infinity();
+  double best_distance = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Eigen::Vector2d& point = At(points, loop, i);
+    if (point.x() < rightmost.x() || !IsInTriangle(point, a, b, c) ||
+        point == rightmost) {
+      continue;
+    }
+    // Points where loops touch themselves occur several times; the one through
+    // whose corner the bridge runs is the right one.
+    const Eigen::Vector2d& before = At(points, loop, i + loop.size() - 1);
+    const Eigen::Vector2d& after = At(points, loop, i + 1);
+    const bool is_reflex = Cross(before, point, after) < 0.0;
+    const bool is_left_of_before = Cross(before, point, rightmost) > 0.0;
+    const bool is_left_of_after = Cross(point, after, rightmost) > 0.0;
+    const bool is_inside = is_reflex ? is_left_of_before || is_left_of_after
+                                     : is_left_of_before && is_left_of_after;
+    const double width = point.x() - rightmost.x();
+    const double height = std::abs(point.y() - rightmost.y());
+    const double slope = height == 0.0 ? 0.0 : height / width;
+    const double distance = (point - rightmost).squaredNorm();
+    if (is_inside && (slope < best_slope ||
+                      (slope == best_slope && distance < best_distance))) {
+      best_slope = slope;
+      best_distance = distance;
+      bridge = i;
+    }
+  }
+  return bridge;
+}
+
+void JoinHole(const Ring& points, const Loop& hole, Loop* loop) {
+  const auto rightmost =
+      std::max_element(hole.begin(), hole.end(), [&](int i, int j) {
+        return points[static_cast<size_t>(i)].x() <
+               points[static_cast<size_t>(j)].x();
+      });
+  const size_t bridge =
+      FindBridge(points, *loop, points[static_cast<size_t>(*rightmost)]);
+  // Along the bridge, around the hole, and back.
+  Loop inserted(rightmost, hole.end());
+  inserted.insert(inserted.end(), hole.begin(), rightmost);
+  inserted.push_back(*rightmost);
+  inserted.push_back((*loop)[bridge]);
+  loop->insert(loop->begin() + static_cast<std::ptrdiff_t>(bridge) + 1,
+               inserted.begin(),
+               inserted.end());
+}
+
+bool IsEar(const Ring& points, const Loop& loop, size_t i) {
+  const Eigen::Vector2d& a = At(points, loop, i + loop.size() - 1);
+  const Eigen::Vector2d& b = At(points, loop, i);
+  const Eigen::Vector2d& c = At(points, loop, i + 1);
+  if (!(Cross(a, b, c) > 0.0)) {
+    return false;
+  }
+  return std::none_of(loop.begin(), loop.end(), [&](int number) {
+    const Eigen::Vector2d& point = points[static_cast<size_t>(number)];
+    return point != a && point != b && point != c &&
+           IsInTriangle(point, a, b, c);
+  });
+}
+
+// Three points on a line, which cover nothing.
+bool IsFlat(const Ring& points, const Loop& loop, size_t i) {
+  return Cross(At(points, loop, i + loop.size() - 1),
+               At(points, loop, i),
+               At(points, loop, i + 1)) == 0.0;
+}
+
+void CutEars(const Ring& points,
+             Loop loop,
+             std::vector<std::array<int, 3>>* triangles) {
+  size_t i = 0;
+  size_t num_tried = 0;
+  while (loop.size() >= 3) {
+    // Rounding may leave no ear at last: then the next corner that turns the
+    // right way is cut, or any.
+    const bool is_stuck = num_tried > loop.size();
+    const bool is_lost = num_tried > 2 * loop.size();
+    i %= loop.size();
+    const bool is_flat = IsFlat(points, loop, i);
+    const double turn = Cross(At(points, loop, i + loop.size() - 1),
+                              At(points, loop, i),
+                              At(points, loop, i + 1));
+    if (!is_lost && !is_flat && !IsEar(points, loop, i) &&
+        !(is_stuck && turn > 0.0)) {
+      ++i;
+      ++num_tried;
+      continue;
+    }
+    if (turn > 0.0) {
+      triangles->push_back({loop[(i + loop.size() - 1) % loop.size()],
+                            loop[i],
+                            loop[(i + 1) % loop.size()]});
+    }
+    loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(i));
+    // Not next to the last one, or fans of thin triangles would come of it.
+    ++i;
+    num_tried = 0;
+  }
+}
+
+}  // namespace
+
+Triangulation Triangulate(const PlanePolygon& polygon) {
+  Triangulation result;
+  result.points = polygon.outline;
+  Loop loop(polygon.outline.size());
+  std::iota(loop.begin(), loop.end(), 0);
+  std::vector<Loop> holes;
+  for (const Ring& ring : polygon.holes) {
+    Loop& hole = holes.emplace_back(ring.size());
+    std::iota(hole.begin(), hole.end(), static_cast<int>(result.points.size()));
+    result.points.insert(result.points.end(), ring.begin(), ring.end());
+  }
+  const auto right_end = [&](const Loop& hole) {
+    double x = -std::numeric_limits<double>::infinity();
+    for (const int i : hole) {
+      x = std::max(x, result.points[static_cast<size_t>(i)].x());
+    }
+    return x;
+  };
+  // From the right to the left, so that no hole is between a hole and the loop.
+  std::stable_sort(
+      holes.begin(), holes.end(), [&](const Loop& a, const Loop& b) {
+        return right_end(a) > right_end(b);
+      });
+  for (const Loop& hole : holes) {
+    JoinHole(result.points, hole, &loop);
+  }
+  CutEars(result.points, std::move(loop), &result.triangles);
+  return result;
+}
+
+PlaneMesh MakePlaneMesh(const ExportedPlane& plane) {
+  PlaneMesh mesh;
+  for (const PlanePolygon& polygon : plane.polygons) {
+    const Triangulation triangulation = Triangulate(polygon);
+    const int first = static_cast<int>(mesh.points.size());
+    for (const Eigen::Vector2d& point : triangulation.points) {
+      mesh.points.push_back(plane.coordinates.ToWorld(point));
+    }
+    for (const auto& [a, b, c] : triangulation.triangles) {
+      mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+  }
+  return mesh;
+}
+
+std::string NumberText(double number) {
+  char text[32];
+  const std::to_chars_result result =
+      std::to_chars(text, text + sizeof(text), number);
+  return std::string(text, result.ptr);
+}
+
+std::string PointText(const Eigen::Vector3d& point) {
+  return NumberText(point.x()) + " " + NumberText(point.y()) + " " +
+         NumberText(point.z());
+}
+
+}  // namespace tsar

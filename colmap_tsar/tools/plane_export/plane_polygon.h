@@ -1,0 +1,90 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// Right-handed coordinates (s, t) in a plane, in the units of the world.
+struct PlaneCoordinates {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis_s = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d axis_t = Eigen::Vector3d::UnitY();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+
+  Eigen::Vector2d ToPlane(const Eigen::Vector3d& point) const {
+    return {axis_s.dot(point - origin), axis_t.dot(point - origin)};
+  }
+  Eigen::Vector3d ToWorld(const Eigen::Vector2d& point) const {
+    return origin + point.x() * axis_s + point.y() * axis_t;
+  }
+};
+
+// With the plane's own normal and its first axis, about the point of the plane
+// that is nearest to its centre.
+PlaneCoordinates CoordinatesOf(const ModelPlane& plane);
+
+// Where the pixels of a view hit a plane.
+class PlaneProjection {
+ public:
+  PlaneProjection(const PlaneCoordinates& coordinates, const Camera& camera);
+
+  struct Hit {
+    double depth = 0.0;     // > 0
+    Eigen::Vector2d point;  // In the plane's coordinates.
+    // What the pixel covers of the plane: an area, and how far from side to
+    // side and from top to bottom.
+    double area = 0.0;
+    Eigen::Vector2d extent;
+  };
+
+  // False where the pixel does not see the plane.
+  bool Intersect(double x, double y, Hit* hit) const;
+  // The point alone.
+  bool Intersect(double x, double y, Eigen::Vector2d* point) const;
+
+ private:
+  double Depth(const Eigen::Vector3d& ray) const;
+  Eigen::Vector3d Ray(double x, double y) const;
+  Eigen::Vector2d Point(const Eigen::Vector3d& in_camera) const;
+
+  double fx_;
+  double fy_;
+  double cx_;
+  double cy_;
+  // The plane and its axes in the camera's frame.
+  Eigen::Vector3d normal_;
+  double offset_;
+  Eigen::Vector3d axis_s_;
+  Eigen::Vector3d axis_t_;
+  Eigen::Vector2d center_;  // The camera's.
+};
+
+// A closed line; its last point is joined to its first one.
+using Ring = std::vector<Eigen::Vector2d>;
+
+// A part of a plane, in the plane's coordinates. The outline runs
+// counterclockwise, the holes clockwise.
+struct PlanePolygon {
+  Ring outline;
+  std::vector<Ring> holes;
+};
+
+// Positive where it runs counterclockwise.
+double SignedArea(const Ring& ring);
+
+// Without the holes.
+double Area(const PlanePolygon& polygon);
+
+// Whether every ring has at least three points and no two edges of the polygon
+// meet, but for neighbours at the point that they share.
+bool IsSimple(const PlanePolygon& polygon);
+
+}  // namespace tsar

@@ -1,0 +1,42 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/tools/plane_export/exported_planes.h"
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// docs/planes.md describes the files. World frame, units of the sparse model.
+enum class PlaneFormat {
+  kJson,  // All that is known.
+  kPly,   // ASCII: triangles, a colour for each plane, the plane of each face.
+  kObj,   // Triangles in groups, plane_ID_CLASS.
+  kDxf,  // R12 ASCII: triangles (3DFACE) and outlines (POLYLINE) in a layer for
+         // each class.
+};
+
+// "json", "ply", "obj" and "dxf", in the order of PlaneFormat.
+const std::vector<std::string>& PlaneFormatNames();
+
+// By its name, or by the extension of a path where the name is empty; Error
+// kBadOption, which lists the formats.
+PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
+
+// In one step; errors as AtomicFile. The same planes give the same bytes.
+void WritePlanes(const ContainedPath& path,
+                 PlaneFormat format,
+                 const ExportedPlanes& planes);
+
+// The formats themselves.
+void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out);
+void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out);
+void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out);
+void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out);
+
+}  // namespace tsar

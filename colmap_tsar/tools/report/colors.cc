@@ -1,0 +1,176 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/report/colors.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/label_color.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+constexpr double kIgnoredShare = 0.02;
+// Keeps the ends of the range apart where all depths are the same.
+constexpr float kMinRelativeRange = 0.01f;
+// OpenCV's scale begins with a violet that is nearly black, as holes are.
+constexpr int kNumDarkColors = 24;
+constexpr int kNumColors = 256 - kNumDarkColors;
+
+std::vector<Rgb> ColorScale() {
+  cv::Mat codes(1, kNumColors, CV_8UC1);
+  for (int i = 0; i < kNumColors; ++i) {
+    codes.at<uint8_t>(0, i) = static_cast<uint8_t>(255 - i);
+  }
+  cv::Mat colors;
+  cv::applyColorMap(codes, colors, cv::COLORMAP_TURBO);
+  std::vector<Rgb> scale;
+  for (int i = 0; i < kNumColors; ++i) {
+    const cv::Vec3b& bgr = colors.at<cv::Vec3b>(0, i);
+    scale.push_back({bgr[2], bgr[1], bgr[0]});
+  }
+  return scale;
+}
+
+constexpr Rgb kBorder = {255, 214, 0};
+
+// From [-1, 1] to all of a byte.
+uint8_t ToByte(float component) {
+  return static_cast<uint8_t>(
+      std::lround(std::clamp(0.5f * component + 0.5f, 0.f, 1.f) * 255.f));
+}
+
+}  // namespace
+
+DepthRange RobustDepthRange(const Image<float>& before,
+                            const Image<float>& after) {
+  std::vector<float> depths;
+  for (const Image<float>* map : {&before, &after}) {
+    std::copy_if(
+        map->begin(), map->end(), std::back_inserter(depths), [](float depth) {
+          return depth > 0.f;
+        });
+  }
+  if (depths.empty()) {
+    return {1.f, 2.f};
+  }
+  const auto value_at = [&depths](size_t rank) {
+    std::nth_element(depths.begin(), depths.begin() + rank, depths.end());
+    return depths[rank];
+  };
+  const size_t last = depths.size() - 1;
+  const size_t skipped = static_cast<size_t>(kIgnoredShare * last);
+  const float nearest = value_at(skipped);
+  const float farthest = value_at(last - skipped);
+  return {nearest, std::max(farthest, nearest * (1.f + kMinRelativeRange))};
+}
+
+Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
+  const std::vector<Rgb> scale = ColorScale();
+  Image<Rgb> colors(depth.Width(), depth.Height());
+  std::transform(depth.begin(), depth.end(), colors.begin(), [&](float value) {
+    if (!(value > 0.f)) {
+      return Rgb();
+    }
+    const float position =
+        (value - range.nearest) / (range.farthest - range.nearest);
+    return scale[std::lround(std::clamp(position, 0.f, 1.f) *
+                             (kNumColors - 1))];
+  });
+  return colors;
+}
+
+Image<Rgb> ColorizeLabels(const Image<int>& labels) {
+  Image<Rgb> colors(labels.Width(), labels.Height());
+  std::transform(labels.begin(), labels.end(), colors.begin(), LabelColor);
+  return colors;
+}
+
+Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image) {
+  for (int y = 0; y < labels.Height(); ++y) {
+    for (int x = 0; x < labels.Width(); ++x) {
+      const int label = labels(x, y);
+      if ((x > 0 && labels(x - 1, y) != label) ||
+          (y > 0 && labels(x, y - 1) != label)) {
+        image(x, y) = kBorder;
+      }
+    }
+  }
+  return image;
+}
+
+Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals) {
+  Image<Rgb> colors(normals.Width(), normals.Height());
+  std::transform(
+      normals.begin(), normals.end(), colors.begin(), [](const Vec3f& normal) {
+        // Not where a component is not a number, either.
+        return Dot(normal, normal) > 0.f
+                   ? Rgb{ToByte(normal.x), ToByte(-normal.y), ToByte(-normal.z)}
+                   : Rgb();
+      });
+  return colors;
+}
+
+Image<Rgb> ColorizeValues(const Image<float>& values,
+                          float max,
+                          const Image<float>* mask) {
+  cv::Mat codes(1, 256, CV_8UC1);
+  for (int i = 0; i < 256; ++i) {
+    codes.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
+  }
+  cv::Mat scale;
+  cv::applyColorMap(codes, scale, cv::COLORMAP_VIRIDIS);
+  Image<Rgb> colors(values.Width(), values.Height());
+  for (size_t i = 0; i < values.NumPixels(); ++i) {
+    if (mask != nullptr && mask->Data()[i] == 0.f) {
+      continue;
+    }
+    // Not a number counts as 0.
+    const float share = std::max(0.f, std::min(values.Data()[i] / max, 1.f));
+    const auto& bgr =
+        scale.at<cv::Vec3b>(0, static_cast<int>(std::lround(255.f * share)));
+    colors.Data()[i] = {bgr[2], bgr[1], bgr[0]};
+  }
+  return colors;
+}
+
+const std::vector<ProvenanceKind>& ProvenanceKinds() {
+  // Colours that also people with colour blindness tell apart (after Okabe and
+  // Ito); what was there before stays grey.
+  static const std::vector<ProvenanceKind> kinds = {
+      {"none", {0, 0, 0}},
+      {"measured", {190, 190, 190}},
+      {"superpixel plane", {86, 180, 233}},
+      {"interpolated", {240, 228, 66}},
+      {"region plane", {213, 94, 0}},
+      {"other views", {0, 158, 115}},
+      {"guessed", {204, 121, 167}},
+      {"prior", {0, 114, 178}},
+  };
+  return kinds;
+}
+
+Image<Rgb> ColorizeProvenance(const Image<uint8_t>& provenance) {
+  const std::vector<ProvenanceKind>& kinds = ProvenanceKinds();
+  Image<Rgb> colors(provenance.Width(), provenance.Height());
+  std::transform(provenance.begin(),
+                 provenance.end(),
+                 colors.begin(),
+                 [&kinds](uint8_t value) {
+                   if (value >= kinds.size()) {
+                     throw Error(ErrorCode::kCorrupt,
+                                 "provenance map: unknown value " +
+                                     std::to_string(value) +
+                                     "; refine the workspace again");
+                   }
+                   return kinds[value].color;
+                 });
+  return colors;
+}
+
+}  // namespace tsar

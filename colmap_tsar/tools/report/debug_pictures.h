@@ -1,0 +1,41 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/view/refine_observer.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace tsar {
+
+// Draws what the stages of a run find: for each image a folder of its name,
+// subfolders included, with a PNG for each stage called by its number and name,
+// such as "left/0001.jpg/07_score.png".
+class DebugPictures : public RefineObserver {
+ public:
+  // Creates the folder, which may hold pictures of earlier runs; those of these
+  // names are replaced. Throws Error: kUnsupported where anything else is in it,
+  // kIo.
+  explicit DebugPictures(const std::filesystem::path& folder);
+
+  // Drawing throws Error kIo.
+  std::unique_ptr<StageObserver> Observe(const std::string& image_name,
+                                         const Image<float>& depth) override;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// Where the picture of a stage lies in the folder.
+std::filesystem::path DebugPicturePath(const std::filesystem::path& folder,
+                                       const std::string& image_name,
+                                       RefineStage stage);
+
+// For help texts: the names and descriptions of all pictures.
+std::string DebugPicturesText();
+
+}  // namespace tsar

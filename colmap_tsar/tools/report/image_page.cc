@@ -1,0 +1,187 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/report/image_page.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/compose/confidence_level.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/tools/report/colors.h"
+#include "colmap_tsar/tools/report/debug_pictures.h"
+#include "colmap_tsar/tools/report/page_text.h"
+#include "colmap_tsar/tools/report/pictures.h"
+#include "colmap_tsar/tools/report/workspace_comparison.h"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of each of the three parts of a preview.
+constexpr int kPreviewSize = 220;
+
+// Of the pictures that --TsarRefine.debug_path makes, those that lie over the
+// image.
+constexpr std::array<RefineStage, 5> kShownStages = {RefineStage::kSuperpixels,
+                                                     RefineStage::kEdges,
+                                                     RefineStage::kLines,
+                                                     RefineStage::kRegions,
+                                                     RefineStage::kSceneLabels};
+
+int64_t CountValid(const Image<float>& depth) {
+  return std::count_if(
+      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
+}
+
+Image<float> ReadConfidence(const Workspace& workspace,
+                            int image,
+                            const Image<float>& depth) {
+  const fs::path path = workspace.ConfidencePath(image, workspace.Type());
+  const Image<uint8_t> levels =
+      RequireSizeOf(depth, "the depth map", path, ReadGrayPng(path));
+  Image<float> confidence(depth.Width(), depth.Height());
+  std::transform(
+      levels.begin(), levels.end(), confidence.begin(), &ConfidenceOfLevel);
+  return confidence;
+}
+
+// Shares of the depth. Up to so much: of what is right, nothing is further off.
+constexpr float kMaxSigma = 0.01f;
+Image<float> ReadRelativeSigma(const fs::path& path,
+                               const Image<float>& depth) {
+  Image<float> sigma =
+      RequireSizeOf(depth, "the depth map", path, ReadSigmaMap(path));
+  std::transform(sigma.begin(),
+                 sigma.end(),
+                 depth.begin(),
+                 sigma.begin(),
+                 [](float s, float z) { return z > 0.f ? s / z : 0.f; });
+  return sigma;
+}
+
+// A colour for each plane of the scene; black where there is none.
+Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
+  const Image<uint16_t> numbers =
+      RequireSizeOf(depth, "the depth map", path, ReadGray16Png(path));
+  Image<int> ids(numbers.Width(), numbers.Height());
+  std::transform(numbers.begin(), numbers.end(), ids.begin(), [](int number) {
+    return number - 1;
+  });
+  return ColorizeLabels(ids);
+}
+
+}  // namespace
+
+std::vector<RefineStage> FindStagePictures(const fs::path& debug_path,
+                                           const std::string& image_name) {
+  std::vector<RefineStage> found;
+  std::copy_if(kShownStages.begin(),
+               kShownStages.end(),
+               std::back_inserter(found),
+               [&](RefineStage stage) {
+                 std::error_code error;
+                 return fs::is_regular_file(
+                     DebugPicturePath(debug_path, image_name, stage), error);
+               });
+  return found;
+}
+
+ImagePage WriteImagePage(const Workspace& workspace,
+                         int image,
+                         int number,
+                         const fs::path& folder,
+                         const ImagePageOptions& options) {
+  const ComparisonRow row = ReadComparisonRow(workspace, image);
+  const Image<float> confidence = ReadConfidence(workspace, image, row.after);
+  ImagePage page;
+  page.name = row.name;
+  page.folder = SafeFileName(number, row.name);
+  page.width = row.after.Width();
+  page.height = row.after.Height();
+  page.num_before = CountValid(row.before);
+  page.num_after = CountValid(row.after);
+  page.num_by_provenance.resize(ProvenanceKinds().size());
+  const Image<Rgb> provenance = ColorizeProvenance(row.provenance);
+  for (const uint8_t kind : row.provenance) {
+    ++page.num_by_provenance[kind];
+  }
+  const std::optional<ImageRecord> record =
+      ReadRecord(workspace.Paths(image, workspace.Type()).record);
+  if (record) {
+    page.seconds = record->seconds;
+    page.note = record->note;
+  }
+
+  const ContainedPath pictures(folder, page.folder);
+  CreateFolders(pictures);
+  const auto write = [&](const std::string& name, const Image<Rgb>& picture) {
+    WritePng(pictures / (name + ".png"),
+             FitPicture(picture, options.max_picture_size, Scaling::kPick));
+  };
+  page.range = RobustDepthRange(row.before, row.after);
+  const Image<Rgb> before = ColorizeDepth(row.before, page.range);
+  const Image<Rgb> after = ColorizeDepth(row.after, page.range);
+  const Image<Rgb> photo =
+      FitPicture(row.image, options.max_picture_size, Scaling::kAverage);
+  page.picture_width = photo.Width();
+  page.picture_height = photo.Height();
+  WriteJpeg(pictures / "photo.jpg", photo);
+  write("depth_before", before);
+  write("depth_after", after);
+  write("normals_before", ColorizeNormals(row.normals_before));
+  write("normals_after", ColorizeNormals(row.normals_after));
+  write("provenance", provenance);
+  write("confidence", ColorizeValues(confidence, 1.f, &row.after));
+  const fs::path sigma_map = workspace.SigmaPath(image, workspace.Type());
+  if (Exists(sigma_map)) {
+    write("sigma",
+          ColorizeValues(
+              ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
+    page.has_sigma = true;
+  }
+  const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
+  if (options.show_planes && Exists(plane_map)) {
+    write("planes", DrawPlanes(plane_map, row.after));
+    page.has_planes = true;
+  }
+  WriteJpeg(
+      pictures / "preview.jpg",
+      JoinPictures({FitPicture(row.image, kPreviewSize, Scaling::kAverage),
+                    FitPicture(before, kPreviewSize, Scaling::kPick),
+                    FitPicture(after, kPreviewSize, Scaling::kPick)}));
+  if (!options.debug_path.empty()) {
+    for (const RefineStage stage :
+         FindStagePictures(options.debug_path, row.name)) {
+      const std::string& name = RefineStages()[static_cast<size_t>(stage)].name;
+      CopyFile(DebugPicturePath(options.debug_path, row.name, stage),
+               pictures / (name + ".png"));
+      page.stages.push_back(name);
+    }
+  }
+
+  if (options.max_num_points > 0) {
+    const Camera camera =
+        workspace.Model().images[static_cast<size_t>(image)].camera.Resized(
+            page.width, page.height);
+    const int step = GridStep(page.width, page.height, options.max_num_points);
+    page.points_before =
+        SampleMap(row.before, row.image, camera, options.origin, step);
+    page.points_after =
+        SampleMap(row.after, row.image, camera, options.origin, step);
+  }
+  return page;
+}
+
+}  // namespace tsar

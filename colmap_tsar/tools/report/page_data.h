@@ -1,0 +1,84 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
+#include "colmap_tsar/tools/evaluation/depth_evaluation.h"
+#include "colmap_tsar/tools/report/image_page.h"
+#include "colmap_tsar/tools/report/plane_page.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace tsar {
+
+// The same measure before and after.
+template <typename Evaluation>
+struct Gain {
+  Evaluation before;
+  Evaluation after;
+};
+
+// What refinement brought, against ground truth.
+struct Gains {
+  std::optional<Gain<DepthEvaluation>> depth;
+  std::optional<Gain<CloudEvaluation>> clouds;
+};
+
+// Scores the maps of the workspace's type, the originals and those in place.
+// ground_truth_path: see DepthEvaluationOptions; not empty. Throws what
+// EvaluateDepthMaps and FindOriginals throw.
+Gain<DepthEvaluation> EvaluateDepthGain(
+    const Workspace& workspace,
+    const std::filesystem::path& ground_truth_path,
+    const std::vector<double>& tolerances);
+
+// Scores two clouds. Throws what EvaluateCloudFile throws.
+Gain<CloudEvaluation> EvaluateCloudGain(
+    const std::filesystem::path& before_path,
+    const std::filesystem::path& after_path,
+    const std::filesystem::path& scans_path,
+    const std::vector<double>& tolerances);
+
+// An image that kept its maps.
+struct KeptImage {
+  std::string name;
+  std::string reason;
+};
+
+// What the 3D view shows.
+struct PointView {
+  bool from_clouds = false;       // Otherwise, sampled from the maps.
+  bool before_from_maps = false;  // Of those before, where after is a cloud.
+  int64_t num_shown[2] = {0, 0};  // Before, after.
+  int64_t num_all[2] = {0, 0};
+  // Where to look from at first, relative to the points' origin, and what is
+  // up.
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+};
+
+// All that the page shows.
+struct PageData {
+  std::string version;
+  std::string workspace;
+  std::string type;
+  std::vector<ImagePage> images;  // Without their points.
+  std::vector<KeptImage> kept;
+  PointView points;
+  std::optional<PlanePage> planes;  // Without their mesh.
+  Gains gains;
+};
+
+// The script that hands the data to the page: window.tsarReport = {...}.
+// Whatever names hold, it is one statement.
+std::string PageDataScript(const PageData& data);
+
+}  // namespace tsar

@@ -1,0 +1,86 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/report/pictures.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/picture_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+constexpr int kJpegQuality = 88;
+
+// OpenCV has no read-only matrices; this one is only read.
+cv::Mat AsMat(const Image<Rgb>& image) {
+  return cv::Mat(
+      image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
+}
+
+Image<Rgb> ToImage(const cv::Mat& pixels) {
+  Image<Rgb> image(pixels.cols, pixels.rows);
+  cv::Mat target(pixels.rows, pixels.cols, CV_8UC3, image.Data());
+  pixels.copyTo(target);
+  return image;
+}
+
+}  // namespace
+
+Image<Rgb> FitPicture(const Image<Rgb>& picture,
+                      int max_size,
+                      Scaling scaling) {
+  const int longer = std::max(picture.Width(), picture.Height());
+  if (longer <= max_size) {
+    return picture;
+  }
+  const auto scaled = [&](int size) {
+    return std::max(1,
+                    static_cast<int>(std::lround(static_cast<double>(size) *
+                                                 max_size / longer)));
+  };
+  cv::Mat resized;
+  cv::resize(AsMat(picture),
+             resized,
+             cv::Size(scaled(picture.Width()), scaled(picture.Height())),
+             0,
+             0,
+             scaling == Scaling::kAverage ? cv::INTER_AREA : cv::INTER_NEAREST);
+  return ToImage(resized);
+}
+
+Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures) {
+  std::vector<cv::Mat> parts;
+  std::transform(
+      pictures.begin(), pictures.end(), std::back_inserter(parts), AsMat);
+  cv::Mat joined;
+  cv::hconcat(parts, joined);
+  return ToImage(joined);
+}
+
+void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image) {
+  cv::Mat bgr;
+  cv::cvtColor(AsMat(image), bgr, cv::COLOR_RGB2BGR);
+  AtomicFile file(path);
+  PutPicture(
+      bgr, ".jpg", path, &file, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  file.Commit();
+}
+
+void WritePng(const ContainedPath& path, const Image<Rgb>& image) {
+  const cv::Mat rgb(
+      image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  AtomicFile file(path);
+  PutPicture(bgr, ".png", path, &file);
+  file.Commit();
+}
+
+}  // namespace tsar

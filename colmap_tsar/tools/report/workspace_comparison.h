@@ -1,0 +1,24 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/report/comparison_picture.h"
+
+#include <vector>
+
+namespace tsar {
+
+// The images whose maps of the workspace's type were refined, as indices into
+// its sparse model, ascending.
+std::vector<int> FindRefinedImages(const Workspace& workspace);
+
+// At most `count` elements, evenly spread, the first among them.
+std::vector<int> PickEvenly(const std::vector<int>& values, int count);
+
+// Reads what one refined image is drawn from. Throws Error: kMismatch (the
+// files differ in size, or the original is lost), and what the readers throw.
+ComparisonRow ReadComparisonRow(const Workspace& workspace, int image);
+
+}  // namespace tsar

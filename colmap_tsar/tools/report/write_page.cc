@@ -1,0 +1,293 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/report/write_page.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/run/store/changed_results.h"
+#include "colmap_tsar/run/store/for_each_image.h"
+#include "colmap_tsar/run/store/input_folders.h"
+#include "colmap_tsar/run/store/output_folder.h"
+#include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/report/page_data.h"
+#include "colmap_tsar/tools/report/page_files.h"
+#include "colmap_tsar/tools/report/page_text.h"
+#include "colmap_tsar/tools/report/plane_page.h"
+#include "colmap_tsar/tools/report/workspace_comparison.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// The folder of a page.
+inline constexpr OutputFolderKind kPageFolder = {"report",
+                                                 "a report",
+                                                 "tsar_report",
+                                                 "report_path",
+                                                 "data/report.js",
+                                                 "data/files.txt",
+                                                 "unfinished_page"};
+
+namespace fs = std::filesystem;
+
+// In page/index.html, for the name of the workspace.
+constexpr std::string_view kTitle = "@TITLE@";
+constexpr std::string_view kPointNames[] = {"before", "after"};
+constexpr std::string_view kPlaneMeshName = "planes";
+
+void Check(const PageOptions& options) {
+  if (!options.before_path.empty() && options.after_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("before_path") + " is compared with " +
+                    OptionName("after_path") + "; give that cloud, too");
+  }
+  // Points of maps that are not fused would score worse than they are.
+  if (!options.scans_path.empty() && options.before_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("scans_path") + " is for clouds; give " +
+                    OptionName("before_path") + " and " +
+                    OptionName("after_path") + ", too");
+  }
+}
+
+void WriteText(const ContainedPath& path, std::string_view text) {
+  CreateFolders(path.Parent());
+  AtomicFile file(path);
+  file.Stream() << text;
+  file.Commit();
+}
+
+void WritePoints(const fs::path& folder,
+                 std::string_view name,
+                 const PointSample& points) {
+  const std::string text(name);
+  WriteText({folder, fs::path("data") / ("points_" + text + ".js")},
+            PointScript(text, points));
+}
+
+void WriteStaticFiles(const std::string& title, const fs::path& folder) {
+  for (const PageFile& file : PageFiles()) {
+    std::string content(file.content);
+    for (size_t at = content.find(kTitle); at != std::string::npos;
+         at = content.find(kTitle, at + title.size())) {
+      content.replace(at, kTitle.size(), title);
+    }
+    WriteText({folder, file.name}, content);
+  }
+}
+
+// What tells this workspace from others: its folder's name.
+std::string WorkspaceName(const Workspace& workspace) {
+  const fs::path root = fs::absolute(workspace.Root()).lexically_normal();
+  return (root.has_filename() ? root : root.parent_path()).filename().string();
+}
+
+std::vector<KeptImage> ListKept(const Workspace& workspace,
+                                const std::vector<int>& refined) {
+  std::vector<KeptImage> kept;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    const int image = problem.reference;
+    if (std::binary_search(refined.begin(), refined.end(), image)) {
+      continue;
+    }
+    const std::optional<ImageRecord> record =
+        ReadRecord(workspace.Paths(image, workspace.Type()).record);
+    kept.push_back(
+        {workspace.Model().images[static_cast<size_t>(image)].name,
+         record && !record->note.empty() ? record->note : "not refined yet"});
+  }
+  return kept;
+}
+
+const Camera& CameraOf(const Workspace& workspace, int image) {
+  return workspace.Model().images[static_cast<size_t>(image)].camera;
+}
+
+Eigen::Vector3d MeanCenter(const Workspace& workspace,
+                           const std::vector<int>& images) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const int image : images) {
+    sum += CameraOf(workspace, image).Center();
+  }
+  return sum / static_cast<double>(images.size());
+}
+
+// From the image in the middle of the list, upright as most images are.
+void SetViewpoint(const Workspace& workspace,
+                  const std::vector<int>& images,
+                  const Eigen::Vector3d& origin,
+                  PointView* view) {
+  view->eye = CameraOf(workspace, images[images.size() / 2]).Center() - origin;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const int image : images) {
+    up -= CameraOf(workspace, image).rotation.row(1).transpose();
+  }
+  // Cameras that look about in all directions may cancel out.
+  if (up.norm() > 1e-3 * static_cast<double>(images.size())) {
+    view->up = up.normalized();
+  }
+}
+
+void CheckStages(const Workspace& workspace,
+                 const std::vector<int>& refined,
+                 const fs::path& debug_path) {
+  const auto has_stages = [&](int image) {
+    const auto& model_image =
+        workspace.Model().images[static_cast<size_t>(image)];
+    return !FindStagePictures(debug_path, model_image.name).empty();
+  };
+  if (!debug_path.empty() &&
+      std::none_of(refined.begin(), refined.end(), has_stages)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      debug_path.string(),
+                      "holds no pictures of these images",
+                      "give " + OptionName("debug_path") +
+                          " the folder that tsar_refine wrote its pictures to");
+  }
+}
+
+std::vector<ImagePage> WriteImages(const Workspace& workspace,
+                                   const std::vector<int>& refined,
+                                   const fs::path& folder,
+                                   const PageOptions& options,
+                                   const Eigen::Vector3d& origin,
+                                   bool has_planes,
+                                   Progress& progress,
+                                   const std::function<bool()>& should_stop) {
+  ImagePageOptions image_options;
+  image_options.max_picture_size = options.max_picture_size;
+  image_options.debug_path = options.debug_path;
+  image_options.origin = origin;
+  image_options.show_planes = has_planes;
+  if (options.before_path.empty()) {
+    image_options.max_num_points = std::max<int64_t>(
+        1, options.max_num_points / static_cast<int64_t>(refined.size()));
+  }
+  std::vector<ImagePage> pages(refined.size());
+  progress.Start(static_cast<int>(refined.size()));
+  ForEachImage(workspace, refined, options.num_threads, [&](size_t i) {
+    if (should_stop()) {
+      throw Error(ErrorCode::kInterrupted, "interrupted; no page was written");
+    }
+    pages[i] = WriteImagePage(
+        workspace, refined[i], static_cast<int>(i), folder, image_options);
+    progress.Advance(true);
+  });
+  progress.Finish();
+  return pages;
+}
+
+// The points of the maps before (0) and after (1), which the pages give away.
+std::vector<PointSample> TakePoints(std::vector<ImagePage>* pages) {
+  std::vector<PointSample> samples(2);
+  for (ImagePage& page : *pages) {
+    samples[0].Append(std::exchange(page.points_before, {}));
+    samples[1].Append(std::exchange(page.points_after, {}));
+  }
+  return samples;
+}
+
+Gains Evaluate(const Workspace& workspace, const PageOptions& options) {
+  Gains gains;
+  if (!options.ground_truth_path.empty()) {
+    gains.depth = EvaluateDepthGain(
+        workspace, options.ground_truth_path, options.tolerances);
+  }
+  if (!options.scans_path.empty()) {
+    gains.clouds = EvaluateCloudGain(options.before_path,
+                                     options.after_path,
+                                     options.scans_path,
+                                     options.tolerances);
+  }
+  return gains;
+}
+
+}  // namespace
+
+int WritePage(const Workspace& workspace,
+              const PageOptions& options,
+              Progress& progress,
+              const std::function<bool()>& should_stop) {
+  Check(options);
+  RequireOutsideInputs(
+      workspace.Root(), options.report_path, OptionName("report_path"));
+  // So that the maps before and after belong together.
+  const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  std::optional<WorkspaceLock> input_lock;
+  if (workspace.IsOutput()) {
+    input_lock.emplace(workspace.SourceRoot(),
+                       WorkspaceLock::Mode::kSharedIfThere);
+  }
+  const std::vector<int> refined = FindRefinedImages(workspace);
+  if (refined.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      workspace.Root().string(),
+                      "has no refined " + ToString(workspace.Type()) + " maps",
+                      "run tsar_refine on it first");
+  }
+  WarnOfChangedResults(workspace);
+  CheckStages(workspace, refined, options.debug_path);
+  OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
+  const fs::path& root = folder.Temporary();
+  const Eigen::Vector3d origin = MeanCenter(workspace, refined);
+  // What may be wrong with the files of these options shows before the long
+  // work on the images begins.
+  PageData data;
+  data.points.from_clouds = !options.after_path.empty();
+  std::vector<PointSample> samples;
+  if (data.points.from_clouds) {
+    data.points.before_from_maps = options.before_path.empty();
+    samples.resize(2);
+    if (!data.points.before_from_maps) {
+      samples[0] =
+          SampleCloud(options.before_path, origin, options.max_num_points);
+    }
+    samples[1] =
+        SampleCloud(options.after_path, origin, options.max_num_points);
+  }
+  data.gains = Evaluate(workspace, options);
+  if (HasPlanes(workspace)) {
+    data.planes = MakePlanePage(
+        ExportPlanes(workspace, {}, progress, should_stop), origin);
+    WritePoints(root, kPlaneMeshName, data.planes->mesh);
+    data.planes->mesh = {};
+  }
+  data.version = TSAR_VERSION;
+  data.workspace = WorkspaceName(workspace);
+  data.type = ToString(workspace.Type());
+  data.images = WriteImages(workspace,
+                            refined,
+                            root / "images",
+                            options,
+                            origin,
+                            data.planes.has_value(),
+                            progress,
+                            should_stop);
+  data.kept = ListKept(workspace, refined);
+  SetViewpoint(workspace, refined, origin, &data.points);
+  if (!data.points.from_clouds) {
+    samples = TakePoints(&data.images);
+  } else if (data.points.before_from_maps) {
+    samples[0] = std::move(TakePoints(&data.images)[0]);
+  }
+  for (size_t i = 0; i < samples.size(); ++i) {
+    data.points.num_shown[i] = static_cast<int64_t>(samples[i].NumPoints());
+    data.points.num_all[i] = samples[i].num_all;
+    WritePoints(root, kPointNames[i], samples[i]);
+  }
+  WriteText({root, kPageFolder.known_file}, PageDataScript(data));
+  WriteStaticFiles(EscapeHtml(data.workspace), root);
+  folder.Commit();
+  return static_cast<int>(refined.size());
+}
+
+}  // namespace tsar

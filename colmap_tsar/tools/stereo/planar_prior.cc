@@ -1,0 +1,187 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/stereo/planar_prior.h"
+
+#include "colmap_tsar/matching/filter_hypotheses.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+namespace tsar {
+namespace {
+
+// The side of the squares, in pixels, and the size of the images from which on
+// they grow with it: there are never more than 100,000.
+constexpr int kMinSquareSide = 5;
+constexpr int kImageSidePerSquareSide = 256;
+// The share of a square's pixels that need a depth.
+constexpr float kMinDensity = 0.25f;
+
+// What makes a depth reliable: windows match this well only where there is
+// texture, and a prior may stand on points that are less exact than maps.
+constexpr float kMinNcc = 0.7f;
+constexpr float kMinTriangulationAngle = 1.f;
+constexpr int kMinNumConsistent = 2;
+
+struct Pixel {
+  int x = 0;
+  int y = 0;
+};
+
+// The pixel with the median depth of the square at (x0, y0).
+std::optional<Pixel> MedianOfSquare(const Image<float>& depth,
+                                    int x0,
+                                    int y0,
+                                    int side) {
+  std::vector<std::pair<float, size_t>> depths;
+  for (int y = y0; y < std::min(y0 + side, depth.Height()); ++y) {
+    for (int x = x0; x < std::min(x0 + side, depth.Width()); ++x) {
+      if (depth(x, y) > 0.f) {
+        depths.emplace_back(depth(x, y), depth.View().Index(x, y));
+      }
+    }
+  }
+  if (static_cast<float>(depths.size()) <
+      kMinDensity * static_cast<float>(side * side)) {
+    return std::nullopt;
+  }
+  const auto median =
+      depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), median, depths.end());
+  const size_t width = static_cast<size_t>(depth.Width());
+  return Pixel{static_cast<int>(median->second % width),
+               static_cast<int>(median->second / width)};
+}
+
+std::vector<cv::Point2f> SelectVertices(const Image<float>& depth) {
+  const int side = std::max(
+      kMinSquareSide,
+      std::max(depth.Width(), depth.Height()) / kImageSidePerSquareSide);
+  std::vector<cv::Point2f> vertices;
+  for (int y = 0; y < depth.Height(); y += side) {
+    for (int x = 0; x < depth.Width(); x += side) {
+      if (const auto pixel = MedianOfSquare(depth, x, y, side)) {
+        vertices.emplace_back(static_cast<float>(pixel->x),
+                              static_cast<float>(pixel->y));
+      }
+    }
+  }
+  return vertices;
+}
+
+using Triangle = std::array<Pixel, 3>;
+
+// Twice the signed area of the triangle a, b, c; exact, so that neighbouring
+// triangles leave no pixel out between them.
+int64_t SignedArea(const Pixel& a, const Pixel& b, const Pixel& c) {
+  return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{c.x - a.x} * (b.y - a.y);
+}
+
+// The largest integer not above numerator / denominator, for a positive one.
+int64_t FloorOfRatio(int64_t numerator, int64_t denominator) {
+  const int64_t quotient = numerator / denominator;
+  return quotient - (numerator % denominator < 0 ? 1 : 0);
+}
+
+// Sets the pixels in the triangle and on its sides, row by row: long slivers
+// fill little of the box around them.
+void FillTriangle(const Triangle& triangle,
+                  const Plane& plane,
+                  Image<Plane>* planes) {
+  const auto& [a, b, c] = triangle;
+  const int64_t sign = SignedArea(a, b, c) < 0 ? -1 : 1;
+  const auto [first, last] = std::minmax({a.x, b.x, c.x});
+  const auto [top, bottom] = std::minmax({a.y, b.y, c.y});
+  for (int y = top; y <= bottom; ++y) {
+    int64_t x_min = first;
+    int64_t x_max = last;
+    for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, a}}) {
+      // On this side of the edge: value + slope * x >= 0.
+      const int64_t slope = -sign * (to.y - from.y);
+      const int64_t value = sign * SignedArea(from, to, {0, y});
+      if (slope > 0) {
+        x_min = std::max(x_min, -FloorOfRatio(value, slope));
+      } else if (slope < 0) {
+        x_max = std::min(x_max, FloorOfRatio(value, -slope));
+      }
+    }
+    for (int64_t x = x_min; x <= x_max; ++x) {
+      (*planes)(static_cast<int>(x), y) = plane;
+    }
+  }
+}
+
+// The corners of the triangle; none where it is one of those with which the
+// subdivision surrounds the vertices.
+std::optional<Triangle> CornersInImage(const cv::Vec6f& corners,
+                                       const Image<float>& depth) {
+  Triangle triangle;
+  for (int i = 0; i < 3; ++i) {
+    const float x = corners[2 * i];
+    const float y = corners[2 * i + 1];
+    if (!(x >= 0.f && y >= 0.f && x < static_cast<float>(depth.Width()) &&
+          y < static_cast<float>(depth.Height()))) {
+      return std::nullopt;
+    }
+    Pixel& corner = triangle[static_cast<size_t>(i)];
+    corner = {static_cast<int>(x), static_cast<int>(y)};
+    if (!(depth(corner.x, corner.y) > 0.f)) {
+      return std::nullopt;
+    }
+  }
+  return triangle;
+}
+
+}  // namespace
+
+Image<Plane> TriangulatePlanes(const Image<float>& depth,
+                               const Intrinsics& intrinsics) {
+  Image<Plane> planes(depth.Width(), depth.Height());
+  const std::vector<cv::Point2f> vertices = SelectVertices(depth);
+  if (vertices.size() < 3) {
+    return planes;
+  }
+  cv::Subdiv2D subdivision(cv::Rect(0, 0, depth.Width(), depth.Height()));
+  subdivision.insert(vertices);
+  std::vector<cv::Vec6f> triangles;
+  subdivision.getTriangleList(triangles);
+  const auto point = [&](const Pixel& pixel) {
+    return intrinsics.Ray(pixel.x, pixel.y) * depth(pixel.x, pixel.y);
+  };
+  for (const cv::Vec6f& corners : triangles) {
+    const std::optional<Triangle> triangle = CornersInImage(corners, depth);
+    if (!triangle) {
+      continue;
+    }
+    const auto& [a, b, c] = *triangle;
+    const Plane plane = Plane::FromPoints(point(a), point(b), point(c));
+    if (plane.Valid()) {
+      FillTriangle(*triangle, plane, &planes);
+    }
+  }
+  return planes;
+}
+
+Image<Plane> FindPlanarPrior(const ReferenceView& reference,
+                             const Buffer<SourceView>& sources,
+                             float window_radius,
+                             Device& device) {
+  HypothesisFilterOptions reliable;
+  reliable.min_ncc = kMinNcc;
+  reliable.min_triangulation_angle = kMinTriangulationAngle;
+  reliable.min_num_consistent =
+      std::clamp(static_cast<int>(sources.Size()), 1, kMinNumConsistent);
+  reliable.window_radius = window_radius;
+  return TriangulatePlanes(
+      FilterHypotheses(reference, sources, {}, reliable, device).ToHost(),
+      reference.intrinsics);
+}
+
+}  // namespace tsar

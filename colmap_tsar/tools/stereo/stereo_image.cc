@@ -1,0 +1,165 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/stereo/stereo_image.h"
+
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/plane_maps.h"
+#include "colmap_tsar/tools/stereo/fill_under_prior.h"
+#include "colmap_tsar/tools/stereo/planar_prior.h"
+#include "colmap_tsar/tools/stereo/stereo_views.h"
+#include "colmap_tsar/tools/stereo/update_maps.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// A pass updates planes that are good already.
+constexpr int kGeometricIterations = 2;
+
+Image<float> WithoutUndefined(Image<float> costs) {
+  for (float& cost : costs) {
+    if (cost == kUndefinedCost) {
+      cost = kCostWithoutEvidence;
+    }
+  }
+  return costs;
+}
+
+StereoMaps ToHost(const PlaneMaps& maps) {
+  StereoMaps host;
+  host.depth = maps.depth.ToHost();
+  host.normal = maps.normal.ToHost();
+  for (size_t i = 0; i < host.depth.NumPixels(); ++i) {
+    if (!(host.depth.Data()[i] > 0.f)) {
+      host.depth.Data()[i] = 0.f;
+      host.normal.Data()[i] = {};
+    }
+  }
+  return host;
+}
+
+StereoMaps ToHostWithCosts(ReferenceView reference,
+                           const Buffer<SourceView>& sources,
+                           const PlaneMaps& maps,
+                           Device& device) {
+  reference.depth = maps.depth.View();
+  reference.normal = maps.normal.View();
+  const MatchingCosts costs = ComputeMatchingCosts(reference, sources, device);
+  StereoMaps host = ToHost(maps);
+  host.min_cost = WithoutUndefined(costs.min_cost.ToHost());
+  host.second_cost = WithoutUndefined(costs.second_cost.ToHost());
+  return host;
+}
+
+// As many as leave the smaller side of the image room for a window.
+int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
+  int num_levels = 1;
+  const int side = std::min(color.Width(), color.Height());
+  while (num_levels < options.num_levels &&
+         (side >> num_levels) > 4 * options.window_radius) {
+    ++num_levels;
+  }
+  return num_levels;
+}
+
+// 1 where there is no depth.
+Image<uint8_t> HolesOf(const Image<float>& depth) {
+  auto holes = Image<uint8_t>::Uninitialized(depth.Width(), depth.Height());
+  std::transform(
+      depth.begin(), depth.end(), holes.begin(), [](float z) -> uint8_t {
+        return z > 0.f ? 0 : 1;
+      });
+  return holes;
+}
+
+}  // namespace
+
+StereoMaps MatchImage(const ViewData& reference,
+                      const std::vector<const ViewData*>& sources,
+                      const DepthInterval& range,
+                      uint32_t stream,
+                      const StereoOptions& options,
+                      Device& device) {
+  const PatchMatchOptions search = SearchOptions(options, range);
+  const int num_levels = NumLevels(options, reference.color);
+  const StereoViews views(reference, sources, num_levels, device);
+  DeviceImage<Plane> planes;
+  for (int level = num_levels - 1; level >= 0; --level) {
+    const ReferenceView view = views.Reference(level);
+    const Buffer<SourceView> level_sources = views.Sources(level);
+    const int width = view.gray.width;
+    const int height = view.gray.height;
+    planes =
+        planes.Empty()
+            ? DrawPlanes(view.intrinsics,
+                         width,
+                         height,
+                         StreamOf(stream, 0),
+                         search,
+                         device)
+            : ResizePlanes(std::as_const(planes).View(), width, height, device);
+    planes = RunPatchMatch({view, level_sources, StreamOf(stream, 1 + level)},
+                           std::move(planes),
+                           search,
+                           device)
+                 .planes;
+  }
+  const ReferenceView view = views.Reference(0);
+  const PlaneMaps maps =
+      MapsFromPlanes(view.intrinsics, std::as_const(planes).View(), device);
+  return ToHostWithCosts(view, views.Sources(0), maps, device);
+}
+
+StereoMaps MatchImageGeometrically(const ViewData& reference,
+                                   const std::vector<const ViewData*>& sources,
+                                   const DepthInterval& range,
+                                   uint32_t stream,
+                                   int pass,
+                                   bool keeps_holes,
+                                   const StereoOptions& options,
+                                   Device& device) {
+  const StereoViews views(reference, sources, 1, device);
+  const Buffer<SourceView> level_sources = views.Sources(0);
+  ReferenceView view = views.Reference(0);
+  PatchMatchOptions search = SearchOptions(options, range);
+  search.num_past_iterations =
+      options.num_iterations - 1 + pass * kGeometricIterations;
+  search.num_iterations = kGeometricIterations;
+  PatchMatchInputs inputs{view, level_sources, StreamOf(stream, 1000 + pass)};
+  DeviceImage<uint8_t> holes;
+  if (keeps_holes) {
+    holes = DeviceImage<uint8_t>(device, HolesOf(reference.depth));
+    inputs.keeps_plane = std::as_const(holes).View();
+  }
+  PlaneMaps maps = UpdateMaps(reference, inputs, search, device);
+  if (pass + 1 < options.num_geometric_passes) {
+    return ToHost(maps);
+  }
+  FilterMaps(inputs,
+             FilterOptions(options, static_cast<int>(sources.size())),
+             options.smooth_normals,
+             device,
+             &maps);
+  StereoMaps host = ToHostWithCosts(view, level_sources, maps, device);
+  if (FillsUnderPrior(options)) {
+    view.depth = std::as_const(maps.depth).View();
+    view.normal = std::as_const(maps.normal).View();
+    FillWithPrior(
+        FindPlanarPrior(view, level_sources, search.window_radius, device),
+        view.intrinsics,
+        range,
+        &host);
+  }
+  return host;
+}
+
+int64_t StereoMapsBytes(int64_t num_pixels) {
+  return BytesOf<Vec3f>(num_pixels) + 3 * BytesOf<float>(num_pixels);
+}
+
+}  // namespace tsar

@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/compose/depth_interval.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
+#include "colmap_tsar/view/view_data.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// The maps of one image. Costs are 1 - NCC, in [0, 2], as COLMAP's patch writes
+// them: kCostWithoutEvidence where there is none. Geometric passes but the last
+// leave them empty.
+struct StereoMaps {
+  Image<float> depth;
+  Image<Vec3f> normal;
+  Image<float> min_cost;
+  Image<float> second_cost;
+};
+
+// Matches an image with its sources, from a small size to the whole one. Of the
+// views, color and camera are read. Every pixel gets a depth. stream: key of
+// the random numbers.
+StereoMaps MatchImage(const ViewData& reference,
+                      const std::vector<const ViewData*>& sources,
+                      const DepthInterval& range,
+                      uint32_t stream,
+                      const StereoOptions& options,
+                      Device& device);
+
+// Improves the depth and normal of the reference with regard to the depth of
+// the sources, some of which may have none. keeps_holes: pixels of the
+// reference without a depth, which a mask hides, get none. pass counts from 0.
+// The last pass filters: depths that too few sources confirm become 0, with
+// their normals; where the run fills its maps, they then get those of the
+// planar prior (FillWithPrior).
+StereoMaps MatchImageGeometrically(const ViewData& reference,
+                                   const std::vector<const ViewData*>& sources,
+                                   const DepthInterval& range,
+                                   uint32_t stream,
+                                   int pass,
+                                   bool keeps_holes,
+                                   const StereoOptions& options,
+                                   Device& device);
+
+// Bytes of main memory.
+int64_t StereoMapsBytes(int64_t num_pixels);
+
+}  // namespace tsar

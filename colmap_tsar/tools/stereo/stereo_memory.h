@@ -1,0 +1,16 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/memory_plan.h"
+#include "colmap_tsar/run/workspace_check.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
+
+namespace tsar {
+
+// What tsar_stereo takes of the memories. overview: of the maps to make.
+MemoryPlan PlanStereo(const StereoOptions& options,
+                      const WorkspaceOverview& overview);
+
+}  // namespace tsar

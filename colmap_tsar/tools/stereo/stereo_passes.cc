@@ -1,0 +1,106 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/stereo/stereo_passes.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/tools/stereo/fill_under_prior.h"
+#include "colmap_tsar/tools/stereo/stereo_claim.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace tsar {
+
+namespace fs = std::filesystem;
+
+bool StereoMapFiles::Exist() const {
+  return fs::exists(depth) && fs::exists(normal) &&
+         (!cost || fs::exists(*cost));
+}
+
+void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
+  CreateFolders(files.depth.Parent());
+  CreateFolders(files.normal.Parent());
+  if (files.cost) {
+    CreateFolders(files.cost->Parent());
+    PlanarMap costs;
+    costs.width = maps.depth.Width();
+    costs.height = maps.depth.Height();
+    costs.channels = 2;
+    costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
+    costs.values.insert(
+        costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
+    WritePlanarMap(*files.cost, costs);
+  }
+  WriteNormalMap(files.normal, maps.normal);
+  WriteDepthMap(files.depth, maps.depth);
+}
+
+void ReadStereoMaps(const StereoMapFiles& files,
+                    bool with_costs,
+                    ViewData* view) {
+  view->depth = ReadDepthMap(files.depth);
+  view->normal = ReadNormalMap(files.normal);
+  if (!with_costs) {
+    return;
+  }
+  const PlanarMap costs = ReadPlanarMap(*files.cost);
+  const size_t num_pixels = view->depth.NumPixels();
+  if (costs.values.size() != 2 * num_pixels ||
+      costs.width != view->depth.Width()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      files.cost->string(),
+                      "has another size than its depth map",
+                      "delete both, and run tsar_stereo again");
+  }
+  view->min_cost = Image<float>(view->depth.Width(), view->depth.Height());
+  view->second_cost = view->min_cost;
+  const auto second =
+      costs.values.begin() + static_cast<std::ptrdiff_t>(num_pixels);
+  std::copy(costs.values.begin(), second, view->min_cost.begin());
+  std::copy(second, costs.values.end(), view->second_cost.begin());
+}
+
+StereoPasses::StereoPasses(const Workspace& workspace,
+                           const StereoOptions& options)
+    : workspace_(workspace),
+      num_geometric_(options.geom_consistency ? options.num_geometric_passes
+                                              : 0),
+      num_prior_(FillsUnderPrior(options) ? 1 : 0) {}
+
+StereoMapFiles StereoPasses::Files(int pass, int image) const {
+  if (pass > 0 && pass + 1 < NumPasses()) {
+    const std::string key =
+        workspace_.Model().images[static_cast<size_t>(image)].name;
+    const ContainedPath folder =
+        GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
+    StereoMapFiles files{folder / "depth" / (key + ".bin"),
+                         folder / "normal" / (key + ".bin"),
+                         std::nullopt};
+    // Costs tell the next pass what was filled.
+    if (IsUnderPrior(pass + 1)) {
+      files.cost = folder / "cost" / (key + ".bin");
+    }
+    return files;
+  }
+  const MapPaths paths = workspace_.Paths(
+      image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
+  return {paths.depth, paths.normal, paths.cost};
+}
+
+bool StereoPasses::IsDone(int image) const {
+  return Files(0, image).Exist() && Files(NumPasses() - 1, image).Exist();
+}
+
+void StereoPasses::RemoveFilesBetween() const {
+  for (int pass = 1; pass + 1 < NumPasses(); ++pass) {
+    RemoveTree(GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass)));
+  }
+}
+
+}  // namespace tsar

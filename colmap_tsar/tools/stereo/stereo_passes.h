@@ -1,0 +1,53 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/stereo/stereo_image.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
+
+#include <optional>
+
+namespace tsar {
+
+// The files that one pass makes of one image.
+struct StereoMapFiles {
+  ContainedPath depth;
+  ContainedPath normal;
+  std::optional<ContainedPath> cost;  // Not of every pass.
+
+  bool Exist() const;
+};
+
+// Each file in one step, the depth map last; creates the folders.
+void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps);
+
+// Sets the view's maps, and its costs if asked for; then files must name them.
+void ReadStereoMaps(const StereoMapFiles& files,
+                    bool with_costs,
+                    ViewData* view);
+
+// The passes over all images: the photometric one, number 0, after it the
+// geometric ones, and the one that matches under the planar prior.
+class StereoPasses {
+ public:
+  // workspace must outlive this object.
+  StereoPasses(const Workspace& workspace, const StereoOptions& options);
+
+  int NumPasses() const { return 1 + num_geometric_ + num_prior_; }
+  bool IsUnderPrior(int pass) const { return pass > num_geometric_; }
+  StereoMapFiles Files(int pass, int image) const;
+  // Whether the image has all maps that the run is to leave.
+  bool IsDone(int image) const;
+  // Removes, once the last pass is done, what lay between the passes.
+  void RemoveFilesBetween() const;
+
+ private:
+  const Workspace& workspace_;
+  const int num_geometric_;
+  const int num_prior_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,58 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/image_tasks.h"
+#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/stereo/stereo_image.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
+#include "colmap_tsar/tools/stereo/stereo_passes.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace tsar {
+
+// One pass of tsar_stereo over the images of a workspace, by their places in
+// Workspace::Problems(). Images that this pass has done before, and those
+// without sources, are skipped.
+class StereoTask : public ImageTasks<StereoMaps> {
+ public:
+  // All references must outlive this object.
+  StereoTask(const Workspace& workspace,
+             const StereoOptions& options,
+             const StereoPasses& passes,
+             int pass,
+             std::vector<RefineWorker>& workers);
+
+  // The image and, after the first pass, its maps so far. What other images
+  // than those to match have there is of former runs.
+  ViewCache::View Load(int image) const;
+
+  ImageReport Begin(size_t index) override;
+  std::vector<int> Views(size_t index) const override;
+  StereoMaps Compute(size_t index,
+                     size_t worker,
+                     ViewCache::Lease* views,
+                     ImageReport* report) override;
+  // On a CPU an image takes minutes.
+  bool WritesAfterStop() const override { return true; }
+  // Nothing is left of the maps where the image is masked.
+  void Write(size_t index, StereoMaps maps, ImageReport* report) override;
+
+ private:
+  const StereoProblem& Problem(size_t index) const {
+    return workspace_.Problems()[index];
+  }
+
+  const Workspace& workspace_;
+  const StereoOptions& options_;
+  const StereoPasses& passes_;
+  const int pass_;
+  std::vector<RefineWorker>& workers_;
+  std::vector<bool> is_matched_;  // By image of the sparse model.
+};
+
+}  // namespace tsar

@@ -1,0 +1,54 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/compose/depth_interval.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/views.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
+#include "colmap_tsar/view/view_data.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// An image and its sources in a device's memory, at the size of their views
+// (level 0) and at sizes each half as large as the one before.
+class StereoViews {
+ public:
+  // Keeps a reference to the device.
+  StereoViews(const ViewData& reference,
+              const std::vector<const ViewData*>& sources,
+              int num_levels,
+              Device& device);
+
+  // Without depth and normal.
+  ReferenceView Reference(int level) const;
+  // With depth at level 0, where the views have it.
+  Buffer<SourceView> Sources(int level) const;
+
+ private:
+  struct Source {
+    Camera camera;
+    std::vector<DeviceImage<GrayPair>> grays;  // By level, as below.
+    DeviceImage<float> depth;
+  };
+
+  Device& device_;
+  Camera camera_;
+  std::vector<DeviceImage<float>> grays_;
+  std::vector<Source> sources_;
+};
+
+PatchMatchOptions SearchOptions(const StereoOptions& options,
+                                const DepthInterval& range);
+
+// The key of the random numbers of one use of them: no two uses in an image
+// share theirs. image_stream: the image's own.
+uint32_t StreamOf(uint32_t image_stream, int use);
+
+}  // namespace tsar

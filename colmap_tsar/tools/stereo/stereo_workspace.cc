@@ -1,0 +1,227 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/stereo/stereo_workspace.h"
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/stopwatch.h"
+#include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/run/image_pipeline.h"
+#include "colmap_tsar/run/listed_images.h"
+#include "colmap_tsar/run/memory_plan.h"
+#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/store/count_masks.h"
+#include "colmap_tsar/run/store/links.h"
+#include "colmap_tsar/run/store/output_workspace.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/tools/stereo/fill_under_prior.h"
+#include "colmap_tsar/tools/stereo/stereo_claim.h"
+#include "colmap_tsar/tools/stereo/stereo_images.h"
+#include "colmap_tsar/tools/stereo/stereo_inputs.h"
+#include "colmap_tsar/tools/stereo/stereo_memory.h"
+#include "colmap_tsar/tools/stereo/stereo_passes.h"
+#include "colmap_tsar/tools/stereo/stereo_task.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the devices need to know of the workspace before it has maps.
+WorkspaceOverview OverviewOf(const Workspace& workspace,
+                             const StereoOptions& options) {
+  WorkspaceOverview overview;
+  const auto look_at = [&](int image) {
+    const Camera& camera =
+        workspace.Model().images[static_cast<size_t>(image)].camera;
+    const auto [width, height] = MapSizeOf(camera, options.max_image_size);
+    overview.max_num_pixels =
+        std::max(overview.max_num_pixels, static_cast<int64_t>(width) * height);
+    overview.max_num_image_pixels =
+        std::max(overview.max_num_image_pixels,
+                 static_cast<int64_t>(camera.width) * camera.height);
+    CheckPhotoFile(workspace.ImagePath(image));
+    workspace.CheckMask(image, {width, height});
+    overview.has_masks = overview.has_masks || workspace.HasMask(image);
+  };
+  std::set<int> images;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
+    overview.max_num_sources =
+        std::max(overview.max_num_sources,
+                 std::min(options.num_sources,
+                          static_cast<int>(problem.sources.size())));
+  }
+  std::for_each(images.begin(), images.end(), look_at);
+  overview.has_costs = FillsUnderPrior(options);
+  overview.has_maps.assign(workspace.Model().images.size(), true);
+  return overview;
+}
+
+// A workspace that image_undistorter made, with the folders for maps.
+Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
+  if (path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("workspace_path") + " is missing; give it");
+  }
+  if (const auto source = ReadOutputMarker(path)) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        path.string(),
+        "tsar_refine made this workspace from " + source->string(),
+        "make the maps of that one");
+  }
+  RequireFoldersInside(path);
+  // image_undistorter makes them, but who has deleted maps may have deleted the
+  // folders.
+  for (const char* folder : {"depth_maps", "normal_maps"}) {
+    if (fs::is_directory(path / "stereo")) {
+      CreateFolders({path, fs::path("stereo") / folder});
+    }
+  }
+  Workspace workspace(path, MapType::kPhotometric);
+  workspace.UseMasks(mask_path);
+  return workspace;
+}
+
+// What the passes take, relative to each other. Measured for the photometric
+// one, a geometric one and that under the prior: 2.5 : 1 : 0.1 on two cores.
+std::vector<double> PassCosts(const StereoPasses& passes) {
+  std::vector<double> costs;
+  for (int pass = 0; pass < passes.NumPasses(); ++pass) {
+    costs.push_back(pass == 0 ? 2.5 : passes.IsUnderPrior(pass) ? 0.1 : 1.0);
+  }
+  return costs;
+}
+
+// Returns how many images the pass had done before.
+int RunPass(const Workspace& workspace,
+            const StereoOptions& options,
+            const StereoPasses& passes,
+            int pass,
+            std::vector<size_t> images,
+            int64_t view_bytes,
+            RefineDevices& devices,
+            Progress& progress,
+            const std::function<bool()>& should_stop) {
+  const std::string name =
+      std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
+  StereoTask task(workspace, options, passes, pass, devices.workers);
+  ViewCache cache(devices.cache_num_bytes,
+                  static_cast<size_t>(view_bytes),
+                  [&](int image) { return task.Load(image); });
+  progress.BeginPass();
+  const PipelineOutcome outcome =
+      ImagePipeline<StereoMaps>(task,
+                                std::move(images),
+                                "Pass " + name + ":",
+                                cache,
+                                devices.sizes,
+                                progress,
+                                should_stop)
+          .Run(devices.workers.size());
+  outcome.RethrowFailure();
+  if (!outcome.IsComplete()) {
+    throw Error(ErrorCode::kInterrupted,
+                "interrupted in pass " + name +
+                    "; run the same command again to go on");
+  }
+  return static_cast<int>(std::count_if(outcome.reports.begin(),
+                                        outcome.reports.end(),
+                                        [](const ImageReport& report) {
+                                          return report.outcome ==
+                                                 ImageReport::Outcome::kSkipped;
+                                        }));
+}
+
+}  // namespace
+
+StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
+                             const DeviceOptions& device_options,
+                             const StereoOptions& options,
+                             bool overwrite,
+                             Progress& progress,
+                             const std::function<bool()>& should_stop,
+                             const fs::path& image_list_path,
+                             const fs::path& mask_path) {
+  device_options.Check();
+  options.Check();
+  const Stopwatch stopwatch;
+  const Workspace workspace = OpenForStereo(workspace_path, mask_path);
+  const WorkspaceLock lock(workspace.Root());
+  const std::vector<bool> is_listed =
+      FindListedImages(workspace, image_list_path);
+  const WorkspaceOverview overview = OverviewOf(workspace, options);
+  StereoSummary summary;
+  summary.workspace_path = workspace.Root();
+  summary.type =
+      options.geom_consistency ? MapType::kGeometric : MapType::kPhotometric;
+  const StereoPasses passes(workspace, options);
+  const std::vector<std::vector<size_t>> images =
+      FindImagesOfPasses(workspace, options, passes.NumPasses(), is_listed);
+  summary.num_images = static_cast<int>(images.back().size());
+  summary.num_masks =
+      CountMasks(workspace, ReferencesOf(workspace, images.back()));
+  if (overview.max_num_sources == 0) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        (workspace.Root() / "stereo" / "patch-match.cfg").string(),
+        "names no image with sources",
+        "an image needs others that share sparse points with it");
+  }
+  RefineDevices devices = CreateRefineDevices(
+      device_options,
+      overview,
+      [&](const WorkspaceOverview& maps) { return PlanStereo(options, maps); },
+      static_cast<int>(images.front().size()));
+  summary.device = devices.description;
+  for (const size_t place : images.back()) {
+    const StereoProblem& problem = workspace.Problems()[place];
+    if (problem.sources.empty()) {
+      summary.without_sources.push_back(
+          {workspace.Model()
+               .images[static_cast<size_t>(problem.reference)]
+               .name,
+           problem.without_sources});
+    }
+  }
+  ClaimMaps(workspace, options, overwrite, is_listed);
+  const bool is_done = std::all_of(
+      images.back().begin(), images.back().end(), [&](size_t place) {
+        const StereoProblem& problem = workspace.Problems()[place];
+        return problem.sources.empty() || passes.IsDone(problem.reference);
+      });
+  const auto num_without_sources =
+      static_cast<int>(summary.without_sources.size());
+  if (is_done) {
+    // What lay between the passes is gone, and need not be made again.
+    summary.num_skipped = summary.num_images - num_without_sources;
+  } else {
+    progress.PlanPasses(PassCosts(passes));
+    for (int pass = 0; pass < passes.NumPasses(); ++pass) {
+      summary.num_skipped = RunPass(workspace,
+                                    options,
+                                    passes,
+                                    pass,
+                                    images[static_cast<size_t>(pass)],
+                                    ViewBytes(overview),
+                                    devices,
+                                    progress,
+                                    should_stop) -
+                            num_without_sources;
+    }
+  }
+  passes.RemoveFilesBetween();
+  summary.peak_gpu_memory = PeakGpuMemory(devices);
+  summary.wall_seconds = stopwatch.Seconds();
+  return summary;
+}
+
+}  // namespace tsar

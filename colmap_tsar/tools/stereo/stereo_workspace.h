@@ -1,0 +1,66 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+struct StereoSummary {
+  struct WithoutSources {
+    std::string name;
+    std::string reason;
+  };
+
+  std::filesystem::path workspace_path;
+  // The maps that the next step is to take.
+  MapType type = MapType::kGeometric;
+  std::string device;
+  int num_images = 0;
+  int num_skipped = 0;  // Had been done before.
+  // Of the images, those with a mask; nothing where no masks were given.
+  std::optional<int64_t> num_masks;
+  std::vector<WithoutSources> without_sources;
+  double wall_seconds = 0.0;
+  std::vector<RunSummary::GpuMemory> peak_gpu_memory;
+};
+
+// Makes depth, normal and cost maps for all images of stereo/patch-match.cfg,
+// photometric and, unless told otherwise, geometric ones, in as many passes
+// over the images. What lies between the passes is kept in stereo/tsar_stereo
+// until the run ends. overwrite: whether maps may be
+// replaced that this program did not make, or made with other options or from
+// what has changed since. image_list_path: a text file with the names of the
+// images to make maps of, the same as among all; empty: all. The photometric
+// maps of those that they need for it stay, too.
+// mask_path: the folder with the masks of images, see io/image_mask.h;
+// empty: none. Masked pixels get no depth, and those of sources confirm none.
+//
+// Throws Error: kUnsupported (there are such maps and overwrite is false, or
+// the workspace has been refined), kNotFound (no image has sources; an image
+// without sparse points needs options.depth_min and depth_max), kInterrupted
+// once should_stop returned true, and what the workspace, its lock, the devices
+// and writing throw, and Workspace::UseMasks. Images that were done stay done;
+// the same call goes on.
+StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
+                             const DeviceOptions& device_options,
+                             const StereoOptions& options,
+                             bool overwrite,
+                             Progress& progress,
+                             const std::function<bool()>& should_stop,
+                             const std::filesystem::path& image_list_path = {},
+                             const std::filesystem::path& mask_path = {});
+
+}  // namespace tsar

@@ -1,0 +1,91 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/view/planes/group_planes.h"
+#include "colmap_tsar/view/refined_maps.h"
+#include "colmap_tsar/view/superpixels/samples.h"
+#include "colmap_tsar/view/superpixels/weighted_median.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+struct ComposeOptions {
+  // A measurement this close to a plane lies on it: the spread of good matches,
+  // about a pixel of disparity.
+  PlaneTolerance on_plane{0.f, 1.f};
+};
+
+struct ComposeInputs {
+  ImageView<const uint8_t> trusted;  // Where the measured hypotheses stand.
+  PlaneRaster superpixel_planes;     // May be empty.
+  PlaneRaster region_planes;         // May be empty.
+  // The Confirmation of each hypothesis: confirmed ones stand as well. May be
+  // empty.
+  ImageView<const uint8_t> confirmations{};
+};
+
+struct ComposedMap {
+  DepthNormalImages map;
+  DeviceImage<uint8_t> provenance;
+};
+
+// One map from what the stages found. A trusted measurement that lies on a
+// plane moves onto it, which removes its noise; one that does not keeps its
+// depth. Where nothing is trusted, the plane with the more local support wins:
+// the superpixel's, unless the region's says the same.
+// own: the measured hypotheses, whose memory the result takes over.
+ComposedMap ComposeMap(DepthNormalImages own,
+                       const ComposeInputs& inputs,
+                       const DisparityScale& scale,
+                       const ComposeOptions& options,
+                       Device& device);
+
+// Replaces what a map holds by the planes of regions wherever these are, as in
+// the paper. A trusted measurement that lies on the plane still counts as one.
+void LayRegionPlanes(const PlaneRaster& region_planes,
+                     const DisparityScale& scale,
+                     const ComposeOptions& options,
+                     ComposedMap* composed,
+                     Device& device);
+
+// Sets the provenance of the pixels where filled is not 0.
+void MarkInterpolated(ImageView<const uint8_t> filled,
+                      ComposedMap* composed,
+                      Device& device);
+
+// What a depth is worth that was not measured in its pixel: about the share of
+// such pixels that are right to 2 cm on the scenes of docs/method.md. 0 for all
+// others.
+TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
+  switch (provenance) {
+    case Provenance::kRegionPlane:
+      return 0.5f;
+    case Provenance::kSuperpixelPlane:
+      return 0.3f;
+    case Provenance::kInterpolated:
+      return 0.25f;
+    default:
+      return 0.f;
+  }
+}
+
+// How much each depth is worth, in [0, 1]: the score where it was measured, and
+// for filled pixels a fixed value by provenance, at most 0.5; 0 where there
+// is no depth.
+DeviceImage<float> RateConfidence(const ComposedMap& composed,
+                                  ImageView<const float> score,
+                                  Device& device);
+
+// Clears depth, normal, provenance and confidence where the confidence is less
+// than min_confidence, which is in [0, 1], or 0.
+void DropDoubtful(float min_confidence,
+                  ComposedMap* composed,
+                  DeviceImage<float>* confidence,
+                  Device& device);
+
+}  // namespace tsar

@@ -1,0 +1,32 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/view/denoise/noise_curve.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+struct DenoiseOptions {
+  // Pixels this far away, by row and column, are averaged with a pixel if what
+  // surrounds them looks alike: patches of 5 x 5 pixels.
+  int search_radius = 5;
+  // Patches whose mean squared difference exceeds that of noise by this many
+  // variances of the noise do not look alike at all.
+  float strength = 4.f;
+};
+
+// Non-local means (Buades et al., CVPR 2005) with weights that follow the
+// noise: where it is weak, little changes, and a step that stands out of the
+// noise stays as sharp as it is. gray: brightness of the same pixels, 0-255.
+DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
+                         ImageView<const float> gray,
+                         const NoiseCurve& noise,
+                         const DenoiseOptions& options,
+                         Device& device);
+
+}  // namespace tsar

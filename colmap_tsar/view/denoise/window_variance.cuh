@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/view/denoise/own_texture.h"
+
+namespace tsar {
+
+// The variance of the grey levels in the window of this radius around a pixel,
+// as far as it lies in the image. Rounding can make it slightly negative.
+TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
+                                    int x,
+                                    int y,
+                                    int radius) {
+  const float middle = gray(x, y);
+  int count = 0;
+  float sum = 0.f;
+  float squares = 0.f;
+  for (int v = y - radius; v <= y + radius; ++v) {
+    for (int u = x - radius; u <= x + radius; ++u) {
+      if (gray.Contains(u, v)) {
+        // Relative to the middle: the squares of grey levels as such would take
+        // away the digits in which flat windows differ.
+        const float difference = gray(u, v) - middle;
+        ++count;
+        sum += difference;
+        squares += difference * difference;
+      }
+    }
+  }
+  const float mean = sum / count;
+  return squares / count - mean * mean;
+}
+
+// See own_texture.h.
+TSAR_HD inline float OwnTexture(const ImageView<const float>& gray,
+                                int x,
+                                int y) {
+  return WindowVariance(gray, x, y, kOwnTextureRadius);
+}
+
+}  // namespace tsar

@@ -1,0 +1,111 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/logarithm.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/scene/evidence/label_view.h"
+#include "colmap_tsar/view/measurement_support.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace tsar {
+
+// The least confidence of a depth: 0 stands for no depth.
+inline constexpr float kMinConfidence = 0.01f;
+
+// On columns and pipes between their outlines.
+inline constexpr float kConfidenceOfCylinder = 0.9f;
+
+// How a depth of a composed map came about.
+enum class DepthKind : uint8_t {
+  kStanding,        // Measured, off its plane or where there is none.
+  kMoved,           // Measured on its plane.
+  kFilled,          // Not measured: on a plane that the view measured around,
+  kCarried,         // that other views measured there,
+  kGuessed,         // or nobody.
+  kMovedToCurved,   // Measured on a curved surface,
+  kFilledByCurved,  // or filled by one.
+  kInterpolated,
+};
+inline constexpr int kNumDepthKinds = 8;
+
+// LabelQuality of the superpixel of a depth, in numbers.
+struct LabelMeasures {
+  float strength = 0.f;
+  float confirmed = 0.f;
+  float uncertainty = 0.f;
+  float margin = 0.f;
+};
+
+// All that is known of a depth of a composed map.
+struct DepthEvidence {
+  DepthKind kind;
+  // Where it does not stand, its votes alone count.
+  MeasurementSupport support;
+  LabelMeasures label;  // Where it lies on a plane.
+  // The relative depth of one pixel of disparity there, and the view's noise
+  // (ViewEvidence), in such.
+  float resolution = 0.f;
+  float noise = 0.f;
+};
+
+// The terms of the regression: a constant for each kind, how precise depths are
+// there, the votes of measurements and of other depths, and what only depths of
+// some kinds have (docs/method.md, "Confidence";
+// benchmarks/fit_confidence.cc finds the weights).
+struct ConfidenceTerms {
+  static constexpr int kCount =
+      kNumDepthKinds + 2 + SupportTerms::kCount + kNumVoteShares + 4;
+  float values[kCount] = {};
+
+  TSAR_HD explicit ConfidenceTerms(const DepthEvidence& depth) {
+    values[static_cast<int>(depth.kind)] = 1.f;
+    constexpr float kLeast = 1e-4f;
+    float* rest = values + kNumDepthKinds;
+    *rest++ = NaturalLogarithm(fmaxf(depth.resolution, kLeast));
+    *rest++ = NaturalLogarithm(fmaxf(depth.noise, kLeast));
+    if (depth.kind == DepthKind::kStanding) {
+      const SupportTerms support(depth.support);
+      for (int i = 0; i < SupportTerms::kCount; ++i) {
+        rest[i] = support.values[i];
+      }
+      return;
+    }
+    rest += SupportTerms::kCount;
+    ShareVotes(depth.support.votes, rest);
+    rest += kNumVoteShares;
+    if (depth.kind <= DepthKind::kGuessed) {
+      rest[0] = depth.label.strength;
+      rest[1] = depth.label.confirmed;
+      rest[2] = depth.label.uncertainty;
+      rest[3] = depth.label.margin;
+    }
+  }
+};
+
+// The probability that a depth is right to 1 %, from kMinConfidence to as much
+// below 1.
+TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
+  constexpr float kWeights[ConfidenceTerms::kCount] = {
+      -10.11f, -8.00f, -7.67f, -7.70f, -7.70f, -7.61f, -9.66f, -9.83f,
+      -0.68f,  -2.65f, 0.17f,  0.67f,  1.49f,  -2.23f, -2.10f, 2.48f,
+      0.76f,   -1.18f, -0.89f, -1.40f, -3.19f, 2.66f};
+  const float log_odds = WeighedSum(kWeights, ConfidenceTerms(depth).values);
+  const float odds = ExpOfNegative(-fabsf(log_odds));
+  const float probability = (log_odds > 0.f ? 1.f : odds) / (1.f + odds);
+  return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
+}
+
+// How likely a depth lies on the right surface, however precisely: the
+// probability that it would have were all depths of a usual precision.
+TSAR_HD inline float ConfidenceInSurface(DepthEvidence depth) {
+  depth.resolution = 0.003f;
+  depth.noise = 0.2f;
+  return ConfidenceOf(depth);
+}
+
+}  // namespace tsar

@@ -1,0 +1,120 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/views.h"
+#include "colmap_tsar/view/superpixels/samples.h"
+#include "colmap_tsar/view/uploaded_view.h"
+#include "colmap_tsar/view/view_data.h"
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+
+// A quarter of the paper's images, as in its authors' program. The raster of
+// superpixels and regions has no longer side, and none longer than the map's.
+constexpr int kMaxRasterSide = 777;
+
+// A reference image and its maps in the device's memory.
+struct DeviceReference {
+  DeviceReference(const ViewData& view, Device& device);
+
+  int Width() const { return color.Width(); }
+  int Height() const { return color.Height(); }
+  Intrinsics MapIntrinsics() const { return camera.GetIntrinsics(); }
+  // Planes of a raster, as the map's pixels see them.
+  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
+    return {planes.View(), MapIntrinsics(), Width(), Height()};
+  }
+
+  Camera camera;
+  DeviceImage<Rgb> color;
+  DepthNormalImages hypotheses;
+};
+
+// A reference image and its sources in the device's memory, ready for the
+// stages.
+class DeviceViews {
+ public:
+  // The sources may have been uploaded by another device of the same GPU.
+  // denoise: the raster.
+  DeviceViews(const ViewData& reference,
+              std::vector<std::shared_ptr<const UploadedView>> sources,
+              Device& device,
+              bool denoise = true);
+  // Uploads the sources, too.
+  DeviceViews(const ViewData& reference,
+              const std::vector<const ViewData*>& sources,
+              Device& device);
+
+  // Sources are shared with other devices of the GPU: as long as they are held,
+  // this waits for the work that may read them.
+  ~DeviceViews();
+
+  int Width() const { return reference_.Width(); }
+  int Height() const { return reference_.Height(); }
+  const Camera& ReferenceCamera() const { return reference_.camera; }
+  Intrinsics MapIntrinsics() const { return reference_.MapIntrinsics(); }
+  Intrinsics RasterIntrinsics() const;
+  const DisparityScale& Scale() const { return scale_; }
+
+  ReferenceView Reference() const {
+    return {MapIntrinsics(),
+            gray_.View(),
+            reference_.hypotheses.depth.View(),
+            reference_.hypotheses.normal.View()};
+  }
+  const Buffer<SourceView>& Sources() const { return sources_; }
+  DepthNormalViews Hypotheses() const { return reference_.hypotheses.Views(); }
+  // The sources that have a depth anywhere: no more can agree with a pixel.
+  int NumSourcesWithDepth() const { return num_sources_with_depth_; }
+  // Frees what only matching needs, once the device has done that: the sources
+  // and the gray image, which are empty afterwards.
+  void ReleaseSources();
+  // Gives the hypotheses away; they and Reference() are empty afterwards.
+  DepthNormalImages TakeHypotheses() {
+    return std::move(reference_.hypotheses);
+  }
+  ImageView<const Rgb> Color() const { return reference_.color.View(); }
+
+  // The raster of superpixels and regions, and the image reduced to it.
+  const ReducedRaster& Raster() const { return raster_; }
+  ImageView<const Rgb> RasterColor() const { return raster_color_.View(); }
+  Image<Rgb> DownloadRasterColor() const { return raster_color_.ToHost(); }
+  // Planes of the raster, as the map's pixels see them.
+  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
+    return reference_.OnMap(planes);
+  }
+  // The raster's size relative to kMaxRasterSide: lengths shrink by it, areas by
+  // its square.
+  double RasterScale() const;
+
+ private:
+  Device& device_;
+  DeviceReference reference_;
+  DisparityScale scale_;
+  ReducedRaster raster_;
+  DeviceImage<Rgb> raster_color_;
+  DeviceImage<float> gray_;
+  std::vector<std::shared_ptr<const UploadedView>> uploaded_sources_;
+  Buffer<SourceView> sources_;
+  int num_sources_with_depth_ = 0;
+};
+
+// Pixels of the raster of a map of this many.
+int64_t MaxRasterPixels(int64_t num_pixels);
+
+// The image that superpixels, regions, textures and borders are found in:
+// reduced to the raster and, if denoise says so, without its noise.
+DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
+                                 const ReducedRaster& raster,
+                                 bool denoise,
+                                 Device& device);
+
+}  // namespace tsar

@@ -1,0 +1,33 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/view/refine_observer.h"
+#include "colmap_tsar/view/refine_options.h"
+#include "colmap_tsar/view/refined_maps.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// R2: fills small holes by weighted medians, and marks them as interpolated.
+// color, intrinsics: of the map. num_iterations: each fills what is a window
+// wide at most. Nothing where the options switch it off.
+void FillHoles(ImageView<const Rgb> color,
+               const Intrinsics& intrinsics,
+               const RefineOptions& options,
+               int num_iterations,
+               ComposedMap* composed,
+               Device& device);
+
+// Of all the maps those that are made in any case.
+void Download(const ComposedMap& composed,
+              const DeviceImage<float>& confidence,
+              RefinedMaps* maps);
+
+// Shows the result to an observer where there is one.
+void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
+
+}  // namespace tsar

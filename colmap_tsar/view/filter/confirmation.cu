@@ -1,0 +1,56 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/filter/confirmation.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/view/denoise/window_variance.cuh"
+
+namespace tsar {
+namespace {
+
+struct ConfirmationKernel {
+  ImageView<const float> gray;
+  ImageView<const uint8_t> agreement;
+  ImageView<const uint8_t> is_candidate;
+  NoiseCurve noise;
+  ConfirmationOptions options;
+  ImageView<uint8_t> confirmations;
+
+  TSAR_HD void operator()(int x, int y) const {
+    confirmations(x, y) = static_cast<uint8_t>(Judge(x, y));
+  }
+
+  TSAR_HD Confirmation Judge(int x, int y) const {
+    const bool can_be = is_candidate.Empty() || is_candidate(x, y) != 0;
+    if (agreement(x, y) == 0 || !can_be) {
+      return Confirmation::kNone;
+    }
+    const float texture = OwnTexture(gray, x, y);
+    if (texture < options.min_texture * noise.Variance(gray(x, y))) {
+      return Confirmation::kNone;
+    }
+    return texture < options.min_distinct_texture ? Confirmation::kWeak
+                                                  : Confirmation::kDistinct;
+  }
+};
+
+}  // namespace
+
+DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
+                                   ImageView<const uint8_t> agreement,
+                                   ImageView<const uint8_t> is_candidate,
+                                   const NoiseCurve& noise,
+                                   const ConfirmationOptions& options,
+                                   Device& device) {
+  DeviceImage<uint8_t> confirmations(device, gray.width, gray.height);
+  ParallelFor(
+      device,
+      gray.width,
+      gray.height,
+      ConfirmationKernel{
+          gray, agreement, is_candidate, noise, options, confirmations.View()});
+  return confirmations;
+}
+
+}  // namespace tsar

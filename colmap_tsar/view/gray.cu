@@ -1,0 +1,76 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/gray.h"
+
+#include "colmap_tsar/device/parallel_for.h"
+
+namespace tsar {
+namespace {
+
+TSAR_HD float GrayLevel(const Rgb& c) {
+  return 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+}
+
+struct GrayKernel {
+  ImageView<const Rgb> color;
+  ImageView<float> gray;
+  TSAR_HD void operator()(int64_t i) const {
+    gray.data[i] = GrayLevel(color.data[i]);
+  }
+};
+
+struct GrayPairKernel {
+  ImageView<const Rgb> color;
+  ImageView<GrayPair> pairs;
+  TSAR_HD void operator()(int x, int y) const {
+    const int right = x + 1 < color.width ? x + 1 : x;
+    pairs(x, y) =
+        MakeGrayPair(GrayLevel(color(x, y)), GrayLevel(color(right, y)));
+  }
+};
+
+struct HalveKernel {
+  ImageView<const float> gray;
+  ImageView<float> half;
+  TSAR_HD void operator()(int x, int y) const {
+    const int x0 = 2 * x;
+    const int y0 = 2 * y;
+    const int x1 = x0 + 1 < gray.width ? x0 + 1 : x0;
+    const int y1 = y0 + 1 < gray.height ? y0 + 1 : y0;
+    half(x, y) =
+        0.25f * (gray(x0, y0) + gray(x1, y0) + gray(x0, y1) + gray(x1, y1));
+  }
+};
+
+}  // namespace
+
+void ComputeGray(ImageView<const Rgb> color,
+                 ImageView<float> gray,
+                 Device& device) {
+  ParallelFor(
+      device, static_cast<int64_t>(color.NumPixels()), GrayKernel{color, gray});
+}
+
+DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
+  DeviceImage<float> gray(device, color.width, color.height);
+  ComputeGray(color, gray.View(), device);
+  return gray;
+}
+
+void ComputeGrayPairs(ImageView<const Rgb> color,
+                      ImageView<GrayPair> pairs,
+                      Device& device) {
+  ParallelFor(device, color.width, color.height, GrayPairKernel{color, pairs});
+}
+
+DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device) {
+  DeviceImage<float> half(device,
+                          gray.width > 1 ? gray.width / 2 : 1,
+                          gray.height > 1 ? gray.height / 2 : 1);
+  ParallelFor(
+      device, half.Width(), half.Height(), HalveKernel{gray, half.View()});
+  return half;
+}
+
+}  // namespace tsar

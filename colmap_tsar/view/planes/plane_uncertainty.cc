@@ -1,0 +1,85 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/planes/plane_uncertainty.h"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+namespace tsar {
+namespace {
+
+// Observations that are apart by less than this share of their distance from
+// the cameras are at one place: what is left of rounding.
+constexpr double kSamePlace = 1e-6;
+
+// Of the height, in units of one over its variance.
+double Information(const WorldPlane& plane,
+                   const DepthObservation& observation) {
+  const double sigma = observation.sigma * RaySlope(plane, observation);
+  return observation.weight / (sigma * sigma);
+}
+
+}  // namespace
+
+double PlaneUncertainty::Sigma(const Eigen::Vector3d& point) const {
+  const Eigen::Vector2d position = axes.transpose() * (point - center);
+  double variance = height_variance;
+  for (int i = 0; i < 2; ++i) {
+    if (std::isfinite(slope_variance[i])) {
+      variance += slope_variance[i] * position[i] * position[i];
+    } else if (!(std::abs(position[i]) <= position_tolerance)) {
+      return std::numeric_limits<double>::infinity();
+    }
+  }
+  return std::sqrt(variance);
+}
+
+PlaneUncertainty ComputeUncertainty(
+    const WorldPlane& plane,
+    const std::vector<DepthObservation>& observations) {
+  PlaneUncertainty uncertainty;
+  double information = 0.0;
+  double distance = 0.0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const DepthObservation& observation : observations) {
+    const double share = Information(plane, observation);
+    information += share;
+    distance += share * observation.depth * observation.ray.norm();
+    center += share * FootPoint(plane, observation);
+  }
+  if (!(information > 0.0)) {
+    return uncertainty;
+  }
+  center /= information;
+  distance /= information;
+
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = plane.normal.unitOrthogonal();
+  tangents.col(1) = plane.normal.cross(tangents.col(0));
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (const DepthObservation& observation : observations) {
+    const Eigen::Vector2d position =
+        tangents.transpose() * (FootPoint(plane, observation) - center);
+    scatter +=
+        Information(plane, observation) * position * position.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(scatter);
+
+  uncertainty.center = center;
+  uncertainty.height_variance = 1.0 / information;
+  uncertainty.position_tolerance = kSamePlace * distance;
+  for (int i = 0; i < 2; ++i) {
+    // Eigen sorts by ascending values.
+    const double value = solver.eigenvalues()[1 - i];
+    uncertainty.axes.col(i) = tangents * solver.eigenvectors().col(1 - i);
+    if (value / information > std::pow(uncertainty.position_tolerance, 2)) {
+      uncertainty.slope_variance[i] = 1.0 / value;
+    }
+  }
+  return uncertainty;
+}
+
+}  // namespace tsar

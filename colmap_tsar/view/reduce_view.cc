@@ -1,0 +1,301 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/reduce_view.h"
+
+#include "colmap_tsar/matching/matching_cost.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+int CeilOfQuotient(int a, int b) { return (a - 1) / b + 1; }
+
+SquareHypothesis SquaresOf(const ViewData& rows,
+                           const Camera& camera,
+                           int factor,
+                           int first_row) {
+  return {rows.depth.View(),
+          rows.normal.View(),
+          rows.is_to_refine.View(),
+          camera.GetIntrinsics(),
+          factor,
+          first_row};
+}
+
+// SquareHypothesis::Find() with memory, which makes it several times as fast on
+// a CPU: the depths of a square are gathered once, and rays come from tables.
+class SquareFinder {
+ public:
+  explicit SquareFinder(const SquareHypothesis& squares)
+      : squares_(squares),
+        own_(squares.factor),
+        other_(squares.factor),
+        rays_(static_cast<size_t>(squares.depth.width)) {
+    for (int x = 0; x < squares.depth.width; ++x) {
+      rays_[static_cast<size_t>(x)] = squares.RayOf(x, 0).x;
+    }
+  }
+
+  ptrdiff_t Find(int x, int y) {
+    const int factor = squares_.factor;
+    const int end_x = std::min(x * factor + factor, squares_.depth.width);
+    const int end_y = std::min(y * factor + factor, squares_.depth.height);
+    own_.count = 0;
+    other_.count = 0;
+    for (int row = y * factor; row < end_y; ++row) {
+      for (int column = x * factor; column < end_x; ++column) {
+        Gather(column, row);
+      }
+    }
+    const int min_count =
+        SquareHypothesis::MinCount((end_x - x * factor) * (end_y - y * factor));
+    const ptrdiff_t own = FindAmong(own_, min_count);
+    return own >= 0 ? own : FindAmong(other_, min_count);
+  }
+
+ private:
+  // The first `count` of each list.
+  struct Depths {
+    explicit Depths(int factor)
+        : depth(static_cast<size_t>(factor) * static_cast<size_t>(factor)),
+          column(depth.size()),
+          row(depth.size()) {}
+
+    int count = 0;
+    std::vector<float> depth;
+    std::vector<int> column;
+    std::vector<int> row;
+  };
+
+  // Without branches, since holes come at random.
+  void Gather(int column, int row) {
+    const size_t pixel = squares_.depth.Index(column, row);
+    const float depth = squares_.depth.data[pixel];
+    const bool is_own =
+        squares_.is_to_refine.Empty() || squares_.is_to_refine.data[pixel] != 0;
+    Append(depth, column, row, is_own, &own_);
+    Append(depth, column, row, !is_own, &other_);
+  }
+
+  static void Append(
+      float depth, int column, int row, bool counts, Depths* depths) {
+    // What does not count is overwritten by the next.
+    const auto place = static_cast<size_t>(depths->count);
+    depths->depth[place] = depth;
+    depths->column[place] = column;
+    depths->row[place] = row;
+    depths->count += counts && depth > 0.f ? 1 : 0;
+  }
+
+  ptrdiff_t FindAmong(const Depths& depths, int min_count) const {
+    if (depths.count < min_count) {
+      return -1;
+    }
+    const auto median = static_cast<size_t>(Median(depths));
+    const auto pixel = static_cast<ptrdiff_t>(
+        squares_.depth.Index(depths.column[median], depths.row[median]));
+    const Plane plane = squares_.PlaneOf(pixel);
+    int count = 0;
+    for (size_t i = 0; i < static_cast<size_t>(depths.count); ++i) {
+      const Vec3f ray = {rays_[static_cast<size_t>(depths.column[i])],
+                         squares_.RayOf(0, depths.row[i]).y,
+                         1.f};
+      count += SquareHypothesis::IsOnPlane(
+                   depths.depth[i], ray, plane, depths.depth[median])
+                   ? 1
+                   : 0;
+    }
+    return count >= min_count ? pixel : -1;
+  }
+
+  // The first one with the lower median.
+  static int Median(const Depths& depths) {
+    const int rank = (depths.count - 1) / 2;
+    for (int i = 0; i < depths.count; ++i) {
+      const float one = depths.depth[static_cast<size_t>(i)];
+      int num_nearer = 0;
+      int num_as_near = 0;
+      for (int j = 0; j < depths.count; ++j) {
+        const float other = depths.depth[static_cast<size_t>(j)];
+        num_nearer += other < one ? 1 : 0;
+        num_as_near += other == one ? 1 : 0;
+      }
+      if (num_nearer <= rank && rank < num_nearer + num_as_near) {
+        return i;
+      }
+    }
+    return 0;
+  }
+
+  const SquareHypothesis& squares_;
+  Depths own_;
+  Depths other_;
+  std::vector<float> rays_;  // x of those of each column.
+};
+
+Image<Rgb> MeanColors(const Image<Rgb>& color,
+                      int factor,
+                      int width,
+                      int height) {
+  struct Sum {
+    uint32_t r = 0;
+    uint32_t g = 0;
+    uint32_t b = 0;
+  };
+  Image<Rgb> reduced = Image<Rgb>::Uninitialized(width, height);
+  std::vector<Sum> sums(static_cast<size_t>(width));
+  for (int y = 0; y < height; ++y) {
+    std::fill(sums.begin(), sums.end(), Sum{});
+    const int begin_y = y * factor;
+    const int end_y = std::min(begin_y + factor, color.Height());
+    for (int j = begin_y; j < end_y; ++j) {
+      const Rgb* row = &color(0, j);
+      for (int x = 0; x < width; ++x) {
+        Sum sum = sums[static_cast<size_t>(x)];
+        const int end_x = std::min((x + 1) * factor, color.Width());
+        for (int i = x * factor; i < end_x; ++i) {
+          sum.r += row[i].r;
+          sum.g += row[i].g;
+          sum.b += row[i].b;
+        }
+        sums[static_cast<size_t>(x)] = sum;
+      }
+    }
+    for (int x = 0; x < width; ++x) {
+      const int num_columns = std::min(factor, color.Width() - x * factor);
+      const auto count = static_cast<uint32_t>(num_columns * (end_y - begin_y));
+      const auto mean = [count](uint32_t sum) {
+        return static_cast<uint8_t>((sum + count / 2) / count);
+      };
+      const Sum& sum = sums[static_cast<size_t>(x)];
+      reduced(x, y) = {mean(sum.r), mean(sum.g), mean(sum.b)};
+    }
+  }
+  return reduced;
+}
+
+}  // namespace
+
+int ReductionFactor(int width, int height, int max_side) {
+  return CeilOfQuotient(std::max(width, height), max_side);
+}
+
+Camera ReduceCamera(const Camera& camera, int factor) {
+  Camera reduced = camera;
+  reduced.width = CeilOfQuotient(camera.width, factor);
+  reduced.height = CeilOfQuotient(camera.height, factor);
+  const double middle = 0.5 * (factor - 1);
+  reduced.fx /= factor;
+  reduced.fy /= factor;
+  reduced.cx = (camera.cx - middle) / factor;
+  reduced.cy = (camera.cy - middle) / factor;
+  return reduced;
+}
+
+int FactorBetween(int width,
+                  int height,
+                  int reduced_width,
+                  int reduced_height) {
+  const int side = std::max(width, height);
+  const int reduced_side = std::max(reduced_width, reduced_height);
+  for (int factor = 1; CeilOfQuotient(side, factor) >= reduced_side; ++factor) {
+    if (CeilOfQuotient(width, factor) == reduced_width &&
+        CeilOfQuotient(height, factor) == reduced_height) {
+      return factor;
+    }
+    if (factor == side) {
+      break;
+    }
+  }
+  return 0;
+}
+
+ViewReducer::ViewReducer(const Camera& camera, int factor, bool has_costs)
+    : camera_(camera), factor_(factor) {
+  reduced_.camera = ReduceCamera(camera, factor);
+  const int width = reduced_.camera.width;
+  const int height = reduced_.camera.height;
+  reduced_.depth = Image<float>(width, height);
+  reduced_.normal = Image<Vec3f>(width, height);
+  reduced_.is_to_refine = Image<uint8_t>(width, height);
+  if (has_costs) {
+    reduced_.min_cost = Image<float>(width, height, kUndefinedCost);
+    reduced_.second_cost = reduced_.min_cost;
+  }
+}
+
+void ViewReducer::Add(const ViewData& rows) {
+  const SquareHypothesis squares = SquaresOf(rows, camera_, factor_, num_rows_);
+  SquareFinder finder(squares);
+  const int first_row = num_rows_ / factor_;
+  const int num_squares = CeilOfQuotient(rows.depth.Height(), factor_);
+  for (int y = 0; y < num_squares; ++y) {
+    for (int x = 0; x < reduced_.depth.Width(); ++x) {
+      const ptrdiff_t pixel = finder.Find(x, y);
+      if (pixel >= 0) {
+        Set(rows, squares, pixel, x, first_row + y);
+      }
+    }
+  }
+  num_rows_ += rows.depth.Height();
+}
+
+void ViewReducer::Set(const ViewData& rows,
+                      const SquareHypothesis& squares,
+                      ptrdiff_t pixel,
+                      int x,
+                      int y) {
+  const auto place = static_cast<size_t>(pixel);
+  reduced_.depth(x, y) =
+      squares.DepthOnRay(pixel,
+                         reduced_.camera.GetIntrinsics().Ray(
+                             static_cast<float>(x), static_cast<float>(y)));
+  reduced_.normal(x, y) = rows.normal.Data()[place];
+  const bool is_to_refine =
+      rows.is_to_refine.Empty() || rows.is_to_refine.Data()[place] != 0;
+  reduced_.is_to_refine(x, y) = is_to_refine ? 1 : 0;
+  reduced_.num_depths_to_refine += is_to_refine ? 1 : 0;
+  if (!reduced_.min_cost.Empty()) {
+    reduced_.min_cost(x, y) = rows.min_cost.Data()[place];
+    reduced_.second_cost(x, y) = rows.second_cost.Data()[place];
+  }
+}
+
+ViewData ViewReducer::Finish(const Image<Rgb>& color) {
+  reduced_.color = MeanColors(
+      color, factor_, reduced_.depth.Width(), reduced_.depth.Height());
+  return std::move(reduced_);
+}
+
+ViewData ReduceView(const ViewData& view, int factor) {
+  if (factor == 1) {
+    return view;
+  }
+  ViewReducer reducer(view.camera, factor, !view.min_cost.Empty());
+  reducer.Add(view);
+  ViewData reduced = reducer.Finish(view.color);
+  reduced.num_not_finite = view.num_not_finite;
+  reduced.prior = view.prior;
+  reduced.segments = view.segments;
+  return reduced;
+}
+
+bool HasReducedDepth(const ViewData& view, int factor) {
+  const SquareHypothesis squares = SquaresOf(view, view.camera, factor, 0);
+  for (int y = 0; y < CeilOfQuotient(view.depth.Height(), factor); ++y) {
+    for (int x = 0; x < CeilOfQuotient(view.depth.Width(), factor); ++x) {
+      if (squares.Find(x, y) >= 0) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace tsar

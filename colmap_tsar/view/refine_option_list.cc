@@ -1,0 +1,416 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/refine_option_list.h"
+
+#include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/view/regions/region_planes.h"
+
+#include <charconv>
+#include <iomanip>
+#include <limits>
+#include <type_traits>
+
+namespace tsar {
+namespace {
+
+template <typename T>
+std::string ValueText(T value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    return value ? "1" : "0";
+  } else {
+    char text[64];
+    const std::to_chars_result result =
+        std::to_chars(text, text + sizeof(text), value);
+    return std::string(text, result.ptr);
+  }
+}
+
+template <typename T>
+void CheckRange(const RefineField& field, const T* value) {
+  if constexpr (!std::is_same_v<T, bool>) {
+    // Not the negation, which NaN would pass.
+    const bool is_inside = *value >= field.min && *value <= field.max;
+    if (!is_inside) {
+      TextStream text;
+      text << OptionName(field.name) << ": " << *value
+           << " makes no sense; give a value from " << field.min << " to "
+           << field.max;
+      throw Error(ErrorCode::kBadOption, text.str());
+    }
+  }
+}
+
+}  // namespace
+
+// Name and place of a member.
+#define TSAR_FIELD(member) .name = #member, .value = &options->member
+
+std::vector<RefineField> ListRefineFields(RefineOptions* options) {
+  return {
+      {TSAR_FIELD(denoise),
+       .description = "Take the noise out of the images in which superpixels, "
+                      "regions, textures and borders are found. Matching sees "
+                      "the images as they are.",
+       .paper = 0},
+      {TSAR_FIELD(distrust_unmatched),
+       .description =
+           "In maps without holes, from which no filter removed anything, let "
+           "depths count only where two sources agree and match better there "
+           "than at depths beside. For maps that fill bare walls by guesses, "
+           "as ACMMP's do; not for those of sensors and networks.",
+       .is_option = true},
+      {TSAR_FIELD(filter),
+       .description = "Tell reliable depths from wrong ones. If 0, every depth "
+                      "counts as reliable."},
+      {TSAR_FIELD(filter_confidence),
+       .description = "Judge depths by their matching costs."},
+      {TSAR_FIELD(filter_discontinuity),
+       .description =
+           "Judge depths by the size of the smooth surface around them."},
+      {TSAR_FIELD(cost_ratio),
+       .description = "Let the quotient of the two smallest costs count among "
+                      "the matching costs, as in the paper: depths that two "
+                      "source images match equally well gain by it.",
+       .paper_strict = 1},
+      {TSAR_FIELD(view_agreement),
+       .description =
+           "Judge depths by the number of source images whose depths agree.",
+       .paper = 0},
+      {TSAR_FIELD(min_aggregated_score),
+       .description = "Score above which a depth is reliable; the best have "
+                      "about 1 (eta in the paper).",
+       .min = 0.0,
+       .max = 2.0},
+      {TSAR_FIELD(confidence_weight),
+       .description =
+           "Weight of the matching confidence against the discontinuity in the "
+           "score, in [0, 1] (tau in the paper).",
+       .min = 0.0,
+       .max = 1.0},
+      {TSAR_FIELD(refine),
+       .description =
+           "Spread reliable depths over superpixels and by weighted medians. "
+           "If 0, the three switches below have no effect."},
+      {TSAR_FIELD(superpixel_planes),
+       .description =
+           "Fit a plane to every superpixel that has enough reliable depths."},
+      {TSAR_FIELD(weighted_median),
+       .description = "Confirm and fill depths by weighted medians of their "
+                      "surroundings."},
+      {TSAR_FIELD(readmit_filtered),
+       .description = "Let depths that the filter rejected return where the "
+                      "weighted median of their surroundings confirms them.",
+       .paper = 1},
+      {TSAR_FIELD(spread_medians),
+       .description =
+           "Give depths that the weighted median of their surroundings "
+           "confirms the depth of this median, as in the paper. If 0, they "
+           "keep their own. Has no effect with scene_planes.",
+       .paper_strict = 1},
+      {TSAR_FIELD(small_windows),
+       .description = "Confirm depths by windows half as wide, as the paper "
+                      "prints them: from 2^(num_iterations - 1) times "
+                      "window_radius down to window_radius.",
+       .paper_strict = 1},
+      {TSAR_FIELD(pixel_distances),
+       .description =
+           "Let a neighbour's weight in weighted medians fall with its "
+           "distance in pixels of a map 3110 wide, as printed in the paper. If "
+           "0, with that in steps of the window's sampling.",
+       .paper_strict = 1},
+      {TSAR_FIELD(fill_wide_holes),
+       .description = "Fill holes by weighted medians wherever any sample of "
+                      "the window holds a depth. If 0, a third of them must.",
+       .paper_strict = 1},
+      {TSAR_FIELD(fill_before_regions),
+       .description =
+           "Fill holes by weighted medians before planes are fitted to "
+           "regions, and let these planes replace what is there, as in the "
+           "paper. If 0, after them. Has no effect with scene_planes.",
+       .paper_strict = 1},
+      {TSAR_FIELD(num_iterations),
+       .description =
+           "Rounds of the weighted median filters (N_t in the paper).",
+       .min = 1,
+       .max = 10},
+      {TSAR_FIELD(superpixel_size),
+       .description = "Area of a superpixel, in pixels of the image reduced to "
+                      "a long side of at most 777 (S_sp in the paper, whose "
+                      "400 are 25 there on maps 3110 wide).",
+       .min = 25,
+       .max = 100000},
+      {TSAR_FIELD(min_plane_support),
+       .description =
+           "Share of a superpixel's depths that must lie on its plane, and of "
+           "the depths on a region's rim where nothing inside it carries one, "
+           "in [0, 1] (sigma in the paper).",
+       .min = 0.0,
+       .max = 1.0},
+      {TSAR_FIELD(loose_plane_tolerance),
+       .description =
+           "Find the planes of superpixels in two steps, as the paper prints "
+           "it: first with this tolerance, in the unit of the sparse model, "
+           "then, where the plane is credible, with 0.001 of the depth. The "
+           "paper has 0.005 m. If 0, in one step.",
+       .min = 0.0,
+       .max = 1e9,
+       .paper_strict = 5e-3},
+      {TSAR_FIELD(window_radius),
+       .description = "Radius of the smallest median window, in pixels of a "
+                      "map 3110 wide (delta in the paper).",
+       .min = 1,
+       .max = 100},
+      {TSAR_FIELD(spatial_sigma),
+       .description = "How fast a neighbour's weight falls with its distance, "
+                      "in steps of the window's sampling (alpha in the paper).",
+       .min = 0.01,
+       .max = 100.0},
+      {TSAR_FIELD(color_sigma),
+       .description = "How fast a neighbour's weight falls with the difference "
+                      "of colour, in levels of 0-255 (beta in the paper).",
+       .min = 0.01,
+       .max = 255.0},
+      {TSAR_FIELD(disparity_tolerance),
+       .description =
+           "How far a depth may be from the median of its surroundings, in "
+           "pixels of disparity in a map 3110 wide (mu in the paper).",
+       .min = 0.01,
+       .max = 10000.0},
+      {TSAR_FIELD(segment),
+       .description = "Find regions without texture and fit planes to them."},
+      {TSAR_FIELD(edge_threshold),
+       .description =
+           "Step of brightness that bounds a region, in levels of 0-255.",
+       .min = 0.0,
+       .max = 255.0},
+      {TSAR_FIELD(edges_of_roots),
+       .description =
+           "Take the roots of brightness before the differences of the edge "
+           "detector, whose summed squares must exceed edge_threshold, as "
+           "printed in the paper. If 0, the root of the summed squares counts.",
+       .paper_strict = 1},
+      {TSAR_FIELD(short_lines),
+       .description =
+           "Let straight lines of any length bound a region. If 0, those of at "
+           "least a thirtieth of the image's shorter side.",
+       .paper_strict = 1},
+      {TSAR_FIELD(hough_max_gap),
+       .description = "Largest gap that a straight line may close, in pixels "
+                      "of an image 777 wide (upsilon in the paper).",
+       .min = 1,
+       .max = 10000},
+      {TSAR_FIELD(region_cores),
+       .description = "Let depths well inside a region decide about its plane "
+                      "before those on its rim, which belong to whatever hangs "
+                      "in front. If 0, one fit takes both.",
+       .paper = 0},
+      {TSAR_FIELD(region_rims),
+       .description = "Let depths around a region help to find its plane. If "
+                      "0, only those inside it.",
+       .paper_strict = 0},
+      {TSAR_FIELD(bounded_regions),
+       .description =
+           "Let the plane of a region reach no further than three standard "
+           "deviations of where depths lie on it. If 0, it fills the region.",
+       .paper_strict = 0},
+      {TSAR_FIELD(max_region_planes),
+       .description = "Most planes that one region may hold.",
+       .min = 1,
+       .max = kMaxPlanesPerRegion,
+       .paper = 1},
+      {TSAR_FIELD(min_region_size),
+       .description = "Area of the smallest region, in pixels of an image 777 "
+                      "wide (kappa times 10000 in the paper).",
+       .min = 1,
+       .max = 100000000},
+      {TSAR_FIELD(max_boundary_error),
+       .description = "How far a region's plane, where only the rim carries "
+                      "it, may be from the reliable depths along the rim, as a "
+                      "fraction of the depth (gamma in the paper).",
+       .min = 0.0,
+       .max = 1.0},
+      {TSAR_FIELD(max_boundary_gap),
+       .description =
+           "How far a region's plane may be on average from the depths beside "
+           "the region's border, in the unit of the sparse model, as the paper "
+           "prints it (gamma, 0.1 m). If above 0, this alone decides whether a "
+           "plane stands, and max_boundary_error has no effect.",
+       .min = 0.0,
+       .max = 1e9,
+       .paper_strict = 0.1},
+      {TSAR_FIELD(confirmed_depths),
+       .description =
+           "Keep a measured depth that another view confirms, where the pixel "
+           "has texture of its own, though the view itself did not trust it; "
+           "where a plane of the scene would take its place, the views decide. "
+           "Has no effect without view_agreement.",
+       .paper = 0},
+      {TSAR_FIELD(scene_planes),
+       .description =
+           "Find planes in all views of a surface together and let them "
+           "decide. If 0, or if refine is 0, each image is refined by itself, "
+           "and the switches below have no effect.",
+       .is_option = true,
+       .paper = 0},
+      {TSAR_FIELD(foreground_fattening),
+       .description =
+           "Let depths count little for the planes of the scene where the "
+           "pattern that was matched lies beside the pixel: they are those of "
+           "the frame or poster beside a wall."},
+      {TSAR_FIELD(manhattan_frame),
+       .description = "Make planes exactly parallel and at right angles where "
+                      "that agrees with what was measured."},
+      {TSAR_FIELD(adjust_planes),
+       .description =
+           "In scenes of more than 32 images, where planes are found in parts "
+           "of the scene, adjust the planes of all parts together.",
+       .paper = 0},
+      {TSAR_FIELD(bounded_planes),
+       .description =
+           "Leave holes where a plane was observed on one side only."},
+      {TSAR_FIELD(bounding_creases),
+       .description = "Let planes end at creases that three or more views see, "
+                      "and let another one begin there at right angles: "
+                      "ceilings over walls, though nothing of them was "
+                      "measured. Has no effect without manhattan_frame."},
+      {TSAR_FIELD(curved_surfaces),
+       .description = "Let smooth curved surfaces stand where they explain the "
+                      "depths better than planes do.",
+       .paper = 0},
+      {TSAR_FIELD(cylinders),
+       .description =
+           "Find bare columns and pipes by their outlines in four or more "
+           "views, and fill them: round ones along an axis of the Manhattan "
+           "frame. Has no effect without manhattan_frame.",
+       .paper = 0},
+      {TSAR_FIELD(pixel_borders),
+       .description =
+           "Move the borders between planes from those of superpixels to the "
+           "edges of the image, and drop depths that spill over these. If 0, "
+           "borders are those of superpixels.",
+       .paper = 0},
+      {TSAR_FIELD(photometric),
+       .description = "Compare composed maps of up to 1280 pixels with the "
+                      "images, and move textured pixels that stand a little "
+                      "off their surface, such as posters and doors. Larger "
+                      "maps gain nothing from it, and keep their depths.",
+       .paper = 0},
+      {TSAR_FIELD(plane_tolerance),
+       .description =
+           "How far a depth may be off a plane, in standard deviations of the "
+           "depths about the planes of their superpixels.",
+       .min = 0.1,
+       .max = 1000.0},
+      {TSAR_FIELD(min_scene_plane),
+       .description =
+           "Pixels that a plane of the scene must explain that no other does, "
+           "in images reduced to a long side of at most 777.",
+       .min = 1.0,
+       .max = 1e9},
+      {TSAR_FIELD(unlabelled_cost),
+       .description =
+           "What a pixel costs that is left empty, against 0.05 for one on a "
+           "plane that is not known there: the higher, the fewer holes.",
+       .min = 0.0,
+       .max = 1.0},
+      {TSAR_FIELD(min_confidence),
+       .description = "Leave depths out whose confidence, the probability of "
+                      "being right to 1 %, is less than this. 0 keeps all: "
+                      "fusion leaves out most of the wrong ones itself. "
+                      "Without scene_planes, confidences are only ranks.",
+       .min = 0.0,
+       .max = 1.0,
+       .is_option = true},
+      {TSAR_FIELD(min_fill_confidence),
+       .description =
+           "Leave pixels empty that were not measured and whose surface is "
+           "less "
+           "likely the right one than this. 0 fills as much as possible. With "
+           "scene_planes.",
+       .min = 0.0,
+       .max = 1.0},
+      {TSAR_FIELD(sigma_maps),
+       .description =
+           "Write stereo/sigma_maps: how far each depth may be off, as a "
+           "standard deviation in the unit of the depth map, if its surface is "
+           "the right one. Arrays of NumPy, of 16-bit floats.",
+       .is_option = true},
+      {TSAR_FIELD(seed),
+       .description =
+           "Another number gives other random draws, and so tells how much of "
+           "a result is luck; the same number always gives the same maps.",
+       .min = 0,
+       .max = std::numeric_limits<int>::max(),
+       .is_option = true},
+  };
+}
+
+#undef TSAR_FIELD
+
+std::string RefineField::Text() const {
+  return std::visit([](const auto* value) { return ValueText(*value); }, value);
+}
+
+RefineOptions PresetOptions(RefinePreset preset) {
+  RefineOptions options;
+  for (const RefineField& field : ListRefineFields(&options)) {
+    const std::optional<double>& changed =
+        preset == RefinePreset::kPaperStrict && field.paper_strict
+            ? field.paper_strict
+            : field.paper;
+    if (preset != RefinePreset::kDefault && changed) {
+      std::visit(
+          [&](auto* value) {
+            *value =
+                static_cast<std::remove_pointer_t<decltype(value)>>(*changed);
+          },
+          field.value);
+    }
+  }
+  return options;
+}
+
+std::map<std::string, std::string> RefineOptionsText(
+    const RefineOptions& options) {
+  RefineOptions copy = options;
+  std::map<std::string, std::string> text;
+  for (const RefineField& field : ListRefineFields(&copy)) {
+    text[field.name] = field.Text();
+  }
+  return text;
+}
+
+std::string HashRefineOptions(const RefineOptions& options) {
+  std::string text = TSAR_VERSION;
+  for (const auto& [name, value] : RefineOptionsText(options)) {
+    text += "\n" + name + "=" + value;
+  }
+  ContentHash hash;
+  hash.Update(text.data(), text.size());
+  TextStream hex;
+  hex << std::hex << std::setfill('0') << std::setw(16) << hash.Value();
+  return hex.str();
+}
+
+void RefineOptions::Check() const {
+  if (filter && !filter_confidence && !filter_discontinuity &&
+      !view_agreement) {
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("filter") +
+            ": nothing is left to judge depths by; leave "
+            "filter_confidence, filter_discontinuity or view_agreement on, "
+            "or set filter to 0");
+  }
+  RefineOptions copy = *this;
+  for (const RefineField& field : ListRefineFields(&copy)) {
+    std::visit([&](const auto* value) { CheckRange(field, value); },
+               field.value);
+  }
+}
+
+}  // namespace tsar

@@ -1,0 +1,23 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/view/regions/region_planes.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// The plane of each pixel of a region: where the region has several, the one
+// whose samples are nearest and most; none (invalid) further from the plane's
+// support than max_extrapolation, and outside the regions.
+DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
+                                      const RegionPlanes& planes,
+                                      ImageView<const RayDepth> samples,
+                                      const Intrinsics& intrinsics,
+                                      const DepthResolution& resolution,
+                                      const RegionPlaneOptions& options,
+                                      Device& device);
+
+}  // namespace tsar

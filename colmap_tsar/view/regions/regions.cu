@@ -1,0 +1,179 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/regions/regions.h"
+
+#include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/copy.h"
+#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/scan.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+struct OffEdges {
+  const uint8_t* edges;
+  TSAR_HD bool Contains(int i) const { return edges[i] == 0; }
+  TSAR_HD bool Connected(int /*i*/, int /*j*/) const { return true; }
+};
+
+struct InSegments {
+  const uint16_t* segments;
+  TSAR_HD bool Contains(int i) const { return segments[i] != 0; }
+  TSAR_HD bool Connected(int i, int j) const {
+    return segments[i] == segments[j];
+  }
+};
+
+struct DropEdgesKernel {
+  const uint8_t* edges;
+  int* labels;
+  TSAR_HD void operator()(int64_t i) const {
+    if (edges[i] != 0) {
+      labels[i] = -1;
+    }
+  }
+};
+
+struct IsLargeKernel {
+  const int* sizes;
+  int min_size;
+  int* is_large;
+  TSAR_HD void operator()(int64_t i) const {
+    is_large[i] = sizes[i] > min_size ? 1 : 0;
+  }
+};
+
+// names: how many large areas there are before each pixel; a root's own number
+// and the next one's differ where its area is large.
+struct RenameKernel {
+  const int* names;
+  ImageView<int> labels;
+  TSAR_HD void operator()(int64_t i) const {
+    const int root = labels.data[i];
+    labels.data[i] =
+        root >= 0 && names[root + 1] > names[root] ? names[root] : -1;
+  }
+};
+
+struct GrowKernel {
+  ImageView<const int> labels;
+  ImageView<int> grown;
+
+  TSAR_HD void operator()(int x, int y) const {
+    int label = labels(x, y);
+    if (label < 0) {
+      label = Smaller(label, x - 1, y);
+      label = Smaller(label, x + 1, y);
+      label = Smaller(label, x, y - 1);
+      label = Smaller(label, x, y + 1);
+    }
+    grown(x, y) = label;
+  }
+
+  TSAR_HD int Smaller(int label, int x, int y) const {
+    const int other = labels.Contains(x, y) ? labels(x, y) : -1;
+    return other >= 0 && (label < 0 || other < label) ? other : label;
+  }
+};
+
+struct ShrinkKernel {
+  ImageView<const int> labels;
+  ImageView<int> shrunk;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const int label = labels(x, y);
+    shrunk(x, y) = Same(label, x - 1, y) && Same(label, x + 1, y) &&
+                           Same(label, x, y - 1) && Same(label, x, y + 1)
+                       ? label
+                       : -1;
+  }
+
+  TSAR_HD bool Same(int label, int x, int y) const {
+    return !labels.Contains(x, y) || labels(x, y) == label;
+  }
+};
+
+// Kernel{labels before, labels after}, num_steps times.
+template <typename Kernel>
+DeviceImage<int> Repeat(ImageView<const int> labels,
+                        int num_steps,
+                        Device& device) {
+  DeviceImage<int> result(device, labels.width, labels.height);
+  DeviceImage<int> next(device, labels.width, labels.height);
+  Copy(device, labels.data, labels.NumPixels(), result.View().data);
+  for (int i = 0; i < num_steps; ++i) {
+    ParallelFor(device,
+                labels.width,
+                labels.height,
+                Kernel{result.View(), next.View()});
+    std::swap(result, next);
+  }
+  return result;
+}
+
+// Numbers the components with more than min_size pixels. labels: a pixel of its
+// component for each pixel, or -1.
+Regions NumberLarge(DeviceImage<int> labels, int min_size, Device& device) {
+  Regions regions;
+  regions.labels = std::move(labels);
+  const ImageView<int> view = regions.labels.View();
+  Buffer<int> sizes(device, view.NumPixels());
+  Fill(device, sizes.Data(), sizes.Size(), 0);
+  CountComponentPixels(device, view, sizes.Data());
+
+  const int64_t count = static_cast<int64_t>(view.NumPixels());
+  Buffer<int> is_large(device, view.NumPixels());
+  ParallelFor(
+      device, count, IsLargeKernel{sizes.Data(), min_size, is_large.Data()});
+  const Buffer<int> names =
+      ExclusiveSum(is_large.Data(), is_large.Size(), device);
+  ParallelFor(device, count, RenameKernel{names.Data(), view});
+  device.CopyToHost(&regions.count, names.Data() + count, sizeof(int));
+  return regions;
+}
+
+}  // namespace
+
+Regions FindRegions(ImageView<const uint8_t> edges,
+                    int min_size,
+                    Device& device) {
+  DeviceImage<int> labels(device, edges.width, edges.height);
+  LabelComponents(
+      device, OffEdges{edges.data}, Connectivity::kFour, labels.View());
+  return NumberLarge(std::move(labels), min_size, device);
+}
+
+Regions FindSegments(ImageView<const uint16_t> segments,
+                     ImageView<const uint8_t> edges,
+                     int min_size,
+                     Device& device) {
+  DeviceImage<int> labels(device, segments.width, segments.height);
+  LabelComponents(
+      device, InSegments{segments.data}, Connectivity::kFour, labels.View());
+  ParallelFor(device,
+              static_cast<int64_t>(segments.NumPixels()),
+              DropEdgesKernel{edges.data, labels.View().data});
+  return NumberLarge(std::move(labels), min_size, device);
+}
+
+DeviceImage<int> GrowLabels(ImageView<const int> labels,
+                            int num_steps,
+                            Device& device) {
+  return Repeat<GrowKernel>(labels, num_steps, device);
+}
+
+DeviceImage<int> ShrinkLabels(ImageView<const int> labels,
+                              int num_steps,
+                              Device& device) {
+  return Repeat<ShrinkKernel>(labels, num_steps, device);
+}
+
+int64_t MaxRegions(int64_t num_pixels, int min_size) {
+  return num_pixels / std::max(1, min_size);
+}
+
+}  // namespace tsar

@@ -1,0 +1,39 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/view/filter/confidence.h"
+#include "colmap_tsar/view/refine_options.h"
+#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/region_planes.h"
+#include "colmap_tsar/view/superpixels/correlation.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// Of a view whose measurements serve the planes of the scene: these need every
+// pixel's own depth, and no others.
+RefineOptions MeasuringOptions(const RefineOptions& options);
+
+// What single stages make of the options of a run. raster_scale: that of
+// DeviceViews; lengths shrink by it, areas by its square. image_id keys the
+// random numbers.
+
+ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options);
+
+CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
+                                          uint32_t image_id);
+
+HoughOptions MakeHoughOptions(const RefineOptions& options,
+                              double raster_scale);
+
+// The least number of pixels of a region on the raster.
+int MinRegionSize(const RefineOptions& options, double raster_scale);
+
+RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
+                                          double raster_scale,
+                                          uint32_t image_id);
+
+}  // namespace tsar

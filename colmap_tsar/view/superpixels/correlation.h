@@ -1,0 +1,79 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/view/superpixels/samples.h"
+#include "colmap_tsar/view/superpixels/slic.h"
+#include "colmap_tsar/view/superpixels/superpixel_planes.h"
+#include "colmap_tsar/view/superpixels/weighted_median.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+struct CorrelationOptions {
+  int num_iterations = 4;            // N_t
+  float window_radius = 5.f;         // delta, in pixels at the paper's width
+  float disparity_tolerance = 24.f;  // mu, in the paper's pixels
+  float spatial_sigma = 2.f;         // alpha
+  float color_sigma = 3.f;           // beta
+  // Whether pixels that were not reliable may come to be trusted. The paper's
+  // gate lifts a weak mask by it; a strong one loses (docs/ablation.md).
+  bool readmit_filtered = false;
+  // Whether pixels that pass the gate take the depth of the filter, for the
+  // next rounds and the result, as in the paper. Then a score of 0 leaves the
+  // gate open.
+  bool spread_medians = false;
+  // Whether F_A has windows of delta 2^(N_t - N_c), as printed, instead of
+  // twice that.
+  bool small_windows = false;
+  // Whether the weights of F_A fall with the distance in paper pixels, as
+  // printed, instead of in taps.
+  bool pixel_distances = false;
+  bool use_superpixel_planes = true;
+  bool use_weighted_median = true;
+  SuperpixelPlaneOptions planes;
+};
+
+// What R1 decides: whom to trust, and the planes of the trusted.
+struct CorrelationResult {
+  // Other than 0 where the own depth stands, or with spread_medians that of
+  // `spread`.
+  DeviceImage<uint8_t> trusted;
+  Buffer<Plane> planes;  // Of the superpixels; invalid where there is none.
+  // With spread_medians, the depths of the trusted pixels, 0 elsewhere; else
+  // empty.
+  DepthNormalImages spread;
+};
+
+// R1 of the paper's iterative correlation refinement. Each round fits the
+// superpixels' planes to the trusted pixels, lays them over the map, spreads
+// the result by the filter F_A with a window that halves from round to round,
+// and trusts the pixels whose own disparity is within mu / (n_aggr N_c) of it
+// (Eq. 9). Trusted pixels keep their own depth, unless medians are spread.
+// own: the measured hypotheses; score: n_aggr; reliable: the first to be
+// trusted; all of the map's size. Superpixels live on raster.
+CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
+                                      ImageView<const float> score,
+                                      DeviceImage<uint8_t> reliable,
+                                      ImageView<const Rgb> color,
+                                      const Superpixels& superpixels,
+                                      const ReducedRaster& raster,
+                                      const Camera& camera,
+                                      const DisparityScale& scale,
+                                      const CorrelationOptions& options,
+                                      Device& device);
+
+// R2: fills pixels without a depth by the filter F_B, num_iterations times with
+// a window that doubles from round to round; every round reads the one before.
+// Returns the pixels that it filled (1, others 0) and changes map.
+DeviceImage<uint8_t> InterpolateHoles(ImageView<const Rgb> color,
+                                      const Intrinsics& intrinsics,
+                                      int num_iterations,
+                                      const WeightedMedianOptions& first,
+                                      DepthNormalImages* map,
+                                      Device& device);
+
+}  // namespace tsar

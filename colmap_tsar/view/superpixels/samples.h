@@ -1,0 +1,76 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/plane_fit.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/view/superpixels/weighted_median.h"
+
+#include <cfloat>
+#include <cstdint>
+
+namespace tsar {
+
+// The raster on which superpixels and regions live: the map's own, or a smaller
+// one of the same shape.
+struct ReducedRaster {
+  int width = 0;
+  int height = 0;
+
+  // The pixel of this raster that covers pixel x of a map of map_size pixels.
+  TSAR_HD static int FromMap(int x, int map_size, int size) {
+    return static_cast<int>((x + 0.5f) * size / map_size);
+  }
+};
+
+// The best reliable measurement under each pixel of the reduced raster, with
+// its own ray, so that nothing is averaged and nothing shifts; z = 0 where
+// there is none.
+// reliable: other than 0 where a pixel may be used; score: the higher the
+// better.
+DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
+                                         ImageView<const float> score,
+                                         ImageView<const uint8_t> reliable,
+                                         const Intrinsics& intrinsics,
+                                         const ReducedRaster& raster,
+                                         Device& device);
+
+// The value of the map's pixel under the middle of each reduced pixel.
+DeviceImage<float> ReduceNearest(ImageView<const float> map,
+                                 const ReducedRaster& raster,
+                                 Device& device);
+
+// Each pixel's plane: that of its label, or an invalid one where the label is
+// negative.
+DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
+                                  const Buffer<Plane>& planes,
+                                  Device& device);
+DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
+                                  const Buffer<Plane>& planes,
+                                  Device& device);
+
+// The planes of a reduced raster as the pixels of the map see them.
+struct PlaneRaster {
+  ImageView<const Plane> planes;  // May be empty.
+  Intrinsics intrinsics;          // Of the map.
+  int map_width = 0;
+  int map_height = 0;
+
+  // The plane of the map's pixel (x, y); invalid where there is none, or none
+  // that this pixel's ray meets.
+  TSAR_HD Plane At(int x, int y) const {
+    if (planes.Empty()) {
+      return {};
+    }
+    const Plane& plane =
+        planes(ReducedRaster::FromMap(x, map_width, planes.width),
+               ReducedRaster::FromMap(y, map_height, planes.height));
+    const float depth = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
+    return depth > 0.f && depth <= FLT_MAX ? plane : Plane{};
+  }
+};
+
+}  // namespace tsar

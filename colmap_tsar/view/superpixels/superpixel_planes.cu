@@ -1,0 +1,118 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/view/superpixels/superpixel_planes.h"
+
+#include "colmap_tsar/device/parallel_for_teams.h"
+
+namespace tsar {
+namespace {
+
+// A sum of pixel positions.
+struct Position {
+  int64_t x = 0;
+  int64_t y = 0;
+  TSAR_HD Position& operator+=(const Position& other) {
+    x += other.x;
+    y += other.y;
+    return *this;
+  }
+};
+
+struct AcceptKernel {
+  const GroupPlane* fits;
+  PixelGroupsView superpixels;
+  int width;
+  Intrinsics intrinsics;
+  float min_support;
+  float min_inlier_share;
+  const Plane* earlier;  // May be null; without one there, none is accepted.
+  Plane* planes;
+
+  template <typename Team>
+  TSAR_HD void operator()(const Team& team, int64_t k) const {
+    const GroupPlane& fit = fits[k];
+    const bool is_supported =
+        fit.plane.Valid() && (earlier == nullptr || earlier[k].Valid()) &&
+        fit.num_samples > min_support * fit.num_pixels &&
+        fit.num_inliers >= min_inlier_share * fit.num_samples;
+    const bool is_acceptable = is_supported && IsInRange(team, fit, k);
+    if (team.IsLeader()) {
+      planes[k] = is_acceptable ? fit.plane : Plane{};
+    }
+  }
+
+  // Whether the plane's depth at the centre is one that the samples have.
+  template <typename Team>
+  TSAR_HD bool IsInRange(const Team& team,
+                         const GroupPlane& fit,
+                         int64_t k) const {
+    const Position sum = team.template Accumulate<Position>(
+        fit.num_pixels, [&](int i, Position* position) {
+          const int pixel = superpixels.Pixel(k, i);
+          *position += {pixel % width, pixel / width};
+        });
+    const float depth = fit.plane.Depth(
+        intrinsics.Ray(static_cast<float>(sum.x) / fit.num_pixels,
+                       static_cast<float>(sum.y) / fit.num_pixels));
+    return depth >= 0.8f * fit.min_depth && depth <= 1.2f * fit.max_depth;
+  }
+};
+
+// Fits with one tolerance. earlier: null, or the planes of an earlier fit.
+Buffer<Plane> FitAndAccept(const PixelGroups& superpixels,
+                           ImageView<const RayDepth> samples,
+                           const Intrinsics& intrinsics,
+                           const DisparityScale& scale,
+                           const SuperpixelPlaneOptions& options,
+                           float min_inlier_share,
+                           const Plane* earlier,
+                           Device& device) {
+  const Buffer<GroupPlane> fits =
+      FitGroupPlanes(superpixels, samples, scale, options.ransac, device);
+  Buffer<Plane> planes(device, superpixels.NumGroups());
+  ParallelForTeams<32>(device,
+                       superpixels.NumGroups(),
+                       AcceptKernel{fits.Data(),
+                                    superpixels.View(),
+                                    samples.width,
+                                    intrinsics,
+                                    options.min_support,
+                                    min_inlier_share,
+                                    earlier,
+                                    planes.Data()});
+  return planes;
+}
+
+}  // namespace
+
+Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
+                                  ImageView<const RayDepth> samples,
+                                  const Intrinsics& intrinsics,
+                                  const DisparityScale& scale,
+                                  const SuperpixelPlaneOptions& options,
+                                  Device& device) {
+  const auto fit = [&](const SuperpixelPlaneOptions& with,
+                       float min_inlier_share,
+                       const Plane* earlier) {
+    return FitAndAccept(superpixels,
+                        samples,
+                        intrinsics,
+                        scale,
+                        with,
+                        min_inlier_share,
+                        earlier,
+                        device);
+  };
+  if (!(options.loose_tolerance > 0.f)) {
+    return fit(options, options.min_support, nullptr);
+  }
+  SuperpixelPlaneOptions loose = options;
+  loose.ransac.tolerance.absolute = options.loose_tolerance;
+  const Buffer<Plane> members = fit(loose, 0.f, nullptr);
+  SuperpixelPlaneOptions tight = options;
+  tight.ransac.tolerance.pixels = 0.f;
+  return fit(tight, 0.f, members.Data());
+}
+
+}  // namespace tsar

@@ -1,0 +1,68 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/view/superpixels/weighted_median.h"
+
+#include <cstdint>
+
+namespace tsar {
+
+// A plane q as the inverse depths of its rays, 1 / z = q . (x / z, y / z, 1);
+// zero where there is none. Evaluating it on a ray takes no division.
+using InverseDepthPlane = Vec3f;
+
+// The plane through the point depth * ray with this normal; zero where it does
+// not face the camera.
+TSAR_HD inline InverseDepthPlane ToInverseDepth(const Vec3f& ray,
+                                                float depth,
+                                                const Vec3f& normal) {
+  const float slope = Dot(normal, ray);
+  return depth > 0.f && slope < 0.f ? normal * (1.f / (depth * slope))
+                                    : InverseDepthPlane{};
+}
+
+TSAR_HD inline InverseDepthPlane ToInverseDepth(const Plane& plane) {
+  return plane.Valid() ? plane.normal * (-1.f / plane.offset)
+                       : InverseDepthPlane{};
+}
+
+// The gate of Eq. 9: a pixel passes when its own disparity is within
+// tolerance / n_aggr of the estimate.
+struct TrustGate {
+  ImageView<const float> own_depth;  // 0 = none
+  ImageView<const float> score;      // n_aggr
+  DisparityScale scale;
+  float tolerance = 0.f;  // mu / N_c, in the paper's pixels
+  // Whether pixels that are not trusted may pass, too.
+  bool readmit_filtered = false;
+};
+
+// Sets trusted to 1 where the pixel passes the gate and to 0 elsewhere.
+// estimate: each pixel's estimated plane.
+void GateByPlanes(ImageView<const InverseDepthPlane> estimate,
+                  const Intrinsics& intrinsics,
+                  const TrustGate& gate,
+                  ImageView<uint8_t> trusted,
+                  Device& device);
+
+// The same with the estimate smoothed by the filter F_A, the weighted median of
+// WeightedMedianFilter. Whether a median lies inside an interval is known from
+// the weights on both sides of it, so that no median is searched for.
+// options: min_support has no say.
+void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
+                          ImageView<const Rgb> color,
+                          const Intrinsics& intrinsics,
+                          const WeightedMedianOptions& options,
+                          const TrustGate& gate,
+                          ImageView<uint8_t> trusted,
+                          Device& device);
+
+}  // namespace tsar

@@ -1,0 +1,48 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/priors/depth_prior.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace tsar {
+
+// One image of the workspace as the stages see it; all rasters have the size of
+// its depth map.
+struct ViewData {
+  Camera camera;
+  Image<Rgb> color;
+  // The hypotheses: the map to refine, and where that is empty the other type.
+  Image<float> depth;
+  Image<Vec3f> normal;
+  // 1 where the hypothesis is from the map to refine, 0 where it is from the
+  // other type or there is none. Empty where all are from one map.
+  Image<uint8_t> is_to_refine;
+  // The two smallest matching costs of the hypotheses as COLMAP exported them,
+  // or empty.
+  Image<float> min_cost;
+  Image<float> second_cost;
+  int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
+  int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
+  // Of the image's label image (see io/label_image.h), which shows the
+  // whole image at a size of its own: 0 is no segment. Empty: there is none.
+  Image<uint16_t> segments;
+  // From outside; null where there is none.
+  std::shared_ptr<const DepthPrior> prior;
+  // Whether hardly a depth is missing in the map to refine (see
+  // view/unmatched_depths.h), also where no normal tells of it.
+  bool is_unfiltered = false;
+
+  size_t NumBytes() const;
+};
+
+// Bytes of a view with maps of this many pixels, without its prior.
+int64_t ViewDataBytes(int64_t num_pixels, bool has_costs);
+
+}  // namespace tsar

@@ -1,0 +1,48 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tsar {
+
+// How many source views see a surface at the depth of a pixel, one in front of
+// it on the reference's own ray, which would hide it, and one behind it on
+// theirs, which it would hide.
+struct ViewVotes {
+  uint8_t agreeing = 0;
+  uint8_t in_front = 0;
+  uint8_t behind = 0;
+
+  TSAR_HD int Count() const { return agreeing + in_front + behind; }
+};
+
+// What the views around the reference see. Keeps references.
+struct ViewSurfaces {
+  // The reference, then its sources, on their rasters.
+  const std::vector<ObservedView>& views;
+  // For each source the plane of each of its superpixels, in its camera's
+  // frame, invalid where there is none: where the source measured nothing that
+  // is as good as certain, its surface is that plane.
+  const std::vector<std::vector<Plane>>& planes_of_sources;
+};
+
+// The votes of all sources on the depths of some maps of the reference, which
+// have one size and these intrinsics; no votes where a depth is 0.
+std::vector<DeviceImage<ViewVotes>> CountViewVotes(
+    const ViewSurfaces& surfaces,
+    const Intrinsics& intrinsics,
+    const std::vector<ImageView<const float>>& depths,
+    Device& device);
+
+}  // namespace tsar
