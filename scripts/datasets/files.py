@@ -3,6 +3,7 @@
 """Files as data sets hold them: errors that name them, numbers, image sizes."""
 import os
 import pathlib
+import re
 import struct
 
 IMAGE_ENDINGS = (".jpg", ".jpeg", ".png")
@@ -80,7 +81,45 @@ def image_size(path):
         raise DatasetError(f"{path}: not found, or a link to what is not there") from None
     except (OSError, ValueError, struct.error):
         pass
-    raise DatasetError(f"{path}: cannot be read as a JPEG or PNG image")
+    raise DatasetError(f"{path}: cannot be read as a JPEG or PNG image; copy it "
+                       "again, or remove it")
+
+
+def jpeg_is_whole(content):
+    """Whether the markers of a JPEG file lead to that of its end. What cameras write
+    behind it does not count, nor do the ends of the thumbnails in its header."""
+    place = 2
+    while place + 4 <= len(content) and content[place] == 0xFF:
+        if content[place + 1] == 0xD9:
+            return True
+        is_scan = content[place + 1] == 0xDA
+        place += 2 + int.from_bytes(content[place + 2:place + 4], "big")
+        if is_scan:  # Up to a marker that is no escape, restart or padding.
+            marker = re.compile(rb"\xff[^\x00\x01\xd0-\xd7\xff]").search(content, place)
+            place = marker.start() if marker else len(content)
+    return content[place:place + 2] == b"\xff\xd9"
+
+
+def png_is_whole(content):
+    """Whether the chunks of a PNG file lead to its last one, and that is there."""
+    place = 8
+    while place + 12 <= len(content):
+        kind = content[place + 4:place + 8]
+        place += 12 + int.from_bytes(content[place:place + 4], "big")
+        if kind == b"IEND":
+            return place <= len(content)
+    return False
+
+
+def check_photo(path):
+    """That a JPEG or PNG file is there from its first byte to its last: of what is
+    missing, decoders make grey areas without a word. Returns the photo's size."""
+    size = image_size(path)
+    content = pathlib.Path(path).read_bytes()
+    is_whole = png_is_whole if content[:1] == b"\x89" else jpeg_is_whole
+    if not is_whole(content):
+        raise DatasetError(f"{path}: the picture is cut short; copy it again, or remove it")
+    return size
 
 
 def has_exif(path):

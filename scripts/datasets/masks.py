@@ -9,7 +9,7 @@ always 0.
 import os
 import shutil
 
-from files import DatasetError, image_size, write_text
+from files import DatasetError, check_photo, image_size, write_text
 from model import numbered_lines
 from programs import as_words
 from steps import remove
@@ -35,7 +35,7 @@ def find_masks(folder, photos, output, names):
         raise DatasetError(f"--mask_path {folder}: holds no mask of any photo; that of {names[0]} "
                            f"would be {mask_of(names[0])}")
     for name in masked:
-        size, expected = image_size(folder / mask_of(name)), image_size(photos / name)
+        size, expected = check_photo(folder / mask_of(name)), image_size(photos / name)
         if size != expected:
             raise DatasetError(f"{folder / mask_of(name)}: is {size[0]} x {size[1]}, its photo "
                                f"{expected[0]} x {expected[1]}; make it of the photo's size")

@@ -8,7 +8,7 @@ import dense
 import ply
 from command_line import add_options, dense_commands, new_parser, run_main
 from features import extract_features, match_features
-from files import IMAGE_ENDINGS, DatasetError, find_photos, has_exif, image_size
+from files import IMAGE_ENDINGS, DatasetError, check_photo, find_photos, has_exif, image_size
 from masks import find_masks, undistort_masks
 from model import read_images
 from products import (add_product_options, check_products, make_products, mesh_file,
@@ -106,10 +106,7 @@ def read_photos(folder, output):
         if not name.isprintable() or name != name.strip():
             raise DatasetError(f"{folder}: a file name that COLMAP cannot read, {name!a}; rename "
                                "the photo")
-        try:
-            image_size(folder / name)
-        except DatasetError as error:
-            raise DatasetError(f"{error}; copy it again, or remove it") from None
+        check_photo(folder / name)
     return names
 
 

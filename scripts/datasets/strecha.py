@@ -7,7 +7,7 @@ import dense
 import submission
 from command_line import at_paper_size, make_parser, run_main
 from features import extract_features, match_features
-from files import (IMAGE_ENDINGS, DatasetError, find_scenes, image_size,
+from files import (IMAGE_ENDINGS, DatasetError, check_photo, find_scenes, image_size,
                    parse_numbers, read_lines, write_text)
 from model import Camera, pose_from_camera_to_world
 from ply import read_ply
@@ -87,7 +87,7 @@ def read_scene(path):
         if name not in images:
             raise DatasetError(f"{file}: there is no image {name} in {path}")
         cameras[name], poses[name] = read_camera(file)
-        size = image_size(images[name])
+        size = check_photo(images[name])
         camera = cameras[name]
         if size != (camera.width, camera.height):
             raise DatasetError(f"{images[name]}: is {size[0]} x {size[1]}, its camera file "

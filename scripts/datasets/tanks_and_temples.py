@@ -9,7 +9,7 @@ import submission
 from command_line import at_paper_size, make_parser, run_main
 from database import read_matches
 from features import DATABASE, extract_features, match_features
-from files import DatasetError, find_scenes, image_size, list_images
+from files import DatasetError, check_photo, find_scenes, list_images
 from focal_length import estimate_focal_length
 from model import Camera, read_cameras, read_images
 from programs import as_words
@@ -80,9 +80,9 @@ def read_scene(path, args):
     """Sorted image names, their size, and poses by name (None: by SfM)."""
     images = list_images(image_folder_of(path))
     names = [image.name for image in images]
-    size = image_size(images[0])
+    size = check_photo(images[0])
     for image in images:
-        if image_size(image) != size:
+        if check_photo(image) != size:
             raise DatasetError(f"{image}: has another size than {images[0].name}; a scene's "
                                "images are of one camera")
     file = poses_file(path)

@@ -6,7 +6,7 @@ import os
 import pathlib
 import shutil
 
-from files import DatasetError, image_size, write_text
+from files import DatasetError, check_photo, image_size, write_text
 from model import read_cameras, read_images
 
 WORKSPACE = "dense"  # Its folder among a scene's outputs.
@@ -30,7 +30,7 @@ def check_model(cameras, images, image_folder, origin):
         parts = pathlib.PurePosixPath(image.name).parts
         if image.name.startswith("/") or ".." in parts:
             raise DatasetError(f"{origin}: image name {image.name} leaves the image folder")
-        size = image_size(image_folder / image.name)
+        size = check_photo(image_folder / image.name)
         if size != (camera.width, camera.height):
             raise DatasetError(
                 f"{image_folder / image.name}: is {size[0]} x {size[1]}, its camera "

@@ -9,7 +9,7 @@ from dataset_testing import FolderTest  # First: it sets the path.
 import numpy as np
 
 import strecha
-from files import find_scenes, image_size
+from files import check_photo, find_scenes, image_size
 from model import (Camera, Image, Pose, quaternion, read_cameras, read_images,
                    rotation_matrix, write_model)
 from ply import read_ply
@@ -133,6 +133,29 @@ class FilesTest(FolderTest):
         self.rejects("cannot be read", image_size, chunked(b"\xff\xd8", tables))
         self.rejects("cannot be read", image_size, chunked(b"GIF89a"))
         self.rejects("not found", image_size, self.root / "nothing.jpg")
+
+    def test_photos_that_are_cut_short(self):
+        """A photo with a thumbnail and several scans, cut off at each of its bytes."""
+        def segment(code, content):
+            return b"\xff" + bytes([code]) + (len(content) + 2).to_bytes(2, "big") + content
+
+        frame = segment(0xC2, b"\x08\x00\x30\x00\x40" + bytes(4))
+        thumbnail = segment(0xE1, b"Exif\0\0\xff\xd8\xff\xd9")
+        scan = segment(0xDA, b"abc") + b"12\xff\x00\xff\xd0345\xff\x00"
+        jpeg = b"\xff\xd8" + thumbnail + frame + scan + segment(0xC4, b"ab") + scan + b"\xff\xd9"
+        chunk = lambda kind, content: (len(content).to_bytes(4, "big") + kind + content + b"_crc")
+        png = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", b"\0\0\0\x40\0\0\0\x30" + bytes(5))
+               + chunk(b"IDAT", b"..IEND..") + chunk(b"IEND", b""))
+        path = self.root / "photo"
+        for whole in (jpeg, png):
+            for tail in (b"", b"\xff more of the camera"):
+                path.write_bytes(whole + tail)
+                self.assertEqual(check_photo(path), (64, 48))
+            for size in range(60, len(whole)):
+                path.write_bytes(whole[:size])
+                self.rejects("photo: the picture is cut short; copy it again", check_photo, path)
+            path.write_bytes(whole[:60] + bytes(len(whole) - 60))  # A download that stopped.
+            self.rejects("cut short", check_photo, path)
 
     def test_scenes(self):
         for name in ("b", "a", "other"):

@@ -170,7 +170,7 @@ class ReconstructTest(StandInTest):
 
     @unittest.skipIf(shutil.which("nvidia-smi"), "stereo is fast here")
     def test_long_waits_are_announced(self):
-        large = PHOTO[:16] + b"\0\1\0\0\0\1\0\0"  # 65,536 pixels each way.
+        large = PHOTO[:16] + b"\0\1\0\0\0\1\0\0" + PHOTO[24:]  # 65,536 pixels each way.
         for number in range(201):
             (self.photos / f"{number}.png").write_bytes(large)
         text, _ = self.run_well("--max_image_size", 65536)
@@ -291,7 +291,11 @@ class ReconstructTest(StandInTest):
         self.refuses("photos: is empty", photos="")
         (self.photos / "bad.jpg").write_text("no picture")
         self.refuses("bad.jpg: cannot be read as a JPEG or PNG image; copy it again")
-        (self.photos / "bad.jpg").rename(self.photos / "new\nline.jpg")
+        (self.photos / "cut.png").write_bytes(PHOTO[:-1])
+        self.refuses("bad.jpg: cannot be read")
+        (self.photos / "bad.jpg").unlink()
+        self.refuses("cut.png: the picture is cut short; copy it again, or remove it")
+        (self.photos / "cut.png").rename(self.photos / "new\nline.jpg")
         self.refuses("rename the photo")
         (self.photos / "new\nline.jpg").unlink()
         self.refuses("--undistorted_size 9: is below 16", "--undistorted_size", 9)

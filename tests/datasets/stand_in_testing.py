@@ -12,7 +12,9 @@ STEPS = ["features", "matches", "sparse", "workspace", "stereo", "fusion_before"
 COMMANDS = ["feature_extractor", "exhaustive_matcher", "mapper", "model_converter",
             "image_undistorter", "tsar_stereo", "stereo_fusion", "tsar_refine", "stereo_fusion",
             "tsar_report"]
-PHOTO = b"\x89PNG\r\n\x1a\n" + bytes(8) + b"\0\0\0\x10\0\0\0\x0c"  # Its header says 16 x 12.
+# Its header says 16 x 12; it has no pixels, but an end.
+PHOTO = (b"\x89PNG\r\n\x1a\n" + b"\0\0\0\rIHDR" + b"\0\0\0\x10\0\0\0\x0c" + bytes(9)
+         + b"\0\0\0\0IEND" + bytes(4))
 
 
 class StandInTest(FolderTest):
