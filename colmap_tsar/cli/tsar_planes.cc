@@ -10,9 +10,12 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/plane_export/place_planes.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <iostream>
 #include <limits>
 #include <string>
@@ -31,13 +34,16 @@ constexpr const char* kSummary =
     "frame. Walls and floors meet in the same lines. JSON holds everything; "
     "PLY "
     "and OBJ hold triangles for viewers, DXF triangles and outlines for CAD "
-    "programs. All lengths are in units of the sparse model.";
+    "programs. Coordinates and lengths are those of the sparse model, unless "
+    "--up and --scale change them.";
 
 struct PlanesCommand {
   std::string workspace_path;
   std::string output_path;
   std::string format;
   std::string input_type;
+  std::string up = EnumName(kUpAxisNames, UpAxis::kModel);
+  double scale = 0.0;
   bool overwrite = false;
   PlaneExportOptions options;
 };
@@ -63,19 +69,53 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
       options);
   options->Add("min_area",
                &command->options.min_area,
-               "Planes of a smaller area are left out; in square units of the "
-               "sparse model.",
+               "Planes of a smaller area are left out; in square units of "
+               "what is written.",
+               {0.0, std::numeric_limits<double>::max()});
+  options->AddChoice("up",
+                     &command->up,
+                     {EnumName(kUpAxisNames, UpAxis::kModel),
+                      EnumName(kUpAxisNames, UpAxis::kY),
+                      EnumName(kUpAxisNames, UpAxis::kZ)},
+                     "The axis of the written coordinates that points up: z "
+                     "for CAD programs, y for most viewers. model: the axes of "
+                     "the sparse model, which point anywhere unless it was "
+                     "aligned.");
+  options->Add("scale",
+               &command->scale,
+               "Metres per unit of the sparse model: what is written is in "
+               "metres, and DXF says so; 1 for a model in metres. 0: not "
+               "known; in units of the model.",
                {0.0, std::numeric_limits<double>::max()});
   options->Add(
       "overwrite", &command->overwrite, "Replace a file that is there.");
 }
 
-void PrintPlanes(const ExportedPlanes& planes, const std::string& path) {
-  std::cout << "Wrote " << planes.planes.size()
-            << (planes.planes.size() == 1 ? " plane" : " planes") << " of "
+// Only JSON has what is no triangle.
+bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
+  return format == PlaneFormat::kJson || !plane.polygons.empty();
+}
+
+void PrintPlanes(const ExportedPlanes& planes,
+                 PlaneFormat format,
+                 const std::string& path) {
+  const auto num_written = static_cast<size_t>(std::count_if(
+      planes.planes.begin(), planes.planes.end(), [&](const auto& plane) {
+        return IsWritten(plane, format);
+      }));
+  const auto num_outlined = static_cast<size_t>(
+      std::count_if(planes.planes.begin(),
+                    planes.planes.end(),
+                    [](const auto& plane) { return !plane.polygons.empty(); }));
+  std::cout << "Wrote " << num_written
+            << (num_written == 1 ? " plane" : " planes") << " of "
             << planes.num_images
             << (planes.num_images == 1 ? " image" : " images") << " to "
-            << Printable(path) << "\n";
+            << Printable(path);
+  if (num_written > num_outlined) {
+    std::cout << ", " << num_outlined << " with an outline";
+  }
+  std::cout << "\n";
   for (const PlaneClass plane_class : {PlaneClass::kFloor,
                                        PlaneClass::kCeiling,
                                        PlaneClass::kWall,
@@ -83,13 +123,18 @@ void PrintPlanes(const ExportedPlanes& planes, const std::string& path) {
     int count = 0;
     double area = 0.0;
     for (const ExportedPlane& plane : planes.planes) {
-      if (plane.plane_class == plane_class) {
+      if (plane.plane_class == plane_class && IsWritten(plane, format)) {
         ++count;
         area += plane.area;
       }
     }
     std::cout << "  " << ToString(plane_class) << ": " << count << ", area "
               << area << "\n";
+  }
+  if (num_written < planes.planes.size()) {
+    std::cout << "  left out, since too little of them is seen for an outline: "
+              << planes.planes.size() - num_written
+              << " (JSON has them)\n";
   }
   std::cout << std::flush;
 }
@@ -116,12 +161,19 @@ int RunTsarPlanes(int argc, char** argv) {
                         command.overwrite);
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
-  const ExportedPlanes planes =
+  if (command.scale > 0.0) {
+    command.options.min_area /= command.scale * command.scale;
+  }
+  ExportedPlanes planes =
       ExportPlanes(workspace, command.options, progress, [&] {
         return interruption.Requested();
       });
+  TurnUp(EnumValue(kUpAxisNames, command.up), &planes);
+  if (command.scale > 0.0) {
+    ScaleToMetres(command.scale, &planes);
+  }
   WritePlanes(UserPath(command.output_path), format, planes);
-  PrintPlanes(planes, command.output_path);
+  PrintPlanes(planes, format, command.output_path);
   return 0;
 }
 

@@ -3,7 +3,9 @@
 
 #include "colmap_tsar/run/store/scene_model_file.h"
 
+#include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "tests/cli/command_test.h"
 #include "tests/support/room_workspace.h"
@@ -50,6 +52,51 @@ TEST_F(TsarPlanesTest, WritesThePlanes) {
   const fs::path other = folder_.Path() / "planes.txt";
   EXPECT_EQ(Write(other, {"--format", "obj"}).exit_code, 0);
   EXPECT_EQ(ReadText(other), ReadText(folder_.Path() / "planes.obj"));
+}
+
+int CountOf(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (size_t place = text.find(part); place != std::string::npos;
+       place = text.find(part, place + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+// Files of triangles hold no plane without an outline, and are not said to.
+TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
+  room_.Write();
+  SceneModel model = ReadSceneModel(GetSceneModelPath(room_.root),
+                                    SceneModelParts::kAll);
+  model.planes.push_back(model.planes.back());  // No image shows it.
+  WriteSceneModel(GetSceneModelPath(room_.root), model);
+  EXPECT_THAT(Write(json_).out,
+              testing::StartsWith("Wrote 8 planes of 8 images to " +
+                                  json_.string() + ", 7 with an outline\n"));
+  const fs::path obj = folder_.Path() / "planes.obj";
+  const std::string out = Write(obj).out;
+  EXPECT_THAT(out,
+              testing::StartsWith("Wrote 7 planes of 8 images to " +
+                                  obj.string() + "\n"));
+  EXPECT_THAT(out, testing::HasSubstr("for an outline: 1 (JSON has them)\n"));
+  EXPECT_EQ(CountOf(ReadText(obj), "\ng plane_"), 7);
+}
+
+TEST_F(TsarPlanesTest, TurnsAndScales) {
+  room_.Write();
+  EXPECT_EQ(
+      Write(json_, {"--up", "y", "--scale", "2", "--min_area", "60"}).exit_code,
+      0);
+  const auto json = nlohmann::json::parse(ReadText(json_));
+  EXPECT_EQ(json["vertical"], nlohmann::json({0, 1, 0}));
+  EXPECT_EQ(json["unit"], "metre");
+  ASSERT_EQ(json["planes"].size(), 2u);  // Of 15 square units and more.
+  for (const auto& plane : json["planes"]) {
+    EXPECT_NEAR(std::abs(plane["normal"][1].get<double>()), 1.0, 1e-3);
+    EXPECT_GT(plane["area"].get<double>(), 60.0);
+  }
+  ExpectFailure({"--output_path", json_.string(), "--up", "x"}, "up");
+  ExpectFailure({"--output_path", json_.string(), "--scale", "-1"}, "scale");
 }
 
 TEST_F(TsarPlanesTest, RefusesWhatCannotBe) {

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/tools/plane_export/place_planes.h"
 
 #include <limits>
 #include <map>
@@ -281,6 +282,66 @@ TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
   ExpectTriangles(faces["WALL"], 3.5, {0, -1, 0});
   EXPECT_EQ(outlines["FLOOR"], (std::vector<int>{4, 4}));
   EXPECT_EQ(outlines["WALL"], (std::vector<int>{4, 3}));
+}
+
+TEST(PlanesDxf, TellsItsUnit) {
+  const auto unit_of = [](const ExportedPlanes& planes) {
+    const auto pairs = ReadDxf(Written(&PutPlanesDxf, planes));
+    EXPECT_EQ(pairs[4], std::pair(9, std::string("$INSUNITS")));
+    return pairs[5];
+  };
+  ExportedPlanes planes = MakePlanes();
+  EXPECT_EQ(unit_of(planes), std::pair(70, std::string("0")));
+  ScaleToMetres(2.0, &planes);
+  EXPECT_EQ(unit_of(planes), std::pair(70, std::string("6")));
+}
+
+TEST(ScaleToMetres, ScalesLengthsAndNoAngles) {
+  ExportedPlanes planes = MakePlanes();
+  ExportedPlane& floor = planes.planes[0];
+  floor.cell = 0.5;
+  floor.covariance << 1, 2, 3, 2, 5, 6, 3, 6, 9;
+  ScaleToMetres(2.0, &planes);
+  const Json json = Json::parse(Written(&PutPlanesJson, planes));
+  EXPECT_EQ(json["unit"], "metre");
+  EXPECT_EQ(json["from_model"], Json({{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}));
+  const Json& plane = json["planes"][0];
+  EXPECT_EQ(plane["offset"], -6.0);
+  EXPECT_EQ(plane["area"], 60.0);
+  EXPECT_EQ(plane["resolution"], 1.0);
+  EXPECT_EQ(plane["covariance"], Json({{1, 2, 6}, {2, 5, 12}, {6, 12, 36}}));
+  EXPECT_EQ(plane["polygons"][0]["outline"][2], Json({2000008.0, 8.5, 6.0}));
+  EXPECT_EQ(plane["polygons"][0]["holes"][0][0], Json({2000002.0, 2.5, 6.0}));
+}
+
+TEST(TurnUp, TurnsTheVerticalIntoTheAxis) {
+  const ExportedPlanes original = MakePlanes();
+  ExportedPlanes planes = original;
+  TurnUp(UpAxis::kY, &planes);  // From z: by a quarter about -x.
+  Eigen::Matrix3d rotation;
+  rotation << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  EXPECT_TRUE(planes.from_model.isApprox(rotation));
+  EXPECT_TRUE(planes.frames[0].isApprox(rotation));
+  EXPECT_EQ(planes.vertical.up, Eigen::Vector3d(0, 1, 0));
+  for (size_t i = 0; i < planes.planes.size(); ++i) {
+    const PlaneCoordinates& before = original.planes[i].coordinates;
+    const PlaneCoordinates& after = planes.planes[i].coordinates;
+    EXPECT_TRUE(after.normal.isApprox(rotation * before.normal));
+    EXPECT_TRUE(after.ToWorld({2, 3}).isApprox(rotation *
+                                               before.ToWorld({2, 3})));
+  }
+  planes = original;
+  TurnUp(UpAxis::kZ, &planes);
+  EXPECT_EQ(Written(&PutPlanesJson, planes), Written(&PutPlanesJson));
+}
+
+TEST(TurnUp, NeedsAVertical) {
+  ExportedPlanes planes = MakePlanes();
+  planes.vertical = {};
+  TurnUp(UpAxis::kModel, &planes);
+  ExpectError(ErrorCode::kUnsupported, {"up", "leave the option out"}, [&] {
+    TurnUp(UpAxis::kZ, &planes);
+  });
 }
 
 TEST(WritePlanes, WritesEmptyFilesOfAllFormats) {

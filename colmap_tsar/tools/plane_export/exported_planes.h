@@ -46,8 +46,8 @@ PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
                          const std::vector<Eigen::Vector3d>& cameras,
                          const Vertical& vertical);
 
-// A plane of the scene as it is given to others. World frame, units of the
-// sparse model.
+// A plane of the scene as it is given to others. Frame and units are those of
+// the sparse model, unless place_planes.h changed them.
 struct ExportedPlane {
   int id = 0;  // In planes.bin; plane maps hold 1 + id.
   PlaneClass plane_class = PlaneClass::kOther;
@@ -84,6 +84,10 @@ struct ExportedPlanes {
   Vertical vertical;
   std::vector<Eigen::Matrix3d> frames;  // See SceneModel.
   std::vector<ExportedPlane> planes;    // By id.
+  // Coordinates of the sparse model times this are those here: a rotation and a
+  // scale.
+  Eigen::Matrix3d from_model = Eigen::Matrix3d::Identity();
+  bool in_metres = false;  // False: in units of the sparse model.
 };
 
 }  // namespace tsar

@@ -12,7 +12,7 @@
 
 namespace tsar {
 
-// docs/planes.md describes the files. World frame, units of the sparse model.
+// docs/planes.md describes the files.
 enum class PlaneFormat {
   kJson,  // All that is known.
   kPly,   // ASCII: triangles, a colour for each plane, the plane of each face.

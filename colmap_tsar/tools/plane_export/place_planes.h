@@ -1,0 +1,29 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/enum_names.h"
+#include "colmap_tsar/tools/plane_export/exported_planes.h"
+
+namespace tsar {
+
+// The axis of the written coordinates that points up.
+enum class UpAxis {
+  kModel,  // Whichever it is in the sparse model.
+  kY,
+  kZ,
+};
+
+inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
+    {{UpAxis::kModel, "model"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}}};
+
+// Turns planes about the origin, the shortest way, until the vertical is this
+// axis. Throws Error kUnsupported where there is no vertical.
+void TurnUp(UpAxis axis, ExportedPlanes* planes);
+
+// Makes all lengths metres. metres_per_unit: > 0, of a unit of the sparse
+// model.
+void ScaleToMetres(double metres_per_unit, ExportedPlanes* planes);
+
+}  // namespace tsar
