@@ -45,6 +45,21 @@ quietly() {
   fi
 }
 
+# The same for what takes minutes: a line every ten seconds shows how far it is.
+patiently() {
+  local line next=0
+  if ! "$@" 2>&1 | tee "$log" | while IFS= read -r line; do
+    if ((SECONDS >= next)); then
+      echo "${line:0:78}"
+      next=$((SECONDS + 10))
+    fi
+  done; then
+    cat "$log" >&2
+    echo "quickstart: failed: $*" >&2
+    exit 1
+  fi
+}
+
 fuse() {  # fuse OUTPUT.ply
   quietly colmap stereo_fusion --workspace_path "$sample" \
     --input_type geometric --output_path "$1"
@@ -75,7 +90,8 @@ else
   gpu=(-DTSAR_CUDA=OFF)
 fi
 quietly cmake --preset release -DTSAR_TESTS=OFF "${gpu[@]}"
-quietly cmake --build --preset release --target colmap_tsar_program
+echo "compiling: some minutes the first time"
+patiently cmake --build --preset release --target colmap_tsar_program
 "$program" --version
 
 step "Sample scene"

@@ -122,6 +122,13 @@ def check_photo(path):
     return size
 
 
+def has_alpha(path):
+    """Whether a PNG file has an alpha channel, which COLMAP does not read."""
+    with open(path, "rb") as file:
+        start = file.read(26)
+    return start[:4] == b"\x89PNG" and len(start) == 26 and start[25] in (4, 6)
+
+
 def has_exif(path):
     """Whether a photo tells of the camera that took it."""
     with open(path, "rb") as file:

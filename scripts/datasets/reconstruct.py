@@ -8,7 +8,8 @@ import dense
 import ply
 from command_line import add_options, dense_commands, new_parser, run_main
 from features import extract_features, match_features
-from files import IMAGE_ENDINGS, DatasetError, check_photo, find_photos, has_exif, image_size
+from files import (IMAGE_ENDINGS, DatasetError, check_photo, find_photos, has_alpha,
+                   has_exif, image_size)
 from masks import find_masks, undistort_masks
 from model import read_images
 from products import (add_product_options, check_products, make_products, mesh_file,
@@ -20,6 +21,9 @@ MAX_EXHAUSTIVE = 200  # Photos of which all pairs are compared without a remark.
 # Of tsar_stereo, per megapixel of maps on one core; for a remark only.
 STEREO_MINUTES = 5
 LONG_STEREO = 20  # Minutes.
+HEIC_ENDINGS = (".heic", ".heif")
+HEIC_ADVICE = ("convert them by heif-convert a.heic a.jpg (package libheif-examples), or let the "
+               "phone save JPEG")
 FUSION_VIEWS = 5  # What stereo_fusion asks for by default.
 
 DESCRIPTION = """\
@@ -94,11 +98,12 @@ def read_photos(folder, output):
         raise DatasetError(f"{output}: is in the folder of the photos, where what is made would "
                            "be taken for photos; name an output folder elsewhere")
     names, others = find_photos(folder)
+    heic = [ending for ending in others if ending in HEIC_ENDINGS]
     endings = ", ".join(IMAGE_ENDINGS)
     if not names:
         hint = f"; it has files with {', '.join(filter(None, others))}" if any(others) else ""
-        raise DatasetError(f"{folder}: has no photos ({endings}){hint}; convert them, or name "
-                           "another folder")
+        raise DatasetError(f"{folder}: has no photos ({endings}){hint}; {HEIC_ADVICE if heic else 'convert them'}, or "
+                           "name another folder")
     if len(names) < MIN_PHOTOS:
         raise DatasetError(f"{folder}: has {len(names)} photos; at least {MIN_PHOTOS} of the "
                            "same things are needed, and some 20 are better")
@@ -107,6 +112,12 @@ def read_photos(folder, output):
             raise DatasetError(f"{folder}: a file name that COLMAP cannot read, {name!a}; rename "
                                "the photo")
         check_photo(folder / name)
+    if heic:
+        print(f"{folder}: photos with {', '.join(heic)} are left out; {HEIC_ADVICE}", flush=True)
+    num_with_alpha = sum(has_alpha(folder / name) for name in names)
+    if num_with_alpha:
+        print(f"{folder}: {num_with_alpha} photos have an alpha channel, which is ignored; give "
+              "what is transparent as black in masks, --mask_path", flush=True)
     return names
 
 

@@ -279,8 +279,9 @@ class ReconstructTest(StandInTest):
         self.refuses("is not a folder", photos=self.write("video.mp4", ""))
         self.write("phone/a.heic", "")
         self.write("phone/.hidden.png", "")
-        self.refuses("has no photos (.jpg, .jpeg, .png); it has files with .heic",
-                     photos=self.root / "phone")
+        error = self.refuses("has no photos (.jpg, .jpeg, .png); it has files with .heic",
+                             photos=self.root / "phone")
+        self.assertIn("heif-convert", error)
         for name in "ab":
             (self.root / "phone" / f"{name}.png").write_bytes(PHOTO)
         self.refuses("has 2 photos; at least 3", photos=self.root / "phone")
@@ -300,6 +301,16 @@ class ReconstructTest(StandInTest):
         (self.photos / "new\nline.jpg").unlink()
         self.refuses("--undistorted_size 9: is below 16", "--undistorted_size", 9)
         self.assertFalse(self.output.exists())
+
+    def test_what_is_left_out_of_photos_is_told(self):
+        (self.photos / "h.HEIC").write_bytes(b"")
+        with_alpha = bytearray(PHOTO)
+        with_alpha[25] = 6
+        (self.photos / "e.png").write_bytes(with_alpha)
+        text, _ = self.run_well()
+        self.assertIn("photos with .heic are left out; convert them by heif-convert", text)
+        self.assertIn("1 photos have an alpha channel, which is ignored", text)
+        self.assertIn("6 of 6 photos have a pose", text)
 
     def test_programs_that_are_missing(self):
         self.refuses("no_program: is not a program", "--colmap", "/no_program")
