@@ -17,7 +17,6 @@
 namespace tsar {
 namespace {
 
-constexpr int kFewImages = 20;
 constexpr double kSecondsBetweenLines = 10.0;
 constexpr double kSecondsBetweenUpdates = 0.2;
 
@@ -125,10 +124,8 @@ void Progress::Advance(bool was_work) {
   was_work_ = was_work_ || was_work;
   // Where nothing had to be done there is nothing to tell, unless it takes
   // time.
-  const bool is_worth_a_line =
-      num_done_ == num_total_ || (!is_terminal_ && num_total_ <= kFewImages);
   const bool is_due =
-      (is_worth_a_line && num_worked_ > 0) ||
+      (num_done_ == num_total_ && num_worked_ > 0) ||
       now - last_print_ >=
           (is_terminal_ ? kSecondsBetweenUpdates : kSecondsBetweenLines);
   if (is_due) {

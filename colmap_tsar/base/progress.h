@@ -23,10 +23,9 @@ std::string ProgressText(int num_done,
                          double later_seconds = 0.0);
 
 // Tells how far a loop over images has come. On a terminal it keeps one line up
-// to date; elsewhere, as in a log file, it writes a line for each image when
-// there are few and one every ten seconds when there are many. Can be advanced
-// from several threads at once. Of images that need no work it tells only what
-// takes time.
+// to date; elsewhere, as in a log file, it writes a line every ten seconds and
+// one at the end. Can be advanced from several threads at once. Of images that
+// need no work it tells only what takes time.
 class Progress {
  public:
   // Seconds since some fixed moment.

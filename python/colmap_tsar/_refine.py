@@ -55,7 +55,7 @@ def refine(
             floats (memoryview). The arrays are written to a temporary folder, and a
             function is called for all images before the work begins. Images are
             skipped if they were refined before with the same arrays.
-        progress: True: a line for each image, or now and then, on sys.stderr.
+        progress: True: a line every ten seconds and one at the end, on sys.stderr.
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it
             raises stops the work as Ctrl-C does, and is raised.

@@ -50,12 +50,12 @@ class ProgressTest : public testing::Test {
   }
 };
 
-TEST_F(ProgressTest, WritesALinePerImageWhereThereAreFew) {
-  EXPECT_EQ(Print(2, false),
-            "[1/2] 1.0 images/s, 1 s left\n[2/2] 1.0 images/s\n");
+TEST_F(ProgressTest, WritesOneLineOfWorkThatIsSoonDone) {
+  EXPECT_EQ(Print(2, false), "[2/2] 1.0 images/s\n");
+  EXPECT_EQ(Print(9, false), "[9/9] 1.0 images/s\n");
 }
 
-TEST_F(ProgressTest, WritesALineEveryTenSecondsWhereThereAreMany) {
+TEST_F(ProgressTest, WritesALineEveryTenSeconds) {
   const std::string text = Print(55, false);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 6);
   EXPECT_EQ(text.find("[10/55]"), 0u);
@@ -103,7 +103,8 @@ TEST(Progress, NamesThePass) {
 // A run of passes; each step of a pass takes a number of seconds.
 class PlannedProgressTest : public testing::Test {
  protected:
-  PlannedProgressTest() : progress_(text_, false, [this] { return now_; }) {}
+  // On a terminal, where each image is told.
+  PlannedProgressTest() : progress_(text_, true, [this] { return now_; }) {}
 
   // What is printed of the first image, which takes the seconds.
   std::string FirstLine(int num_images, double seconds) {
@@ -111,7 +112,7 @@ class PlannedProgressTest : public testing::Test {
     now_ += seconds;
     text_.str("");
     progress_.Advance(true);
-    return text_.str();
+    return text_.str().substr(1);  // After the carriage return.
   }
   void DoRest(int num_images, double seconds) {
     for (int i = 0; i < num_images; ++i) {
@@ -129,14 +130,14 @@ TEST_F(PlannedProgressTest, PassesThatAreToComeTakeTimeByTheirCost) {
   progress_.PlanPasses({1.0, 0.5, 2.0});
   progress_.BeginPass();
   EXPECT_EQ(FirstLine(10, 2.0),
-            "[1/10] 2.0 s per image, 18 s left (about 68 s of all passes)\n");
+            "[1/10] 2.0 s per image, 18 s left (about 68 s of all passes)");
   DoRest(9, 2.0);
   progress_.BeginPass();
   EXPECT_EQ(FirstLine(10, 1.0),
-            "[1/10] 1.0 images/s, 9 s left (about 49 s of all passes)\n");
+            "[1/10] 1.0 images/s, 9 s left (about 49 s of all passes)");
   DoRest(9, 1.0);
   progress_.BeginPass();
-  EXPECT_EQ(FirstLine(10, 4.0), "[1/10] 4.0 s per image, 36 s left\n");
+  EXPECT_EQ(FirstLine(10, 4.0), "[1/10] 4.0 s per image, 36 s left");
 }
 
 TEST_F(PlannedProgressTest, PartsOfAPassAreJudgedByThePassBefore) {
@@ -147,14 +148,14 @@ TEST_F(PlannedProgressTest, PartsOfAPassAreJudgedByThePassBefore) {
   progress_.BeginPass(/*has_parts=*/true);
   // 30 s for the pass and 20 s after it, of which one has passed.
   EXPECT_EQ(FirstLine(10, 1.0),
-            "[1/10] 1.0 images/s, 9 s left (about 49 s of all passes)\n");
+            "[1/10] 1.0 images/s, 9 s left (about 49 s of all passes)");
   DoRest(9, 1.0);
   EXPECT_EQ(FirstLine(10, 1.0),
-            "[1/10] 1.0 images/s, 9 s left (about 39 s of all passes)\n");
+            "[1/10] 1.0 images/s, 9 s left (about 39 s of all passes)");
   DoRest(9, 4.0);
   // It takes longer than was expected.
   EXPECT_EQ(FirstLine(10, 1.0),
-            "[1/10] 1.0 images/s, 9 s left (about 29 s of all passes)\n");
+            "[1/10] 1.0 images/s, 9 s left (about 29 s of all passes)");
 }
 
 TEST_F(PlannedProgressTest, PassesWithNothingToDoSayNothingOfTheOthers) {
@@ -164,7 +165,7 @@ TEST_F(PlannedProgressTest, PassesWithNothingToDoSayNothingOfTheOthers) {
   now_ += 100.0;
   progress_.Advance(false);
   progress_.BeginPass(/*has_parts=*/true);
-  EXPECT_EQ(FirstLine(3, 1.0), "[1/3] 1.0 images/s, 2 s left\n");
+  EXPECT_EQ(FirstLine(3, 1.0), "[1/3] 1.0 images/s, 2 s left");
 }
 
 TEST_F(PlannedProgressTest, WhatHadBeenDoneBeforeTookNoTime) {
@@ -178,7 +179,7 @@ TEST_F(PlannedProgressTest, WhatHadBeenDoneBeforeTookNoTime) {
   progress_.BeginPass(/*has_parts=*/true);
   // As if the first pass had taken ten seconds.
   EXPECT_EQ(FirstLine(10, 1.0),
-            "[1/10] 1.0 images/s, 9 s left (about 49 s of all passes)\n");
+            "[1/10] 1.0 images/s, 9 s left (about 49 s of all passes)");
 }
 
 TEST_F(PlannedProgressTest, ASecondPlanReplacesTheFirst) {
@@ -186,7 +187,7 @@ TEST_F(PlannedProgressTest, ASecondPlanReplacesTheFirst) {
   progress_.BeginPass();
   progress_.PlanPasses({});
   progress_.BeginPass();
-  EXPECT_EQ(FirstLine(3, 1.0), "[1/3] 1.0 images/s, 2 s left\n");
+  EXPECT_EQ(FirstLine(3, 1.0), "[1/3] 1.0 images/s, 2 s left");
 }
 
 TEST(Progress, TellsTheListenerOfStartsAndOfEveryImage) {
