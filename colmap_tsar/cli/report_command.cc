@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
@@ -44,6 +45,13 @@ void WriteReport(const Workspace& workspace, const ReportCommand& command) {
   const Interruption interruption;
   const int num_images = WritePage(
       workspace, page, progress, [&] { return interruption.Requested(); });
+  if (!page.after_path.empty() && page.before_path.empty()) {
+    Warn(
+        "no --before_path: the page compares the cloud after with points of "
+        "the maps before that are not fused; to compare like with like, fuse "
+        "before tsar_refine, too (or put the maps back by its --restore 1, "
+        "fuse and refine again)");
+  }
   std::cout << "Wrote a page about " << num_images
             << (num_images == 1 ? " image" : " images") << "\nOpen " << index
             << " in a browser" << std::endl;

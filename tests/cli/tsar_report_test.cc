@@ -81,6 +81,20 @@ TEST_F(TsarReportTest, ReplacesAPictureOnlyWhenAsked) {
   }
 }
 
+TEST_F(TsarReportTest, SaysThatTheCloudBeforeIsMissing) {
+  const std::string cloud = (folder_.Path() / "after.ply").string();
+  WriteText(cloud,
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+            "property float y\nproperty float z\nend_header\n1 2 3\n");
+  const Outcome without = Run({"--after_path", cloud});
+  EXPECT_EQ(without.exit_code, 0);
+  EXPECT_THAT(without.err, testing::HasSubstr("no --before_path: the page"));
+  const Outcome both =
+      Run({"--after_path", cloud, "--before_path", cloud, "--overwrite", "1"});
+  EXPECT_EQ(both.exit_code, 0);
+  EXPECT_THAT(both.err, testing::Not(testing::HasSubstr("before_path")));
+}
+
 TEST_F(TsarReportTest, WrongInputIsOneLine) {
   ExpectFailure({"--input_type", "photometric"}, "run tsar_refine on it first");
   ExpectFailure({"--input_type", "photometric", "--output_path", "x.png"},

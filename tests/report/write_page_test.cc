@@ -97,6 +97,17 @@ TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
   EXPECT_EQ(data["points"]["all"], (nlohmann::json{24, 23}));
 }
 
+TEST_F(WritePageTest, HasATableOfTheNumbersOfEachImage) {
+  Write();
+  const std::string table = ReadText(options_.report_path / "data/images.csv");
+  EXPECT_THAT(table,
+              testing::StartsWith("image,pixels,depth_before,depth_after,"));
+  EXPECT_THAT(
+      table,
+      testing::HasSubstr("\n\"left/b.png\",12,12,11,1,1,0,0,10,0,0,0,1.5\n"));
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3);
+}
+
 TEST_F(WritePageTest, HasAllFilesAndEscapesTheTitle) {
   Write();
   for (const PageFile& file : PageFiles()) {

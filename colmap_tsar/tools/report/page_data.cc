@@ -4,6 +4,7 @@
 #include "colmap_tsar/tools/report/page_data.h"
 
 #include "colmap_tsar/base/label_color.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/tools/report/colors.h"
@@ -161,6 +162,32 @@ std::string PageDataScript(const PageData& data) {
          EscapeScript(
              json.dump(1, ' ', false, Json::error_handler_t::replace)) +
          ";\n";
+}
+
+std::string ImageTable(const PageData& data) {
+  TextStream table;
+  table << "image,pixels,depth_before,depth_after";
+  for (const ProvenanceKind& kind : ProvenanceKinds()) {
+    table << "," << kind.name;
+  }
+  table << ",seconds\n";
+  for (const ImagePage& image : data.images) {
+    table << '"';
+    for (const char letter : image.name) {
+      table << (letter == '"' ? "\"" : "") << letter;
+    }
+    table << "\"," << int64_t{image.width} * image.height << ","
+          << image.num_before << "," << image.num_after;
+    for (const int64_t count : image.num_by_provenance) {
+      table << "," << count;
+    }
+    double seconds = 0.0;
+    for (const auto& [stage, value] : image.seconds) {
+      seconds += value;
+    }
+    table << "," << seconds << "\n";
+  }
+  return table.str();
 }
 
 Gain<DepthEvaluation> EvaluateDepthGain(

@@ -81,4 +81,9 @@ struct PageData {
 // Whatever names hold, it is one statement.
 std::string PageDataScript(const PageData& data);
 
+// The numbers of each refined image as a table (CSV, RFC 4180): its name, the
+// pixels of its maps, those with a depth before and after, those of each
+// origin, and seconds in all.
+std::string ImageTable(const PageData& data);
+
 }  // namespace tsar

@@ -285,6 +285,7 @@ int WritePage(const Workspace& workspace,
     WritePoints(root, kPointNames[i], samples[i]);
   }
   WriteText({root, kPageFolder.known_file}, PageDataScript(data));
+  WriteText({root, "data/images.csv"}, ImageTable(data));
   WriteStaticFiles(EscapeHtml(data.workspace), root);
   folder.Commit();
   return static_cast<int>(refined.size());

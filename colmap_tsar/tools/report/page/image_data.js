@@ -39,12 +39,14 @@ window.TsarImage = (() => {
       "ul",
       { class: "legend" },
       report.provenance.map((kind, i) =>
-        h(
-          "li",
-          {},
-          swatch(kind.color),
-          `${capital(kind.name)} ${percent(counts[i], all)}`
-        )
+        counts[i] > 0
+          ? h(
+              "li",
+              {},
+              swatch(kind.color),
+              `${capital(kind.name)} ${percent(counts[i], all)}`
+            )
+          : null
       )
     );
   }

@@ -63,7 +63,7 @@ window.TsarPointSection = (() => {
             "cloud",
             "Points shown",
             [
-              ["before", "Before"],
+              ["before", points.before_from_maps ? "Before, not fused" : "Before"],
               ["after", "After"],
             ],
             shown,
@@ -105,7 +105,7 @@ window.TsarPointSection = (() => {
         "p",
         { class: "muted" },
         points.before_from_maps
-          ? "After: the cloud that stereo_fusion made. Before: points of the depth maps themselves, not fused, so that depths stand that other views contradict."
+          ? "After: the cloud that stereo_fusion made. Before: no cloud was given (before_path), so these are points of the depth maps themselves, not fused: many more, since each view has its own, and depths stand that other views contradict. Fuse before refinement, too, to compare like with like."
           : points.from_clouds
           ? "The clouds that stereo_fusion made of the maps before and after."
           : "Points of the depth maps themselves, at the same pixels before and after: not fused, so that depths stand that other views contradict."

@@ -25,6 +25,27 @@ window.TsarSummary = (() => {
     );
   }
 
+  // The gain in the head: F1 at the smallest tolerance.
+  function gainFact(title, rows) {
+    return rows
+      ? fact(
+          `${title}, F1 within ${rows[0].tolerance}`,
+          `${rows[0].before.f1.toFixed(3)} → ${rows[0].after.f1.toFixed(3)}`
+        )
+      : null;
+  }
+
+  // Points that are not fused are not to be compared with those that are.
+  function fusedFact() {
+    const { from_clouds, before_from_maps, all } = report.points;
+    if (!from_clouds) {
+      return null;
+    }
+    return before_from_maps
+      ? fact("Fused points", number.format(all[1]), "no cloud of the maps before was given")
+      : fact("Fused points", `${number.format(all[0])} → ${number.format(all[1])}`);
+  }
+
   function summarySection() {
     const images = report.images;
     const all = sum(images.map(pixels));
@@ -44,6 +65,9 @@ window.TsarSummary = (() => {
           "Pixels with depth",
           `${percent(before, all)} → ${percent(after, all)}`
         ),
+        gainFact("Clouds", report.gains.clouds),
+        gainFact("Depth maps", report.gains.depth),
+        fusedFact(),
         fact(
           "Refined images",
           number.format(images.length),
