@@ -185,7 +185,10 @@ TEST_F(TrainerFormatsTest, RefusesNamesThatTheFormatCannotTellApart) {
 TEST_F(TrainerFormatsTest, NeedsTheImagesAndADepth) {
   options_.format = ExportFormat::kNerfstudio;
   fs::rename(root_ / "images/c.png", root_ / "c.png");
-  ExpectFailure(ErrorCode::kIo, {"images/c.png"});
+  ExpectFailure(ErrorCode::kNotFound, {"images/c.png"});
+  const std::string photo = ReadText(root_ / "c.png");
+  WriteText(root_ / "images/c.png", photo.substr(0, photo.size() / 2));
+  ExpectFailure(ErrorCode::kCorrupt, {"images/c.png", "from a whole photo"});
   fs::rename(root_ / "c.png", root_ / "images/c.png");
   for (const std::string name : {"a.1.png", "left/b.png"}) {
     WriteTestMaps(root_, name, MapType::kGeometric, 0.f);

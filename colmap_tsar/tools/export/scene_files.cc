@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/io/photo.h"
 
 #include <unordered_map>
 
@@ -79,6 +80,7 @@ std::string CopyPhoto(const Workspace& workspace,
                       const ContainedPath& folder) {
   const std::string path =
       "images/" + workspace.Model().images.at(static_cast<size_t>(image)).name;
+  CheckPhotoFile(workspace.ImagePath(image));
   CreateFolders((folder / path).Parent());
   CopyFile(workspace.ImagePath(image), folder / path);
   return path;

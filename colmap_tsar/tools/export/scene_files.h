@@ -36,6 +36,7 @@ nlohmann::ordered_json IntrinsicsJson(const Camera& camera);
 void RequireUtf8Names(const Workspace& workspace);
 
 // Copies an image to images/NAME in the folder, and returns "images/NAME".
+// Throws what CheckPhotoFile throws.
 std::string CopyPhoto(const Workspace& workspace,
                       int image,
                       const ContainedPath& folder);
