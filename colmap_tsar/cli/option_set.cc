@@ -21,6 +21,13 @@ const char kProjectPathHelp[] =
     "Ini file with values for these options: top-level keys, and one section "
     "per group. Options on the command line come before it.";
 
+// COLMAP's commands have it, and whoever calls them all with the same options
+// gives it to these, too.
+const char kLogToStderr[] = "log_to_stderr";
+const char kLogToStderrHelp[] =
+    "Taken for the sake of COLMAP's commands, which have it; warnings go to "
+    "standard error in any case.";
+
 // The option's group, or an empty text for a top-level option.
 std::string Group(const std::string& name) {
   const size_t dot = name.find('.');
@@ -118,7 +125,7 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
     names.merge(ReadIni(project->second, names));
   }
   for (const auto& [name, text] : given) {
-    if (name != kProjectPath) {
+    if (name != kProjectPath && name != kLogToStderr) {
       Find(name)->Set(text, "--" + name);
     }
   }
@@ -140,6 +147,9 @@ CommandHelp OptionSet::Help() const {
   CommandHelp help{command_, summary_, example_, options_};
   help.options.push_back(
       {kProjectPath, kProjectPathHelp, &no_project_path, {}, {}, false});
+  static bool logs_to_stderr = true;
+  help.options.push_back(
+      {kLogToStderr, kLogToStderrHelp, &logs_to_stderr, {}, {}, false});
   return help;
 }
 
@@ -177,7 +187,7 @@ std::map<std::string, std::string> OptionSet::ReadCommandLine(
                       " --help");
     }
     const std::string name = written.substr(2);
-    if (name != kProjectPath && Find(name) == nullptr) {
+    if (name != kProjectPath && name != kLogToStderr && Find(name) == nullptr) {
       throw Error(ErrorCode::kBadOption,
                   "unknown option " + written + "; " + Advice(name));
     }

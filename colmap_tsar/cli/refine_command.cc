@@ -19,6 +19,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -292,6 +293,10 @@ int RunTsarRefine(int argc, char** argv) {
   OptionSet options(
       "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
   command.AddTo(&options);
+  options.Add("random_seed",
+              &command.refine.seed,
+              "The name that COLMAP's commands have for --TsarRefine.seed.",
+              {0, std::numeric_limits<int>::max()});
   if (!options.Parse(argc, argv)) {
     return 0;
   }

@@ -17,6 +17,8 @@ _NOT_KEYWORDS = {
     "workspace_path",
     "input_type",
     "project_path",
+    "log_to_stderr",
+    "random_seed",
     "restore",
     "restore_conflicts",
 }

@@ -12,6 +12,11 @@
 namespace tsar {
 namespace {
 
+TEST_F(TsarRefineTest, TakesWhatAllCommandsOfColmapTake) {
+  EXPECT_EQ(Run({"--random_seed", "7", "--log_to_stderr", "1"}).exit_code, 0);
+  EXPECT_EQ(UsedOptions()["seed"], "7");
+}
+
 TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   const auto before = ReadTree(root_);
   const Outcome refined = Run({});
