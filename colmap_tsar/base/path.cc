@@ -43,6 +43,29 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(StatusOf(path));
 }
 
+std::string FoldedCase(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return name;
+}
+
+std::string AdviceForMissing(const fs::path& path, const std::string& advice) {
+  const std::string wanted = FoldedCase(path.filename().string());
+  std::error_code error;
+  for (fs::directory_iterator entry(path.parent_path(), error), end;
+       !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (FoldedCase(name) == wanted) {
+      return "there is " + name +
+             ", which differs in upper and lower case: rename the file, or the "
+             "image in the sparse model";
+    }
+  }
+  return advice;
+}
+
 fs::file_status SymlinkStatus(const fs::path& path) {
   std::error_code error;
   return Known(fs::symlink_status(path, error), path, error);

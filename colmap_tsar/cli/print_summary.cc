@@ -17,6 +17,7 @@ namespace tsar {
 namespace {
 
 constexpr size_t kMaxKeptListed = 10;
+constexpr size_t kMaxStagesListed = 5;
 
 std::string Fixed(double value, int num_digits) {
   char text[64];
@@ -152,10 +153,19 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
   std::sort(stages.begin(), stages.end());
   out << "  seconds per image:";
   const char* separator = " ";
-  for (const auto& [negative_seconds, stage] : stages) {
-    out << separator << Printable(stage) << " "
-        << Fixed(-negative_seconds / summary.num_refined, 3);
+  double others = 0.0;
+  for (size_t i = 0; i < stages.size(); ++i) {
+    const double seconds = -stages[i].first / summary.num_refined;
+    if (i >= kMaxStagesListed) {
+      others += seconds;
+      continue;
+    }
+    out << separator << Printable(stages[i].second) << " " << Fixed(seconds, 3);
     separator = ", ";
+  }
+  if (stages.size() > kMaxStagesListed) {
+    out << ", all else " << Fixed(others, 3)
+        << " (stereo/tsar/manifest.json lists it)";
   }
   out << "\n";
   PrintPeakMemory(summary.peak_gpu_memory, out);
@@ -220,6 +230,9 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
         << Quoted(summary.workspace_path / "sparse")
         << " itself: first copy there what is in "
         << Quoted(summary.model_folder) << "\n";
+  }
+  for (const std::string& obstacle : summary.fusion_obstacles) {
+    out << "Before fusion: " << Printable(obstacle) << "\n";
   }
   out << "Next: colmap stereo_fusion --workspace_path "
       << Quoted(summary.workspace_path) << " --input_type "

@@ -103,10 +103,10 @@ void PrintPlanes(const ExportedPlanes& planes,
       planes.planes.begin(), planes.planes.end(), [&](const auto& plane) {
         return IsWritten(plane, format);
       }));
-  const auto num_outlined = static_cast<size_t>(
-      std::count_if(planes.planes.begin(),
-                    planes.planes.end(),
-                    [](const auto& plane) { return !plane.polygons.empty(); }));
+  const auto num_outlined = static_cast<size_t>(std::count_if(
+      planes.planes.begin(), planes.planes.end(), [](const auto& plane) {
+        return !plane.polygons.empty();
+      }));
   std::cout << "Wrote " << num_written
             << (num_written == 1 ? " plane" : " planes") << " of "
             << planes.num_images
@@ -133,8 +133,7 @@ void PrintPlanes(const ExportedPlanes& planes,
   }
   if (num_written < planes.planes.size()) {
     std::cout << "  left out, since too little of them is seen for an outline: "
-              << planes.planes.size() - num_written
-              << " (JSON has them)\n";
+              << planes.planes.size() - num_written << " (JSON has them)\n";
   }
   std::cout << std::flush;
 }

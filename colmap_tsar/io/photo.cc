@@ -137,6 +137,16 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
   return image;
 }
 
+bool HasAlpha(const std::filesystem::path& path) {
+  // The kind of its pixels follows signature, header and size.
+  constexpr size_t kColorType = 25;
+  constexpr uint8_t kAlpha = 4;
+  PictureInput file = OpenPhoto(path);
+  const Bytes head = file.ReadHead(kColorType + 1);
+  return head.size() > kColorType && FormatOf(head) == PhotoFormat::kPng &&
+         (head[kColorType] & kAlpha) != 0;
+}
+
 void CheckPhotoFile(const std::filesystem::path& path) {
   // The header of every format fits in, unless there are long comments.
   constexpr uint64_t kHeadBytes = 4096;

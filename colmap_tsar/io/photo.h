@@ -30,6 +30,9 @@ Image<Rgb> ReadPhoto(const std::filesystem::path& path);
 // Grey as OpenCV decodes it, which is not that of the colours for all formats.
 Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path);
 
+// Whether a PNG file says that it has an alpha channel, which is not read.
+bool HasAlpha(const std::filesystem::path& path);
+
 // Looks at the beginning and the end of a file alone, and decodes it only where
 // these are not those of a whole one. Tells what is missing, empty, of another
 // format or cut off; damage inside shows when the photo is read.

@@ -4,6 +4,7 @@
 #include "colmap_tsar/io/picture_input.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 
 #include <algorithm>
 #include <utility>
@@ -14,8 +15,10 @@ PictureInput::PictureInput(const std::filesystem::path& path,
                            PictureWords words)
     : name_(path.string()), words_(std::move(words)), file_(path) {
   if (file_.IsMissing()) {
-    throw Error::File(
-        ErrorCode::kNotFound, name_, "no such " + words_.noun, words_.advice);
+    throw Error::File(ErrorCode::kNotFound,
+                      name_,
+                      "no such " + words_.noun,
+                      AdviceForMissing(path, words_.advice));
   }
   if (!file_) {
     throw Error::File(

@@ -163,7 +163,8 @@ std::vector<Gpu> OpenWithOneDevice(const std::vector<int>& named,
     opened = opener.Take(is_auto);
   }
   if (opened.empty()) {
-    Warn("there is no GPU that can be used; going on with the CPU");
+    Warn((named.empty() ? "" : OptionName("gpu_index") + ": ") +
+         "there is no GPU that can be used; going on with the CPU");
   }
   return opened;
 }

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/image_catalogue.h"
 
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/load_view.h"
@@ -265,7 +266,10 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
   report.seconds = seconds_[index];
   if (!HasMaps(Reference(index))) {
     Keep(index,
-         "it has no " + type + " maps; run patch_match_stereo for this image",
+         "it has no " + type + " maps; " +
+             AdviceForMissing(
+                 workspace_.DepthPath(Reference(index), workspace_.Type()),
+                 "run patch_match_stereo for this image"),
          &report);
   } else if (Problem(index).sources.empty()) {
     Keep(index, Problem(index).without_sources, &report);
@@ -273,6 +277,10 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
     Keep(index, "none of its source images has " + type + " maps", &report);
   } else if (HasBeenRefined(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
+    // Those of the run that refined it.
+    report.counts =
+        ReadRecord(workspace_.Paths(Reference(index), workspace_.Type()).record)
+            ->counts;
   }
   return report;
 }

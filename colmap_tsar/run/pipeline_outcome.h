@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <exception>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,9 +33,10 @@ struct ImageReport {
   int num_sources_without_maps = 0;
   // How the depth prior of a refined image fits.
   PriorAssessment prior;
-  // Counts of refined images, as in their records: "pixels", "depth_before",
-  // "depth_after", "not_finite", one for each provenance, and kPriorsUsed or
-  // kPriorsDropped (1) where the image has a depth prior.
+  // Counts of images that are refined, or were before, as in their records:
+  // "pixels", "depth_before", "depth_after", "not_finite", one for each
+  // provenance, and kPriorsUsed or kPriorsDropped (1) where the image has a
+  // depth prior.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;  // Per stage.
 };
@@ -46,6 +48,9 @@ struct PipelineOutcome {
   // The failure that came first in time, of which others may be consequences;
   // null where there was none.
   std::exception_ptr first_failure;
+  // Where a run ended before the pass that refines: the images that have been
+  // observed for it.
+  std::optional<int> num_observed;
 
   explicit PipelineOutcome(size_t num_images = 0)
       : reports(num_images), failures(num_images) {}

@@ -3,7 +3,10 @@
 
 #include "colmap_tsar/run/refine_controller.h"
 
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/raster_memory.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/io/fusion_obstacles.h"
 #include "colmap_tsar/run/compose_task.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/listed_images.h"
@@ -67,6 +70,15 @@ void RefineController::Lock() {
 RunSummary RefineController::Run() {
   FindListedImages(workspace_, options_.image_list_path);
   overview_ = CheckWorkspace(workspace_);
+  if (overview_.num_with_alpha > 0) {
+    Warn(std::to_string(overview_.num_with_alpha) +
+         " images have an alpha channel, which is ignored; give what is "
+         "transparent as black in masks, " +
+         OptionName("mask_path"));
+  }
+  for (const std::string& obstacle : FusionObstacles()) {
+    Warn(obstacle);
+  }
   if (options_.pass != RefinePass::kCompose) {
     CheckOriginals(workspace_);
   }
@@ -129,6 +141,10 @@ RunSummary RefineController::Run() {
   RunSummary summary = Summarize(run, outcome);
   account->End(outcome);
   return summary;
+}
+
+std::vector<std::string> RefineController::FusionObstacles() const {
+  return FindFusionObstacles(workspace_.Model(), workspace_.ModelFolder());
 }
 
 void RefineController::OpenOutput() {
@@ -196,6 +212,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
     PipelineOutcome none_refined(Images().size());
     none_refined.failures = outcome.failures;
     none_refined.first_failure = outcome.first_failure;
+    none_refined.num_observed = outcome.NumDone();
     // The planes of a scene of which some view was not observed are others.
     if (!outcome.IsComplete() || !Model(run, &none_refined)) {
       return none_refined;
@@ -279,6 +296,7 @@ RunSummary RefineController::Summarize(const RefineRun& run,
   RunSummary summary;
   summary.workspace_path = workspace_.Root();
   summary.model_folder = workspace_.ModelFolder();
+  summary.fusion_obstacles = FusionObstacles();
   summary.type = workspace_.Type();
   summary.pass = options_.pass;
   summary.shard = options_.shard;

@@ -44,6 +44,7 @@ class RefineController {
     return shards_[static_cast<size_t>(options_.shard.index)];
   }
   void Lock();
+  std::vector<std::string> FusionObstacles() const;
   // Makes the workspace at output_path, and goes on with that.
   void OpenOutput();
   // What the last pass of this run made of the images.

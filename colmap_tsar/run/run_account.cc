@@ -43,10 +43,16 @@ std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
 void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
   outcome.RethrowFailure();
   if (!outcome.IsComplete()) {
-    throw Error(ErrorCode::kInterrupted,
-                "interrupted after " + std::to_string(outcome.NumDone()) +
-                    " of " + std::to_string(num_wanted) +
-                    " images; run the same command again to go on");
+    const std::string done =
+        outcome.num_observed
+            ? std::to_string(*outcome.num_observed) + " of " +
+                  std::to_string(outcome.reports.size()) +
+                  " images were observed, before the first was refined"
+            : std::to_string(outcome.NumDone()) + " of " +
+                  std::to_string(num_wanted) + " images";
+    throw Error(
+        ErrorCode::kInterrupted,
+        "interrupted after " + done + "; run the same command again to go on");
   }
 }
 

@@ -30,6 +30,8 @@ struct RunSummary {
 
   std::filesystem::path workspace_path;  // The one that was written.
   std::filesystem::path model_folder;    // With its sparse model.
+  // What its fusion by COLMAP would stumble over, see fusion_obstacles.h.
+  std::vector<std::string> fusion_obstacles;
   RefinePass pass = RefinePass::kAll;
   Shard shard;
   MapType type = MapType::kGeometric;
@@ -46,7 +48,8 @@ struct RunSummary {
   std::optional<int64_t> num_priors;
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
   int64_t num_sources_without_maps = 0;
-  std::map<std::string, int64_t> counts;  // Sums over the refined images.
+  std::map<std::string, int64_t>
+      counts;  // Of all refined images, those of former runs, too.
   std::map<std::string, double> seconds;
   double wall_seconds = 0.0;
   std::vector<GpuMemory> peak_gpu_memory;

@@ -158,6 +158,7 @@ bool CheckImage(const Workspace& workspace,
     return false;
   }
   CheckPhotoFile(workspace.ImagePath(image));
+  overview->num_with_alpha += HasAlpha(workspace.ImagePath(image)) ? 1 : 0;
   workspace.CheckMask(image, {size->width, size->height});
   overview->has_masks = overview->has_masks || workspace.HasMask(image);
   const PriorMemory prior = workspace.CheckPrior(image);
@@ -207,12 +208,16 @@ Error NoMaps(const Workspace& workspace) {
                        "names no image",
                        "make the workspace again with image_undistorter");
   }
-  return Error::File(ErrorCode::kNotFound,
-                     (root / "stereo" / "depth_maps").string(),
-                     "holds no " + ToString(workspace.Type()) +
-                         " map of an image in patch-match.cfg",
-                     "run patch_match_stereo first, or choose the other " +
-                         OptionName("input_type"));
+  return Error::File(
+      ErrorCode::kNotFound,
+      (root / "stereo" / "depth_maps").string(),
+      "holds no " + ToString(workspace.Type()) +
+          " map of an image in patch-match.cfg",
+      AdviceForMissing(
+          workspace.DepthPath(workspace.Problems().front().reference,
+                              workspace.Type()),
+          "run patch_match_stereo first, or choose the other " +
+              OptionName("input_type")));
 }
 
 std::set<int> ImagesOfProblems(const Workspace& workspace) {
@@ -222,14 +227,6 @@ std::set<int> ImagesOfProblems(const Workspace& workspace) {
     images.insert(problem.sources.begin(), problem.sources.end());
   }
   return images;
-}
-
-// In lower case, as far as it is ASCII.
-std::string Folded(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return name;
 }
 
 // On file systems where upper and lower case are one, two images may have one
@@ -242,7 +239,7 @@ void RequireMapsOfTheirOwn(const Workspace& workspace,
       return workspace.Model().images[static_cast<size_t>(index)].name;
     };
     const auto [other, is_new] =
-        first_of_name.emplace(Folded(name_of(image)), image);
+        first_of_name.emplace(FoldedCase(name_of(image)), image);
     std::error_code error;
     const std::filesystem::path path =
         workspace.DepthPath(image, workspace.Type());

@@ -21,6 +21,7 @@ struct WorkspaceOverview {
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
   int max_num_sources = 0;   // Of the image that uses most views with maps.
   bool has_costs = false;    // Whether some image has exported costs.
+  int num_with_alpha = 0;    // Images with an alpha channel.
   bool has_masks = false;    // Whether some image has a mask.
   PriorMemory prior_memory;  // The most that depth priors of an image take.
   int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.

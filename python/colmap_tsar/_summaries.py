@@ -38,8 +38,8 @@ class RefineSummary(PrintedResult):
     num_sources_without_maps: int
     """Source images, over all images, that were left out for want of maps."""
     counts: Dict[str, int]
-    """Sums over the refined images, in pixels: "pixels", "depth_before",
-    "depth_after", "not_finite", and how many have each provenance."""
+    """Sums over the refined images, those of former runs too, in pixels: "pixels",
+    "depth_before", "depth_after", "not_finite", and how many have each provenance."""
     seconds: Dict[str, float]
     """Time of each stage, summed over the refined images."""
     wall_seconds: float

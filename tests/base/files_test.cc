@@ -4,6 +4,7 @@
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 
 #include <algorithm>
@@ -248,6 +249,18 @@ TEST(ContentHashTest, SeesEveryByteAndTheLength) {
   }
   std::sort(values.begin(), values.end());
   EXPECT_EQ(std::adjacent_find(values.begin(), values.end()), values.end());
+}
+
+TEST(AdviceForMissing, NamesTheFileThatDiffersInCaseAlone) {
+  const TemporaryFolder folder;
+  WriteText(folder.Path() / "b.JPG.bin", "");
+  EXPECT_EQ(AdviceForMissing(folder.Path() / "a.jpg.bin", "make it"),
+            "make it");
+  EXPECT_THAT(AdviceForMissing(folder.Path() / "b.jpg.bin", "make it"),
+              testing::HasSubstr("there is b.JPG.bin, which differs in upper "
+                                 "and lower case: rename"));
+  EXPECT_EQ(AdviceForMissing(folder.Path() / "none/b.jpg.bin", "make it"),
+            "make it");
 }
 
 }  // namespace

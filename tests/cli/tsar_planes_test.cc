@@ -66,8 +66,8 @@ int CountOf(const std::string& text, const std::string& part) {
 // Files of triangles hold no plane without an outline, and are not said to.
 TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
   room_.Write();
-  SceneModel model = ReadSceneModel(GetSceneModelPath(room_.root),
-                                    SceneModelParts::kAll);
+  SceneModel model =
+      ReadSceneModel(GetSceneModelPath(room_.root), SceneModelParts::kAll);
   model.planes.push_back(model.planes.back());  // No image shows it.
   WriteSceneModel(GetSceneModelPath(room_.root), model);
   EXPECT_THAT(Write(json_).out,

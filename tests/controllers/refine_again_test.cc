@@ -113,7 +113,7 @@ TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
 TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
   const std::filesystem::path whole = folder_.Path() / "whole";
   MakeSyntheticWorkspace(whole);
-  Refine(Options(whole));
+  const RunSummary all_in_one_go = Refine(Options(whole));
 
   // While the third image is read, computed or about to be written; there is
   // one thread that writes.
@@ -128,8 +128,22 @@ TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
   const RunSummary summary = Refine();
   EXPECT_EQ(summary.num_skipped, 2);
   EXPECT_EQ(summary.num_refined, 2);
+  // What is told of the pixels is told of all.
+  EXPECT_EQ(summary.counts.at("pixels"), 4 * 96 * 72);
+  EXPECT_EQ(summary.counts, all_in_one_go.counts);
   EXPECT_EQ(Manifest()["num_images"]["done"], 4);
   ExpectSameFiles(MapsOf(whole), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, TellsHowManyImagesWereObservedBeforeItWasStopped) {
+  ExpectError(
+      ErrorCode::kInterrupted,
+      {"after 2 of 4 images were observed, before the first", "same command"},
+      [&] {
+        Refine(Options(root_), {}, [&] {
+          return std::filesystem::exists(Evidence(root_, 1));
+        });
+      });
 }
 
 TEST_F(RefineWorkspaceTest, AFailedWriteLeavesTheOthersDone) {

@@ -34,6 +34,13 @@ TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
   options_.choice = DeviceChoice::kAuto;
   EXPECT_EQ(Create(2).description, "16 CPU threads");
   EXPECT_EQ(Create(0).description, "16 CPU threads");
+  options_.gpu_indices = {0};
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(Create(0).description, "16 CPU threads");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("gpu_index: there is no GPU that can be used; "
+                                 "going on with the CPU"));
+  options_.gpu_indices = {};
   options_.choice = DeviceChoice::kCpu;
   EXPECT_EQ(Create(3).description, "16 CPU threads");
   options_.choice = DeviceChoice::kCuda;

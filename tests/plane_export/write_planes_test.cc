@@ -327,8 +327,8 @@ TEST(TurnUp, TurnsTheVerticalIntoTheAxis) {
     const PlaneCoordinates& before = original.planes[i].coordinates;
     const PlaneCoordinates& after = planes.planes[i].coordinates;
     EXPECT_TRUE(after.normal.isApprox(rotation * before.normal));
-    EXPECT_TRUE(after.ToWorld({2, 3}).isApprox(rotation *
-                                               before.ToWorld({2, 3})));
+    EXPECT_TRUE(
+        after.ToWorld({2, 3}).isApprox(rotation * before.ToWorld({2, 3})));
   }
   planes = original;
   TurnUp(UpAxis::kZ, &planes);

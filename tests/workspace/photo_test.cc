@@ -245,6 +245,18 @@ TEST_F(PhotoTest, OddMetadataDoNotMatter) {
   ExpectUnchanged(png, annotated);
 }
 
+TEST_F(PhotoTest, KnowsPngFilesWithAlpha) {
+  const std::filesystem::path png = folder_.Path() / "alpha.png";
+  const std::filesystem::path jpeg = folder_.Path() / "alpha.jpg";
+  for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4}) {
+    const cv::Mat pixels(5, 7, type, cv::Scalar::all(90));
+    cv::imwrite(png.string(), pixels);
+    EXPECT_EQ(HasAlpha(png), type == CV_8UC4);
+  }
+  cv::imwrite(jpeg.string(), cv::Mat(5, 7, CV_8UC3, cv::Scalar::all(90)));
+  EXPECT_FALSE(HasAlpha(jpeg));
+}
+
 TEST_F(PhotoTest, RefusesWhatIsNoPhoto) {
   const PhotoSample sample = {"photo.jpg", "", false, false};
   const std::filesystem::path path = folder_.Path() / sample.name;

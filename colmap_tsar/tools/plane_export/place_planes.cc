@@ -29,8 +29,8 @@ void TurnUp(UpAxis axis, ExportedPlanes* planes) {
                     ": the cameras look all ways, so that nothing tells what "
                     "is up; leave the option out");
   }
-  const Eigen::Vector3d up = axis == UpAxis::kY ? Eigen::Vector3d::UnitY()
-                                                : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up =
+      axis == UpAxis::kY ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
   const Eigen::Matrix3d rotation =
       Eigen::Quaterniond::FromTwoVectors(planes->vertical.up, up)
           .toRotationMatrix();
