@@ -280,7 +280,7 @@ TEST_F(OptionSetTest, HelpAsJsonTellsTheSameToPrograms) {
   for (const nlohmann::json& option : json.at("options")) {
     options[option.at("name")] = option;
   }
-  EXPECT_EQ(options.size(), 10u);
+  EXPECT_EQ(options.size(), 11u);
   EXPECT_EQ(options.at("workspace_path"),
             nlohmann::json({{"name", "workspace_path"},
                             {"value", "PATH"},
