@@ -79,11 +79,13 @@ TEST_F(RefineListedTest, GoesOnAfterAnInterruption) {
   const Tree whole = RefinedInOneGo();
   const Tree before = MapsOf(root_);
   const WorkspaceRefineOptions options = Listed("v1.png\n");
-  ExpectError(ErrorCode::kInterrupted, {"0 of 1", "same command"}, [&] {
-    Refine(options, {}, [&] {
-      return std::filesystem::exists(Evidence(root_, 3));
-    });
-  });
+  ExpectError(ErrorCode::kInterrupted,
+              {"4 of 4 images were observed", "same command"},
+              [&] {
+                Refine(options, {}, [&] {
+                  return std::filesystem::exists(Evidence(root_, 3));
+                });
+              });
   EXPECT_EQ(Refine(options).num_refined, 1);
   ExpectRefined(MapsOf(root_), "v1.png", before, whole);
 }

@@ -117,11 +117,13 @@ class RefineWorkspaceTest : public testing::Test {
     const std::filesystem::path root = options.output_path.empty()
                                            ? options.workspace_path
                                            : options.output_path;
-    ExpectError(ErrorCode::kInterrupted, {"0 of 4", "same command"}, [&] {
-      Refine(options, refine, [&] {
-        return std::filesystem::exists(Evidence(root, 3));
-      });
-    });
+    ExpectError(ErrorCode::kInterrupted,
+                {"4 of 4 images were observed", "same command"},
+                [&] {
+                  Refine(options, refine, [&] {
+                    return std::filesystem::exists(Evidence(root, 3));
+                  });
+                });
     for (int view = 0; view < 4; ++view) {
       EXPECT_TRUE(std::filesystem::exists(Evidence(root, view)));
     }
