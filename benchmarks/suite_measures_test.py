@@ -424,16 +424,16 @@ def check_variants():
             told("weight", "NUMBER", "0.7", {}, max=1.0),
             told("rounds", "INT", "5", {}, max=10.0),
             told("gap", "NUMBER", "0", {}, max=9.0)])]
-    variants = make_variants(["a=--x 1 --y 'b c'"], False, False, "--z 2",
+    variants = make_variants(["a=--x 1 --y 'b c'"], False, False, False, "--z 2",
                              options)
     check(variants == {"a": ["--z", "2", "--x", "1", "--y", "b c"]},
           "options of a variant")
     experiment = "--TsarRefine.experiment"
-    variants = make_variants([f"a={experiment} b=1"], False, False,
+    variants = make_variants([f"a={experiment} b=1"], False, False, False,
                              f"{experiment} c=2 --z 3", options)
     check(variants == {"a": ["--z", "3", experiment, "c=2,b=1"]},
           "experiments of a variant and of all runs")
-    variants = make_variants([], True, True, "", options)
+    variants = make_variants([], True, True, False, "", options)
     check(list(variants.items()) == [
         ("default", []),
         ("without scene_planes", ["--TsarRefine.scene_planes", "0"]),

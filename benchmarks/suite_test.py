@@ -166,6 +166,25 @@ def check_sizes(suite, scene):
           "made workspaces are recognised")
 
 
+def check_priors(suite, scene):
+    if importlib.util.find_spec("cv2") is None:
+        print("skipped: simulated priors; there is no OpenCV for Python")
+        return
+    options = (scene, "--seeds", 1, "--priors")
+    suite(*options, results="priors")
+    scores = {one["variant"]: one["scores"] for one in suite.runs("priors")}
+    check(list(scores) == ["default", "network prior", "lidar prior"],
+          "a run without and with each kind of prior")
+    for kind in ("network prior", "lidar prior"):
+        check(scores[kind]["depth_all_0.05"][1]
+              > scores["default"]["depth_all_0.05"][1],
+              f"more is right to 5 cm with the {kind}")
+    check("min left" not in suite(*options, results="priors"),
+          "runs with priors are recognised")
+    check("ground_truth" in suite.fail(suite.folder / "bare", *options[1:]),
+          "without ground truth there are no priors")
+
+
 def check_errors(suite, scene):
     check("nowhere" in suite.fail(scene, "--program", "nowhere"),
           "a missing program is named")
@@ -194,6 +213,7 @@ def main():
     check_other_inputs(suite, scene)
     check_clouds(suite, scene)
     check_sizes(suite, scene)
+    check_priors(suite, scene)
     check_errors(suite, scene)
     shutil.rmtree(folder)
 

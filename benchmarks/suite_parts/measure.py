@@ -100,8 +100,9 @@ class Measurer:
                                     seed, self.device])
 
     def refine(self, configuration, workspace, fingerprint, variant, options,
-               seed):
-        """Refines with these options and scores the result; stores both."""
+               seed, words):
+        """Refines with these options and scores the result; stores both.
+        words: the options as the program is to get them."""
         path, _ = self.find_run(fingerprint, options, seed)
         with tempfile.TemporaryDirectory(prefix="tsar_suite_") as temporary:
             folder = Path(temporary)
@@ -114,7 +115,7 @@ class Measurer:
             shutil.rmtree(output, ignore_errors=True)
             command = [self.program, "tsar_refine", "--workspace_path",
                        workspace, "--output_path", output,
-                       "--TsarRefine.device", self.device, *options]
+                       "--TsarRefine.device", self.device, *words]
             if seed:
                 command += ["--TsarRefine.seed", seed]
             start = time.monotonic()

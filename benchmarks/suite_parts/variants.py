@@ -6,6 +6,7 @@ import json
 import shlex
 
 from programs import CommandFailed, run
+from suite_parts.simulated_priors import KINDS, name_of
 
 EXPERIMENT = "--TsarRefine.experiment"
 # Those of the method that are options of their own.
@@ -75,17 +76,24 @@ def sensitivities(options):
                        [word.format(f"{value:g}") for word in words])
 
 
-def make_variants(given, ablation, sensitivity, extra, options):
+def simulated(kind):
+    """A depth prior of this kind, whose folder is known when a scene is."""
+    return ["--prior_path", name_of(kind)]
+
+
+def make_variants(given, ablation, sensitivity, priors, extra, options):
     """Name -> options, in the order of the tables.
 
-    given: texts NAME=OPTIONS; extra: options for all runs; options: what
-    ask_options() tells.
+    given: texts NAME=OPTIONS; priors: whether with simulated depth priors as
+    well; extra: options for all runs; options: what ask_options() tells.
     """
     variants = dict(read_variant(text) for text in given)
     if len(variants) < len(given):
         raise CommandFailed("--variant: two have the same name")
-    if not variants or ablation or sensitivity:
+    if not variants or ablation or sensitivity or priors:
         variants = {DEFAULT: [], **variants}
+    if priors:
+        variants.update({f"{kind} prior": simulated(kind) for kind in KINDS})
     if ablation:
         variants.update(ablations(options))
     if sensitivity:

@@ -8,7 +8,9 @@ import shlex
 import shutil
 
 from programs import CommandFailed, own_folder, run
+from suite_parts import simulated_priors
 from suite_parts.photographs import convert_image
+from suite_parts.simulated_priors import KINDS, make_priors, name_of
 from suite_parts.sparse_model import read_model, write_text
 
 # Raised where a workspace of the cache would be made in another way.
@@ -58,6 +60,25 @@ class Workspaces:
         prints = [self.hash_of(workspace, INPUTS), self.hash_of(scene, TRUTHS)]
         return workspace, hashlib.sha256(
             " ".join(prints).encode()).hexdigest()
+
+    def with_priors(self, configuration, options):
+        """The options, with the folders of simulated priors that they name."""
+        return [self._priors(configuration, kinds[word]) if word in kinds
+                else word for kinds in [{name_of(kind): kind for kind in KINDS}]
+                for word in options]
+
+    def _priors(self, configuration, kind):
+        scene = configuration.path
+        key = {"version": simulated_priors.VERSION,
+               "scene": self.hash_of(scene, ("images", "ground_truth"))}
+        folder = own_folder(self.cache / f"{scene.name}-{kind}-prior")
+        record, priors = folder / "made_from.json", folder / "priors"
+        if not (record.is_file() and json.loads(record.read_text()) == key):
+            shutil.rmtree(priors, ignore_errors=True)
+            record.unlink(missing_ok=True)
+            make_priors(scene, kind, priors)
+            record.write_text(json.dumps(key))
+        return priors
 
     def _made(self, configuration):
         scene = configuration.path

@@ -23,6 +23,10 @@ namespace {
 
 constexpr double kAnglePercentile = 0.75;
 
+// Sources closer together than this show the same: it is about the two pixels
+// of parallax, in maps 640 pixels wide, by which views still agree.
+constexpr double kSamePlaceDegrees = 0.2;
+
 // Whether two cameras see a point under at least an angle of this tangent.
 // Beyond a right angle its supplement counts, since rays that meet head-on
 // locate a point no better than parallel ones.
@@ -44,6 +48,17 @@ bool ReachesPercentile(int64_t num_small, int64_t num_angles) {
   const auto rank = static_cast<int64_t>(
       std::round(kAnglePercentile * static_cast<double>(num_angles - 1)));
   return num_angles > 0 && num_small <= rank;
+}
+
+bool ReachAngle(const std::vector<Eigen::Vector3d>& points,
+                const Eigen::Vector3d& center_a,
+                const Eigen::Vector3d& center_b,
+                double min_tangent) {
+  const auto num_small = std::count_if(
+      points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
+        return !HasAngle(center_a, center_b, point, min_tangent);
+      });
+  return ReachesPercentile(num_small, static_cast<int64_t>(points.size()));
 }
 
 struct ConfigLine {
@@ -341,21 +356,22 @@ std::vector<Eigen::Vector3d> SourceSelector::PointsOf(int reference) const {
 bool SourceSelector::AreDifferent(const std::vector<Eigen::Vector3d>& points,
                                   int image_a,
                                   int image_b) const {
-  const auto num_small = std::count_if(
-      points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
-        return !HasAngle(centers_[static_cast<size_t>(image_a)],
-                         centers_[static_cast<size_t>(image_b)],
-                         point,
-                         min_tangent_);
-      });
-  return ReachesPercentile(num_small, static_cast<int64_t>(points.size()));
+  return ReachAngle(points,
+                    centers_[static_cast<size_t>(image_a)],
+                    centers_[static_cast<size_t>(image_b)],
+                    min_tangent_);
 }
 
 bool SourceSelector::IsIndependent(const std::vector<Eigen::Vector3d>& points,
                                    int image,
                                    const std::vector<int>& sources) const {
+  static const double min_tangent =
+      std::tan(kSamePlaceDegrees * std::numbers::pi / 180.0);
   return std::all_of(sources.begin(), sources.end(), [&](int source) {
-    return AreDifferent(points, image, source);
+    return ReachAngle(points,
+                      centers_[static_cast<size_t>(image)],
+                      centers_[static_cast<size_t>(source)],
+                      min_tangent);
   });
 }
 

@@ -156,8 +156,16 @@ TEST(SourceSelectorTest, ComparesTheAngleWithTheMinimum) {
   SparseModel model = MakeModel({0, 0.999 * tan1, 1.001 * tan1});
   AddPoint({0, 0, 1}, {0, 1, 2}, &model);
   EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20), ElementsAre(2));
-  // The two see the point nearly alike, so that one of them is enough.
+  // The two see the point from nearly the same place.
   EXPECT_THAT(SourceSelector(model, 0.9).SelectSources(0, 20), ElementsAre(1));
+}
+
+TEST(SourceSelectorTest, SourcesMayBeCloserToEachOtherThanToTheReference) {
+  const double tan1 = std::tan(std::numbers::pi / 180.0);
+  SparseModel model = MakeModel({0, tan1, 1.1 * tan1, 1.25 * tan1});
+  AddPoint({0, 0, 1}, {0, 1, 2, 3}, &model);
+  EXPECT_THAT(SourceSelector(model, 0.99).SelectSources(0, 20),
+              ElementsAre(1, 3));
 }
 
 TEST(SourceSelectorTest, ChoosesOneOfSeveralImagesFromOnePlace) {
