@@ -12,16 +12,16 @@
 
 namespace tsar {
 
-// Hands things from some threads to others, and makes the givers wait while the
-// takers are behind.
+// A queue between producer and consumer threads. Producers wait while it is
+// full.
 template <typename T>
 class BoundedQueue {
  public:
   // capacity: at least 1.
   explicit BoundedQueue(size_t capacity) : capacity_(capacity) {}
 
-  // Waits for a place. Returns false, and drops the value, where the queue has
-  // been closed.
+  // Waits for room. Returns false, and drops the value, if the queue has been
+  // closed.
   bool Push(T value) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock,

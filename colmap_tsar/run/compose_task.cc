@@ -63,7 +63,7 @@ RefineResult ComposeTask::RefineMaps(size_t index,
           worker.views->Get(source, views->Get(source), *worker.device));
       views->Release(source);
     }
-    // They belong to other devices, too, which may free them.
+    // The views belong to other devices, too, which may free them.
     const ScopedSynchronization synchronization(*worker.device);
     return ComposeImage(reference,
                         sources,
@@ -89,7 +89,7 @@ std::vector<int> ComposeTask::ComparedSources(size_t index) const {
       sources.push_back(source);
     }
   }
-  // Whoever ranked them, the same sources give the same result.
+  // A fixed order gives the same result for the same sources in any ranking.
   std::sort(sources.begin(), sources.end());
   return sources;
 }

@@ -15,9 +15,8 @@
 
 namespace tsar {
 
-// The last pass: the maps of each image, from its own evidence, that of its
-// sources, all of which an ObserveTask wrote before, and the planes of the
-// scene.
+// The last pass: composes the maps of each image from its own evidence, that of
+// its sources, which an ObserveTask wrote before, and the planes of the scene.
 class ComposeTask : public RefineMapsTask {
  public:
   // workspace and evidence must outlive this object. map_sides: see
@@ -52,15 +51,15 @@ class ComposeTask : public RefineMapsTask {
     FoundScene found;
   };
 
-  // The sources that the composed map is compared with: none where it is larger
-  // than what it is judged at, and none that are.
+  // The sources that the composed map is compared with: those whose maps are
+  // judged at full size; none where the reference's is not.
   std::vector<int> ComparedSources(size_t index) const;
   bool IsJudgedAsItIs(int image) const;
-  // Whether the image was observed: whether it has depths at the size at which
-  // it is judged.
+  // Whether the image was observed, that is, has depths at the size at which it
+  // is judged.
   static bool WasObserved(const ViewData& view);
   std::unique_ptr<Scene> FindSceneOf(size_t index, Device& device);
-  // Those of the model. Throws kMismatch where it has none that fit.
+  // The model's labels of the image. Throws kMismatch where none fit.
   const ViewLabels& LabelsOf(int image, const ViewEvidence& evidence) const;
   ObservedView Observed(int image, const ViewEvidence& evidence) const;
 
@@ -69,7 +68,7 @@ class ComposeTask : public RefineMapsTask {
   const SceneModel model_;
   const std::vector<int> map_sides_;
   const bool finds_scenes_ahead_;
-  // By image of the run, what Prepare() found for RefineMaps().
+  // The scenes that Prepare() found for RefineMaps(), by image of the run.
   std::vector<std::unique_ptr<Scene>> scenes_;
 };
 

@@ -74,7 +74,7 @@ std::vector<int> ParseGpuIndices(const std::string& text) {
   if (text == "-1") {
     return indices;
   }
-  // A word for the end of the text also where that is empty.
+  // The comma makes the last field count even where it is empty.
   std::istringstream words(text + ",");
   for (std::string word; std::getline(words, word, ',');) {
     indices.push_back(ParseIndex(word, text));

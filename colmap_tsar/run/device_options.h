@@ -24,7 +24,7 @@ DeviceChoice ParseDeviceChoice(const std::string& text);
 std::vector<int> ParseGpuIndices(const std::string& text);
 std::string GpuIndicesText(const std::vector<int>& gpu_indices);
 
-// Where a run computes and what it may take; nothing here changes a result.
+// The devices and the memory of a run; nothing here changes a result.
 struct DeviceOptions {
   DeviceChoice choice = DeviceChoice::kAuto;
   std::vector<int> gpu_indices;  // In CUDA's order; empty: every GPU.

@@ -61,8 +61,8 @@ size_t DeviceViewCache::NumBytes() const {
 std::shared_ptr<UploadedView> DeviceViewCache::MakeRoom(size_t num_bytes) {
   std::shared_ptr<UploadedView> dropped;
   while (num_bytes_ + num_bytes > max_num_bytes_) {
-    // Only this cache hands views out, so none that it alone holds can get
-    // another user now.
+    // Only this cache hands views out, so a view that it alone holds can get no
+    // other user now.
     const std::optional<Entry> entry = entries_.TakeOldest(
         [](const Entry& held) { return held.view.use_count() == 1; });
     if (!entry) {

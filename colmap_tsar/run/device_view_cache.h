@@ -13,15 +13,15 @@
 
 namespace tsar {
 
-// The source views in one GPU's memory, or in that of the CPU, for all devices
-// that share it: an image is uploaded once for the many images it is a source
-// of. Views in use stay; beside them, as many of those used last as the number
-// of bytes allows. Can be used from several threads; those that want the same
-// view wait for one upload.
+// The source views in the memory of one GPU, or of the CPU, shared by all
+// devices that use this memory: an image is uploaded once for the many images
+// it is a source of. Views in use stay; others are kept, the most recently used
+// first, as far as max_num_bytes allows. Can be used from several threads;
+// those that want the same view wait for one upload.
 //
-// Whoever gets a view must have waited for his device (Device::Synchronize)
-// before he lets go of it: its memory is freed stream-ordered on the device
-// that uploaded it, which knows nothing of the others' work. That device must
+// A caller must have waited for its device (Device::Synchronize) before it
+// releases a view: the memory is freed stream-ordered on the device that
+// uploaded it, which knows nothing of the others' work. That device must
 // outlive the cache and all views.
 class DeviceViewCache {
  public:
@@ -29,12 +29,12 @@ class DeviceViewCache {
 
   explicit DeviceViewCache(size_t max_num_bytes);
 
-  // The view of image number `image`, from `view` where it is not there yet.
-  // Its upload is complete. Throws what the device throws, to all who waited;
-  // the next call tries again.
+  // Returns the view of the image with index `image`, and uploads it from
+  // `view` where it is not cached. The upload is complete. Throws what the
+  // device throws to all waiting callers; the next call tries again.
   View Get(int image, const ViewData& view, Device& device);
 
-  // The views that are held here, in use or not.
+  // The size of all cached views, in use or not.
   size_t NumBytes() const;
 
  private:

@@ -65,7 +65,7 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
   if (!IsCurrent(image)) {
     return nullptr;
   }
-  // Two threads may read the same one: better than that all wait for one file.
+  // Two threads may read the same file, rather than all wait for one file.
   auto evidence = std::make_shared<const ViewEvidence>(
       ReadEvidence(Path(image), EvidenceParts::kForNeighbours));
   const std::lock_guard<std::mutex> lock(mutex_);

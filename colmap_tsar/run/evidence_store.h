@@ -19,14 +19,14 @@
 
 namespace tsar {
 
-// Whether images are refined together with their neighbours, which takes
+// Whether images are refined together with their neighbors, which needs the
 // evidence of all views.
 bool NeedsEvidence(const RefineOptions& options);
 
-// The evidence of a workspace's views, in files of stereo/tsar/evidence from
-// the time a view was observed until the run ends, so that a killed run goes on
-// from there. What was read last is kept in memory. Can be used from several
-// threads.
+// The evidence of a workspace's views, kept in files of stereo/tsar/evidence
+// from their observation to the end of the run, so that a killed run resumes
+// from there. The most recently read evidence is kept in memory. Can be used
+// from several threads.
 class EvidenceStore {
  public:
   using Evidence = std::shared_ptr<const ViewEvidence>;
@@ -39,32 +39,31 @@ class EvidenceStore {
                 size_t max_num_views);
 
   // Whether there is evidence of the image that was made with these options
-  // from these sources, cameras, pictures and original maps. Never of an image
-  // that is no reference: nobody would renew it. Throws what
-  // InputFingerprints::OfView throws, which this calls for the image and its
-  // sources.
+  // from these sources, cameras, photos and original maps. Always false for an
+  // image that is no reference: nobody would renew its evidence. Throws what
+  // InputFingerprints::OfView throws for the image and its sources.
   bool IsCurrent(int image);
 
-  // From now on, there is evidence of these images and no others. IsCurrent()
-  // and Get() then throw kMismatch where it was made of something else or is
-  // gone.
+  // Declares that there is evidence of exactly these images. From then on
+  // IsCurrent() and Get() throw kMismatch where it was made of something else
+  // or is gone.
   void Expect(std::set<int> images);
 
   // image must be a reference.
   void Write(int image, const ViewEvidence& evidence);
 
-  // All of it, for the view itself.
+  // The complete evidence, for the view itself.
   ViewEvidence ReadAll(int image) const;
-  // What its neighbours need; null where none is current.
+  // The part of the evidence that neighbors need; null where none is current.
   Evidence Get(int image);
 
-  // Removes the evidence of all images, whatever it was made with.
+  // Removes the evidence of all images, whatever its options and inputs.
   static void Clear(const Workspace& workspace);
 
  private:
   ContainedPath Path(int image) const;
 
-  // Fingerprint of what the evidence of a reference is made of, and how.
+  // A fingerprint of the inputs and options of a reference's evidence.
   std::string Fingerprint(int image);
 
   const Workspace& workspace_;

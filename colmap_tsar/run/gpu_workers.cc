@@ -16,14 +16,14 @@
 namespace tsar {
 namespace {
 
-// Beside what the stages allocate: the kernels, which the driver loads when
+// Memory beside the stages' buffers: the kernels, which the driver loads when
 // they are first used.
 constexpr int64_t kDriverBytes = int64_t{64} << 20;
 
 struct Gpu {
   GpuWorkers workers;
   int64_t free_bytes = 0;
-  int max_num_workers = 0;  // As many as its memory allows.
+  int max_num_workers = 0;  // The largest number that its memory allows.
 };
 
 std::string Gigabytes(int64_t num_bytes) {
@@ -95,9 +95,9 @@ class GpuOpener {
 
   size_t NumOpened() const { return opened_.size(); }
 
-  // None where the CPU is to be used instead. Throws where one is needed. That
-  // no GPU has enough memory is an error also with device "auto": the CPU would
-  // take a hundred times as long.
+  // Returns no GPU where the CPU is to be used instead. Throws where a GPU is
+  // needed. GPUs with too little memory are an error also with device "auto":
+  // the CPU would take a hundred times as long.
   std::vector<Gpu> Take(bool is_auto) {
     if (opened_.empty() && too_small_) {
       throw Error(*too_small_);
@@ -112,8 +112,8 @@ class GpuOpener {
   }
 
  private:
-  // Whether there was no failure; the first of its kind is remembered. One of a
-  // GPU that the user named is thrown.
+  // Returns whether there was no failure, and remembers the first of its kind.
+  // Throws the failure of a GPU that the user named.
   bool Keep(const std::optional<Error>& failure, std::optional<Error>* first) {
     if (!failure) {
       return true;
@@ -145,7 +145,7 @@ std::vector<Gpu> OpenWithOneDevice(const std::vector<int>& named,
                                    const GpuSystem& gpus) {
   const int num_gpus = gpus.count();
   if (num_gpus == 0 && !is_auto) {
-    // Says why there is none.
+    // Throws the reason.
     gpus.create(named.empty() ? 0 : named[0]);
   }
   std::vector<Gpu> opened;

@@ -20,8 +20,8 @@ constexpr int kMaxGpuWorkers = 2;
 
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {
-  // Asked where the CPU alone is not what the user wants: the answer has the
-  // driver set itself up, which takes its time, addresses and threads.
+  // Only called where the user does not demand the CPU: the call initializes
+  // the driver, which costs time, address space and threads.
   std::function<int()> count;
   std::function<std::unique_ptr<Device>(int gpu_index)> create;
   // Called once before these are created.
@@ -36,20 +36,20 @@ struct GpuWorkers {
   std::string name;  // "GPU 1 (NVIDIA H200)"
   int index = 0;
   std::vector<std::unique_ptr<Device>> devices;
-  // Each device's part of the memory that was free.
+  // The share of each device in the memory that was free.
   int64_t bytes_per_device = 0;
 };
 
-// How many workers a GPU gets: kMaxGpuWorkers, or as many as fit. Throws
-// kDevice, with what the user can do, where not even one does. gpu: what the
-// message calls it.
+// The number of workers of a GPU: kMaxGpuWorkers, or as many as fit. Throws
+// kDevice, with advice for the user, where not even one fits. gpu: its name in
+// the message.
 int NumGpuWorkers(const MemoryPlan& plan,
                   int64_t free_bytes,
                   const std::string& gpu);
 
-// The GPUs to work with, none of which stays without an image; none at all
-// where the CPU is to be used. What is left out, warned of and thrown: see
-// CreateRefineDevices.
+// The GPUs to work with, each of which gets at least one image; none where the
+// CPU is to be used. CreateRefineDevices describes which GPUs are left out, the
+// warnings and the errors.
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
                                  const MemoryPlan& plan,
                                  int num_images,

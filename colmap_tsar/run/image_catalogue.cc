@@ -26,7 +26,7 @@ int64_t CountDepths(const Image<float>& depth) {
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });
 }
 
-// Adds what the maps tell to the image's counts.
+// Adds the pixel counts of the maps to the image's counts.
 void CountPixels(const RefinedMaps& maps,
                  std::map<std::string, int64_t>* counts) {
   std::array<int64_t, 256> histogram = {};
@@ -152,7 +152,7 @@ InputState ImageCatalogue::InputsOf(int image, const std::string& planes) {
 bool ImageCatalogue::HasBeenRefined(size_t index) {
   std::call_once(is_done_flags_[index], [&] {
     const int image = Reference(index);
-    // Before anything of it is read, also where nothing is reused.
+    // Records the inputs before any is read, also where nothing is reused.
     const InputState inputs = InputsOf(image, planes_);
     is_done_[index] =
         reuses_results_ && IsDone(workspace_, image, options_hash_, inputs);
@@ -228,8 +228,8 @@ void ImageCatalogue::DropUnmatchedDepths(size_t index, ViewData* view) {
   UnmatchedDepths unmatched(*view, static_cast<int>(sources.size()));
   for (const int source : sources) {
     const ViewData other = [&] {
-      // One at a time: two threads that load each other's source do not wait
-      // for each other.
+      // Locks one image at a time, so that two threads that load each other's
+      // source do not deadlock.
       const std::lock_guard<std::mutex> lock(
           file_mutexes_[static_cast<size_t>(source)]);
       return LoadDepthAndColor(workspace_, source);
@@ -261,7 +261,7 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
     report.outcome = ImageReport::Outcome::kNotListed;
     return report;
   }
-  // Before its maps are changed, for those whose source it is.
+  // Records the state of the maps, for their users, before they change.
   inputs_.OfView(Reference(index));
   report.seconds = seconds_[index];
   if (!HasMaps(Reference(index))) {

@@ -27,19 +27,19 @@ namespace tsar {
 struct PipelineSizes {
   int num_loaders = 1;
   int num_writers = 1;
-  size_t max_ready = 1;     // Read, not yet with a worker.
-  size_t max_finished = 1;  // Computed, not yet with a writer.
+  size_t max_ready = 1;     // Read, waiting for a worker.
+  size_t max_finished = 1;  // Computed, waiting for a writer.
 };
 
-// Takes images through reading, computing and writing, so that the three go on
-// at the same time for different images. Images are begun in their order.
+// Reads, computes and writes images, concurrently for different images. Images
+// are begun in their order.
 template <typename Result>
 class ImagePipeline {
  public:
-  // All references must outlive this object. images: the indices by which the
-  // tasks know them; what is told of images is in their order. pass_name: for
-  // the user; empty where there is one pass only. should_stop is asked, from
-  // all threads, whether the user wants to end.
+  // All references must outlive this object. images: the tasks' indices of the
+  // images; the outcome is in their order. pass_name: for the user; empty where
+  // there is one pass only. should_stop: whether the user wants to end; called
+  // from all threads.
   ImagePipeline(ImageTasks<Result>& tasks,
                 std::vector<size_t> images,
                 std::string pass_name,
@@ -59,13 +59,13 @@ class ImagePipeline {
         outcome_(images_.size()) {}
 
   // Returns when all images are done. After a failure no further image is
-  // begun, but those at work are taken to their end. After should_stop, images
-  // that are not being written are left as they were; or, if the tasks say so,
-  // those that are not with a worker yet.
+  // begun, but those already begun are completed. After should_stop, images
+  // that are not being written are left as they were; or, if WritesAfterStop(),
+  // only those that have not reached a worker.
   PipelineOutcome Run(size_t num_workers);
 
  private:
-  // place: in images_.
+  // place: the index in images_.
   struct ReadyImage {
     size_t place = 0;
     ImageReport report;
@@ -99,7 +99,7 @@ class ImagePipeline {
   std::atomic<bool> has_failed_ = false;
   std::atomic<int> num_loading_ = 0;
   std::atomic<size_t> num_computing_ = 0;
-  // What belongs to one image is written by the thread that has it, the first
+  // The entries of an image are written by the thread that holds it, the first
   // failure by the thread that sets has_failed_.
   PipelineOutcome outcome_;
 };
@@ -124,7 +124,7 @@ PipelineOutcome ImagePipeline<Result>::Run(size_t num_workers) {
         threads.push_back(StartThread([this] { LoadImages(); }));
       }
     } catch (...) {
-      // The system gives no more threads: those that there are shall end.
+      // The system provides no more threads: the running ones are to end.
       has_failed_ = true;
       ready_.Close();
       finished_.Close();

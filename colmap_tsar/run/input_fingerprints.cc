@@ -35,7 +35,7 @@ bool Differ(const InputState& a, const InputState& b, const std::string& key) {
   return Get(a, key) != Get(b, key);
 }
 
-// In what is loaded for a view.
+// The changed inputs among those of a view.
 std::vector<ChangedInput> ChangesOfView(const InputState& before,
                                         const InputState& now) {
   std::vector<ChangedInput> changes;
@@ -118,7 +118,7 @@ std::string InputFingerprints::ChangesOfResult(int reference,
   if (Differ(recorded, now, kSources)) {
     changes.push_back({"its list of sources", false});
   }
-  // Whatever is close is reason enough.
+  // Changes of the view itself are reason enough.
   if (changes.empty() && Differ(recorded, now, kScene)) {
     changes.push_back({"other images of the scene", true});
   }

@@ -13,10 +13,10 @@
 
 namespace tsar {
 
-// What the result of every image of a workspace depends on, beside the options
-// and the program. Photos, masks, depth priors, label images and maps are told
-// apart by their sizes and times, which links and renaming keep. Can be used
-// from several threads.
+// Fingerprints of all inputs of the images' results, beside the options and the
+// program. Photos, masks, depth priors, label images and maps are identified by
+// their sizes and times, which links and renaming keep. Can be used from
+// several threads.
 class InputFingerprints {
  public:
   // workspace must outlive this object.
@@ -27,35 +27,35 @@ class InputFingerprints {
     return problems_[static_cast<size_t>(image)];
   }
 
-  // What an image's view is loaded from: "camera", "photo", "mask" and "prior"
-  // where it has one, "regions" where it has a label image, "maps" (the
+  // The state of the inputs of an image's view: "camera", "photo", "mask" and
+  // "prior" where it has one, "regions" where it has a label image, "maps" (the
   // originals, of both types) and "costs"; "maps" alone where there is nothing
-  // to refine. It is that of the first call, which must come before the files
-  // are read and before the image's maps are changed. Throws what FindOriginals
-  // throws.
+  // to refine. The state is that of the first call, which must come before the
+  // files are read and before the image's maps are changed. Throws what
+  // FindOriginals throws.
   const InputState& OfView(int image);
 
   // One fingerprint of OfView().
   const std::string& StateOfView(int image);
 
-  // One fingerprint of all views that are references or sources, and of which
-  // sources the references have: of what the planes of the scene are found in.
+  // One fingerprint of the inputs of the planes of the scene: all views that
+  // are references or sources, and the source lists of the references.
   const std::string& StateOfScene();
 
-  // What a reference's result is made from: OfView(), "sources" (which they
-  // are) and "scene": StateOfScene(). There are no names in it, since these
-  // need not be UTF-8.
+  // The state of the inputs of a reference's result: OfView(), "sources" (their
+  // list) and "scene" (StateOfScene()). It holds no names, since these need not
+  // be UTF-8.
   InputState OfResult(int reference);
 
-  // What differs between the recorded state of a result and that of today, such
-  // as "its photo and its maps have changed" or "other images of the scene have
-  // changed"; empty where nothing does.
+  // The differences between the recorded state of a result and the current one,
+  // such as "its photo and its maps have changed" or "other images of the scene
+  // have changed"; empty where there are none.
   std::string ChangesOfResult(int reference, const InputState& recorded);
 
-  // For a run beside others that are changing the maps of references: from now
-  // on these views, by image, are taken to be in this state. OfView() then
-  // reads of the files what is safe to read, which are all of those that this
-  // run works on, `own`; and throws kMismatch where they are in another state.
+  // For a run beside others that are changing the maps of references: sets the
+  // states of these views, by image. OfView() then looks at no maps but those
+  // of `own`, the images of this run, and throws kMismatch where a view is in
+  // another state.
   void Expect(std::map<int, InputState> views, const std::vector<int>& own);
 
  private:

@@ -12,25 +12,25 @@
 
 namespace tsar {
 
-// What a result was made from, as fingerprints by the names of its parts, by
-// which a later run sees what has changed.
+// The inputs of a result, as fingerprints by input name, from which a later run
+// sees which inputs have changed.
 using InputState = std::map<std::string, std::string>;
 
 // Fingerprints have 16 hexadecimal digits.
 std::string FingerprintOf(const std::string& text);
 std::string FingerprintOf(const Camera& camera);
 
-// Size and time of last change, or "-" where there is no such file. Links are
-// followed.
+// Size and time of last change, or "-" where there is no such file. Follows
+// links.
 std::string FileState(const std::filesystem::path& path);
 
-// Something that changed: "its photo", "its maps".
+// An input that changed: "its photo", "its maps".
 struct ChangedInput {
   std::string name;
   bool is_plural = false;
 };
 
-// "its camera, its photo and its maps have changed"; at least one.
+// "its camera, its photo and its maps have changed"; at least one change.
 std::string DescribeChanges(const std::vector<ChangedInput>& changes);
 
 }  // namespace tsar

@@ -11,10 +11,10 @@
 
 namespace tsar {
 
-// Which places in Problems() a file of image names lists, see ReadImageList; an
-// image may be there several times. All where the path is empty. Throws Error:
-// what ReadImageList throws, and kMismatch where an image has no sources given
-// in patch-match.cfg.
+// For each of Problems(), whether a file of image names lists its reference,
+// see ReadImageList; the file may list an image several times. All are listed
+// where the path is empty. Throws Error: what ReadImageList throws, and
+// kMismatch where an image has no sources in patch-match.cfg.
 std::vector<bool> FindListedImages(const Workspace& workspace,
                                    const std::filesystem::path& list);
 

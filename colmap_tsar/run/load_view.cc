@@ -24,19 +24,19 @@
 namespace tsar {
 namespace {
 
-// Where the hypotheses of consecutive pixels go; as in ViewData.
+// Output buffers for the hypotheses of consecutive pixels, as in ViewData.
 struct HypothesisPiece {
   std::span<float> depth;
   std::span<Vec3f> normal;
   std::span<uint8_t> is_to_refine;
-  // Empty where none were exported.
+  // Empty where no costs were exported.
   std::span<float> min_cost;
   std::span<float> second_cost;
 };
 
-// Reads the hypotheses of one image a piece at a time: those of the map to
-// refine and, where it has none, those of the other type; none where the image
-// is masked. Each piece goes through the processor's cache once, however large
+// Reads the hypotheses of one image piece by piece: those of the map to refine
+// and, where it has none, those of the other type; none where the image is
+// masked. Each piece passes through the processor's cache once, however large
 // the maps are.
 class HypothesisReader {
  public:
@@ -51,13 +51,13 @@ class HypothesisReader {
   // Whether costs of the map to refine were exported.
   bool HasCosts() const { return own_costs_.has_value(); }
 
-  // From this pixel on, as many as the piece has room for. Throws kCorrupt
-  // where a file has become shorter.
+  // Reads the hypotheses from this pixel on, as many as the piece has room for.
+  // Throws kCorrupt where a file has become shorter.
   void Read(size_t first_pixel, const HypothesisPiece& piece);
 
-  // Of all pieces that were read: NaN or infinite values of both types; pixels
-  // that are not masked; depths of the map to refine there; those of them that
-  // have a normal and evidence.
+  // Counts over all pieces that were read: NaN or infinite values of both
+  // types; pixels that are not masked; depths of the map to refine there; those
+  // of them that have a normal and evidence.
   int64_t NumNotFinite() const;
   int64_t NumPixelsInUse() const { return num_pixels_in_use_; }
   int64_t NumDepths() const { return num_depths_; }
@@ -77,7 +77,7 @@ class HypothesisReader {
   Image<uint8_t> mask_;  // Empty: none.
   std::optional<MapReader> own_costs_;
   std::optional<DepthNormalReader> other_;
-  // Opened only where they are needed.
+  // Opened only if needed.
   std::optional<MapReader> other_costs_;
   // Whether the other type holds depths that count only with evidence.
   bool other_is_filtered_ = false;
@@ -118,8 +118,8 @@ std::optional<MapReader> OpenCosts(const std::filesystem::path& path,
   return costs;
 }
 
-// COLMAP gives windows without texture and views that see nothing a cost
-// without evidence.
+// COLMAP assigns a cost without evidence to windows without texture and to
+// views that do not see the point.
 void ReadCosts(MapReader& reader,
                int channel,
                size_t first_pixel,
@@ -168,7 +168,7 @@ void HypothesisReader::Read(size_t first_pixel, const HypothesisPiece& piece) {
     FillFromOtherType(first_pixel, piece);
   }
   for (size_t i = 0; i < piece.depth.size(); ++i) {
-    // COLMAP writes unit vectors; other lengths are rounding, or hostile.
+    // COLMAP writes unit vectors; other lengths are rounding errors or hostile.
     piece.normal[i] = Normalized(piece.normal[i]);
     if (piece.normal[i] == Vec3f{}) {
       piece.depth[i] = 0.f;
@@ -197,8 +197,8 @@ void HypothesisReader::ReadOwn(size_t first_pixel,
         piece.min_cost[i] = kUndefinedCost;
         piece.second_cost[i] = kUndefinedCost;
       } else if (piece.min_cost[i] == kUndefinedCost) {
-        // The images say nothing about this depth: it follows from what is
-        // around it, or from chance.
+        // The images say nothing about this depth: it was propagated or is
+        // random.
         piece.depth[i] = 0.f;
         piece.normal[i] = {};
       }
@@ -244,22 +244,22 @@ void HypothesisReader::FillFromOtherType(size_t first_pixel,
   const bool needs_evidence = other_is_filtered_ && other_costs_;
   for (size_t i = 0; i < count; ++i) {
     if (piece.is_to_refine[i] != 0 || IsMasked(first_pixel + i) ||
-        // Not measured: a planar prior filled it.
+        // The other type was not measured here: a planar prior filled it.
         (needs_evidence && min_cost_[i] == kUndefinedCost)) {
       continue;
     }
     piece.depth[i] = depth_[i];
     piece.normal[i] = normal_[i];
     if (HasCosts()) {
-      // Without the other type's, the costs at hand are those of the hypothesis
-      // that COLMAP rejected.
+      // Without the other type's costs, only those of the hypothesis that
+      // COLMAP rejected are available.
       piece.min_cost[i] = other_costs_ ? min_cost_[i] : kUndefinedCost;
       piece.second_cost[i] = other_costs_ ? second_cost_[i] : kUndefinedCost;
     }
   }
 }
 
-// With all maps undefined.
+// Allocates all maps without values.
 ViewData MakeMaps(int width, int height, bool has_costs) {
   ViewData view;
   view.depth = Image<float>::Uninitialized(width, height);
@@ -293,7 +293,7 @@ Camera CameraOfMaps(const Workspace& workspace,
       width, height);
 }
 
-// Of the map to refine.
+// The depth map to refine.
 Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   DepthMapReader reader =
       workspace.OpenOriginalMaps(image, workspace.Type()).depth;
@@ -305,7 +305,7 @@ Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   return depth;
 }
 
-// Without what the mask hides. maps: the size of the image's maps.
+// The depth prior without masked pixels. maps: the size of the maps.
 std::shared_ptr<const DepthPrior> ReadPrior(const Workspace& workspace,
                                             int image,
                                             const RasterSize& maps) {

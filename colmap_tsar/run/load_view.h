@@ -9,18 +9,18 @@
 
 namespace tsar {
 
-// Reads image number `image` with all its evidence, of which there is none
-// where the image is masked, and its depth prior. Throws what the workspace's
-// readers throw; kMismatch when two of its maps differ in size.
+// Reads the image with index `image`, its hypotheses, of which there are none
+// where it is masked, and its depth prior. Throws what the workspace's readers
+// throw; kMismatch when two of its maps differ in size.
 ViewData LoadView(const Workspace& workspace, int image);
 
-// The same at the size at which it is judged, or where max_side says else:
-// ReduceView() of that view, of which a few rows are in memory at a time.
+// ReduceView() of LoadView(), to a long side of at most max_side, with only a
+// few rows of the full view in memory at a time.
 ViewData LoadReducedView(const Workspace& workspace,
                          int image,
                          int max_side = kMaxJudgingSide);
 
-// Reads only the camera, the colours and the depths of the map to refine, which
+// Reads only the camera, the colors and the depths of the map to refine, which
 // are 0 where the image is masked.
 ViewData LoadDepthAndColor(const Workspace& workspace, int image);
 

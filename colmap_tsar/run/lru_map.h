@@ -12,21 +12,21 @@
 
 namespace tsar {
 
-// Values by their keys, in the order in which they were used: what a cache
-// needs to drop the least recently used ones. Pointers to values stay valid
-// until these are erased. For one thread at a time.
+// A map that orders its values by their last use, for caches that drop the
+// least recently used ones. Pointers to values stay valid until these are
+// erased. Not thread-safe.
 template <typename Key, typename Value>
 class LruMap {
  public:
   size_t Size() const { return entries_.size(); }
 
-  // Null where there is none.
+  // Null where there is no such key.
   Value* Find(const Key& key) {
     const auto place = places_.find(key);
     return place == places_.end() ? nullptr : &place->second->second;
   }
 
-  // As Find; what is found is then the one that was used last.
+  // Find(), and makes the value the most recently used one.
   Value* Use(const Key& key) {
     const auto place = places_.find(key);
     if (place == places_.end()) {
@@ -36,7 +36,7 @@ class LruMap {
     return &place->second->second;
   }
 
-  // As the one that was used last. There must be none with this key. Changes
+  // Adds the value as the most recently used one. The key must be new. Changes
   // nothing where it throws.
   void Add(const Key& key, Value value) {
     std::list<Entry> entry;
@@ -45,14 +45,14 @@ class LruMap {
     entries_.splice(entries_.begin(), entry);
   }
 
-  // There must be one.
+  // The key must exist.
   void Erase(const Key& key) {
     const auto place = places_.find(key);
     entries_.erase(place->second);
     places_.erase(place);
   }
 
-  // Takes out the value that was used longest ago among those that may go;
+  // Removes and returns the least recently used value among those that may go;
   // nothing where none may.
   template <typename Predicate>
   std::optional<Value> TakeOldest(const Predicate& may_go) {
@@ -70,7 +70,7 @@ class LruMap {
  private:
   using Entry = std::pair<const Key, Value>;
 
-  std::list<Entry> entries_;  // The latest used first.
+  std::list<Entry> entries_;  // The most recently used first.
   std::unordered_map<Key, typename std::list<Entry>::iterator> places_;
 };
 

@@ -15,15 +15,15 @@ namespace tsar {
 namespace {
 
 constexpr double kBytesPerGigabyte = 1e9;
-// Of the machine's memory; the rest is for the system, its cache of files that
-// are read and written, and what the plan does not count.
+// The usable share of the machine's memory; the rest is for the system, its
+// file cache, and everything that the plan does not count.
 constexpr double kUsableShare = 0.8;
 
 double Gigabytes(int64_t num_bytes) {
   return static_cast<double>(num_bytes) / kBytesPerGigabyte;
 }
 
-// To a tenth, and not less.
+// Rounds up to a tenth of a gigabyte.
 std::string GigabytesText(int64_t num_bytes) {
   TextStream text;
   text << std::ceil(Gigabytes(num_bytes) * 10) / 10 << " GB";
@@ -120,7 +120,7 @@ PipelineSizes MainMemoryDivision::MakeSizes(int num_loaders,
   if (on_cpu_) {
     return {num_loaders, num_loaders, 1, 1};
   }
-  // Who reads also finds the scene, which takes longer than writing.
+  // Reading threads also find the scene, which takes longer than writing.
   const int num_writers = std::max(1, num_loaders * 4 / 5);
   return {num_loaders,
           num_writers,
@@ -140,10 +140,10 @@ int64_t MainMemoryDivision::ReadingAndResultBytes(
 int64_t MainMemoryDivision::BytesBesideViews(const MemoryPlan& plan,
                                              int num_workers,
                                              const PipelineSizes& sizes) const {
-  // In a pass of its own, before planes are looked for.
+  // Evidence is made in a pass of its own, before planes are searched for.
   const int64_t making_evidence = sizes.num_writers * plan.make_evidence;
   const int64_t computing = on_cpu_ ? DeviceBytes(plan, num_workers) : 0;
-  // Images whose neighbours' evidence is in use.
+  // The number of images whose neighbors' evidence is in use.
   const size_t num_scenes =
       static_cast<size_t>(num_workers) +
       (on_cpu_ ? 0 : static_cast<size_t>(sizes.num_loaders) + sizes.max_ready);
@@ -155,7 +155,7 @@ std::string MainMemoryDivision::WhatFits(int64_t machine_bytes,
                                          int64_t needed,
                                          int num_workers) const {
   constexpr int64_t kMegapixel = 1000000;
-  // What does not grow with the maps makes this too many at first.
+  // An upper bound: some memory does not grow with the maps.
   auto megapixels = static_cast<int64_t>(
       Gigabytes(machine_bytes) / Gigabytes(needed) *
       static_cast<double>(overview_.max_num_pixels / kMegapixel));

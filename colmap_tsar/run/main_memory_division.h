@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// What the machine and the user allow a run of main memory.
+// The main memory that the machine and the user allow a run.
 class MemoryBudget {
  public:
   // cache_size: in gigabytes; see DeviceOptions. machine_bytes: main
@@ -22,7 +22,7 @@ class MemoryBudget {
 
   int64_t NumBytes() const { return num_bytes_; }
   int64_t MachineBytes() const { return machine_bytes_; }
-  // For the user: which of the two is the limit.
+  // Text for the user: which of the two is the limit.
   std::string Describe() const;
 
  private:
@@ -31,47 +31,47 @@ class MemoryBudget {
   int64_t num_bytes_;
 };
 
-// Divides main memory between what is at work and the views that are kept.
+// Divides main memory between the images at work and the cached views.
 class MainMemoryDivision {
  public:
   struct Sizes {
     PipelineSizes pipeline;
     size_t view_bytes = 0;  // For views.
-    // For all rasters: views, what reading them takes, and results.
+    // For all rasters: views, the buffers of reading them, and results.
     size_t raster_bytes = 0;
   };
 
   // All references must outlive this object. on_cpu: the CPU computes, so that
   // workers take main memory and find surfaces themselves; where GPUs compute,
-  // the threads that read do that.
+  // the reading threads find them.
   MainMemoryDivision(const MemoryPlanner& planner,
                      const WorkspaceOverview& overview,
                      int num_images,
                      bool on_cpu);
 
-  // The most workers, from 1 to max_num_workers, that have memory beside one
-  // thread that reads and one that writes.
+  // The largest number of workers, from 1 to max_num_workers, that fit into
+  // memory beside one reading and one writing thread.
   int NumCpuWorkers(const MemoryBudget& budget, int max_num_workers) const;
 
-  // Takes fewer than max_num_loaders where the views of one image would
-  // not fit beside what they hold. A warning says where not even one fits into
-  // the budget. Throws kOutOfMemory where the machine cannot hold even that.
+  // Takes fewer than max_num_loaders where the views of one image would not fit
+  // beside their memory. A warning says where not even one fits into the
+  // budget. Throws kOutOfMemory where the machine cannot hold even that.
   Sizes Divide(const MemoryBudget& budget,
                int num_workers,
                int max_num_loaders) const;
 
  private:
   PipelineSizes MakeSizes(int num_loaders, int num_workers) const;
-  // What is only there while a view is read, and results, each of which is with
-  // a worker, waits, or is being written.
+  // The buffers of reading views, and the results, each of which is with a
+  // worker, waits, or is being written.
   int64_t ReadingAndResultBytes(const MemoryPlan& plan,
                                 int num_workers,
                                 const PipelineSizes& sizes) const;
-  // Main memory that is not for views: this, and what the workers need.
+  // Main memory that is not for views: the above, and that of the workers.
   int64_t BytesBesideViews(const MemoryPlan& plan,
                            int num_workers,
                            const PipelineSizes& sizes) const;
-  // The largest maps for which the machine's memory is enough, in a bracket.
+  // The largest maps that fit into the machine's memory, in parentheses.
   std::string WhatFits(int64_t machine_bytes,
                        int64_t needed,
                        int num_workers) const;

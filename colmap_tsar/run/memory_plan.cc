@@ -21,10 +21,10 @@
 namespace tsar {
 namespace {
 
-// Confidences in 8 bits, and a picture in a buffer that grows.
+// Confidence in 8 bits, and an encoded image in a growing buffer.
 constexpr int64_t kEncodingBytesPerPixel = 3;
-// Of an image that is worked on beside another, few sources are not the
-// other's.
+// The number of sources of an image that it does not share with another image
+// at work.
 constexpr int kViewsPerWorker = 1;
 
 size_t NumEvidenceViews(int num_sources, size_t num_images) {
@@ -32,20 +32,20 @@ size_t NumEvidenceViews(int num_sources, size_t num_images) {
 }
 
 int LongestSide(const WorkspaceOverview& overview) {
-  // A square map has the shortest sides.
+  // Of all maps with these pixels, a square one has the shortest sides.
   const auto min_side = static_cast<int>(
       std::ceil(std::sqrt(static_cast<double>(overview.max_num_pixels))));
   return std::max(overview.max_side, min_side);
 }
 
-// The maps of one row of squares (see ReduceView).
+// The size of the maps of one row of squares (see ReduceView).
 int64_t RowsOfSquaresBytes(const WorkspaceOverview& overview) {
   const int side = LongestSide(overview);
   return ViewDataBytes(int64_t{side} * ReductionFactor(side, side),
                        overview.has_costs);
 }
 
-// Pixels of the largest map at the size at which it is judged.
+// The number of pixels of the largest map at the size at which it is judged.
 int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
   return HasReducedViews(overview)
              ? std::min(overview.max_num_pixels,
@@ -53,7 +53,7 @@ int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
              : overview.max_num_pixels;
 }
 
-// What is kept of a label image.
+// The size of the part of a label image that is kept.
 int64_t SegmentsBytes(const WorkspaceOverview& overview) {
   return BytesOf<uint16_t>(
       std::min(overview.max_num_label_pixels,
@@ -101,7 +101,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
       static_cast<int>(ModelSceneOptions().max_block_views);
   plan.model_block = num_block_views * plan.neighbour_evidence +
                      ModelBlockMainBytes(options, num_pixels, num_block_views);
-  // The view's own once more, without what lies beyond creases.
+  // A second copy of the view's own evidence, without the part beyond creases.
   const int64_t bounded_evidence =
       options.bounding_creases ? plan.own_evidence : 0;
   plan.label_view = EvidenceBytes(plan, 1) + bounded_evidence +
@@ -109,7 +109,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   if (HasReducedViews(overview)) {
     plan.whole_view = plan.view;
     plan.view = ReducedViewBytes(overview);
-    // Rows of both types of maps; or the whole view until it has been reduced.
+    // Rows of both types of maps, or the full view until it has been reduced.
     plan.load += options.distrust_unmatched ? plan.whole_view
                                             : 2 * RowsOfSquaresBytes(overview);
   }
@@ -122,9 +122,9 @@ int64_t ViewBytes(const WorkspaceOverview& overview) {
 }
 
 int64_t LoadBytes(const WorkspaceOverview& overview) {
-  // As it was decoded, and as it was scaled; maps are read in small pieces. The
-  // mask has been read before, and only its pixels of the map are left. The
-  // depth prior and the label image are read when the photo has been.
+  // The photo as decoded and as scaled; maps are read in small pieces. The mask
+  // has been read before, and only its pixels of the map are left. The depth
+  // prior and the label image are read after the photo.
   return std::max({BytesOf<Rgb>(overview.max_num_image_pixels) +
                        BytesOf<Rgb>(overview.max_num_pixels),
                    overview.prior_memory.to_read,
@@ -133,7 +133,7 @@ int64_t LoadBytes(const WorkspaceOverview& overview) {
 }
 
 int64_t ReadMaskBytes(const WorkspaceOverview& overview) {
-  // As OpenCV decodes it, as it is, and as it is scaled.
+  // The mask as OpenCV decodes it, at full size, and scaled.
   return overview.has_masks
              ? BytesOf<uint8_t>(2 * overview.max_num_image_pixels +
                                 overview.max_num_pixels)

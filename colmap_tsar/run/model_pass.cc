@@ -13,7 +13,7 @@
 namespace tsar {
 namespace {
 
-// In an order in which neighbours are close to each other.
+// The views with current evidence, in the order of neighbors.
 std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
   const std::vector<SparseModel::ModelImage>& images =
       inputs.workspace.Model().images;

@@ -16,7 +16,7 @@
 
 namespace tsar {
 
-// What the pass over all views at once works with. All outlive the call.
+// The inputs of the pass over all views at once. All outlive the call.
 struct ModelPassInputs {
   const Workspace& workspace;
   const ImageCatalogue& images;
@@ -26,8 +26,8 @@ struct ModelPassInputs {
 };
 
 // The second pass: finds the planes of the scene in the evidence of all views
-// that have any, labels the views, and writes the result. False, and nothing is
-// written, where should_stop returned true. pass: see ModelScene.
+// that have any, labels the views, and writes the result. Returns false,
+// without writing, where should_stop returned true. pass: see ModelScene.
 bool ModelWorkspace(const ModelPassInputs& inputs,
                     const ModelResources& resources,
                     const std::string& pass,

@@ -44,7 +44,7 @@ class NeighbourOrder {
   }
 
  private:
-  // All images that can be reached, the nearest first.
+  // All images that can be reached, in breadth-first order.
   std::vector<size_t> Walk(size_t start) const {
     std::vector<bool> is_seen = is_taken_;
     std::vector<size_t> order = {start};
@@ -67,8 +67,8 @@ class NeighbourOrder {
     return order;
   }
 
-  // An image at one end of all that can be reached: the farthest from the one
-  // that is farthest from any.
+  // A peripheral image of all that can be reached: the farthest from the one
+  // that is farthest from `image`.
   size_t FindEnd(size_t image) const { return Walk(Walk(image).back()).back(); }
 
   const std::vector<std::vector<size_t>> neighbours_;

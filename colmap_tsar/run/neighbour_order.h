@@ -10,16 +10,15 @@
 
 namespace tsar {
 
-// Images of a run are given by their places in Workspace::Problems() here.
+// Images of a run are given by their indices in Workspace::Problems() here.
 
-// For each image, in ascending order, those that it reads or that read it.
+// For each image, in ascending order, its sources and the images that use it.
 std::vector<std::vector<size_t>> FindNeighbours(const Workspace& workspace);
 
-// An order of all images in which neighbours are close to each other: that of
-// Cuthill and McKee, in which images far from the first come late and those
-// with few neighbours before others. Images that are connected by no chain of
-// neighbours are not mixed. Depends on nothing but the neighbours and the
-// images' names.
+// A Cuthill-McKee order of all images, in which neighbors are close to each
+// other: images far from the first come late, those with few neighbors before
+// others. Images that are connected by no chain of neighbors are not mixed. The
+// order depends only on the neighbors and the images' names.
 std::vector<size_t> OrderByNeighbours(const Workspace& workspace);
 
 }  // namespace tsar

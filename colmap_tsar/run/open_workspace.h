@@ -8,7 +8,7 @@
 
 namespace tsar {
 
-// With the type of maps that was asked for, or that there is.
+// Opens the workspace with the requested type of maps, or the type that it has.
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options);
 
 }  // namespace tsar

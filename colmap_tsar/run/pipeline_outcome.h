@@ -15,23 +15,23 @@
 
 namespace tsar {
 
-// Names of counts.
+// Names of counts in ImageReport.
 inline constexpr const char* kPriorsUsed = "priors_used";
 inline constexpr const char* kPriorsDropped = "priors_dropped";
 
-// What became of one image of a run.
+// The outcome of one image of a run.
 struct ImageReport {
   enum class Outcome {
-    kNotDone,  // The user asked to stop or there was an error: as it was.
+    kNotDone,  // Unchanged: the user asked to stop, or there was an error.
     kDone,
-    kSkipped,    // Had been done so before, and nothing has changed since.
+    kSkipped,    // Done by an earlier run, and nothing has changed since.
     kNotListed,  // Stays as it is, since it is not to be refined.
     kKept,       // Keeps its maps; the reason says why.
   };
   Outcome outcome = Outcome::kNotDone;
   std::string reason;
   int num_sources_without_maps = 0;
-  // How the depth prior of a refined image fits.
+  // The fit of the depth prior of a refined image.
   PriorAssessment prior;
   // Counts of images that are refined, or were before, as in their records:
   // "pixels", "depth_before", "depth_after", "not_finite", one for each
@@ -41,7 +41,7 @@ struct ImageReport {
   std::map<std::string, double> seconds;  // Per stage.
 };
 
-// What became of the images of one pass. An element for each, in their order.
+// The outcomes of the images of one pass, in their order.
 struct PipelineOutcome {
   std::vector<ImageReport> reports;
   std::vector<std::exception_ptr> failures;  // Null where there was none.
@@ -55,7 +55,7 @@ struct PipelineOutcome {
   explicit PipelineOutcome(size_t num_images = 0)
       : reports(num_images), failures(num_images) {}
 
-  // Images that were to be refined, or observed, and are neither failed nor
+  // The number of images to refine, or observe, that are neither failed nor
   // left undone.
   int NumDone() const;
   // Whether no image is failed or left undone.

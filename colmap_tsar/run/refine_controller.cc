@@ -26,8 +26,8 @@
 namespace tsar {
 namespace {
 
-// About what observing, the model and composing take. Measured: 1 : 0.26 : 0.87
-// and 1 : 0.51 : 0.93 on two cores, 1 : 0.87 : 1.17 on a GPU.
+// Approximate relative times of observing, the model and composing. Measured: 1
+// : 0.26 : 0.87 and 1 : 0.51 : 0.93 on two cores, 1 : 0.87 : 1.17 on a GPU.
 const std::vector<double> kPassCosts = {1.0, 0.5, 1.0};
 
 }  // namespace
@@ -59,7 +59,7 @@ void RefineController::Lock() {
     lock_.emplace(workspace_.Root());
   }
   if (!in_place || workspace_.IsOutput()) {
-    // So that nobody changes the originals while they are read.
+    // The lock keeps others from changing the originals while they are read.
     input_lock_.emplace(workspace_.SourceRoot(),
                         workspace_.IsOutput()
                             ? WorkspaceLock::Mode::kSharedIfThere
@@ -96,7 +96,7 @@ RunSummary RefineController::Run() {
   }
   const std::string options_hash = HashRefineOptions(refine_options_);
   InputFingerprints inputs(workspace_);
-  // Those that are with workers, and those whose scenes are found ahead.
+  // The images with workers, and those whose scenes are found ahead.
   const size_t num_scenes =
       devices_.workers.size() +
       (devices_.finds_scenes_ahead
@@ -107,7 +107,7 @@ RunSummary RefineController::Run() {
                          options_hash,
                          NumEvidenceViews(overview_, num_scenes));
   const SceneModelStore model(workspace_, inputs, options_hash);
-  // Who observes is to see every image.
+  // An observer is to see every image.
   ImageCatalogue catalogue(workspace_,
                            overview_.has_maps,
                            options_hash,
@@ -162,7 +162,7 @@ void RefineController::OpenOutput() {
     lock_.emplace(workspace_.Root());
   }
   if (has_own_list) {
-    // That of an output of an output is the list of the first workspace.
+    // The image list of an output's output is that of the first workspace.
     overview_ = CheckWorkspace(workspace_);
   }
   shards_ = SplitImages(workspace_, options_.shard.count);
@@ -195,7 +195,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   make_cache(has_reduced_views);
   if (run.HasScenePlanes() && !IsShard()) {
     std::vector<double> costs = kPassCosts;
-    // Others than the listed ones are observed alone.
+    // Images that are not listed are only observed.
     costs.back() *= static_cast<double>(run.catalogue.NumListed()) /
                     static_cast<double>(run.catalogue.NumImages());
     progress_.PlanPasses(std::move(costs));
@@ -213,7 +213,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
     none_refined.failures = outcome.failures;
     none_refined.first_failure = outcome.first_failure;
     none_refined.num_observed = outcome.NumDone();
-    // The planes of a scene of which some view was not observed are others.
+    // The planes of a scene with unobserved views would be others.
     if (!outcome.IsComplete() || !Model(run, &none_refined)) {
       return none_refined;
     }

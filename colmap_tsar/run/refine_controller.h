@@ -23,8 +23,8 @@
 
 namespace tsar {
 
-// One run of tsar_refine over the images of a shard, in every pass but the one
-// that merges. A run over all images is that of shard 0 of 1.
+// One run of tsar_refine over the images of a shard, in every pass but kModel
+// and kMerge. A run over all images is that of shard 0 of 1.
 class RefineController {
  public:
   // All references, and the observer where there is one, must outlive this
@@ -45,16 +45,16 @@ class RefineController {
   }
   void Lock();
   std::vector<std::string> FusionObstacles() const;
-  // Makes the workspace at output_path, and goes on with that.
+  // Makes the workspace at output_path and continues with it.
   void OpenOutput();
-  // What the last pass of this run made of the images.
+  // Returns the outcome of the last pass of this run.
   PipelineOutcome RunPasses(const RefineRun& run, RunAccount& account);
   PipelineOutcome Observe(const RefineRun& run,
                           const RefineTaskInputs& inputs,
                           std::string name,
                           ViewCache& cache);
-  // Whether there is what composing needs of the whole scene; false where the
-  // user stopped or it failed, which the outcome then tells.
+  // Whether everything of the whole scene that composing needs is there; false
+  // where the user stopped or an image failed, which the outcome then tells.
   bool Model(const RefineRun& run, PipelineOutcome* outcome);
   PipelineOutcome RunPass(RefineTask& task, std::string name, ViewCache& cache);
   RunSummary Summarize(const RefineRun& run,
@@ -70,7 +70,7 @@ class RefineController {
   Workspace workspace_;
   std::optional<WorkspaceLock> lock_;
   std::optional<WorkspaceLock> input_lock_;
-  // By shard, places in Problems().
+  // Indices in Problems(), by shard.
   std::vector<std::vector<size_t>> shards_;
   WorkspaceOverview overview_;
   RefineDevices devices_;

@@ -13,11 +13,11 @@
 namespace tsar {
 namespace {
 
-// Reading an image takes up to ten times as long as one GPU needs for it with
-// its two workers, and half of those that read wait for a view that another one
-// is reading.
+// Reading an image takes up to ten times as long as one GPU with its two
+// workers needs for it, and half of the readers wait for a view that another
+// one is reading.
 constexpr int kLoadersPerGpu = 20;
-// A CPU computes on an image for so long that one thread keeps many supplied.
+// A CPU takes so long for an image that one loader supplies many workers.
 constexpr int kCpuWorkersPerLoader = 8;
 
 std::string Describe(const std::vector<GpuWorkers>& gpus) {
@@ -92,9 +92,9 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
     max_num_loaders =
         (num_workers + kCpuWorkersPerLoader - 1) / kCpuWorkersPerLoader;
   } else {
-    // More than there are cores, and as many again that write (see
-    // MainMemoryDivision): they wait for each other, for the GPU or for the
-    // disk most of the time, at some other place in each pass.
+    // More threads than cores, and as many again that write (see
+    // MainMemoryDivision): most of the time they wait for each other, for the
+    // GPU or for the disk, at different places in each pass.
     max_num_loaders = std::clamp(
         num_threads * 5 / 4,
         1,
@@ -137,7 +137,7 @@ void AddGpus(const std::vector<GpuWorkers>& gpus,
     for (const std::unique_ptr<Device>& device : gpu.devices) {
       resources->gpus.push_back({gpu.name, device.get()});
     }
-    // Of the views that were uploaded, none is in use meanwhile.
+    // The pass uses no uploaded views.
     const auto num_devices = static_cast<int>(gpu.devices.size());
     resources->max_gpu_bytes = std::min(
         {resources->max_gpu_bytes,

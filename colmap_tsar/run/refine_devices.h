@@ -30,37 +30,37 @@ struct RefineWorker {
   DeviceViewCache* views = nullptr;
 };
 
-// What a run works with.
+// The devices of a run and the division of its memory.
 struct RefineDevices {
   std::string description;  // "2 CPU threads", or the GPUs' names.
   std::vector<RefineWorker> workers;
-  // After the workers, so that the views go before the devices that own their
-  // memory.
+  // Declared after the workers, so that the views are freed before the devices
+  // that own their memory.
   std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
   PipelineSizes sizes;
-  // See ComposeTask: the workers are GPUs.
+  // Whether the workers are GPUs, see ComposeTask.
   bool finds_scenes_ahead = false;
-  // For the planes of the scene.
+  // The resources of the pass that finds the planes of the scene.
   ModelResources model;
   // Main memory for views, and for all rasters.
   size_t cache_num_bytes = 0;
   size_t raster_num_bytes = 0;
 };
 
-// Images are spread over the GPUs before one GPU gets a second image at a time,
-// and on CPUs over the threads before the loops of an image are: images need
-// not wait for each other. There are no more workers than num_images, which is
-// at least 1.
+// Each GPU gets one image before one gets a second at a time, and CPU threads
+// work on different images before they share one, since images need not wait
+// for each other. There are at most num_images workers; num_images is at least
+// 1.
 //
-// With device "auto", a GPU that was not named and cannot be used is left out
-// with a warning, and the CPU takes the place of the last one; with "cuda", one
-// must be left. Where a GPU's second worker cannot be made, a warning says so.
-// Another says where one image alone needs more than cache_size, or than four
-// fifths of machine_bytes, which count where they are less. Throws kDevice (a
-// GPU that was named does not exist or cannot be used; none is left; its memory
-// is too small for the images), kOutOfMemory (one image alone needs more than
-// machine_bytes; no memory is left on a GPU that was named or on the last one,
-// or main memory for its copies) and kBadOption (gpu_index).
+// With device "auto", an unnamed GPU that cannot be used is left out with a
+// warning, and the CPU takes the place of the last one; with "cuda", one must
+// be left. A warning tells where a GPU's second worker cannot be made, and
+// where one image alone needs more than the smaller of cache_size and four
+// fifths of machine_bytes. Throws kDevice (a named GPU does not exist or cannot
+// be used; none is left; its memory is too small for the images), kOutOfMemory
+// (one image alone needs more than machine_bytes; no memory is left on a named
+// GPU or on the last one, or main memory for its copies) and kBadOption
+// (gpu_index).
 RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const WorkspaceOverview& overview,
                                   const MemoryPlanner& planner,
@@ -69,18 +69,18 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   int64_t machine_bytes = MainMemoryBytes());
 
 // The threads of the pass that finds the planes of the scene, as many as memory
-// allows, and what they may keep of it; no GPUs.
+// allows, and the evidence that they may keep; no GPUs.
 ModelResources PlanModelPass(const DeviceOptions& options,
                              const MemoryPlan& plan,
                              int64_t machine_bytes = MainMemoryBytes());
 
-// Has that pass use these GPUs, which must outlive it, and what the plan has
-// for them, as far as they have it.
+// Lets that pass use these GPUs, which must outlive it, and as much of their
+// memory as the plan allows and they have.
 void AddGpus(const std::vector<GpuWorkers>& gpus,
              const MemoryPlan& plan,
              ModelResources* resources);
 
-// The most that each GPU held so far; nothing for the CPU.
+// The peak memory of each GPU; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);
 
 }  // namespace tsar

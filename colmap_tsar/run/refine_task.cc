@@ -21,8 +21,8 @@ RefineResult RefineTask::RunSingleView(size_t index,
   const std::unique_ptr<StageObserver> observer = ObserverOf(index, reference);
   try {
     const Stopwatch uploading;
-    // Nothing reads the sources before DeviceViews has them, which waits for
-    // the device before it lets go of them, also where a stage fails.
+    // Nothing reads the sources before DeviceViews owns them, which waits for
+    // the device before it releases them, also where a stage fails.
     std::vector<DeviceViewCache::View> sources;
     for (const int source : images_.Sources(index)) {
       sources.push_back(
@@ -70,7 +70,7 @@ RefineResult RefineMapsTask::Compute(size_t index,
   if (!HasDepth(reference.depth)) {
     RefineResult result;
     if (images_.IsMaskedAway(images_.Reference(index))) {
-      // What lies in the mask is not to stay.
+      // Masked depths are not to stay.
       result.maps = EmptyMaps(reference.depth);
       return result;
     }
@@ -120,8 +120,7 @@ ImageReport ObserveTask::Begin(size_t index) {
   if (images_.CanRefine(index)) {
     images_.WarnOfChanges(index);
   }
-  // What keeps an image from being refined is found out, and reported, in the
-  // second pass.
+  // The second pass finds out and reports why an image cannot be refined.
   if (!(has_model_ ? images_.IsNeeded(index) : images_.IsAnyNeeded()) ||
       (images_.ReusesResults() &&
        evidence_.IsCurrent(images_.Reference(index))) ||

@@ -20,13 +20,13 @@
 
 namespace tsar {
 
-// What the passes of tsar_refine have in common. All references must outlive
+// The inputs that the passes of tsar_refine share. All references must outlive
 // the tasks.
 struct RefineTaskInputs {
   ImageCatalogue& images;
   const RefineOptions& options;
   std::vector<RefineWorker>& workers;
-  // Is shown what the stages find; null where nobody wants to see it.
+  // Receives the intermediate results of the stages; may be null.
   RefineObserver* observer = nullptr;
 };
 
@@ -49,15 +49,15 @@ class RefineTask : public ImageTasks<RefineResult> {
                        Device& device,
                        StageObserver* observer);
 
-  // Calls the stages with the sources in the worker's memory.
+  // Runs the stages with the sources in the worker's memory.
   RefineResult RunSingleView(size_t index,
                              size_t worker,
                              ViewCache::Lease* views,
                              SingleViewStages stages);
-  // Null where nobody observes.
+  // Null without an observer.
   std::unique_ptr<StageObserver> ObserverOf(size_t index,
                                             const ViewData& view) const;
-  // The same error, with the image and the device that it concerns.
+  // The error with the names of its image and device.
   Error WithPlace(const Error& error,
                   size_t index,
                   const std::string& device) const;
@@ -90,14 +90,14 @@ class RefineMapsTask : public RefineTask {
                                   ViewCache::Lease* views) = 0;
 
  private:
-  // Of the size of this map.
+  // Empty maps of the size of this map.
   RefinedMaps EmptyMaps(const Image<float>& depth) const;
 };
 
-// The first of two passes: what each image observes goes to the store. Left
-// out, unless everything is to be done anew, are images whose evidence is there
-// already; and those that nobody needs because they and all whose sources they
-// are have been refined.
+// The first of two passes: writes the evidence of each image to the store.
+// Unless everything is to be done anew, it leaves out images with current
+// evidence, and images that nobody needs because they and all whose sources
+// they are have been refined.
 class ObserveTask : public RefineTask {
  public:
   // evidence must outlive this object. has_model: whether the planes of the

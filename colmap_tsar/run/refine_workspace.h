@@ -19,11 +19,11 @@
 
 namespace tsar {
 
-// What to work on and with; nothing here but input_type, the masks, the depth
-// priors and the label images changes a result.
+// The inputs and settings of a run. Only input_type, the masks, the depth
+// priors and the label images change a result.
 struct WorkspaceRefineOptions {
   std::filesystem::path workspace_path;
-  // Where to make a second workspace with the results; empty: in place.
+  // The path of a second workspace to make with the results; empty: in place.
   std::filesystem::path output_path;
   // The maps to refine; nothing: the geometric ones, or the photometric ones
   // where there are no others.
@@ -34,14 +34,14 @@ struct WorkspaceRefineOptions {
   // none. Masked pixels are no evidence for anything and get no depth.
   std::filesystem::path mask_path;
   // The folder with the depth priors of images, see priors/prior_folder.h;
-  // empty: none. And what their values mean.
+  // empty: none. prior_type: the meaning of their values.
   std::filesystem::path prior_path;
   PriorType prior_type = PriorType::kAuto;
   // The folder with the label images of images, see io/label_image.h;
   // empty: none. Their segments correct the textureless regions.
   std::filesystem::path region_path;
   DeviceOptions devices;
-  // For several machines: which part of the images, and which pass over them.
+  // For several machines: the part of the images and the pass over them.
   Shard shard;
   RefinePass pass = RefinePass::kAll;
 
@@ -49,23 +49,23 @@ struct WorkspaceRefineOptions {
   void Check() const;
 };
 
-// Refines all images of stereo/patch-match.cfg, or those of them that are
-// listed, whose results are the same, and writes the result, an
-// account of the run (stereo/tsar/manifest.json) and progress. Images that were
-// done before with the same options, and of which nothing that they depend on
-// has changed since, are skipped; those that cannot be refined keep their maps.
+// Refines all images of stereo/patch-match.cfg, or only the listed ones, whose
+// results are the same, and writes the result, an account of the run
+// (stereo/tsar/manifest.json) and progress. Images that were done before with
+// the same options and unchanged inputs are skipped; those that cannot be
+// refined keep their maps.
 //
-// Before the first file is changed, everything that can be seen from the
-// outside of the files is checked. Throws Error: what CheckWorkspace,
+// Before the first file is changed, everything is checked that can be seen
+// without reading the pixels. Throws Error: what CheckWorkspace,
 // Workspace::UseMasks, UsePriors and UseLabelImages, CreateOutputWorkspace,
 // WorkspaceLock and the options' Check throw; kDevice; kInterrupted once
-// should_stop returned true (it is called often, from several threads); and what
-// reading and writing an image throw. Whatever is thrown, the images that were
-// done stay done, and the same call goes on from there.
+// should_stop returned true (it is called often, from several threads); and
+// what reading and writing an image throw. After any error, images that were
+// done stay done, and the same call resumes from there.
 //
-// observer: where given, is shown what the stages find for each image. The maps
-// are the same, but images that were done before are done again. Passes other
-// than kAll show it nothing.
+// observer: receives the intermediate results of the stages for each image; may
+// be null. The maps are the same, but images that were done before are done
+// again. Passes other than kAll do not call it.
 //
 // kObserve and kCompose leave a record of the shard (see ShardAccount) instead
 // of the manifest. Before kCompose, all shards must have been observed with

@@ -16,7 +16,7 @@ bool WasRefinedBefore(ImageCatalogue& catalogue, size_t index) {
   try {
     return catalogue.HasBeenRefined(index);
   } catch (const Error&) {
-    // That it cannot be found out may be what failed.
+    // The failure may be that this cannot be found out.
     return false;
   }
 }
@@ -64,12 +64,12 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
   try {
     WriteManifest(run_.workspace, manifest);
   } catch (const Error&) {
-    // On a full disk the failure of the image says more.
+    // On a full disk the failure of the image is the more helpful message.
     outcome.RethrowFailure();
     throw;
   }
   RequireComplete(outcome, run_.catalogue.NumListed());
-  // Also what a run with other options left behind.
+  // The evidence may also be that of a run with other options.
   EvidenceStore::Clear(run_.workspace);
   if (run_.HasScenePlanes()) {
     SceneModelStore::DropLabels(run_.workspace);
@@ -78,7 +78,7 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
   }
   RemoveShardRecords(run_.workspace.Root());
   if (run_.options.output_path.empty() && !run_.workspace.IsOutput()) {
-    // Images that keep their maps have got them back from where links lead.
+    // Kept images got their maps back from the folder that links lead to.
     bool are_all_linked = true;
     RelinkOutputs(run_.workspace.Root(), &are_all_linked);
   }
@@ -107,7 +107,7 @@ void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
     Manifest::Entry& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
     if (WasRefinedBefore(run_.catalogue, i)) {
-      // It was only to be observed, and its maps are as good as before.
+      // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {
       entry.status = ImageStatus::kFailed;
@@ -143,7 +143,7 @@ void ShardAccount::BeforeObserving() {
     const int reference = run_.catalogue.Reference(run_.Images()[i]);
     if (!run_.HasScenePlanes() && !run_.workspace.IsOutput() &&
         run_.catalogue.HasMaps(reference)) {
-      // The other shards will read it, whatever becomes of the maps.
+      // The other shards read the original, whatever becomes of the maps.
       StoreOriginals(run_.workspace, reference);
     }
     record_.images[i].inputs = run_.inputs.OfView(reference);
@@ -182,7 +182,7 @@ void ShardAccount::End(const PipelineOutcome& outcome) {
     try {
       WriteShardRecord(run_.workspace.Root(), record_);
     } catch (const Error&) {
-      // On a full disk the failure of the image says more.
+      // On a full disk the failure of the image is the more helpful message.
     }
   }
   RequireComplete(outcome, run_.Images().size());

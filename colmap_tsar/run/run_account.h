@@ -28,12 +28,12 @@
 
 namespace tsar {
 
-// The parts of a run over images. All outlive what they are handed to.
+// The parts of a run over images. All outlive the objects they are passed to.
 struct RefineRun {
   const WorkspaceRefineOptions& options;
   const RefineOptions& refine_options;
   Workspace& workspace;  // The one that is written.
-  // By shard, places in Problems(); those of this run are its own shard's.
+  // Indices in Problems(), by shard; the run works on those of its own shard.
   const std::vector<std::vector<size_t>>& shards;
   const RefineDevices& devices;
   InputFingerprints& inputs;
@@ -50,44 +50,44 @@ struct RefineRun {
       return catalogue.IsToBeRefined(index);
     });
   }
-  // Of the run's images, those with a mask; nothing where no masks are used.
+  // The number of the run's images with a mask; nothing without masks.
   std::optional<int64_t> NumMasks() const {
     return CountMasks(workspace, ReferencesOf(workspace, Images()));
   }
-  // The same of depth priors.
+  // The number of the run's images with a depth prior; nothing without priors.
   std::optional<int64_t> NumPriors() const {
     return workspace.Priors().Count(ReferencesOf(workspace, Images()));
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };
 
-// What a run leaves on disk beside the results of its images, so that the user,
-// later runs and other shards know what was done.
+// The files that a run writes beside the results of its images, so that the
+// user, later runs and other shards know its state.
 class RunAccount {
  public:
   virtual ~RunAccount() = default;
 
-  // Before any image is changed. Throws what forbids the run.
+  // Called before any image is changed. Throws where the run is not allowed.
   virtual void Begin() = 0;
-  // Before the passes.
+  // Called before the passes.
   virtual void BeforeObserving() {}
   virtual void BeforeComposing() {}
-  // When the last pass has come to its end, or to where it had to stop: then
-  // throws the failure of an image, or kInterrupted.
+  // Called when the last pass has ended or had to stop: then throws the failure
+  // of an image, or kInterrupted.
   virtual void End(const PipelineOutcome& outcome) = 0;
 };
 
-// What a run was done with, by names; no result depends on it.
+// The runtime settings of a run, by name; no result depends on them.
 std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
                                                const RefineDevices& devices);
 
-// Throws the first failure or, where images are left to be done, kInterrupted,
-// which tells how many of num_wanted are done.
+// Throws the first failure or, where images are left to be done, kInterrupted
+// with the number of images done, out of num_wanted.
 void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted);
 
-// The account of a run over all images: stereo/tsar/manifest.json. When
-// everything is done, what only an unfinished run needs is removed, and output
-// workspaces made of this one get their links again.
+// The account of a run over all images: stereo/tsar/manifest.json. When all
+// images are done, the files that only an unfinished run needs are removed, and
+// the links of output workspaces made from this one are renewed.
 class ManifestAccount : public RunAccount {
  public:
   // run must outlive this object.
@@ -103,9 +103,9 @@ class ManifestAccount : public RunAccount {
   const RefineRun& run_;
 };
 
-// The account of a shard in one pass: its ShardRecord. A pass begins only where
-// the records of other shards are of the same work and, to compose, all of them
-// have been observed.
+// The account of a shard in one pass: its ShardRecord. A pass begins only if
+// the records of other shards belong to the same work and, for composing, if
+// all shards have been observed.
 class ShardAccount : public RunAccount {
  public:
   // run must outlive this object.

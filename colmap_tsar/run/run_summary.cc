@@ -23,7 +23,7 @@ void RunSummary::Add(const std::string& image, const ImageReport& report) {
     case ImageReport::Outcome::kNotDone:
       break;
   }
-  // A kept image has only the count of its values that are not finite.
+  // A kept image only has the count of its values that are not finite.
   for (const auto& [name, count] : report.counts) {
     counts[name] += count;
   }

@@ -17,7 +17,7 @@
 
 namespace tsar {
 
-// What a run of RefineWorkspace did.
+// The settings and results of a run of RefineWorkspace.
 struct RunSummary {
   struct KeptImage {
     std::string name;
@@ -25,12 +25,12 @@ struct RunSummary {
   };
   struct GpuMemory {
     std::string gpu;
-    size_t num_bytes = 0;  // The most that was held at a time.
+    size_t num_bytes = 0;  // The peak.
   };
 
   std::filesystem::path workspace_path;  // The one that was written.
-  std::filesystem::path model_folder;    // With its sparse model.
-  // What its fusion by COLMAP would stumble over, see fusion_obstacles.h.
+  std::filesystem::path model_folder;    // The folder of its sparse model.
+  // The obstacles to its fusion by COLMAP, see fusion_obstacles.h.
   std::vector<std::string> fusion_obstacles;
   RefinePass pass = RefinePass::kAll;
   Shard shard;
@@ -42,9 +42,9 @@ struct RunSummary {
   int num_refined = 0;
   int num_skipped = 0;
   int num_not_listed = 0;
-  // Of the images, those with a mask; nothing where no masks were given.
+  // The number of images with a mask; nothing where no masks were given.
   std::optional<int64_t> num_masks;
-  // The same of depth priors.
+  // The number of images with a depth prior; nothing without priors.
   std::optional<int64_t> num_priors;
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
   int64_t num_sources_without_maps = 0;
@@ -56,8 +56,8 @@ struct RunSummary {
 
   void Add(const std::string& image, const ImageReport& report);
 
-  // Whether all images that were to be refined were kept as they were: after a
-  // run, or once its shards were merged.
+  // Whether all images that were to be refined were kept as they were; only
+  // after a complete run, or once its shards were merged.
   bool RefinedNone() const {
     return (pass == RefinePass::kAll || pass == RefinePass::kMerge) &&
            num_refined == 0 && num_skipped == 0 && !kept.empty();

@@ -11,31 +11,31 @@
 
 namespace tsar {
 
-// The planes of a workspace's scene, in stereo/tsar/planes.bin: with the labels
-// of all views until the run ends, so that a killed run goes on from there, and
-// without them from then on.
+// The planes of a workspace's scene, in stereo/tsar/planes.bin. The file holds
+// the labels of all views, so that a killed run resumes from there, until the
+// run ends.
 class SceneModelStore {
  public:
-  // workspace and inputs must outlive this object. options_hash: the model of
-  // other options does not count.
+  // workspace and inputs must outlive this object. options_hash: a model made
+  // with other options is not current.
   SceneModelStore(const Workspace& workspace,
                   InputFingerprints& inputs,
                   std::string options_hash);
 
   // Whether there is a model with labels, made with these options from all
-  // views as they are.
+  // views in their current state.
   bool IsCurrent() const;
 
-  // A warning says so where the model has more planes than plane maps can name.
+  // Warns where the model has more planes than plane maps can represent.
   void Write(const SceneModel& model) const;
   // Throws kNotFound where none is current.
   SceneModel Read() const;
 
-  // Stands for the planes alone; empty where there are none that can be read.
+  // A fingerprint of the planes alone; empty where none can be read.
   std::string PlanesFingerprint() const;
 
-  // Removes the labels, at the end of a complete run, and what tells of which
-  // files they were made: the same maps then give the same bytes.
+  // At the end of a complete run, removes the labels and the fingerprint of the
+  // input files, so that the same maps give the same bytes.
   static void DropLabels(const Workspace& workspace);
   // Removes the model.
   static void Remove(const Workspace& workspace);

@@ -49,7 +49,7 @@ Error Refused(const std::string& what) {
                    "first of four parts");
 }
 
-// What an image takes: each source is compared with all its pixels.
+// The work of each image: each of its pixels is compared with all sources.
 std::vector<int64_t> FindWork(const Workspace& workspace) {
   std::vector<int64_t> work;
   for (const StereoProblem& problem : workspace.Problems()) {
@@ -111,7 +111,7 @@ RefinePass ParsePass(const std::string& text) {
 std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
                                              int count) {
   if (count == 1) {
-    // The order of neighbours is that of the images again, once sorted.
+    // Once sorted, the order of neighbors is that of the images.
     std::vector<size_t> all(workspace.Problems().size());
     std::iota(all.begin(), all.end(), size_t{0});
     return {std::move(all)};
@@ -124,7 +124,7 @@ std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
   std::vector<std::vector<size_t>> shards(static_cast<size_t>(count));
   int64_t before = 0;
   for (const size_t image : OrderByNeighbours(workspace)) {
-    // The part in which the middle of the image's work lies.
+    // The shard in which the middle of the image's work lies.
     const double middle =
         static_cast<double>(before) + 0.5 * static_cast<double>(work[image]);
     const auto shard =

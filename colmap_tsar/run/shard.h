@@ -11,30 +11,30 @@
 
 namespace tsar {
 
-// Which part of the images of a workspace a program works on: one of `count`,
-// counted from 0 on, as most schedulers do.
+// One of `count` parts of the images of a workspace, with an index from 0 on,
+// as in most schedulers.
 struct Shard {
   int index = 0;
   int count = 1;
 
-  // Throws kBadOption, naming the option "shard", where there is no such part.
+  // Throws kBadOption, naming the option "shard", for an impossible index.
   void Check() const;
 };
 
 // "0 of 3": for messages.
 std::string ToString(const Shard& shard);
 
-// Reads "0/3"; the empty text stands for all images. Throws kBadOption where
-// the text is another one, or the index not from 0 to count - 1.
+// Parses "0/3"; an empty text stands for all images. Throws kBadOption for any
+// other text and for an index that is not from 0 to count - 1.
 Shard ParseShard(const std::string& text);
 
-// What of the work on a workspace is to be done.
+// The passes of the work on a workspace.
 enum class RefinePass {
   kAll,      // Everything, by one program.
-  kObserve,  // Of a shard: what each image observes, for its neighbours.
-  kModel,    // Of all shards: the planes of the scene, once all were observed.
-  kCompose,  // Of a shard: the maps, once there are the planes.
-  kMerge,    // What is left once all shards were composed.
+  kObserve,  // For a shard: the evidence of its images.
+  kModel,    // For all shards: the planes of the scene, once all were observed.
+  kCompose,  // For a shard: the maps, once the planes are found.
+  kMerge,    // For all shards: the account, once all were composed.
 };
 
 // "all", "observe", "model", "compose" or "merge".
@@ -42,11 +42,11 @@ std::string ToString(RefinePass pass);
 // Throws kBadOption.
 RefinePass ParsePass(const std::string& text);
 
-// Splits the images of a workspace, given by their places in Problems(), into
-// `count` lists in ascending order, of which each takes about the same work;
-// some are empty where there are fewer images. Images that are sources of each
-// other tend to be in the same list. Depends on nothing but the cameras, the
-// images' names and patch-match.cfg.
+// Splits the images of a workspace, given by their indices in Problems(), into
+// `count` lists in ascending order, each of about the same work; some are empty
+// where there are fewer images. Images that are sources of each other tend to
+// be in the same list. The lists depend only on the cameras, the images' names
+// and patch-match.cfg.
 std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
                                              int count);
 

@@ -68,7 +68,7 @@ std::optional<ShardRecord> ReadIfThere(const std::filesystem::path& path) {
   }
 }
 
-// Its process ended before it could, or still lives where no lock tells.
+// The process there was killed, or still runs where no lock shows it.
 void WarnOfOtherMachine(const ShardRecord& own, const ShardRecord& earlier) {
   const auto host = earlier.runtime.find("host");
   if (!earlier.is_complete && host != earlier.runtime.end() &&
@@ -139,7 +139,7 @@ void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
   }
   WriteShardRecord(root, own);
   try {
-    // Of two that begin at the same time, one sees the other at least.
+    // Of two shards that begin at the same time, at least one sees the other.
     RequireNoOtherWork(root, own);
   } catch (const Error&) {
     if (!earlier) {

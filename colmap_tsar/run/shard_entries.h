@@ -21,31 +21,31 @@
 
 namespace tsar {
 
-// What the shards of a work tell each other by their records.
+// The records by which the shards of a work communicate.
 
-// A record without its images and runtime: what all shards of a work must have
-// in common, and which one it is.
+// A record without its images and runtime: its shard, and the fields that all
+// shards of a work have in common.
 ShardRecord DescribeShard(const Workspace& workspace,
                           const RefineOptions& options,
                           RefinePass pass,
                           const Shard& shard);
 
-// How many shards the work has, by any of its records; 0 where there are none.
-// Throws what RequireSameWork throws, for a program in this pass.
+// The number of shards of the work, from any of its records; 0 where there are
+// none. Throws what RequireSameWork throws, for a program in this pass.
 int CountShards(const Workspace& workspace,
                 const RefineOptions& options,
                 RefinePass pass);
 
-// What it is done with, and on which machine.
+// The runtime settings of a shard, and its machine.
 std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
                                                 const RefineDevices& devices);
 
-// Notes that the shard has begun, unless there are shards of other work: then
-// throws what RequireSameWork throws, and leaves no trace. A shard that is
+// Writes that the shard has begun. Throws what RequireSameWork throws, and
+// leaves no trace, where there are shards of other work. A shard that is
 // observed has yet to be composed, whatever was done before.
 void BeginShard(const std::filesystem::path& root, const ShardRecord& own);
 
-// What the records of the pass observe tell.
+// The content of the records of the pass observe, by image.
 struct ObservedShards {
   // By image.
   std::map<int, ShardRecord::State> states;
@@ -54,8 +54,8 @@ struct ObservedShards {
 };
 
 // Reads the records of all shards in one of the passes. Throws Error: what
-// RequireSameWork throws, and kNotFound, with the numbers of the shards and the
-// first of their notes, where some have not come to its end.
+// RequireSameWork throws, and kNotFound, with the indices of the shards and the
+// first of their notes, where some are not complete.
 std::vector<ShardRecord> ReadCompleteShards(const std::filesystem::path& root,
                                             const ShardRecord& own,
                                             RefinePass pass);
@@ -67,13 +67,13 @@ ObservedShards ReadObservedShards(
     const std::vector<std::vector<size_t>>& shards);
 
 // Throws kNotFound where the image is a reference that was not observed because
-// nobody needed it then.
+// it was not needed then.
 void RequireObserved(const Workspace& workspace,
                      int image,
                      const ObservedShards& observed);
 
-// Notes the failures of images, in the record's order, in the record. Returns
-// whether there are any.
+// Writes the failures of images, in the record's order, into the record.
+// Returns whether there are any.
 bool NoteFailures(const std::vector<std::exception_ptr>& failures,
                   ShardRecord* record);
 

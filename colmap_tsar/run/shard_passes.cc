@@ -40,7 +40,7 @@ void Model(const WorkspaceRefineOptions& options,
            const Workspace& workspace,
            Progress& progress,
            const std::function<bool()>& should_stop) {
-  // Without any record, the message names the first shard.
+  // Without any record, the error message names the first shard.
   const Shard shards = {
       0,
       std::max(1, CountShards(workspace, refine_options, RefinePass::kModel))};
@@ -77,7 +77,7 @@ void Model(const WorkspaceRefineOptions& options,
   for (size_t index = 0; index < catalogue.NumImages(); ++index) {
     RequireObserved(workspace, catalogue.Reference(index), observed);
   }
-  // One on which no image could be observed or composed may do for this.
+  // A GPU too small for observing or composing may suffice here.
   const std::vector<GpuWorkers> gpus =
       OpenGpus(options.devices,
                ForLabelsAlone(plan),
@@ -109,8 +109,8 @@ std::map<std::string, std::string> RuntimeOfShards(
   return runtime;
 }
 
-// The sum of num_masks or num_priors: by what the shards were run with,
-// whatever the merge is given.
+// The sum of num_masks or num_priors over the records of the shards, whatever
+// the options of the merge.
 std::optional<int64_t> SumOfShards(const std::vector<ShardRecord>& shards,
                                    std::optional<int64_t> ShardRecord::*count) {
   std::optional<int64_t> sum;
@@ -193,7 +193,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   }
   EvidenceStore::Clear(workspace);
   SceneModelStore::DropLabels(workspace);
-  // Last: until then, the same call does all of it again.
+  // The records go last: until then, the same call does all of it again.
   RemoveShardRecords(workspace.Root());
 
   RunSummary summary;

@@ -12,25 +12,24 @@
 
 namespace tsar {
 
-// Finds the planes of the scene once all shards have been observed; one program
-// does that for all of them. Does nothing where that was done before, where
-// images are refined each on its own, and where none is left to be refined.
-// Throws Error: kNotFound where some shard has not been observed, or some image
-// that is needed now; kMismatch where shards were observed with other options,
-// or something has changed since; kInterrupted; what the files give.
+// Finds the planes of the scene for all shards, once these are observed. Does
+// nothing where it was done before, where images are refined each on its own,
+// and where no image is left to be refined. Throws Error: kNotFound where some
+// shard, or some image that is needed now, has not been observed; kMismatch
+// where shards were observed with other options, or an input has changed since;
+// kInterrupted; what reading the files throws.
 RunSummary ModelShards(const WorkspaceRefineOptions& workspace_options,
                        const RefineOptions& refine_options,
                        Progress& progress,
                        const std::function<bool()>& should_stop);
 
 // Ends the work of shards: writes the account of all images (manifest.json),
-// and removes the evidence and the shards' own records. Opens no map. Where
-// there are no shards because they were merged before, it only makes sure that
-// nothing is left of them.
+// and removes the evidence and the shards' records. Opens no map. Where the
+// shards were merged before, it only makes sure that nothing is left of them.
 //
 // Throws Error, and changes nothing: kNotFound, naming them, where shards or
 // images have not been composed; kMismatch where the shards were run with other
-// options; what WorkspaceLock throws, while a shard is at work for one.
+// options; what WorkspaceLock throws, for example while a shard is at work.
 RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
                        const RefineOptions& refine_options);
 

@@ -48,7 +48,7 @@ ViewCache::ViewCache(size_t max_num_bytes, size_t num_view_bytes, Loader loader)
 ViewCache::Lease ViewCache::Reserve(std::vector<int> images) {
   std::sort(images.begin(), images.end());
   images.erase(std::unique(images.begin(), images.end()), images.end());
-  // Gives back what it holds where claiming the rest fails.
+  // The lease releases its views where claiming the rest fails.
   Lease lease(this, {});
   lease.images_.reserve(images.size());
   std::unique_lock<std::mutex> lock(mutex_);
@@ -124,7 +124,7 @@ void ViewCache::FreeUnused(std::unique_lock<std::mutex>* lock) noexcept {
     const auto place = it++;
     dropped.splice(dropped.end(), places_, place);
   }
-  // The system takes its time to take memory back; it counts until then.
+  // The system takes time to free memory, which counts until then.
   lock->unlock();
   dropped.clear();
   lock->lock();

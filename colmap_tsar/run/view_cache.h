@@ -17,18 +17,18 @@
 
 namespace tsar {
 
-// Keeps the views that were used last: each image of a workspace is needed once
-// as the reference and many times as a source. Whoever wants to use views
-// reserves them first, and waits until they fit into the memory beside those
-// that others have reserved; so all views together, in use or not, never take
-// more than the given bytes, or what one single reservation needs where that is
-// more. Can be used from several threads.
+// A cache of the most recently used views: each image of a workspace is needed
+// once as the reference and many times as a source. A user reserves its views
+// first, and waits until they fit into memory beside those that others have
+// reserved; all views together, in use or not, never take more than
+// max_num_bytes, or than one single reservation needs where that is more. Can
+// be used from several threads.
 class ViewCache {
  public:
   using View = std::shared_ptr<const ViewData>;
   using Loader = std::function<View(int image)>;
 
-  // The right to use some views, until it is given back or destroyed.
+  // The right to use some views, until they are released or it is destroyed.
   class Lease {
    public:
     Lease() = default;
@@ -36,15 +36,15 @@ class ViewCache {
     Lease& operator=(Lease&& other) noexcept;
     ~Lease();
 
-    // Returns when all views are there. Threads that want the same views share
-    // the work; each loads what nobody else is loading. Returns false as soon
-    // as should_stop does true. Throws what the loader throws.
+    // Returns when all views are loaded. Threads that want the same views share
+    // the work; each loads those that no other thread is loading. Returns false
+    // as soon as should_stop returns true. Throws what the loader throws.
     bool Load(const std::function<bool()>& should_stop);
 
-    // After Load(); valid as long as the view is reserved here.
+    // Valid after Load(), as long as the view is reserved here.
     const ViewData& Get(int image) const;
 
-    // Gives one view back.
+    // Releases one view.
     void Release(int image);
 
    private:
@@ -55,21 +55,21 @@ class ViewCache {
     std::vector<int> images_;
   };
 
-  // num_view_bytes: what the largest view takes. The loader is called from the
-  // threads that ask, for different images at once.
+  // num_view_bytes: the size of the largest view. The loader is called from the
+  // calling threads, for different images at once.
   ViewCache(size_t max_num_bytes, size_t num_view_bytes, Loader loader);
 
   // An image may be named more than once. Waits for room; since a reservation
   // is made as a whole, those that are held never wait for each other. The
-  // cache must outlive it.
+  // cache must outlive the lease.
   Lease Reserve(std::vector<int> images);
 
-  // All views, in use or not; those that are reserved, but not yet loaded, with
-  // the size of the largest.
+  // The size of all views, in use or not; views that are reserved, but not yet
+  // loaded, count with the size of the largest.
   size_t NumBytes() const;
 
  private:
-  // The place of an image in the order of their use.
+  // The position of an image in the order of use.
   struct Place {
     int image = 0;
     View dropped;  // Only where the image has left the cache.
@@ -86,8 +86,8 @@ class ViewCache {
   size_t NumBytesNotInUse(const std::vector<int>& images) const;
   // Changes nothing where it throws.
   void Claim(int image);
-  // Unlocks it while memory is given back. Needs none itself, so that it can be
-  // done when memory has run out.
+  // Unlocks the mutex while memory is freed. Allocates none itself, so that it
+  // can be called when memory has run out.
   void FreeUnused(std::unique_lock<std::mutex>* lock) noexcept;
 
   bool LoadAll(const std::vector<int>& images,
@@ -102,7 +102,7 @@ class ViewCache {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::unordered_map<int, Entry> entries_;
-  std::list<Place> places_;  // The latest reserved first.
+  std::list<Place> places_;  // The most recently reserved first.
   size_t num_bytes_ = 0;
   size_t num_bytes_in_use_ = 0;
   size_t num_bytes_being_freed_ = 0;

@@ -79,8 +79,8 @@ MapSize RequireMap(const SparseModel::ModelImage& image,
 }
 
 // The size of an image's map, or nothing where there is none. Where its
-// original is kept elsewhere both are looked at, since either may turn out to
-// be the one to read.
+// original is kept elsewhere, both are checked, since either may be the one to
+// read.
 std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
                                 const std::filesystem::path& current,
                                 const std::filesystem::path& stored,
@@ -90,8 +90,8 @@ std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
     try {
       size = RequireMap(image, stored, num_channels);
     } catch (const Error&) {
-      // It may be of former times: CheckOriginals() tells whether it matters.
-      // And a shard that keeps an image's maps has put it back.
+      // The original may be outdated: CheckOriginals() tells whether it
+      // matters. Or a shard that keeps the image's maps has put it back.
       if (!Exists(current)) {
         throw;
       }
@@ -148,7 +148,7 @@ void CheckCosts(const Workspace& workspace,
   }
 }
 
-// Whether the image has maps to refine.
+// Checks the files of an image. Returns whether it has maps to refine.
 bool CheckImage(const Workspace& workspace,
                 int image,
                 WorkspaceOverview* overview) {
@@ -229,8 +229,7 @@ std::set<int> ImagesOfProblems(const Workspace& workspace) {
   return images;
 }
 
-// On file systems where upper and lower case are one, two images may have one
-// map.
+// On case-insensitive file systems, two images may have the same map.
 void RequireMapsOfTheirOwn(const Workspace& workspace,
                            const std::set<int>& images) {
   std::map<std::string, int> first_of_name;

@@ -10,28 +10,28 @@
 
 namespace tsar {
 
-// What a look at a workspace's files tells before any work is done.
+// The results of checking a workspace's files before any work is done.
 struct WorkspaceOverview {
   // For each image of the sparse model, whether it has maps of the type.
   std::vector<bool> has_maps;
-  // For each, the longer side of its map; 0 without one.
+  // For each image, the longer side of its map; 0 without one.
   std::vector<int> map_sides;
   int64_t max_num_pixels = 0;        // Of the largest map.
-  int max_side = 0;                  // Of the longest map.
+  int max_side = 0;                  // The longest side of any map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
   int max_num_sources = 0;   // Of the image that uses most views with maps.
   bool has_costs = false;    // Whether some image has exported costs.
   int num_with_alpha = 0;    // Images with an alpha channel.
   bool has_masks = false;    // Whether some image has a mask.
-  PriorMemory prior_memory;  // The most that depth priors of an image take.
+  PriorMemory prior_memory;  // The maximum over the images' depth priors.
   int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.
 };
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.
 bool HasAnyMap(const Workspace& workspace, MapType type);
 
-// Looks at the files of all images that refinement will read, without reading
-// their pixels, so that a run does not end half way for a reason that can be
+// Checks the files of all images that refinement will read, without reading
+// their pixels, so that a run does not fail half way for a reason that can be
 // seen at its start. Images without maps are no error. Throws Error: kNotFound
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
@@ -40,10 +40,9 @@ bool HasAnyMap(const Workspace& workspace, MapType type);
 // CheckLabels throw. Depth priors are read.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
-// Finds the originals of all images of which some are stored, so that what
-// FindOriginals() refuses ends a run before anything is changed. Reads maps
-// that have changed since they were written. Nobody may be changing maps
-// meanwhile.
+// Finds the originals of all images with stored ones, so that the errors of
+// FindOriginals() end a run before anything is changed. Reads maps that have
+// changed since they were written. Nobody may be changing maps meanwhile.
 void CheckOriginals(const Workspace& workspace);
 
 }  // namespace tsar
