@@ -10,11 +10,11 @@
 
 namespace tsar {
 
-// For programs that read what refinements left beside the maps, of the type of
-// the workspace: warns in one line of files that are gone, or that are not what
-// the records of their images tell of. names: of ResultFiles(); empty: all.
-// Throws what ReadRecord and HashFile throw, but for records that are none,
-// which are another warning.
+// For programs that read the files that refinement writes beside the maps, of
+// the workspace's type: gives one warning about files that are missing or
+// differ from their images' records. names: of ResultFiles(); empty: all.
+// Throws what ReadRecord and HashFile throw, except for corrupt records, which
+// are another warning.
 void WarnOfChangedResults(const Workspace& workspace,
                           const std::vector<std::string>& names = {});
 

@@ -9,7 +9,7 @@ namespace tsar {
 
 std::optional<int64_t> CountMasks(const Workspace& workspace,
                                   const std::vector<int>& images) {
-  // A folder of masks without any is refused.
+  // A folder of masks is refused if it holds none of the images'.
   const int num_images = static_cast<int>(workspace.Model().images.size());
   bool uses_masks = false;
   for (int image = 0; image < num_images && !uses_masks; ++image) {

@@ -12,8 +12,8 @@
 
 namespace tsar {
 
-// How many of the images, places in the sparse model, have a mask; nothing
-// where the workspace uses no masks.
+// The number of the images, indices in the sparse model, that have a mask;
+// nothing where the workspace uses no masks.
 std::optional<int64_t> CountMasks(const Workspace& workspace,
                                   const std::vector<int>& images);
 

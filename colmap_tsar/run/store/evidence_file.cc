@@ -16,14 +16,14 @@
 namespace tsar {
 namespace {
 
-// Without branches: infinity or NaN minus itself is NaN.
+// Avoids branches: infinity or NaN minus itself is NaN.
 bool IsFinite(float value) { return value - value == 0.f; }
 bool IsFiniteNotNegative(float value) {
   return IsFinite(value) & (value >= 0.f);
 }
 bool IsFinitePositive(float value) { return IsFinite(value) & (value > 0.f); }
 
-// Looks at all elements, so that the loops over rasters need no branches.
+// Checks all elements, so that the loops over rasters need no branches.
 template <typename Container, typename Function>
 bool AllOf(const Container& elements, Function is_good) {
   bool all_good = true;
@@ -50,8 +50,8 @@ bool BordersFit(const ViewEvidence& evidence) {
          });
 }
 
-// Which promise of ViewEvidence these parts break, as what they have ("a label
-// that no superpixel has"); nothing where they keep all.
+// The invariant of ViewEvidence that these parts violate, as the fault ("a
+// label that no superpixel has"); nothing where they satisfy all.
 std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
                                              EvidenceParts parts) {
   const auto has_raster = [&](const auto& image) {
@@ -156,7 +156,7 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   return std::nullopt;
 }
 
-// Where the size is the sum of the fields' sizes, there is no padding.
+// If the size is the sum of the fields' sizes, there is no padding.
 static_assert(sizeof(Observation) == 16 &&
               std::is_trivially_copyable_v<Observation>);
 static_assert(sizeof(RayDepth) == 12 && std::is_trivially_copyable_v<RayDepth>);
@@ -193,7 +193,7 @@ struct Header {
   bool HasPriorDepth() const {
     return prior_verdict == static_cast<uint32_t>(PriorVerdict::kUsed);
   }
-  // In the order of NeighbourArrays() and OwnArrays().
+  // The sizes in the order of NeighbourArrays() and OwnArrays().
   std::vector<StateFileArray> Arrays() const {
     if (width < 1 || height < 1 || ratings_width < 1 || ratings_height < 1) {
       return {};
@@ -225,7 +225,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 144);
 
-// For writing and for reading.
+// The arrays for writing and for reading.
 template <typename Evidence>
 auto NeighbourArrays(Evidence& evidence) {
   return std::vector{BytesOf(evidence.superpixels),

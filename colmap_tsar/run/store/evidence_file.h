@@ -13,44 +13,44 @@
 
 namespace tsar {
 
-// The file in which a view's evidence waits for its neighbours. Little-endian,
+// The file that keeps a view's evidence for its neighbors. Little-endian,
 // without padding: a header of fixed size (magic, format version, all sizes,
 // the raster's intrinsics, fingerprints), the options hash, the arrays that
-// neighbours need, then those that only the view itself needs. Every part has
+// neighbors need, then those that only the view itself needs. Every part has
 // its own fingerprint.
 
 enum class EvidenceParts {
   kAll,
-  // All but the prior, the confirmed depths, borders and ratings, which stay
-  // empty and are not even read from the disk.
+  // Everything but the prior, the confirmed depths, borders and scores, which
+  // stay empty and are not even read from the disk.
   kForNeighbours,
 };
 
 // stereo/tsar/evidence: the evidence of all views of the workspace at root.
 ContainedPath GetEvidenceFolder(const std::filesystem::path& root);
-// The file of one view in it. type: of the maps that were observed.
+// The file of one view. type: the type of the maps that were observed.
 ContainedPath GetEvidencePath(const std::filesystem::path& root,
                               const std::string& image_name,
                               MapType type);
 
-// In one step; creates the folder. The same evidence gives the same bytes.
-// options_hash: stands for everything that the evidence was computed from.
-// Error kMismatch for evidence that ReadEvidence() would not accept, kIo.
+// Writes the file atomically; creates the folder. The same evidence gives the
+// same bytes. options_hash: a hash of all inputs of the evidence. Error
+// kMismatch for evidence that ReadEvidence() would not accept, kIo.
 void WriteEvidence(const ContainedPath& path,
                    const std::string& options_hash,
                    const ViewEvidence& evidence);
 
-// What is returned keeps the promises of ViewEvidence: all sizes, labels and
-// numbers of planes and pixels fit each other, all numbers are finite and in
-// their ranges. Error kNotFound, kIo, or kCorrupt where the file is damaged,
-// not of this format's version, or breaks such a promise in the parts asked
-// for. The file's length is checked before memory is allocated.
+// The result satisfies the invariants of ViewEvidence: all sizes, labels and
+// indices of planes and pixels are consistent, all numbers are finite and in
+// range. Error kNotFound, kIo, or kCorrupt where the file is damaged, not of
+// this format's version, or violates an invariant in the requested parts. The
+// file's length is checked before memory is allocated.
 ViewEvidence ReadEvidence(const std::filesystem::path& path,
                           EvidenceParts parts = EvidenceParts::kAll);
 
-// The options hash of a file, from its header alone: whether the evidence may
-// be used. Nothing where there is no file, or none with an intact header, of
-// this format's version and of the length that the header says.
+// The options hash in a file's header, which tells whether the evidence may be
+// used. Nothing where there is no file, or none with an intact header, of this
+// format's version and of the length that the header gives.
 std::optional<std::string> ReadEvidenceHash(const std::filesystem::path& path);
 
 }  // namespace tsar

@@ -16,7 +16,7 @@ namespace {
 int NumThreads(const Workspace& workspace,
                const std::vector<int>& images,
                int num_threads) {
-  // An image's maps, and what is made of them.
+  // The memory of an image's maps and of the results.
   constexpr int64_t kBytesPerPixel = 60;
   int64_t num_pixels = 1;
   for (const int image : images) {

@@ -11,10 +11,10 @@
 
 namespace tsar {
 
-// Calls function(i) for each of these images, i its place in the list, from
-// several threads; the first exception is rethrown. For work that holds all
-// maps of an image. num_threads: -1 for one for each core; fewer where images
-// are so large that half of the main memory would not bear as many.
+// Calls function(i) for each index i in `images`, from several threads;
+// rethrows the first exception. For work that holds all maps of an image.
+// num_threads: -1 for one per core; fewer where the images are so large that
+// half of the main memory would not suffice.
 void ForEachImage(const Workspace& workspace,
                   const std::vector<int>& images,
                   int num_threads,

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a path that need not exist. One that cannot be looked up is none that can
-// be written to, and whoever tries says so.
+// The canonical form of a path that need not exist. A path that cannot be
+// looked up cannot be written to either, and the writer reports that.
 fs::path Canonical(const fs::path& path) {
   std::error_code error;
   const fs::path canonical = fs::weakly_canonical(fs::absolute(path), error);
@@ -27,7 +27,7 @@ fs::path Canonical(const fs::path& path) {
 }  // namespace
 
 std::string FindInputFolder(const fs::path& root, const fs::path& path) {
-  // A link of this name would be replaced where it is, or led to its target.
+  // A link of this name would be replaced in place, or followed to its target.
   const fs::path place =
       Canonical(path.parent_path().empty() ? fs::path(".")
                                            : path.parent_path()) /

@@ -8,16 +8,15 @@
 
 namespace tsar {
 
-// Of images, sparse (also sparse/0, where that is a link) and stereo in the
-// workspace `root`, the name of the one that a path is or lies in, whatever
-// links lead there; empty where it is outside of all. Neither the path nor the
-// workspace has to exist.
+// The input folder (images, sparse, sparse/0 where that is a link, or stereo)
+// of the workspace `root` that a path is or lies in, with links resolved; empty
+// where it is outside of all. Neither the path nor the workspace has to exist.
 std::string FindInputFolder(const std::filesystem::path& root,
                             const std::filesystem::path& path);
 
-// What stands in these folders is what programs work from, and nothing else is
-// to be written there. Throws Error kUnsupported, naming the option, where
-// `path` lies in one of this workspace or of the one that it is the output of.
+// Programs only read these folders, so nothing else may be written there.
+// Throws Error kUnsupported, naming the option, where `path` lies in one of
+// this workspace or of the one that it is the output of.
 void RequireOutsideInputs(const std::filesystem::path& root,
                           const std::filesystem::path& path,
                           const std::string& option);

@@ -9,10 +9,10 @@
 
 namespace tsar {
 
-// Writes a file in one step; creates its folder. Names need not be UTF-8: the
-// replacement character stands for bytes that are not. Error kIo.
+// Writes a file atomically; creates its folder. Names need not be UTF-8:
+// invalid bytes become the replacement character. Error kIo.
 void WriteJson(const ContainedPath& path, const nlohmann::json& json);
-// The same, for readers to whom the order of keys matters.
+// WriteJson() with the keys in their given order.
 void WriteOrderedJson(const ContainedPath& path,
                       const nlohmann::ordered_json& json);
 

@@ -77,9 +77,9 @@ void RequireFoldersInside(const std::filesystem::path& root) {
     const std::filesystem::path name =
         entry.path.Path().lexically_relative(stereo.Path());
     if (name != "consistency_graphs" && !(is_output && name == "cost_maps")) {
-      Folder::OpenIfThere(entry.path);  // Throws what leads out.
+      Folder::OpenIfThere(entry.path);  // Throws where it leads out.
     }
-    // What is kept there must not be what is kept elsewhere.
+    // Files stored there must not be those stored elsewhere.
     const std::string first = name.begin()->string();
     if (first == "tsar" || first == "tsar_import") {
       throw Error::File(ErrorCode::kUnsupported,

@@ -10,24 +10,24 @@
 
 namespace tsar {
 
-// Makes `link` a symbolic link to the canonical path of `target`, in one step,
-// in the place of a file or link of that name. Creates the folder. Error kIo.
+// Atomically makes `link` a symbolic link to the canonical path of `target`,
+// replacing a file or link of that name. Creates the folder. Error kIo.
 void ReplaceByLink(const std::filesystem::path& target,
                    const ContainedPath& link);
 
 // Links one map of an output workspace to its original; where the input has no
-// such map, removes what is there.
+// such map, removes an existing one.
 void LinkMap(OriginalState state,
              const std::filesystem::path& original,
              const ContainedPath& link);
 
-// Throws Error kUnsupported where a folder of `stereo`, or that itself, is a
-// link that leads out of the workspace: what is written and removed there would
-// be somebody else's. It would not be, since folders are opened as folder.h
-// tells; but so it is found out before anything is changed. Folders that are
-// never written to may be such links: consistency_graphs and, in an output
-// workspace, cost_maps. Links that are files are replaced, never written
-// through. Throws kIo where a folder cannot be listed.
+// Throws Error kUnsupported where a folder of `stereo`, or `stereo` itself, is
+// a link that leads out of the workspace: files there belong to somebody else.
+// Folders are opened as folder.h describes, which protects them, but this check
+// comes before anything is changed. Folders that are never written to may be
+// such links: consistency_graphs and, in an output workspace, cost_maps. Links
+// that are files are replaced, never written through. Throws kIo where a folder
+// cannot be listed.
 void RequireFoldersInside(const std::filesystem::path& root);
 
 }  // namespace tsar

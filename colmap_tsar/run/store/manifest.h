@@ -19,7 +19,7 @@ struct Manifest {
   std::string version;
   std::string type;
   std::map<std::string, std::string> options;
-  // What the run was done with; no result depends on it.
+  // The runtime settings of the run; no result depends on them.
   std::map<std::string, std::string> runtime;
   // Sums over the images' records.
   std::map<std::string, int64_t> counts;
@@ -37,18 +37,18 @@ struct Manifest {
   int NumImages(ImageStatus status) const;
 };
 
-// The state of every image of the workspace, from the records: those with
-// another options_hash, or none, are pending.
+// The manifest with the state of every image of the workspace, from the
+// records: images with another options_hash, or without a record, are pending.
 Manifest BuildManifest(const Workspace& workspace,
                        const std::map<std::string, std::string>& options,
                        const std::string& options_hash);
 
-// Note of how many images masks and depth priors were used; nothing where none
-// were given.
+// Writes to the manifest for how many images masks and depth priors were used;
+// nothing where none were given.
 void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest);
 void NotePriors(const std::optional<int64_t>& num_priors, Manifest* manifest);
 
-// In one step.
+// Writes the manifest atomically.
 void WriteManifest(const Workspace& workspace, const Manifest& manifest);
 
 }  // namespace tsar

@@ -24,7 +24,7 @@ bool HaveSameLength(const fs::path& a, const fs::path& b) {
   return !error && length == fs::file_size(b, error) && !error;
 }
 
-// Nothing where there is no complete map.
+// The size of a map; nothing where it is not complete.
 std::optional<MapSize> SizeIfComplete(const fs::path& path) {
   try {
     return ReadMapSize(path);
@@ -41,7 +41,7 @@ bool HaveSameSize(const MapSize& a, const MapSize& b) {
   return a.width == b.width && a.height == b.height && a.channels == b.channels;
 }
 
-// How many values are still as this program left them, of those that tell.
+// The number of compared values, and of those that are still as written.
 struct Comparison {
   int num_compared = 0;
   int num_same = 0;
@@ -52,8 +52,8 @@ Comparison CompareSamples(const std::vector<uint32_t>& current,
                           const std::vector<uint32_t>& written) {
   Comparison comparison;
   for (size_t i = 0; i < std::min(current.size(), written.size()); ++i) {
-    // Zero is none. A value that is also the original's tells nothing:
-    // patch_match_stereo may have come to it again.
+    // Zero means no value. A value that equals the original's tells nothing:
+    // patch_match_stereo may have computed it again.
     const bool is_same = current[i] == written[i];
     const bool tells =
         !is_same || original.empty() || written[i] != original[i];
@@ -65,7 +65,7 @@ Comparison CompareSamples(const std::vector<uint32_t>& current,
   return comparison;
 }
 
-// Of a complete map with none of the fingerprints.
+// The state of a complete map with none of the fingerprints.
 MapState CompareValues(const fs::path& current,
                        const MapSize& size,
                        const fs::path& original,
@@ -80,7 +80,7 @@ MapState CompareValues(const fs::path& current,
   std::vector<uint32_t> original_samples;
   if (const std::optional<MapSize> original_size = SizeIfComplete(original)) {
     if (!HaveSameSize(size, *original_size)) {
-      return foreign;  // What this program writes has the original's size.
+      return foreign;  // This program writes the original's size.
     }
     original_samples = ReadSamples(original);
   }

@@ -11,51 +11,51 @@
 
 namespace tsar {
 
-// What stands under the name of a map that this program has replaced, whose
-// original it keeps.
+// The state of the file under the name of a map that this program has replaced,
+// and whose original it keeps.
 enum class MapState {
-  kMissing,   // Nothing.
-  kWritten,   // What this program wrote.
+  kMissing,   // There is no file.
+  kWritten,   // The map that this program wrote.
   kOriginal,  // The same bytes as the original.
-  kEdited,    // What this program wrote, edited: masked or thresholded.
-  kDamaged,   // No complete map.
+  kEdited,    // This program's map, edited: masked or thresholded.
+  kDamaged,   // Not a complete map.
   kNew,       // A complete map of other values and of another time than what
               // this program wrote: another one wrote it.
-  kUnknown,   // Another map; nothing tells whose.
+  kUnknown,   // Another map, of unknown origin.
 };
 
-// original: may be missing. written: what may have been written under this
-// name; null where no record tells.
+// original: may be missing. written: the maps that this program may have
+// written under this name; null without a record.
 MapState InspectMap(const std::filesystem::path& current,
                     const std::filesystem::path& original,
                     const std::vector<WrittenMap>* written,
                     Scrutiny scrutiny = Scrutiny::kContent);
 
-// What stands under the name of a map of which no original is stored.
-// original: what was remembered of it; nothing where no record tells. Where the
-// map has the original's bytes it is the original, also if this program has
-// come to the same ones: a restoration that was interrupted has put it there.
+// The state of a map whose original is not stored. original: the record of the
+// original; nothing without a record. A map with the original's bytes is the
+// original, even if this program wrote the same bytes: an interrupted
+// restoration has put it there.
 MapState InspectMapWithoutOriginal(const std::filesystem::path& current,
                                    const std::vector<WrittenMap>* written,
                                    const std::optional<WrittenMap>& original,
                                    Scrutiny scrutiny = Scrutiny::kContent);
 
-// Whether what is kept at `stored` is the original that the record tells of
-// or, where none does, at least a complete map.
+// Whether the file at `stored` is the recorded original or, without a record,
+// at least a complete map.
 bool IsOriginal(const std::filesystem::path& stored,
                 const std::optional<WrittenMap>& original,
                 Scrutiny scrutiny = Scrutiny::kContent);
 
-// Whose the maps of an image are, since depth and normals always come from one
-// source.
+// The program that made the maps of an image, since depth and normals always
+// come from one source.
 enum class MapOwner {
-  kThisProgram,   // Whatever is there: the originals are those that are kept.
+  kThisProgram,   // The originals are the stored ones.
   kOtherProgram,  // patch_match_stereo made both anew.
   kUndecided,
 };
 
-// Of those of which an original is stored; where one of the two is not, since a
-// program was killed between them, the other one tells.
+// The owner by the states of the maps whose originals are stored. Where one of
+// the two is not, because a program was killed in between, the other decides.
 MapOwner FindOwner(std::optional<MapState> depth,
                    std::optional<MapState> normal);
 

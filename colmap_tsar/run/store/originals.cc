@@ -23,10 +23,10 @@ struct Map {
   const std::filesystem::path& current;
   const std::filesystem::path& stored;
   const std::vector<WrittenMap>* written;
-  std::optional<WrittenMap> original;  // As the record remembers it.
+  std::optional<WrittenMap> original;  // The record of the original.
 };
 
-// Of a map of which nothing is stored.
+// The state of a map without a stored original.
 OriginalState FindInPlace(const Map& map, Scrutiny scrutiny) {
   if (!Exists(map.current)) {
     return OriginalState::kMissing;
@@ -57,8 +57,8 @@ void RequireUnedited(const Map& map, std::optional<MapState> state) {
   }
 }
 
-// A map that is itself what is stored may be newer than the record: a run that
-// was killed has just kept it.
+// A map that is itself the stored one may be newer than the record: a killed
+// run has just stored it.
 void RequireOriginal(const Map& map,
                      std::optional<MapState> state,
                      Scrutiny scrutiny) {
@@ -74,7 +74,7 @@ void RequireOriginal(const Map& map,
   }
 }
 
-// foreign: the one that this program has not written; other: of the same image.
+// foreign: the map not written by this program; other: the image's other map.
 [[noreturn]] void ThrowUndecided(const Map& foreign, const Map& other) {
   throw Error::File(ErrorCode::kMismatch,
                     foreign.current.string(),
@@ -124,8 +124,8 @@ OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
     const std::optional<MapState> depth_state = inspect(depth, has_depth);
     const std::optional<MapState> normal_state = inspect(normal, has_normal);
     const MapOwner owner = FindOwner(depth_state, normal_state);
-    // What is kept is of former times, and is not read, where both maps are
-    // newer ones.
+    // Where both maps are newer ones, the stored ones are outdated and not
+    // read.
     if (owner != MapOwner::kOtherProgram) {
       RequireOriginal(depth, depth_state, scrutiny);
       RequireOriginal(normal, normal_state, scrutiny);
@@ -143,7 +143,7 @@ OriginalMaps FindOriginals(const MapPaths& paths, Scrutiny scrutiny) {
                                     : OriginalState::kReplaced;
     maps.depth_state = maps.normal_state = state;
   }
-  // A run that was killed may have stored one of the two.
+  // A killed run may have stored only one of the two.
   if (!has_depth) {
     maps.depth_state = FindInPlace(depth, scrutiny);
   }

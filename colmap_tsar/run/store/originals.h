@@ -10,11 +10,11 @@
 
 namespace tsar {
 
-// Where the map that COLMAP wrote is to be found.
+// The location of the map that COLMAP wrote.
 enum class OriginalState {
-  kMissing,  // There is no map at all.
+  kMissing,  // There is no map.
   kInPlace,  // Under its own name; nothing is stored.
-  kStored,   // In stereo/tsar/original; what is in its place is this program's.
+  kStored,   // In stereo/tsar/original; the map in its place is this program's.
   kReplaced,  // Under its own name: COLMAP wrote both maps of the image anew,
               // and the stored ones are of former times.
 };
@@ -27,14 +27,14 @@ struct OriginalMaps {
   std::filesystem::path normal;
 };
 
-// Looks at both maps of an image. Throws Error kMismatch where an original is
-// lost or was changed where it is kept, where refined maps were edited (they
-// are no originals), and where nothing tells whose the maps in place are; what
-// to do then depends on the user, who is told.
+// Checks both maps of an image. Throws Error kMismatch where an original is
+// lost or its stored file was changed, where refined maps were edited (they are
+// no originals), and where the origin of the maps in place is unknown. The
+// message tells the user how to decide.
 OriginalMaps FindOriginals(const MapPaths& paths,
                            Scrutiny scrutiny = Scrutiny::kContent);
 
-// Throws Error kMismatch where what lies beside an image's maps tells that they
+// Throws Error kMismatch where the files beside an image's maps show that they
 // were refined, but stereo/tsar, which held their originals, is gone: refined
 // maps are no originals.
 void RequireNoStrayResults(const MapPaths& paths);

@@ -25,10 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a former folder, where the file system cannot exchange it for the new one.
+// The suffix of a former folder where the file system cannot exchange two.
 constexpr const char* kFormerSuffix = ".tsar_old";
 
-// Without the separator that a user may write at the end.
+// The absolute path without a trailing separator.
 fs::path Normal(const fs::path& path) {
   const fs::path normal = fs::absolute(path).lexically_normal();
   return normal.has_filename() ? normal : normal.parent_path();
@@ -45,7 +45,7 @@ Error Refused(const OutputFolderKind& kind,
       advice + ", or give another folder as " + OptionName(kind.path_option));
 }
 
-// What has the name, links not followed.
+// The type of the file with this name, without following links.
 fs::file_type TypeOf(const fs::path& path) {
   std::error_code error;
   const fs::file_type type = fs::symlink_status(path, error).type();
@@ -59,8 +59,8 @@ bool IsThere(const fs::path& path) {
   return TypeOf(path) != fs::file_type::not_found;
 }
 
-// Whether it is an unfinished folder of this program: an empty one, or one that
-// was marked, if only the marker's temporary is there.
+// Whether it is an unfinished folder of this program: one that is empty, holds
+// only the marker's temporary file, or is marked.
 bool IsUnfinished(const OutputFolderKind& kind, const fs::path& path) {
   if (TypeOf(path) != fs::file_type::directory) {
     return false;
@@ -101,14 +101,14 @@ void EmptyUnfinished(const OutputFolderKind& kind, const fs::path& path) {
   }
 }
 
-// The marker goes last, so that what a kill leaves is known for what it is.
+// The marker goes last, so that a killed program leaves a recognizable folder.
 void RemoveUnfinished(const OutputFolderKind& kind, const fs::path& path) {
   EmptyUnfinished(kind, path);
   RemoveTree(UserPath(path));
 }
 
-// Held until the folder is closed, however the program ends. Some network file
-// systems cannot lock folders; nothing is said about that, since one is hardly
+// The lock is held until the folder is closed, however the program ends. File
+// systems that cannot lock folders cause no warning, since a folder is hardly
 // ever written by two programs.
 void Lock(const OutputFolderKind& kind, const Folder& folder) {
   if (flock(folder.Descriptor(), LOCK_EX | LOCK_NB) != 0 &&
@@ -145,7 +145,7 @@ void WriteList(const OutputFolderKind& kind, const fs::path& path) {
   file.Commit();
 }
 
-// Nothing where there is no list, or only a part of one.
+// The listed files; nothing where the list is missing or incomplete.
 std::optional<std::set<std::string>> ReadList(const OutputFolderKind& kind,
                                               const fs::path& path) {
   InputFile file(path / kind.list_file);
@@ -157,7 +157,7 @@ std::optional<std::set<std::string>> ReadList(const OutputFolderKind& kind,
   return names.count(kind.list_file) != 0 ? std::optional(names) : std::nullopt;
 }
 
-// Throws where anything is below the folder that it does not list.
+// Throws where the folder holds anything that is not listed.
 void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
   const std::optional<std::set<std::string>> files = ReadList(kind, path);
   if (!files) {
@@ -199,7 +199,7 @@ void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
   }
 }
 
-// Whether one stands there that is to be replaced.
+// Whether there is a folder to be replaced.
 bool CheckPlace(const OutputFolderKind& kind,
                 const fs::path& path,
                 bool overwrite) {
@@ -231,8 +231,7 @@ bool CheckPlace(const OutputFolderKind& kind,
   return true;
 }
 
-// The names for a former folder, of which there are more than one where others
-// are taken.
+// A name for a former folder; a number is appended where names are taken.
 fs::path FormerPath(const fs::path& path, int number) {
   std::string name = path.string() + kFormerSuffix;
   if (number > 0) {
@@ -276,7 +275,7 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
   }
   lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
   Lock(kind_, *lock_);
-  EmptyUnfinished(kind_, temporary_);  // Of a program that was killed.
+  EmptyUnfinished(kind_, temporary_);  // Remains of a killed program.
   try {
     Mark(kind_, temporary_);
   } catch (const Error&) {
@@ -291,7 +290,7 @@ OutputFolder::~OutputFolder() {
       RemoveUnfinished(kind_, temporary_);
     }
   } catch (const std::exception&) {
-    // The next call for the same place removes it.
+    // The next call with the same path removes it.
   }
 }
 
@@ -306,14 +305,14 @@ void OutputFolder::Commit() {
     RenameFile(UserPath(temporary_), UserPath(path_));
   }
   RemoveFile(UserPath(path_) / kind_.unfinished_file);
-  // The folder is there: what fails from now on does not undo that.
+  // The new folder is in place: later failures do not undo that.
   try {
     if (IsUnfinished(kind_, temporary_)) {
       RemoveUnfinished(kind_, temporary_);
     }
     RemoveFormer(kind_, path_);
   } catch (const std::exception&) {
-    // The next call for the same place removes them.
+    // The next call with the same path removes them.
   }
 }
 

@@ -10,35 +10,34 @@
 
 namespace tsar {
 
-// What a command writes into a folder of its own. Files are named by their
-// paths in the folder.
+// A kind of folder that a command writes. Files are named by their paths in the
+// folder.
 struct OutputFolderKind {
   const char* name;             // For messages: "report",
   const char* name_with_a;      // "a report".
   const char* command;          // "tsar_report".
   const char* path_option;      // The key of the option that names the folder.
-  const char* known_file;       // By it a folder is known to be of this kind.
-  const char* list_file;        // Names all files, a line each; itself last.
+  const char* known_file;       // Identifies a folder of this kind.
+  const char* list_file;        // Lists all files, one per line; itself last.
   const char* unfinished_file;  // The marker, see below.
 };
 
-// Such a folder while it is written: everything goes to a temporary folder
-// beside it (*.tsar_tmp), which takes its name when all is there. Without
-// Commit() the temporary is removed and nothing has changed.
+// An output folder while it is written: all files go to a temporary folder
+// beside it (*.tsar_tmp), which takes its name when complete. Without Commit()
+// the temporary folder is removed and nothing has changed.
 //
-// A folder lists its files (list_file) and is replaced only where nothing else
-// is in it. What is removed on the way holds a marker (unfinished_file) as long
-// as anything is in it, by which the next call knows what a killed program has
-// left; without the marker a folder is never touched. A folder that stands
-// under its name may hold the marker, too, where the program was killed between
-// replacing a former one and its end.
+// A folder lists its files (list_file) and is replaced only where it holds
+// nothing else. A folder that is being removed holds a marker (unfinished_file)
+// until it is empty, by which the next call recognizes the remains of a killed
+// program; without the marker a folder is never touched. A complete folder may
+// hold the marker, too, where the program was killed after replacing a former
+// one.
 class OutputFolder {
  public:
   // kind must outlive this object. Throws Error: kUnsupported (the folder holds
-  // what an earlier call wrote and overwrite is false, such without its list,
-  // or anything else; it is a link; beside it stands, under the name of the
-  // temporary, what is no unfinished folder; another program is writing it),
-  // kIo.
+  // an earlier result and overwrite is false, or one without its list, or
+  // anything else; it is a link; the name of the temporary folder is taken by
+  // anything but an unfinished folder; another program is writing it), kIo.
   OutputFolder(const OutputFolderKind& kind,
                const std::filesystem::path& path,
                bool overwrite);
@@ -46,23 +45,23 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  // Where to write.
+  // The folder to write to.
   const std::filesystem::path& Temporary() const { return temporary_; }
 
-  // Lists what was written, puts it into the place of the former folder, in one
-  // step where the file system can, and removes that. Throws what the
-  // constructor does, since files may have come meanwhile.
+  // Lists the written files and replaces the former folder, atomically where
+  // the file system can, then removes it. Throws what the constructor throws,
+  // since files may have been added meanwhile.
   void Commit();
 
  private:
-  // Where the file system cannot exchange two folders.
+  // For file systems that cannot exchange two folders.
   void ReplaceInTwoSteps();
 
   const OutputFolderKind& kind_;
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool overwrite_;
-  std::unique_ptr<Folder> lock_;  // The temporary, by which it is locked.
+  std::unique_ptr<Folder> lock_;  // A lock on the temporary folder.
 };
 
 }  // namespace tsar

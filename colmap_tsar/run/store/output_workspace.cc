@@ -58,8 +58,8 @@ void RequireOutside(const std::filesystem::path& input,
   }
 }
 
-// Whether nothing is in it but what a call leaves that was killed before it had
-// written the marker.
+// Whether it is empty or holds only the files of a call that was killed before
+// it had written the marker.
 bool IsEmptyOrBegun(const std::filesystem::path& output) {
   const ContainedPath marker =
       GetTsarFolder(output) /
@@ -94,7 +94,7 @@ void WriteMarker(const std::filesystem::path& input,
             {{"version", TSAR_VERSION}, {"input", input.string()}});
 }
 
-// A path in a JSON file; nothing where there is no such file.
+// Reads a path from a JSON file; nothing where there is no such file.
 std::optional<std::filesystem::path> ReadPath(const std::filesystem::path& path,
                                               const char* key,
                                               const Error& corrupt) {
@@ -128,11 +128,11 @@ void NoteOutput(const std::filesystem::path& input,
     WriteJson(OutputsFolder(input) / (std::to_string(hash.Value()) + ".json"),
               {{"output", path}});
   } catch (const Error&) {
-    // Who cannot write there cannot restore it, either.
+    // A program that cannot write there cannot restore it, either.
   }
 }
 
-// Whether any link was made again. `input` is canonical.
+// Returns whether any link was renewed. `input` is canonical.
 bool RelinkOutput(const std::filesystem::path& input,
                   const std::filesystem::path& output) {
   const std::filesystem::path stored = GetTsarFolder(input) / "original";
@@ -169,7 +169,7 @@ void LinkUnlessRefined(OriginalState state,
   }
 }
 
-// Whether links lead to originals that are stored, which may be put back.
+// Returns whether links lead to stored originals, which may be put back.
 bool LinkMaps(const Workspace& input, const std::filesystem::path& output) {
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     CreateFolders({output, std::filesystem::path("stereo") / folder});
@@ -203,7 +203,7 @@ Workspace CreateOutputWorkspace(const Workspace& input,
   RequireOutside(std::filesystem::canonical(input.Root()), output);
   RequireOutside(source, output);
   RequireEmptyOrOutputOf(source, output);
-  // First, so that an interrupted call can be taken up again.
+  // The marker comes first, so that an interrupted call can be resumed.
   WriteMarker(source, output);
   const ContainedPath stereo(output, "stereo");
   ReplaceByLink(source / "images", {output, "images"});

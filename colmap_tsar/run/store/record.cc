@@ -35,7 +35,7 @@ Error CorruptRecord(const std::filesystem::path& path,
                          " 1 and start again");
 }
 
-// See GetMapPaths. Names that are not UTF-8 are not in records as they are.
+// See GetMapPaths. Records do not hold names that are not UTF-8 unchanged.
 bool IsRecordOf(const ImageRecord& record, const std::filesystem::path& path) {
   const std::string end = "/" + record.image + "." + record.type + ".json";
   return end.find("\xEF\xBF\xBD") != std::string::npos ||
@@ -119,7 +119,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     record.counts = json.at("counts").get<std::map<std::string, int64_t>>();
     record.seconds = json.at("seconds").get<std::map<std::string, double>>();
     record.note = json.at("note").get<std::string>();
-    // That of another image would have its refined maps taken for originals.
+    // The record of another image would make its refined maps originals.
     if (!IsRecordOf(record, path)) {
       throw CorruptRecord(path, "the record of another image");
     }
@@ -127,7 +127,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
   } catch (const nlohmann::json::exception&) {
     throw CorruptRecord(path);
   } catch (const std::logic_error&) {
-    // A status or a fingerprint that is none.
+    // An invalid status or fingerprint.
     throw CorruptRecord(path);
   }
 }

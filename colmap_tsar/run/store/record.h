@@ -25,29 +25,29 @@ enum class ImageStatus {
 
 std::string ToString(ImageStatus status);
 
-// What is known about one image's maps of one type, kept as
-// stereo/tsar/records/NAME.TYPE.json. The caller of WriteRefined fills in
-// options_hash, inputs, counts, seconds and note; the rest is filled in there.
+// The record of one image's maps of one type, stored as
+// stereo/tsar/records/NAME.TYPE.json. The caller of WriteBack fills in
+// options_hash, inputs, counts, seconds and note, WriteBack the rest.
 struct ImageRecord {
   std::string version;  // Of the program that wrote it.
   std::string image;
   std::string type;
   ImageStatus status = ImageStatus::kPending;
   std::string options_hash;
-  // What the maps were made from, as fingerprints by the names of its parts.
+  // The inputs of the maps, as fingerprints by input name.
   std::map<std::string, std::string> inputs;
-  // Which of them is that of the planes of the scene; empty where there were
-  // none.
+  // The input with the fingerprint of the planes of the scene; empty where
+  // there were none.
   static constexpr const char* kPlanes = "planes";
   // The maps of this program that may be in place, the latest first. More than
   // one only while maps are being replaced.
   std::vector<WrittenMap> written_depth;
   std::vector<WrittenMap> written_normal;
-  // The files that belong to the maps, by the names of ResultFiles().
+  // The files that belong to the maps, by their names in ResultFiles().
   std::map<std::string, WrittenMap> results;
-  // The originals that the maps were made from: by them an original that was
-  // put back is known, and one that was changed where it is kept. Nothing in
-  // output workspaces.
+  // The originals that the maps were made from, to recognize an original that
+  // was put back or whose stored file was changed. Nothing in output
+  // workspaces.
   std::optional<WrittenMap> original_depth;
   std::optional<WrittenMap> original_normal;
   std::map<std::string, int64_t> counts;
@@ -56,13 +56,13 @@ struct ImageRecord {
 };
 
 // Nothing where there is no such file; Error kCorrupt where it is not a record,
-// or that of another image.
+// or the record of another image.
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
 
-// The same, but nothing and a warning in the place of Error kCorrupt.
+// ReadRecord(), but nothing and a warning instead of Error kCorrupt.
 std::optional<ImageRecord> ReadRecordIfValid(const std::filesystem::path& path);
 
-// In one step; creates the folder.
+// Writes the record atomically; creates the folder.
 void WriteRecord(const ContainedPath& path, const ImageRecord& record);
 
 }  // namespace tsar

@@ -24,7 +24,7 @@
 namespace tsar {
 namespace {
 
-// In stereo/tsar, what outlives a restoration where something is left in it.
+// The folders of stereo/tsar that stay after a restoration, if not empty.
 constexpr const char* kOriginals = "original";
 constexpr const char* kRecords = "records";
 
@@ -61,7 +61,7 @@ class ImageRestorer {
     }
     if (!depth_ && !normal_) {
       RemoveResults(paths_);
-      // Last: an interrupted restoration still needs it.
+      // The record goes last: an interrupted restoration still needs it.
       RemoveFile(paths_.record);
       return;
     }
@@ -79,7 +79,7 @@ class ImageRestorer {
   }
 
  private:
-  // Nothing where no original is stored.
+  // The state of a map; nothing where no original is stored.
   static std::optional<MapState> Inspect(
       const ContainedPath& current,
       const ContainedPath& stored,
@@ -98,7 +98,7 @@ class ImageRestorer {
                : std::nullopt;
   }
 
-  // Whether what is stored is not the original, see FindOriginals().
+  // Whether the stored map is not the original, see FindOriginals().
   static bool IsChanged(std::optional<MapState> state,
                         const ContainedPath& stored,
                         const std::optional<WrittenMap>& original) {
@@ -115,7 +115,7 @@ class ImageRestorer {
                                   record_->original_normal));
   }
 
-  // Of a map of which no original is stored.
+  // Whether a map without a stored original is a refined one.
   static bool IsRefined(const ContainedPath& current,
                         const std::vector<WrittenMap>& written,
                         const std::optional<WrittenMap>& original) {
@@ -147,7 +147,7 @@ class ImageRestorer {
     RenameFile(stored, current);
   }
 
-  // Record and originals stay, so that the decision can be another one later.
+  // Record and originals stay, so that the user can decide otherwise later.
   void Keep() {
     RemoveResults(paths_);
     result_->kept.push_back(paths_.depth.Path());
@@ -162,8 +162,8 @@ class ImageRestorer {
   const bool is_changed_;
 };
 
-// What lies directly in stereo/tsar and is of runs: not the lock, nor what they
-// superseded.
+// The entries of stereo/tsar that runs have left, except the lock and
+// superseded maps.
 std::vector<Folder::Entry> ListTsarFolder(const std::filesystem::path& root) {
   std::vector<Folder::Entry> entries;
   if (const auto folder = Folder::OpenIfThere(GetTsarFolder(root))) {
@@ -228,20 +228,20 @@ RestoreResult Restore(const std::filesystem::path& root,
   }
   const ContainedPath tsar = GetTsarFolder(root);
   // A run that was stopped before its first map leaves no original, but its
-  // manifest and what it observed.
+  // manifest and its evidence.
   if (!HasRunState(root)) {
     throw Error::File(ErrorCode::kNotFound,
                       tsar.string(),
                       "there is nothing to restore",
                       "check " + OptionName("workspace_path"));
   }
-  // See GetMapPaths.
+  // The keys are those of GetMapPaths.
   std::set<std::string> keys;
   keys.merge(ListFileNames(tsar / kRecords, ".json"));
   keys.merge(ListFileNames(tsar / kOriginals / "depth_maps", ".bin"));
   keys.merge(ListFileNames(tsar / kOriginals / "normal_maps", ".bin"));
   RestoreResult result;
-  // All is looked at before the first file is changed.
+  // All images are checked before the first file is changed.
   std::vector<ImageRestorer> images;
   for (const std::string& key : keys) {
     images.emplace_back(GetMapPaths(root, key), conflicts, &result);

@@ -11,19 +11,19 @@
 
 namespace tsar {
 
-// What to do with an image where nothing tells whose the maps in place are,
-// such as where one of depth and normals alone was written anew, or where an
-// original was changed where it is kept.
+// The treatment of an image whose maps in place are of unknown origin, for
+// example where only one of depth and normals was written anew, or whose stored
+// original was changed.
 enum class RestoreConflicts {
-  kReport,    // Change nothing, and say so.
-  kKeep,      // Leave what is there; the original stays where it is kept.
-  kOriginal,  // Put the originals back wherever there are some, also in the
-              // place of maps that another program made anew. What stands there
-              // is superseded.
+  kReport,    // Change nothing, and report it.
+  kKeep,      // Keep the maps in place; the original stays stored.
+  kOriginal,  // Put all stored originals back, also in the
+              // place of maps that another program made anew, which are
+              // superseded.
 };
 
-// Whether runs have left anything in stereo/tsar, or originals are kept there;
-// not what was superseded.
+// Whether runs have left files in stereo/tsar, or originals are stored there;
+// superseded maps do not count.
 bool HasRunState(const std::filesystem::path& root);
 
 // "report", "keep" or "original"; Error kBadOption for others.
@@ -31,30 +31,30 @@ RestoreConflicts ParseRestoreConflicts(const std::string& text);
 
 struct RestoreResult {
   int num_restored = 0;  // Images and types whose originals were put back.
-  // Maps that another program made anew, or that were kept on demand, by the
-  // paths of their depth maps. The originals are kept beside them.
+  // Depth map paths of images whose maps another program made anew, or that
+  // were kept on demand. Their originals are kept, too.
   std::vector<std::filesystem::path> kept;
-  // Conflicts that were reported alone.
+  // Conflicts that were only reported.
   std::vector<std::filesystem::path> conflicts;
-  // Refined maps of which an original is gone, and which stay.
+  // Refined maps without an original, which stay.
   std::vector<std::filesystem::path> lost;
-  // Where the maps are now that stood in the way of originals.
+  // The new locations of maps that originals replaced.
   std::vector<std::filesystem::path> superseded;
-  // Output workspaces whose links to originals were made again.
+  // Output workspaces whose links to originals were renewed.
   std::vector<std::filesystem::path> relinked;
 };
 
-// Puts the originals back under their names, whatever their type, and removes
-// what this program wrote: confidence, provenance and plane maps and
-// stereo/tsar. An original is never removed but by being put back; nor is what
-// somebody else wrote in its place (see superseded.h). Depth and normals of an
-// image always come from one source. What is kept of an image whose maps were
-// left as they are stays in stereo/tsar.
+// Puts the originals of all types back under their names, and removes the files
+// of this program: confidence, provenance and plane maps and stereo/tsar. An
+// original is only removed by being put back; maps that another program wrote
+// in its place are never removed (see superseded.h). Depth and normals of an
+// image always come from one source. The stored originals of an image whose
+// maps were kept stay in stereo/tsar.
 //
 // Can be called again after an interruption. The caller holds the
 // WorkspaceLock. Throws Error: kNotFound (nothing to restore), kUnsupported (an
 // output workspace, whose originals lie elsewhere), kIo (also where a folder
-// cannot be listed: what is in it would be forgotten).
+// cannot be listed: its originals would be lost).
 RestoreResult Restore(const std::filesystem::path& root,
                       RestoreConflicts conflicts = RestoreConflicts::kReport);
 

@@ -9,20 +9,20 @@
 
 namespace tsar {
 
-// The folders of stereo in which a refinement leaves files of its own beside
-// the depth and normal maps.
+// The folders of stereo in which refinement writes files beside the depth and
+// normal maps.
 inline constexpr std::array<const char*, 4> kResultFolders = {
     "confidence_maps", "sigma_maps", "provenance_maps", "plane_maps"};
 
 struct ResultFile {
-  const char* name;  // Of what it holds.
+  const char* name;  // The name of its content.
   const ContainedPath* path;
 };
 
-// These files of one image, there or not. The pointers are into the argument.
+// The files of one image, existing or not. Paths point into the argument.
 std::array<ResultFile, 4> ResultFiles(const MapPaths& paths);
 
-// Removes them.
+// Removes the result files.
 void RemoveResults(const MapPaths& paths);
 
 }  // namespace tsar

@@ -64,7 +64,7 @@ struct StoredView {
 static_assert(sizeof(StoredView) == 8 &&
               std::is_trivially_copyable_v<StoredView>);
 
-// The two parts of the file as arrays of what is stored.
+// The two parts of the file, as arrays of stored elements.
 struct PlaneArrays {
   std::vector<StoredPlane> planes;
   std::vector<StoredFrame> frames;
@@ -171,7 +171,7 @@ LabelArrays ToLabelArrays(const SceneModel& model) {
   return arrays;
 }
 
-// All of the model but its views.
+// The model without its views.
 SceneModel FromPlaneArrays(const PlaneArrays& arrays) {
   SceneModel model;
   for (const StoredPlane& plane : arrays.planes) {
@@ -186,8 +186,8 @@ SceneModel FromPlaneArrays(const PlaneArrays& arrays) {
   return model;
 }
 
-// Nothing where the labels are not those of the views, each of which is there
-// once, in order.
+// The views' labels, by image; nothing where they do not match the views, which
+// must be unique and in order.
 std::optional<std::map<int, ViewLabels>> FromLabelArrays(
     const LabelArrays& arrays) {
   std::map<int, ViewLabels> views;
@@ -224,12 +224,12 @@ bool IsRotation(const Eigen::Matrix3d& matrix) {
 bool HasUnitVectors(const ModelPlane& plane) {
   Eigen::Matrix3d axes;
   axes << plane.axis_s, plane.axis_t, plane.plane.normal;
-  // Either of the normal's directions stands for the same plane.
+  // Both directions of the normal represent the same plane.
   axes.col(2) *= axes.determinant() < 0.0 ? -1.0 : 1.0;
   return axes.allFinite() && IsRotation(axes);
 }
 
-// Unknown variances are infinite, and then covariances are 0.
+// Unknown variances are infinite, with covariances of 0.
 bool IsCovariance(const Eigen::Matrix3d& covariance) {
   Eigen::Matrix3d covariances = covariance;
   covariances.diagonal().setZero();
@@ -280,9 +280,9 @@ std::optional<std::string> FindCylinderFault(const ModelCylinder& cylinder) {
   return std::nullopt;
 }
 
-// Which promise of SceneModel this one breaks, as what it has ("a label that no
-// plane has"); nothing where it keeps all: unit vectors at right angles, finite
-// numbers, frames that are rotations, labels of planes that there are.
+// The invariant of SceneModel that this one violates, as the fault ("a label
+// that no plane has"); nothing where it satisfies all: unit vectors at right
+// angles, finite numbers, frames that are rotations, labels of existing planes.
 std::optional<std::string> FindSceneModelFault(const SceneModel& model) {
   for (const Eigen::Matrix3d& frame : model.frames) {
     if (!frame.allFinite() || !IsRotation(frame)) {
@@ -325,12 +325,12 @@ struct Header {
   uint64_t num_frames = 0;
   uint64_t num_cylinders = 0;
   uint64_t num_views = 0;
-  uint64_t num_labels = 0;  // Of all views together.
+  uint64_t num_labels = 0;  // The sum over all views.
   uint64_t planes_fingerprint = 0;
   uint64_t labels_fingerprint = 0;
   uint64_t header_fingerprint = 0;
 
-  // In the order of PlaneArrays and LabelArrays.
+  // The sizes in the order of PlaneArrays and LabelArrays.
   std::vector<StateFileArray> Arrays() const {
     return {{num_planes, sizeof(StoredPlane)},
             {num_frames, sizeof(StoredFrame)},
@@ -343,7 +343,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 80);
 
-// For writing and for reading.
+// The arrays for writing and for reading.
 template <typename Arrays>
 auto PlaneBytes(Arrays& arrays) {
   return std::vector{BytesOf(arrays.planes),

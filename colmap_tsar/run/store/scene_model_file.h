@@ -22,25 +22,24 @@ namespace tsar {
 
 enum class SceneModelParts {
   kAll,
-  // All but the views, which stay empty and are neither written nor read.
+  // Everything but the views, which stay empty and are not read or written.
   kWithoutLabels,
 };
 
 ContainedPath GetSceneModelPath(const std::filesystem::path& root);
 
-// In one step; creates the folder. The same model gives the same bytes.
-// options_hash: stands for everything that the model was computed from. Error
-// kMismatch for a model that ReadSceneModel() would not accept, kIo.
+// Writes the file atomically; creates the folder. The same model gives the same
+// bytes. options_hash: a hash of all inputs of the model. Error kMismatch for a
+// model that ReadSceneModel() would not accept, kIo.
 void WriteSceneModel(const ContainedPath& path,
                      const std::string& options_hash,
                      const SceneModel& model,
                      SceneModelParts parts = SceneModelParts::kAll);
 
-// What is returned keeps the promises of SceneModel.
-// Error kNotFound, kIo, or kCorrupt where the file is damaged, not of this
-// format's version, or breaks such a promise. The file's length is checked
-// before memory is allocated. A file that was written without labels has no
-// views.
+// The result satisfies the invariants of SceneModel. Error kNotFound, kIo, or
+// kCorrupt where the file is damaged, not of this format's version, or violates
+// an invariant. The file's length is checked before memory is allocated. A file
+// that was written without labels has no views.
 SceneModel ReadSceneModel(const std::filesystem::path& path,
                           SceneModelParts parts = SceneModelParts::kAll);
 
@@ -49,9 +48,9 @@ SceneModel ReadSceneModel(const std::filesystem::path& path,
 std::optional<uint64_t> ReadScenePlanesFingerprint(
     const std::filesystem::path& path);
 
-// The options hash of a file, from its header alone: whether the model may be
+// The options hash in a file's header, which tells whether the model may be
 // used. Nothing where there is no file, or none with an intact header, of this
-// format's version and of the length that the header says.
+// format's version and of the length that the header gives.
 std::optional<std::string> ReadSceneModelHash(
     const std::filesystem::path& path);
 

@@ -32,7 +32,7 @@ constexpr std::array kStateNames = {
     std::pair(State::kComposed, "composed"),
 };
 
-// What the first option that differs is, on both sides.
+// Describes the first option that differs, on both sides.
 std::string DifferenceOf(const std::map<std::string, std::string>& own,
                          const std::map<std::string, std::string>& other) {
   for (const auto& [name, value] : own) {
@@ -103,7 +103,7 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
            image.at("inputs").get<std::map<std::string, std::string>>(),
            image.at("note").get<std::string>()});
     }
-    // A record under another shard's name would stand for that one.
+    // A record under another shard's name would count as that one's.
     if (record.index >= 0 && record.index < record.count &&
         path.filename() ==
             GetShardPath({}, record.pass, record.index, record.count)
@@ -154,12 +154,12 @@ std::map<std::filesystem::path, ShardRecord> ListShardRecords(
   for (const TreeEntry& entry : ListTree(GetShardFolder(root))) {
     const std::filesystem::path& path = entry.path;
     if (path.extension() != ".json") {
-      continue;  // What a killed program left behind.
+      continue;  // The remains of a killed program.
     }
     try {
       records.emplace(path, ReadShardRecord(path));
     } catch (const Error& failure) {
-      // Its shard may have removed it meanwhile.
+      // The shard's program may have removed it meanwhile.
       if (failure.Code() != ErrorCode::kNotFound) {
         throw;
       }

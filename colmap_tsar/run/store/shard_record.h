@@ -14,22 +14,22 @@
 
 namespace tsar {
 
-// The account of one shard's run over its part of a workspace, kept as
-// stereo/tsar/shards/PASS-INDEX-of-COUNT.json until all shards are merged. Each
-// is written by the program that works on the shard, and read by all.
+// The account of one shard's run over its part of a workspace, stored as
+// stereo/tsar/shards/PASS-INDEX-of-COUNT.json until all shards are merged. The
+// program that works on the shard writes it, all programs read it.
 struct ShardRecord {
   enum class State {
-    kNeeded,     // Begun; not done, or failed, which the note then tells.
+    kNeeded,     // Begun; unfinished, or failed as the note tells.
     kObserved,   // There is evidence.
     kNothing,    // There is nothing to observe.
-    kNotNeeded,  // The image and all whose source it is had been refined.
+    kNotNeeded,  // The image and all that use it had been refined.
     kComposed,   // The maps were refined, or kept.
   };
   struct Entry {
     std::string image;
     State state = State::kNeeded;
-    // What its view was loaded from, as fingerprints by the names of its parts;
-    // only in the pass observe.
+    // The inputs of its view, as fingerprints by input name; only in the pass
+    // observe.
     std::map<std::string, std::string> inputs;
     std::string note;
   };
@@ -38,16 +38,16 @@ struct ShardRecord {
   std::string type;     // Of the maps.
   std::map<std::string, std::string> options;
   std::string options_hash;
-  std::string images_hash;  // Of the images to refine and their sources.
+  std::string images_hash;  // A hash of the images to refine and their sources.
   std::string pass;
   int index = 0;
   int count = 1;
   bool is_complete = false;
-  // What it was run with; no result depends on it.
+  // The runtime settings of the run; no result depends on them.
   std::map<std::string, std::string> runtime;
-  // Of the images, those with a mask; nothing where no masks were given.
+  // The number of images with a mask; nothing where no masks were given.
   std::optional<int64_t> num_masks;
-  // The same of depth priors.
+  // The number of images with a depth prior; nothing without priors.
   std::optional<int64_t> num_priors;
   std::vector<Entry> images;
 };
@@ -58,24 +58,24 @@ ContainedPath GetShardPath(const std::filesystem::path& root,
                            int index,
                            int count);
 
-// Error kNotFound where there is none, kIo where it cannot be read, kCorrupt
-// where the file is not a record or that of another shard.
+// Error kNotFound where there is no record, kIo where it cannot be read,
+// kCorrupt where the file is not a record or that of another shard.
 ShardRecord ReadShardRecord(const std::filesystem::path& path);
 
-// In one step; creates the folder.
+// Writes the record atomically; creates the folder.
 void WriteShardRecord(const std::filesystem::path& root,
                       const ShardRecord& record);
 
-// All that there are, by their names.
+// All existing records, by their paths.
 std::map<std::filesystem::path, ShardRecord> ListShardRecords(
     const std::filesystem::path& root);
 
-// Removes all, and then the folder, in an order that leaves nothing which looks
-// like a shard that was not run. Error kIo.
+// Removes all records, then the folder, in an order in which no intermediate
+// state looks like a shard that was not run. Error kIo.
 void RemoveShardRecords(const std::filesystem::path& root);
 
-// Error kMismatch, which names the file of `other` and what differs, where the
-// two are not parts of the same work: by versions, types of maps, options or
+// Error kMismatch, naming the file of `other` and the difference, where the two
+// records are not of the same work: other versions, types of maps, options,
 // numbers of shards, or images.
 void RequireSameWork(const ShardRecord& own,
                      const ShardRecord& other,

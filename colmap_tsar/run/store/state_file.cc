@@ -13,12 +13,12 @@
 namespace tsar {
 namespace {
 
-// All of it goes between memory and the file as it is.
+// All data is copied between memory and file as it is.
 static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(int) == 4 && sizeof(float) == 4 && sizeof(double) == 8);
 static_assert(sizeof(StateFileStart) == 16);
 
-// Of all of a header before the fingerprint, and of the options hash.
+// A fingerprint of the header before its fingerprint, and of the options hash.
 uint64_t FingerprintOfHeader(std::span<const std::byte> header,
                              const std::string& options_hash) {
   ContentHash hash;
@@ -69,7 +69,7 @@ StateFileBytesReader::StateFileBytesReader(const std::filesystem::path& path,
 }
 
 void StateFileBytesReader::ReadHeader(std::span<std::byte> header) {
-  // The length of the options hash is not yet needed, and the header of another
+  // The length of the options hash is not needed yet, and the header of another
   // version may be shorter.
   constexpr size_t kNumFixed = offsetof(StateFileStart, options_hash_length);
   if (file_.Size() < kNumFixed) {
@@ -109,7 +109,7 @@ void StateFileBytesReader::ReadHeader(std::span<std::byte> header) {
 
 void StateFileBytesReader::RequireLength(
     const std::vector<StateFileArray>& arrays) const {
-  // By division: products of hostile numbers overflow.
+  // Division, since products of hostile numbers overflow.
   uint64_t rest = file_.Size() - header_size_ - options_hash_.size();
   const bool fit =
       !arrays.empty() && std::ranges::all_of(arrays, [&](StateFileArray array) {
@@ -128,7 +128,7 @@ void StateFileBytesReader::RequireLength(
 
 void StateFileBytesReader::Read(const WritableArrays& arrays,
                                 uint64_t fingerprint) {
-  // Pieces that are still in the processor's cache when they are hashed.
+  // Pieces are small enough to be hashed in the processor's cache.
   constexpr size_t kPiece = size_t{1} << 18;
   ContentHash hash;
   for (const std::span<std::byte> array : arrays) {

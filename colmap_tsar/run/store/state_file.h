@@ -19,17 +19,16 @@
 
 namespace tsar {
 
-// Binary files in which one pass of a run leaves what the next ones need.
+// Binary files in which one pass of a run stores the input of the next ones.
 // Little-endian, without padding: a header of fixed size, the options hash,
-// arrays. Their headers are structs of their own that begin with a
-// StateFileStart, end with a uint64_t header_fingerprint, hold fingerprints of
-// the arrays, and say by
+// arrays. Their headers are structs that begin with a StateFileStart, end with
+// a uint64_t header_fingerprint, hold fingerprints of the arrays, and return by
 //
 //   std::vector<StateFileArray> Arrays() const;
 //
-// which arrays follow; none at all where no file has such sizes.
+// the arrays that follow; none at all where the sizes are impossible.
 
-// What stays the same in all versions of all formats.
+// The fields that are the same in all versions of all formats.
 struct StateFileStart {
   std::array<char, 8> magic = {};
   uint32_t version = 0;
@@ -41,14 +40,14 @@ struct StateFileArray {
   size_t element_size = 0;  // In bytes.
 };
 
-// A kind of such files, with its errors.
+// A format of state files, with its errors.
 struct StateFileKind {
   std::array<char, 8> magic;
-  // To be raised with every change of what the bytes mean, fingerprints
-  // included.
+  // To be incremented with every change of the meaning of the bytes, including
+  // fingerprints.
   uint32_t version;
   Error (*missing)(const std::filesystem::path& path);
-  // what: "its content was changed".
+  // what: the fault, such as "its content was changed".
   Error (*corrupt)(const std::filesystem::path& path, const std::string& what);
 };
 
@@ -56,7 +55,7 @@ struct StateFileKind {
 using ReadableArrays = std::vector<std::span<const std::byte>>;
 using WritableArrays = std::vector<std::span<std::byte>>;
 
-// A vector's or an image's elements; writable where the container is.
+// The elements of a vector or an image; writable where the container is.
 template <typename Container>
 auto BytesOf(Container& container) {
   const std::span elements(container);
@@ -71,13 +70,12 @@ auto BytesOf(Container& container) {
 
 uint64_t FingerprintOfArrays(const ReadableArrays& arrays);
 
-// Throws kMismatch with what is wrong with the content of a file before that is
-// written, where anything is.
+// Throws kMismatch with the fault of a file's content, if any, before that is
+// written.
 void RequireNoFault(const ContainedPath& path,
                     const std::optional<std::string>& fault);
 
-// A reader and a writer for headers whose layout is not known; use the
-// templates below.
+// A reader and a writer for headers of unknown layout; use the templates below.
 class StateFileBytesReader {
  public:
   StateFileBytesReader(const std::filesystem::path& path,
@@ -90,7 +88,7 @@ class StateFileBytesReader {
   // these arrays.
   void RequireLength(const std::vector<StateFileArray>& arrays) const;
 
-  // The next arrays of the file, which have their sizes already.
+  // Reads the next arrays of the file, which have their sizes already.
   void Read(const WritableArrays& arrays, uint64_t fingerprint);
 
  private:
@@ -118,9 +116,9 @@ constexpr void CheckStateFileHeader() {
 }
 
 // An open file whose header is intact and agrees with the file's length, so
-// that memory may be allocated for what it says. The constructor throws the
-// kind's errors, and kIo where the file may not be read; Read() that the file
-// is corrupt.
+// that memory may be allocated for its arrays. The constructor throws the
+// kind's errors, and kIo where the file may not be read; Read() throws the
+// error for a corrupt file.
 template <typename Header>
 class StateFileReader {
  public:
@@ -134,7 +132,7 @@ class StateFileReader {
   const Header& GetHeader() const { return header_; }
   const std::string& OptionsHash() const { return bytes_.OptionsHash(); }
 
-  // The next arrays of the file, which have their sizes already.
+  // Reads the next arrays of the file, which have their sizes already.
   void Read(const WritableArrays& arrays, uint64_t fingerprint) {
     bytes_.Read(arrays, fingerprint);
   }
@@ -144,8 +142,8 @@ class StateFileReader {
   StateFileBytesReader bytes_;
 };
 
-// In one step; creates the folder. Of the header, everything but its start and
-// its own fingerprint is set already.
+// Writes the file atomically; creates the folder. All fields of the header but
+// its start and its own fingerprint are set already.
 template <typename Header>
 void WriteStateFile(const ContainedPath& path,
                     const StateFileKind& kind,
@@ -159,8 +157,8 @@ void WriteStateFile(const ContainedPath& path,
       path, std::as_writable_bytes(std::span(&header, 1)), options_hash, parts);
 }
 
-// The options hash of a file, from its header alone. Nothing where there is no
-// file, or none that a reader would open.
+// The options hash in a file's header. Nothing where there is no file, or none
+// that a reader would open.
 template <typename Header>
 std::optional<std::string> ReadStateFileHash(const std::filesystem::path& path,
                                              const StateFileKind& kind) {

@@ -7,11 +7,10 @@
 
 namespace tsar {
 
-// Moves a map that stands in the way of another one to stereo/tsar/superseded,
-// where this program never touches it again, and returns where it is now; the
-// caller tells the user. path: of the file; map: of the map that it is, in
-// stereo, whose name it keeps there but for a number where there is such a file
-// already.
+// Moves a file that has to make room for another map to stereo/tsar/superseded,
+// where this program never touches it again, and returns its new path; the
+// caller tells the user. path: the file; map: its map in stereo, whose name it
+// keeps, with a number appended where that is taken.
 ContainedPath Supersede(const ContainedPath& path, const ContainedPath& map);
 
 }  // namespace tsar

@@ -36,8 +36,8 @@ void RequireFolder(const std::filesystem::path& folder,
   }
 }
 
-// Opens what is stored or, where nothing is, the current map. An image that
-// turns out to keep its maps gets what is stored back, perhaps meanwhile.
+// Opens the stored map or, where there is none, the current one. Meanwhile
+// another program that keeps the image's maps may put the stored map back.
 template <typename Open>
 auto OpenStoredOrCurrent(const std::filesystem::path& stored,
                          const std::filesystem::path& current,

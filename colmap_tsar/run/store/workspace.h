@@ -27,7 +27,7 @@ struct DepthNormal {
   int64_t num_not_finite = 0;  // Values that were read as invalid.
 };
 
-// The same, open to be read a piece at a time.
+// An open depth and normal map, to be read piece by piece.
 struct DepthNormalReader {
   DepthMapReader depth;
   NormalMapReader normal;
@@ -35,15 +35,15 @@ struct DepthNormalReader {
   int Width() const { return depth.Size().width; }
   int Height() const { return depth.Size().height; }
   size_t NumPixels() const { return depth.Size().NumPixels(); }
-  // Of both, among those that were read.
+  // The number of such values of both maps among those that were read.
   int64_t NumNotFinite() const {
     return depth.NumNotFinite() + normal.NumNotFinite();
   }
 };
 
-// COLMAP's dense workspace: images/, sparse/ and stereo/. Images are named by
-// their index in Model().images. All methods that are const may be called from
-// several threads.
+// COLMAP's dense workspace: images/, sparse/ and stereo/. Images are given by
+// their index in Model().images. All const methods may be called from several
+// threads.
 class Workspace {
  public:
   // type: the maps to refine. Reads the sparse model and patch-match.cfg.
@@ -55,17 +55,17 @@ class Workspace {
   const std::filesystem::path& Root() const { return root_; }
   MapType Type() const { return type_; }
   const SparseModel& Model() const { return model_; }
-  // Where it was read: sparse, or sparse/0.
+  // The folder of the model: sparse, or sparse/0.
   const std::filesystem::path& ModelFolder() const { return model_folder_; }
   const std::vector<StereoProblem>& Problems() const { return problems_; }
 
-  // The workspace that holds the originals: another one where this one was
-  // made by CreateOutputWorkspace, otherwise this one.
+  // The workspace that holds the originals: another one if this one was made by
+  // CreateOutputWorkspace, otherwise this one.
   const std::filesystem::path& SourceRoot() const { return source_root_; }
   bool IsOutput() const { return is_output_; }
 
   std::filesystem::path ImagePath(int image) const;
-  // In this workspace, and in the one that holds the originals.
+  // The paths in this workspace, and in the one that holds the originals.
   MapPaths Paths(int image, MapType type) const;
   MapPaths SourcePaths(int image, MapType type) const;
   std::filesystem::path DepthPath(int image, MapType type) const;
@@ -75,10 +75,9 @@ class Workspace {
   std::filesystem::path ProvenancePath(int image, MapType type) const;
   std::filesystem::path PlanesPath(int image, MapType type) const;
 
-  // From now on, ReadOriginalMaps() takes what is stored where anything is, and
-  // needs no record to find it: of references and this type, for these are the
-  // maps at which other programs may be at work. Of all others, what is stored
-  // may be stale.
+  // From now on, ReadOriginalMaps() takes the stored maps of references and
+  // this type, if any, without a record: other programs may be at work on these
+  // maps. Stored maps of other images and types may be outdated.
   void TrustStoredOriginals();
 
   // From now on, images have the masks in this folder, see image_mask.h; none
@@ -86,13 +85,13 @@ class Workspace {
   // is the folder of the images).
   void UseMasks(const std::filesystem::path& folder);
   bool HasMask(int image) const { return !MaskPath(image).empty(); }
-  // Empty where it has none.
+  // Empty where the image has no mask.
   std::filesystem::path MaskPath(int image) const;
   // 1 where the image is masked, at the size of its maps or of the image; empty
   // where it has no mask. Throw what ReadImageMask throws.
   Image<uint8_t> ReadMask(int image, const RasterSize& maps) const;
   Image<uint8_t> ReadMaskOfImage(int image, const RasterSize& maps) const;
-  // Looks at the mask of an image without reading it, see CheckImageMask.
+  // Checks the mask of an image without reading it, see CheckImageMask.
   void CheckMask(int image, const RasterSize& maps) const;
 
   // From now on, images have the depth priors in this folder, see
@@ -102,19 +101,19 @@ class Workspace {
   const PriorFolder& Priors() const { return priors_; }
   // Null where the image has none. Throws what ReadPrior throws.
   std::shared_ptr<DepthPrior> ReadPrior(int image) const;
-  // Throws what CheckPrior throws; of an image without a prior, zeros.
+  // Throws what CheckPrior throws; zeros for an image without a prior.
   PriorMemory CheckPrior(int image) const;
   // From now on, images have the label images in this folder, see
   // label_image.h; none where it is empty. Throws Error: what FindLabelImages
   // throws, kBadOption (it is the folder of the images).
   void UseLabelImages(const std::filesystem::path& folder);
-  // Empty where it has none.
+  // Empty where the image has no label image.
   std::filesystem::path LabelImagePath(int image) const;
   // The segments of the image; empty where it has no label image. Throws what
   // ReadLabelImage throws.
   Image<uint16_t> ReadLabels(int image) const;
-  // Looks at the label image without reading it, see CheckLabelImage, and
-  // returns how many pixels it has; 0 where there is none.
+  // Checks the label image without reading it, see CheckLabelImage, and returns
+  // its number of pixels; 0 where there is none.
   int64_t CheckLabels(int image) const;
 
   // Whether the image has both a depth and a normal map of this type.
@@ -125,10 +124,10 @@ class Workspace {
   Image<Rgb> ReadImage(int image, int width, int height) const;
 
   // The maps as COLMAP wrote them, also where they have been refined since.
-  // Maps that COLMAP has written anew after that count as the originals.
-  // Throws Error: kNotFound (one of the two is missing), kMismatch (sizes
-  // differ; a map is not of the image's shape; or the original is lost), and
-  // what the readers of map_io.h throw.
+  // Maps that COLMAP has written anew after that are the originals. Throws
+  // Error: kNotFound (one of the two is missing), kMismatch (sizes differ; a
+  // map is not of the image's shape; or the original is lost), and what the
+  // readers of map_io.h throw.
   DepthNormal ReadOriginalMaps(int image, MapType type) const;
   DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
 

@@ -26,8 +26,8 @@
 namespace tsar {
 namespace {
 
-// Whether the open file still has the name: the holder before may have removed
-// it between our open() and our lock.
+// Whether the open file still has the name: the former holder may have removed
+// it between open() and the lock.
 bool HasName(int descriptor, const ContainedPath& path) {
   struct stat opened;
   struct stat named;
@@ -42,8 +42,8 @@ bool HasName(int descriptor, const ContainedPath& path) {
 
 using Mode = WorkspaceLock::Mode;
 
-// The bytes of the file stand for what can be locked: one for each kind of
-// those that share, then one for each shard. The file itself stays empty.
+// Bytes of the file represent the locks: one for each shared mode, then one for
+// each shard. The file itself stays empty.
 constexpr off_t kFirstShard = 16;
 
 struct Range {
@@ -55,7 +55,7 @@ constexpr Range kEverything = {0, 0};
 
 Range KindOf(Mode mode) { return {static_cast<off_t>(mode), 1}; }
 
-// What the open file itself holds does not count.
+// Locks that the open file itself holds do not count.
 int Control(int descriptor, int command, short type, Range range) {
   struct flock lock = {};
   lock.l_type = type;
@@ -68,8 +68,8 @@ int Control(int descriptor, int command, short type, Range range) {
   return command == F_OFD_GETLK && lock.l_type != F_UNLCK ? EAGAIN : 0;
 }
 
-// Those of other kinds. Whoever comes sets its own lock before it looks for
-// others, so that of two that come at once one sees the other at least.
+// Looks for locks of other modes. A program sets its own lock before it looks
+// for others, so that of two that come at once at least one sees the other.
 int FindOthers(int descriptor, Mode mode) {
   for (const Mode other : {Mode::kShared, Mode::kObserve, Mode::kCompose}) {
     const int reason =
@@ -100,8 +100,8 @@ int LockOnce(int descriptor, Mode mode) {
 }
 
 int Lock(int descriptor, Mode mode) {
-  // One that leaves holds the lock alone for a moment, and two that come at
-  // once may both step back.
+  // A program that leaves holds the lock exclusively for a moment, and two that
+  // come at once may both give way.
   constexpr int kMaxAttempts = 20;
   for (int i = 1;; ++i) {
     const int reason = LockOnce(descriptor, mode);
@@ -135,7 +135,7 @@ struct Opened {
   int error = 0;
 };
 
-// A link in its place is not followed, and nothing but a file is opened.
+// Does not follow a link, and opens nothing but a file.
 Opened OpenFile(const ContainedPath& path, bool creates) {
   Opened opened;
   const std::optional<Folder> folder = creates
@@ -170,7 +170,7 @@ bool IsReader(Mode mode) {
   return mode == Mode::kShared || mode == Mode::kSharedIfThere;
 }
 
-// For locks, all readers are of one kind.
+// For locks, all reading modes are one.
 Mode ForLocks(Mode mode) { return IsReader(mode) ? Mode::kShared : mode; }
 
 }  // namespace
@@ -212,7 +212,7 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
       return;
     }
     if (opened.error == ENOENT && ++num_missing < kMaxMissing) {
-      continue;  // The holder before has just removed the folder.
+      continue;  // The former holder has just removed the folder.
     }
     if (opened.error != 0 && IsReader(mode)) {
       Warn(path_.string() + ": the file cannot be written (" +
@@ -269,22 +269,22 @@ WorkspaceLock::~WorkspaceLock() {
   try {
     Release();
   } catch (const std::exception&) {
-    // The file stays; whoever comes next takes it over.
+    // The file stays; the next program takes it over.
   }
   close(descriptor_);
 }
 
 void WorkspaceLock::Release() {
-  // The last of those that share it removes the file. Whoever opens it
-  // meanwhile finds that it has lost its name; on another machine that can go
-  // unnoticed, so that shards leave it to whoever ends the work of all.
+  // The last holder of a shared lock removes the file. A program that opens it
+  // meanwhile finds that its name is gone; on another machine that can go
+  // unnoticed, so that shards leave it to the program that ends the work.
   const bool is_shard = mode_ == Mode::kObserve || mode_ == Mode::kCompose;
   if (mode_ == Mode::kExclusive ||
       ((!is_shard || IsAlone(path_)) &&
        Control(descriptor_, F_OFD_SETLK, F_WRLCK, kEverything) == 0)) {
     RemoveFile(path_);
   }
-  // Only goes where nothing else was written.
+  // The folder goes only if it holds no other files.
   RemoveFolderIfEmpty(path_.Parent());
 }
 

@@ -10,21 +10,21 @@
 
 namespace tsar {
 
-// Held while a program changes a workspace, so that no second one does; or,
-// shared, by programs of one kind that do not disturb each other: those that
-// read one that must not change meanwhile, and the shards of one pass. The
-// system releases the lock also where the program is killed. Throws Error:
-// kUnsupported, naming the file, where another program holds it; kNotFound
-// where there is no stereo folder; kIo; for writing also what
-// RequireFoldersInside throws. On file systems without locks it only warns, and
-// a reader's lock also where the file cannot be written.
+// A lock that a program holds while it changes a workspace; or a shared lock
+// for programs that do not disturb each other: readers of a workspace that must
+// not change meanwhile, and the shards of one pass. The system releases the
+// lock also where the program is killed. Throws Error: kUnsupported, naming the
+// file, where another program holds it; kNotFound where there is no stereo
+// folder; kIo; for writing also what RequireFoldersInside throws. On file
+// systems without locks it only warns, as does a reader where the file cannot
+// be written.
 //
-// These are the locks of fcntl() on parts of one file, which NFS and other file
-// systems of clusters pass on to the server, so that they hold between
+// The locks are those of fcntl() on parts of one file, which NFS and other
+// cluster file systems pass on to the server, so that they hold between
 // machines.
 class WorkspaceLock {
  public:
-  // In stereo/tsar.
+  // The name in stereo/tsar.
   static constexpr const char* kFileName = "lock";
 
   enum class Mode {
@@ -32,13 +32,13 @@ class WorkspaceLock {
     kShared,   // Reads.
     kObserve,  // Works on a shard, in the first pass or
     kCompose,  // in the second.
-    // Reads one that the user did not name, but a file: creates nothing there,
-    // so that without the lock's file there is no lock.
+    // For a workspace that the user did not name, but a file did: creates
+    // nothing there, so that without the lock's file there is no lock.
     kSharedIfThere,
   };
 
-  // shard: its number, from 0 on, for the modes of shards: no other program may
-  // work on it, in whichever pass.
+  // shard: its index from 0 on, for the modes of shards: no other program may
+  // work on it, in either pass.
   explicit WorkspaceLock(const std::filesystem::path& root,
                          Mode mode = Mode::kExclusive,
                          std::optional<int> shard = std::nullopt);

@@ -46,13 +46,13 @@ Image<uint8_t> ToLevels(const Image<float>& confidence) {
   return levels;
 }
 
-// One channel of as many bits as T has.
+// Encodes one channel with the bit depth of T.
 template <typename T>
 void PutPng(const Image<T>& values,
             const std::filesystem::path& path,
             AtomicFile* file) {
-  // Encoding only reads. OpenCV's own settings are the fastest; the others save
-  // a few per cent.
+  // Encoding only reads. OpenCV's default settings are the fastest; the others
+  // save a few per cent.
   PutPicture(cv::Mat(values.Height(),
                      values.Width(),
                      cv::DataType<T>::type,
@@ -62,7 +62,7 @@ void PutPng(const Image<T>& values,
              file);
 }
 
-// Of a map that was written anew since, so that it is an original no longer.
+// For a map that was written anew: the stored one is no longer an original.
 void SupersedeOriginal(const ContainedPath& current,
                        const ContainedPath& stored) {
   const ContainedPath moved = Supersede(stored, current);
@@ -91,8 +91,8 @@ void KeepOriginal(OriginalState state,
 }
 
 void KeepBoth(const OriginalMaps& originals, const MapPaths& paths) {
-  // All former ones go first, so that at every instant what is stored is either
-  // of former times or of today, and not one of each.
+  // Both former originals go first, so that at every instant the stored maps
+  // are both former or both current.
   if (originals.depth_state == OriginalState::kReplaced) {
     SupersedeOriginal(paths.depth, paths.original_depth);
   }
@@ -185,7 +185,7 @@ void WriteBack::KeepOriginals() {
       FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
   if (!workspace_.IsOutput()) {
     KeepBoth(originals, paths_);
-    // One that was stored before is known already.
+    // A map that was stored before is in the record already.
     const auto describe = [](OriginalState state,
                              const ContainedPath& stored,
                              std::optional<WrittenMap>* original) {
@@ -207,7 +207,7 @@ void WriteBack::RecordWriting() {
 }
 
 void WriteBack::RenameFiles() {
-  // Those of an earlier refinement do not belong to these maps.
+  // Files of an earlier refinement do not belong to these maps.
   if (!has_planes_) {
     RemoveFile(paths_.planes);
   }
@@ -256,7 +256,7 @@ void StoreOriginals(const Workspace& workspace, int image) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const OriginalMaps originals = FindOriginals(paths);
   if (!ReadRecord(paths.record)) {
-    // Tells that a map which is found in place later is a newer one.
+    // With a record, a map that is found in place later is known to be newer.
     ImageRecord record;
     FillIn(workspace, image, &record);
     WriteRecord(paths.record, record);
@@ -275,7 +275,7 @@ bool IsDone(const Workspace& workspace,
       record->inputs != inputs) {
     return false;
   }
-  // The inputs tell of the originals, also of those in another workspace.
+  // The inputs cover the originals, also those in another workspace.
   const auto is_there = [](const ContainedPath& path,
                            const std::vector<WrittenMap>& written) {
     return IsFile(path) && IsAnyOf(path, written, Scrutiny::kTimeAndSamples);

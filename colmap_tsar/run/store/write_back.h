@@ -15,40 +15,40 @@
 
 namespace tsar {
 
-// Notes that the image keeps its original maps, and why (record.note). Where
-// they had been refined by an earlier run, the originals are put back.
+// Records that the image keeps its original maps, and the reason (record.note).
+// Where they had been refined by an earlier run, the originals are put back.
 void KeepImage(const Workspace& workspace, int image, ImageRecord record);
 
 // Stores the originals of an image that has maps, and changes nothing else, so
-// that others find them there whatever becomes of the maps. Not for output
-// workspaces, whose originals nobody changes.
+// that other programs find them there whatever becomes of the maps. Not for
+// output workspaces, whose originals nobody changes.
 void StoreOriginals(const Workspace& workspace, int image);
 
 // Whether the image was refined with the same options from the same inputs (see
-// ImageRecord) and all files are still what was written then. Images that were
-// kept are not done: what they lacked may have come.
+// ImageRecord) and all files are still those written then. Kept images are not
+// done: their missing inputs may have been added.
 bool IsDone(const Workspace& workspace,
             int image,
             const std::string& options_hash,
             const std::map<std::string, std::string>& inputs);
 
-// Puts the refined maps of workspace.Type() in the place of the originals, in
-// steps to be called in this order. At every instant each map file is the
-// complete original or the complete refined one, and the original is kept in
-// stereo/tsar/original (in an output workspace it stays where it is, in the
-// input). Safe for different images at once. Throws Error: kMismatch (sizes, or
-// values that are not finite), kNotFound (the image has no maps), kIo.
+// Replaces the originals by the refined maps of workspace.Type(), in steps to
+// be called in this order. At every instant each map file is the complete
+// original or the complete refined one, and the original is kept in
+// stereo/tsar/original (or, for an output workspace, in the input). Thread-safe
+// for different images. Throws Error: kMismatch (sizes, or values that are not
+// finite), kNotFound (the image has no maps), kIo.
 class WriteBack {
  public:
   WriteBack(const Workspace& workspace, int image, ImageRecord record);
 
-  // Encodes the maps and flushes them to temporary files. Takes most of the
-  // time and changes nothing that a reader of the image sees.
+  // Encodes the maps and flushes them to temporary files. This takes most of
+  // the time and changes nothing that a reader of the image sees.
   void PrepareFiles(const RefinedMaps& maps);
-  // All that follows; while it runs, nobody may look for the originals.
+  // Does all that follows; while it runs, nobody may look for the originals.
   void Commit();
 
-  // The steps of Commit(), for tests of what an interruption leaves.
+  // The steps of Commit(), public for tests of interruptions.
   void KeepOriginals();
   void RecordWriting();
   void RenameFiles();
@@ -60,7 +60,7 @@ class WriteBack {
   MapPaths paths_;
   ImageRecord record_;
   std::vector<AtomicFile> files_;
-  // Of the files, those that not every refinement has.
+  // Whether there are files that not every refinement has.
   bool has_planes_ = false;
   bool has_sigma_ = false;
 };
