@@ -13,14 +13,14 @@
 namespace tsar {
 namespace {
 
-// Depths that are larger by so many of the largest errors are of another
+// Depths that are larger by this many of the largest errors belong to another
 // surface.
 constexpr float kOtherSurfaceErrors = 4.f;
-// Below this cosine between the ray and its normal a plane tells nothing of the
-// depth along the ray.
+// Below this cosine between the ray and its normal, a plane does not determine
+// the depth along the ray.
 constexpr float kMinCosine = 0.1f;
-// Steps of the sizes of pixels by which it is chosen whose become points, well
-// above the differences of depths that agree.
+// The ratio of the steps of pixel size by which the image is chosen whose
+// pixels become points; well above the differences of depths that agree.
 constexpr float kSizeStep = 1.5f;
 constexpr int kMaxSizeSteps = 200;
 
@@ -47,13 +47,13 @@ TSAR_HD float ConfidenceOf(const FusionPixel& pixel) {
   return ConfidenceOfLevel(pixel.confidence);
 }
 
-// By the precision relative to the depth: depths that agree are about equal.
+// Weights by the relative precision: depths that agree are about equal.
 TSAR_HD float WeightOf(const FusionPixel& pixel) {
   const float sigma = static_cast<float>(pixel.sigma) * kSigmaStep;
   return ConfidenceOf(pixel) / (sigma * sigma);
 }
 
-// How much of the surface a pixel covers, in powers of kSizeStep, rounded down.
+// The size of a pixel on the surface, in powers of kSizeStep, rounded down.
 TSAR_HD int SizeStep(float size) {
   int step = 0;
   for (; size >= kSizeStep && step < kMaxSizeSteps; ++step) {
@@ -65,13 +65,13 @@ TSAR_HD int SizeStep(float size) {
   return step;
 }
 
-// A depth of a pixel by one image, and what it is worth.
+// A pixel's depth according to one image, and its weight.
 struct Vote {
   float depth;
   float weight;
 };
 
-// What the images that agree say of one pixel.
+// The votes of the images that agree on one pixel.
 struct Votes {
   TSAR_HD void Add(const FusionPixel& pixel, const Vec3f& normal, Vote vote) {
     depths[count] = vote.depth;
@@ -97,7 +97,7 @@ struct Votes {
     return Median();
   }
 
-  // The mean of the two middle ones where their number is even.
+  // The mean of the two middle depths if their number is even.
   TSAR_HD float Median() {
     for (int i = 1; i < count; ++i) {
       const float value = depths[i];
@@ -128,7 +128,7 @@ struct FuseKernel {
   int num_sources;
   Thresholds thresholds;
   ImageView<FusedPoint> points;
-  int* is_point;  // Of each point.
+  int* is_point;  // One flag per point.
 
   TSAR_HD void operator()(int column, int row) const {
     const int x = Middle(column, pixels.width);
@@ -144,13 +144,13 @@ struct FuseKernel {
  private:
   enum class Opinion { kNone, kAgrees, kSeesThrough };
 
-  // Of a square along one side of the image; the last one may be cut off.
+  // The middle pixel of a square along one side; the last may be cut off.
   TSAR_HD int Middle(int square, int num_pixels) const {
     const int middle = square * thresholds.spacing + thresholds.spacing / 2;
     return middle < num_pixels ? middle : num_pixels - 1;
   }
 
-  // What a source says of a pixel's point.
+  // The opinion of a source on a pixel's point.
   TSAR_HD Opinion Ask(const Source& source,
                       int x,
                       int y,
@@ -199,14 +199,14 @@ struct FuseKernel {
     return AreAlike(normal, *found_normal) ? Opinion::kAgrees : Opinion::kNone;
   }
 
-  // An unknown normal is like any.
+  // An unknown normal is similar to any.
   TSAR_HD bool AreAlike(const Vec3f& a, const Vec3f& b) const {
     const Vec3f unknown;
     return a == unknown || b == unknown ||
            Dot(a, b) >= thresholds.min_normal_cosine;
   }
 
-  // Whether the surface is left to the source.
+  // Whether the surface is assigned to the source.
   TSAR_HD bool IsOwnedBy(const Source& source,
                          const FusionPixel& theirs,
                          int own_step) const {
@@ -289,7 +289,7 @@ struct FuseKernel {
 
 struct CompactKernel {
   const FusedPoint* points;
-  const int* first;  // How many points there are before each.
+  const int* first;  // The number of points before each.
   FusedPoint* compact;
 
   TSAR_HD void operator()(int64_t i) const {
@@ -359,7 +359,7 @@ int64_t FuseViewWorkingBytes(int width,
   const int64_t num_squares =
       int64_t{NumSquares(width, options.point_spacing)} *
       NumSquares(height, options.point_spacing);
-  // The points twice, and their flags and sums with what summing takes.
+  // The points twice, and their flags and sums with the memory of the scan.
   return num_squares * static_cast<int64_t>(2 * sizeof(FusedPoint) + 16) +
          static_cast<int64_t>(kMaxFusionSources * sizeof(Source)) + (1 << 20);
 }

@@ -22,54 +22,54 @@ struct FusionInput {
   ImageView<const FusionPixel> pixels;
 };
 
-// Another image that is asked about them.
+// A source image, with which these pixels are compared.
 struct FusionSourceInput {
   FusionInput view;
-  // Whether what both see may be left to it: its pixels become points, and it
-  // asks this image in turn.
+  // Whether a surface that both see may be assigned to it: its pixels become
+  // points, and it uses this image as a source in turn.
   bool may_own = true;
-  // Its place in the order of all images, by which one of two equal pixels is
-  // chosen.
+  // Its index in the order of all images, which decides between two equal
+  // pixels.
   int place = 0;
 };
 
 struct FusedPoint {
   Vec3f position;  // In the frame of the image's camera.
-  Vec3f normal;    // The same; a unit vector, or zero where none is known.
+  Vec3f normal;    // In that frame; a unit vector, or zero where unknown.
   Rgb color;
-  // Its pixel.
+  // The pixel of the point.
   int column = -1;  // Below 0: there is no point.
   int row = -1;
-  // Bit i: source i agrees. The image itself always does.
+  // Bit i is set if source i agrees. The image itself always does.
   uint64_t sources = 0;
 };
 
-// The points that the pixels of one image become: of each square of
-// point_spacing pixels the one in the middle.
+// Fuses the pixels of one image into points: the middle pixel of each square
+// with a side of point_spacing pixels.
 //
-// A source agrees on a pixel where the depth that it has there is about that of
-// the pixel's point, its own point leads back to about the pixel, and the
-// normals are alike, as far as they are known. It sees through the point where
-// its depth is larger by four times the largest error.
+// A source agrees on a pixel if its depth there is about that of the pixel's
+// point, its own point reprojects to about the pixel, and the normals are
+// similar, as far as they are known. It sees through the point if its depth is
+// larger by four times the largest error.
 //
-// A surface that several images see becomes points of the one whose pixels
+// A surface that several images see becomes points of the image whose pixels
 // cover least of it (depth / focal length), in steps of a factor of 1.5, and of
-// the first one among those in the same step. By the exact size, of views that
-// are about equally far away always the depth that errs most towards its camera
-// would be chosen.
+// the first image among those in the same step. By exact sizes, views at about
+// the same distance would always choose the depth that errs most towards its
+// camera.
 //
-// The point lies on the ray of the pixel. The depth that a source gives it is
-// where the ray meets the plane through the source's point with its normal.
+// The point lies on the ray of the pixel. A source's depth for it is where the
+// ray meets the plane through the source's point with its normal.
 //
-// place: of the image, see FusionSourceInput. Sources: at most
-// kMaxFusionSources. Bits do not depend on the device or the number of threads.
+// place: the index of the image, see FusionSourceInput. sources: at most
+// kMaxFusionSources. The device and the number of threads change no bit.
 std::vector<FusedPoint> FuseView(const FusionInput& view,
                                  int place,
                                  const std::vector<FusionSourceInput>& sources,
                                  const FusionOptions& options,
                                  Device& device);
 
-// The bytes of the device's memory that this takes beside the images.
+// The device memory that this takes beside the images, in bytes.
 int64_t FuseViewWorkingBytes(int width,
                              int height,
                              const FusionOptions& options);

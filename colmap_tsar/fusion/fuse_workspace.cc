@@ -49,7 +49,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
   const Stopwatch stopwatch;
   options.fusion.Check();
   workspace.UseMasks(options.mask_path);
-  // So that the maps of an image belong together.
+  // The lock keeps the maps of an image consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   WarnOfChangedResults(workspace);
   const FusionPlan plan =

@@ -23,14 +23,14 @@ namespace tsar {
 struct FuseWorkspaceOptions {
   FusionOptions fusion;
   DeviceOptions devices;
-  // The PLY file; that with the images of each point is written beside it.
+  // The PLY file; the visibility of its points is written beside it.
   std::filesystem::path output_path;
-  // A file of image names, see io/image_list.h: their pixels alone
-  // become points, and all others are asked about them. Empty: all images.
+  // A file of image names, see io/image_list.h: only their pixels become
+  // points, and all images serve as sources. Empty: all images.
   std::filesystem::path image_list_path;
   // See io/image_mask.h; empty: none.
   std::filesystem::path mask_path;
-  // In the world frame; points outside of it are left out.
+  // A box in the world frame; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> bounding_box;
 };
 
@@ -43,7 +43,7 @@ struct FuseSummary {
   std::vector<RunSummary::GpuMemory> gpu_memory;
 };
 
-// Reads the corners of a box as COLMAP's bounding_box_path: the smallest x, y
+// Reads the corners of a box in COLMAP's bounding_box_path: the smallest x, y
 // and z, then the largest. Throws Error: kNotFound, kIo, kCorrupt.
 Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 
@@ -51,8 +51,8 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 // FuseView and FusedCloudWriter. The same inputs and options give the same
 // bytes, whatever the devices, threads and memory.
 //
-// Images that stereo/fusion.cfg does not list are left out, as COLMAP does,
-// where there is such a file. For memory see FusionRun.
+// Like COLMAP, leaves out images that stereo/fusion.cfg does not list, if that
+// file exists. For memory see FusionRun.
 //
 // Throws Error: kNotFound (no image has maps), kInterrupted once should_stop
 // returned true, and what Workspace::UseMasks, ReadImageList, WorkspaceLock

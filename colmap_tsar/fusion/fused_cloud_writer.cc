@@ -31,7 +31,7 @@ Eigen::Vector3d ToEigen(const Vec3f& vector) {
   return Eigen::Vector3d(vector.x, vector.y, vector.z);
 }
 
-// Of one length whatever the number, so that it can be written first.
+// The length is the same for any number, so that it can be written first.
 std::string PlyHeader(int64_t num_points) {
   constexpr size_t kNumDigits = 20;
   const std::string number = std::to_string(num_points);
@@ -54,7 +54,7 @@ void Write(const std::string& bytes, AtomicFile* file) {
   file->Stream().write(bytes.data(),
                        static_cast<std::streamsize>(bytes.size()));
   if (!file->Stream()) {
-    file->Prepare();  // Throws, and says why.
+    file->Prepare();  // Throws the reason.
   }
 }
 
@@ -80,7 +80,7 @@ EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
   for (const FusedPoint& point : points) {
     const Eigen::Vector3d position =
         to_world * ToEigen(point.position) + center;
-    // Beyond the range of floats, of damaged maps.
+    // Damaged maps give positions beyond the range of floats.
     if (!position.cast<float>().allFinite() ||
         (box && !box->contains(position))) {
       continue;

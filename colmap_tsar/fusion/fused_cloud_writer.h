@@ -17,16 +17,16 @@
 
 namespace tsar {
 
-// Points of one image as they stand in the files of COLMAP's stereo_fusion.
+// The points of one image in the file formats of COLMAP's stereo_fusion.
 struct EncodedPoints {
   int64_t count = 0;
-  std::string points;      // Of the PLY file.
-  std::string visibility;  // Of the .vis file.
+  std::string points;      // For the PLY file.
+  std::string visibility;  // For the .vis file.
 };
 
-// In the world frame, single precision, as COLMAP. box: in the world frame;
-// points outside of it are left out. place: of the image, and of its sources,
-// in the file of the sparse model.
+// Encodes points in the world frame, in single precision like COLMAP. box: in
+// the world frame; points outside of it are left out. place, source_places: the
+// indices of the image and its sources in the file of the sparse model.
 EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
                            const Camera& camera,
                            const std::optional<Eigen::AlignedBox3d>& box,
@@ -34,11 +34,11 @@ EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
                            const std::vector<int>& source_places);
 
 // The two files that COLMAP's stereo_fusion writes, fused.ply (binary; x, y, z,
-// normal, colour) and fused.ply.vis (for each point the images that agree on
-// it, for COLMAP's delaunay_mesher). They are there as a whole or not at all.
+// normal, color) and fused.ply.vis (for each point the images that agree on it,
+// for COLMAP's delaunay_mesher). Each is written completely or not at all.
 class FusedCloudWriter {
  public:
-  // path: of the PLY file. Throws what AtomicFile throws.
+  // path: the PLY file. Throws what AtomicFile throws.
   explicit FusedCloudWriter(const ContainedPath& path);
 
   // Throws Error kIo, naming the file, where it cannot be written.

@@ -61,8 +61,8 @@ void Add(const FusedPixelEvaluation& image, FusedPixelEvaluation* sum) {
   }
 }
 
-// Of the images that are fused; empty where there is none. Throws Error
-// kNotFound where none has ground truth.
+// The ground truth of each fused image; empty where there is none. Throws Error
+// kNotFound where no image has ground truth.
 std::vector<std::filesystem::path> FindTruths(
     const Workspace& workspace,
     const FusionPlan& plan,

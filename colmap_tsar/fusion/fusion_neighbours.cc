@@ -17,11 +17,11 @@
 namespace tsar {
 namespace {
 
-// As COLMAP's fusion, which asks whatever shares points.
+// No limit, as in COLMAP's fusion, which uses any image that shares points.
 constexpr double kMinTriangulationAngle = 0.0;
 
-// The images of the problems, the order of which keeps neighbours together,
-// then all others.
+// The references, in an order that keeps neighbors together, then all other
+// images.
 std::vector<int> AllInOrder(const Workspace& workspace) {
   std::vector<int> order;
   std::vector<bool> is_there(workspace.Model().images.size(), false);

@@ -10,33 +10,33 @@
 
 namespace tsar {
 
-// By image of the sparse model.
+// The chosen images, by image of the sparse model.
 struct ChosenImages {
   std::vector<bool> used;
-  std::vector<bool> fused;  // Of those that are used.
+  std::vector<bool> fused;  // A subset of the used ones.
 };
 
-// Images that stereo/fusion.cfg does not list are not used, where there is such
-// a file, and only those in a list of names are fused; see
-// io/image_list.h. list: empty: all.
+// Images that stereo/fusion.cfg does not list are not used, if that file
+// exists, and only those in a list of names are fused; see io/image_list.h.
+// list: empty: all.
 ChosenImages ChooseImages(const Workspace& workspace,
                           const std::filesystem::path& list = {});
 
-// Which images are fused, by their places in the sparse model, and which other
-// ones each is compared with.
+// The fused images, by their indices in the sparse model, and the sources of
+// each image.
 struct FusionPlan {
-  // Near images follow each other, so that few are in memory at a time.
+  // Nearby images follow each other, so that few are in memory at a time.
   std::vector<int> order;
-  // By image of the sparse model, of those that have maps: others that have, at
-  // most check_num_images; first those that share most points, then those that
-  // it was matched with.
+  // By image of the sparse model, for those with maps: at most check_num_images
+  // sources with maps, first those that share most points, then those that it
+  // was matched with.
   std::vector<std::vector<int>> sources;
-  // By image: its place in the order; -1 where it is not fused.
+  // By image: its index in the order; -1 where it is not fused.
   std::vector<int> places;
 };
 
-// Of the chosen images, those that have maps. Throws Error kNotFound where none
-// that is to be fused has.
+// Plans the fusion of the chosen images that have maps. Throws Error kNotFound
+// where no image to be fused has maps.
 FusionPlan PlanFusion(const Workspace& workspace,
                       const ChosenImages& chosen,
                       int check_num_images);

@@ -33,7 +33,7 @@ void FusionOptions::Check() const {
           "min_num_views",
           "from 1 to " + std::to_string(kMaxFusionSources + 1));
   Require(max_reproj_error > 0.0, "max_reproj_error", "above 0");
-  // Beyond, four times that cannot be exceeded: nothing would contradict.
+  // Above, no relative error could exceed four times this to contradict.
   Require(max_depth_error > 0.0 && max_depth_error < 0.25,
           "max_depth_error",
           "above 0 and below 0.25");

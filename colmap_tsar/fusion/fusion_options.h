@@ -9,47 +9,46 @@
 
 namespace tsar {
 
-// Which depth a fused point takes from the pixels that agree on it.
+// The statistic of the depths that agree on a point, used as its depth.
 enum class FusionStatistic : int32_t {
-  kWeighted,  // Their mean by confidence / sigma^2.
+  kWeighted,  // The mean, weighted by confidence / sigma^2.
   kMean,
   kMedian,
 };
 
-// When pixels of different images show one point.
+// The criteria by which pixels of different images show one point.
 struct FusionOptions {
   FusionStatistic statistic = FusionStatistic::kWeighted;
-  // How many images have to agree on a point, that of the pixel included.
+  // The number of images that have to agree on a point, its own included.
   int min_num_views = 2;
-  // How far a pixel may lie from where the other image's depth leads back to,
-  // in pixels.
+  // The largest distance of a pixel from the reprojection of the other image's
+  // depth, in pixels.
   double max_reproj_error = 2.0;
-  // How far depths may differ, relative to the depth of the other image.
+  // The largest difference of depths, relative to that of the other image.
   double max_depth_error = 0.01;
   double max_normal_error = 30.0;  // Degrees, below 90.
-  // Leaves out points that are less certain by the images that agree than by
-  // those that see through them, each by the confidence of its depth there.
+  // Leaves out points where the images that see through them have a larger sum
+  // of confidences than those that agree.
   bool reject_contradicted = true;
-  // Other images that are asked about a point: those that share most sparse
-  // points, then those of patch-match.cfg. At most kMaxFusionSources.
+  // The number of sources of an image: those that share most sparse points,
+  // then those of patch-match.cfg. At most kMaxFusionSources.
   int check_num_images = 20;
-  // Of each square of so many pixels of an image, the one in the middle becomes
-  // a point.
+  // The side, in pixels, of the squares whose middle pixels become points.
   int point_spacing = 2;
 
   // Throws kBadOption, naming the option.
   void Check() const;
 };
 
-// The sources of one image are the bits of a number.
+// The sources of one image are the bits of an integer.
 constexpr int kMaxFusionSources = 64;
 constexpr int kMaxPointSpacing = 1000;
 
 enum class FusionPreset {
   kDefault,
-  // What the TSAR-MVS paper prints of its fusion (section 5): depths within 1 %,
-  // normals within 30 degrees, reprojection errors of 2 pixels at most, more
-  // than one other view that agrees, and the mean of all.
+  // The values in the TSAR-MVS paper (section 5): depths within 1 %, normals
+  // within 30 degrees, reprojection errors of 2 pixels at most, more than one
+  // other view that agrees, and the mean of all.
   kPaper,
   // The thresholds of COLMAP's stereo_fusion, and medians.
   kColmap,

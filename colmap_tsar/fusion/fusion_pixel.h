@@ -12,7 +12,7 @@
 
 namespace tsar {
 
-// All that fusion needs of one pixel, in as many bytes as a GPU reads at once.
+// The data of one pixel for fusion, in as many bytes as a GPU reads at once.
 struct alignas(16) FusionPixel {
   static constexpr int16_t kNoNormal = -32768;
 
@@ -29,9 +29,9 @@ static_assert(sizeof(FusionPixel) == 16);
 
 constexpr float kSigmaStep = 1.f / (1 << 18);
 
-// Unit vectors by the octahedral map (Cigolle et al., A survey of efficient
-// representations for independent unit vectors, JCGT 2014), to about 1e-4
-// radians; the zero vector, which stands for an unknown normal, exactly.
+// Encodes unit vectors by the octahedral map (Cigolle et al., A survey of
+// efficient representations for independent unit vectors, JCGT 2014), to about
+// 1e-4 radians; the zero vector, which represents an unknown normal, exactly.
 void EncodeNormal(const Vec3f& normal, FusionPixel* pixel);
 
 TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
@@ -49,7 +49,7 @@ TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
   return Normalized({x, y, z});
 }
 
-// The level of a standard deviation relative to the depth.
+// The encoding of a standard deviation relative to the depth.
 uint16_t EncodeSigma(float relative_sigma);
 
 }  // namespace tsar

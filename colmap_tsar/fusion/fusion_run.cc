@@ -93,7 +93,7 @@ std::vector<int> FusionRun::ImagesOf(int image) const {
   return images;
 }
 
-// Of all images that are used.
+// Reads the map sizes of all images that are used.
 void FusionRun::MeasureImages() {
   num_pixels_.assign(workspace_.Model().images.size(), 0);
   for (const int image : plan_.order) {
@@ -137,8 +137,8 @@ void FusionRun::OpenDevices() {
   }
 }
 
-// The points of an image, and what they become, if every pixel that may be one
-// is seen by all.
+// The size of the points of an image, with their encoded form, if every
+// candidate pixel becomes a point that all sources see.
 int64_t FusionRun::ResultBytes(int image) const {
   constexpr int64_t kEncodedBytes = 32;
   const auto num_sources = static_cast<int64_t>(SourcesOf(image).size());

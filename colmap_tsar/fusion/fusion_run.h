@@ -20,18 +20,18 @@
 
 namespace tsar {
 
-// The points that one image becomes.
+// The points of one image.
 struct FusedImage {
-  int image = 0;  // In the sparse model.
-  // At the size of the maps; until the call ends.
+  int image = 0;  // Index in the sparse model.
+  // At the size of the maps; valid until the call ends.
   const FusionView* view = nullptr;
   std::vector<FusedPoint> points;
-  const std::vector<int>* sources = nullptr;  // Of the points' bits.
+  const std::vector<int>* sources = nullptr;  // By bit of the points.
 };
 
-// Fuses the images of a plan, as many side by side as there are devices. Main
-// memory holds the images at work, as far as cache_size goes, but at least one
-// image with those that it is compared with.
+// Fuses the images of a plan, as many concurrently as there are devices. Main
+// memory holds the images at work, up to cache_size, but at least one image
+// with its sources.
 class FusionRun {
  public:
   // All references must outlive this object. Throws what OpenGpus and
@@ -43,7 +43,7 @@ class FusionRun {
   FusionRun(const FusionRun&) = delete;
   FusionRun& operator=(const FusionRun&) = delete;
 
-  // Called from several threads; place: of the image in the plan's order.
+  // Called from several threads; place: the image's index in the plan's order.
   using UsePoints = std::function<void(size_t place, FusedImage fused)>;
   // Called in the plan's order, after UsePoints for that place.
   using Finish = std::function<void(size_t place)>;
@@ -67,16 +67,16 @@ class FusionRun {
   const std::vector<int>& SourcesOf(int image) const {
     return plan_.sources[static_cast<size_t>(image)];
   }
-  // The image and those that it is compared with.
+  // The image and its sources.
   std::vector<int> ImagesOf(int image) const;
   int64_t ResultBytes(int image) const;
 
   void MeasureImages();
   void OpenDevices();
 
-  // Images that follow each other in the plan and are worked on together: as
-  // many as the memory holds with those that they are compared with, and no
-  // more than keep all threads at work.
+  // Images that follow each other in the plan and are processed together: as
+  // many as fit into memory with their sources, and no more than keep all
+  // threads busy.
   struct Group {
     size_t begin = 0;
     size_t end = 0;
@@ -97,7 +97,7 @@ class FusionRun {
   std::string description_;
   std::vector<GpuWorkers> gpus_;
   std::unique_ptr<Device> cpu_;
-  // After the devices whose memory they hold.
+  // Declared after the devices, whose memory they hold.
   std::vector<FusionDevice> devices_;
 };
 

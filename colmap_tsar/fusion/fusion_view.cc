@@ -13,8 +13,7 @@
 namespace tsar {
 namespace {
 
-// The standard deviation of a matched depth, in relative depths of one pixel of
-// disparity.
+// The standard deviation of a matched depth, in pixels of disparity.
 constexpr float kPixelsOfDisparity = 0.25f;
 
 }  // namespace

@@ -18,10 +18,10 @@ struct FusionView {
   Image<FusionPixel> pixels;
 };
 
-// The maps of an image as they are in the workspace now, without what is
-// masked. sources: images that see the same, in the sparse model; by their
-// distances it is told how precise depths are whose sigma is not known. Depths
-// without a confidence map are certain. Errors as ReadImageMaps() and
+// The maps of an image as they are in the workspace now, without masked pixels.
+// sources: images of the same scene, by index in the sparse model; their
+// baselines give the precision of depths without a sigma. Depths without a
+// confidence map have full confidence. Errors as ReadImageMaps() and
 // Workspace::ReadImage().
 FusionView LoadFusionView(const Workspace& workspace,
                           int image,

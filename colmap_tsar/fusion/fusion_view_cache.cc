@@ -20,8 +20,8 @@ int64_t BytesOf(const FusionView& view) {
          static_cast<int64_t>(sizeof(FusionPixel));
 }
 
-// Drops what was used longest ago, until the new bytes have room or nothing is
-// left but what is used now: the num_used latest.
+// Drops the least recently used values until the new bytes fit, or only the
+// num_used latest are left, which are in use.
 template <typename Value>
 void MakeRoom(int64_t num_new_bytes,
               int64_t max_bytes,
@@ -48,7 +48,7 @@ void FusionViewCache::Hold(const std::vector<int>& images,
           num_pixels_(image) * static_cast<int64_t>(sizeof(FusionPixel));
     }
   }
-  // Those that are used now are the newest.
+  // The images in use are the most recent ones.
   const size_t num_used = images.size() - missing.size();
   MakeRoom(num_new_bytes, max_bytes_, num_used, &views_, &num_bytes_);
   std::vector<FusionView> loaded(missing.size());

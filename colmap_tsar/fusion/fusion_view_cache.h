@@ -16,10 +16,10 @@
 
 namespace tsar {
 
-// Images in main memory, by their places in the sparse model.
+// Images in main memory, by their indices in the sparse model.
 class FusionViewCache {
  public:
-  // Calls load(i) for the place i of each of these images, in parallel.
+  // Calls load(i) for each index i of `images`, in parallel.
   using LoadAll = std::function<void(const std::vector<int>& images,
                                      const std::function<void(size_t)>& load)>;
   using Load = std::function<FusionView(int image)>;
@@ -30,12 +30,11 @@ class FusionViewCache {
         num_pixels_(std::move(num_pixels)),
         load_(std::move(load)) {}
 
-  // Has these images, without a repetition, in memory until the next call.
-  // Others go, those that were used longest ago first, as far as max_bytes
-  // needs it.
+  // Holds these images, which must be unique, until the next call. Drops
+  // others, the least recently used first, as far as max_bytes requires.
   void Hold(const std::vector<int>& images, const LoadAll& load_all);
 
-  // One that is held.
+  // An image that is held.
   const FusionView& Get(int image) { return *views_.Find(image); }
 
  private:
@@ -46,7 +45,7 @@ class FusionViewCache {
   LruMap<int, FusionView> views_;
 };
 
-// The images of a cache as a device sees them: a GPU gets copies, which stay
+// A device's access to the images of a cache: a GPU gets copies, which stay
 // there while max_bytes allow; the CPU reads those of the cache.
 class FusionDevice {
  public:
@@ -55,7 +54,7 @@ class FusionDevice {
 
   Device& GetDevice() { return device_; }
 
-  // In the order of the images, which the cache holds; until the next call.
+  // The images, which the cache holds, in order; valid until the next call.
   std::vector<FusionInput> Use(const std::vector<int>& images,
                                FusionViewCache& cache);
 
