@@ -21,24 +21,24 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr int kMinSamples = 200;
-// Priors of other images or scenes explain up to half of the spread of depths,
-// which all images of rooms have in common: the floor is near. Where depths
-// hardly spread, as those of a facade, half will do if errors are small.
+// Priors of other images or scenes explain up to half of the standard deviation
+// of depths, since in all images of rooms the floor is near. Half is enough
+// where errors are small, as for facades, whose depths hardly vary.
 constexpr double kMinSkill = 0.75;
 constexpr double kMinSkillOfSmallSpread = 0.5;
 constexpr double kSmallSpread = 0.04;
-// Blocks of the image's long side of which every second is left out to find how
-// well what was left out is predicted.
+// The number of blocks along the image's long side, every second of which is
+// held out to measure how well it is predicted.
 constexpr int kNumBlocks = 5;
-// Beyond this many sigmas a prediction is an outlier.
+// Predictions with errors beyond this many sigmas are outliers.
 constexpr double kOutlier = 3.0;
 constexpr double kMinOutlierShare = 0.02;
 constexpr double kMaxOutlierShare = 0.5;
-// Steps of the prior within this share of the image's long side make depths
-// uncertain; steps below kFlat do not. The larger share is for priors that do
-// not lie exactly over their images: where there are more outliers, by this
-// factor and share, without steps within the smaller share than without any
-// within the larger one.
+// Steps of the prior make depths within this share of the image's long side
+// uncertain, unless they are below kFlat. The larger share is for priors that
+// are not aligned with their images: it is used if pixels without steps within
+// the smaller share have more outliers, by this factor and share, than those
+// without steps within the larger one.
 constexpr double kEdgeWidth = 0.004;
 constexpr double kLargeEdgeWidth = 0.02;
 constexpr double kMoreOutliers = 2.0;
@@ -77,7 +77,7 @@ float ValueAt(const Image<float>& values,
   return nearest > 0.f && std::isfinite(nearest) ? nearest : 0.f;
 }
 
-// The largest minus the smallest value within `radius` along both axes; NaN
+// The largest minus the smallest value in a square window of this radius; NaN
 // where the image is.
 Image<float> LocalRange(const Image<float>& image, int radius) {
   const cv::Size size(2 * radius + 1, 2 * radius + 1);
@@ -107,15 +107,14 @@ bool IsLeftOut(int x, int y, const Image<float>& image) {
   return (x * kNumBlocks / side + y * kNumBlocks / side) % 2 == 1;
 }
 
-// Errors of the corrected prior where depths were measured, with what is known
-// of them.
+// The error of the corrected prior at a measurement, and its predictors.
 struct Prediction {
   double error = 0.0;
   double sigma = 0.0;
-  double step = 0.0;  // Beyond kFlat, within reach.
+  double step = 0.0;  // The excess over kFlat of the step within reach.
 };
 
-// Of what was left out.
+// Predicts the measurements that were held out.
 std::vector<Prediction> Predict(const Image<float>& residual,
                                 const Image<float>& steps,
                                 const PriorCorrection& correction) {
@@ -132,7 +131,7 @@ std::vector<Prediction> Predict(const Image<float>& residual,
   return predictions;
 }
 
-// How large errors are at steps of the prior, as a share of the step.
+// The size of errors at steps of the prior, as a share of the step.
 double ErrorAtSteps(const std::vector<Prediction>& predictions) {
   std::vector<double> shares;
   for (const Prediction& prediction : predictions) {
@@ -150,13 +149,13 @@ double SigmaOf(const Prediction& prediction, double error_at_steps) {
   return std::sqrt(prediction.sigma * prediction.sigma + at_step * at_step);
 }
 
-// What the errors of predictions tell of a prior.
+// The error model of a prior, estimated from prediction errors.
 struct Calibration {
   double error_at_steps = 0.5;
-  // By which sigma is to be multiplied.
+  // The factor of sigma.
   double stretch = 1.0;
   double outlier_share = kMaxOutlierShare;
-  double outlier_share_if_flat = 0.0;  // Of those without a step.
+  double outlier_share_if_flat = 0.0;  // Where there is no step.
 };
 
 Calibration Calibrate(const std::vector<Prediction>& predictions) {
@@ -254,7 +253,7 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
   aligned.assessment.verdict = PriorVerdict::kUsed;
   Image<float> log_depth(width, height, kNone);
   Image<float> residual(width, height, kNone);
-  Image<float> kept(width, height, kNone);  // Not left out.
+  Image<float> kept(width, height, kNone);  // Without the held out.
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const double depth = fit.function.Depth(values(x, y));

@@ -25,24 +25,24 @@ enum class PriorVerdict : uint8_t {
 // How the depth prior of an image fits its measured depths.
 struct PriorAssessment {
   PriorVerdict verdict = PriorVerdict::kNone;
-  // What its values were found to mean, and PriorFit::Skill() but not negative,
-  // where enough of its pixels were measured.
+  // The fitted type of its values, and PriorFit::Skill(), at least 0, where
+  // enough of its pixels were measured.
   PriorType type = PriorType::kAuto;
   float skill = 0.f;
 
   bool IsDropped() const { return verdict > PriorVerdict::kUsed; }
 };
 
-// In words for the user; empty where there is no prior.
+// A description for the user; empty where there is no prior.
 std::string Describe(const PriorAssessment& assessment);
 
-// A depth prior in the units of the map, with what its own residuals tell of
-// its errors.
+// A depth prior in the units of the map, with an error model estimated from its
+// residuals.
 struct AlignedPrior {
-  // 0: none. Empty where the prior was dropped.
+  // 0 means no depth. Empty where the prior was dropped.
   Image<float> depth;
-  // The standard deviation of the logarithm of each depth. So many of them are
-  // not normal but anything (outlier_share).
+  // The standard deviation of the logarithm of each depth, but for a share of
+  // outliers (outlier_share) with arbitrary errors.
   Image<float> sigma;
   float outlier_share = 0.f;
   PriorAssessment assessment;
@@ -52,13 +52,13 @@ struct AlignedPrior {
 
 // Aligns a prior with measured depths: one fit for the image, then a correction
 // that varies from surface to surface (CorrectPrior). sigma grows with the
-// distance from what was measured, and towards steps of the prior by as much
-// as its residuals do there. It is calibrated, and outlier_share is found, by
-// predicting measurements that were left out. A prior that explains too little
+// distance from measurements, and near steps of the prior in proportion to its
+// residuals there. sigma is calibrated, and outlier_share estimated, by
+// predicting measurements that were held out. A prior that explains too little
 // of the measured depths is dropped.
 //
-// samples: depths that are to be trusted, on the raster of the result; z = 0
-// where there is none.
+// samples: reliable depths, on the raster of the result; z = 0 where there is
+// none.
 AlignedPrior AlignPrior(const DepthPrior& prior,
                         const Image<RayDepth>& samples);
 

@@ -23,22 +23,22 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-// Cells along the long side of the image: the field is smooth.
+// The number of cells along the image's long side: the field is smooth.
 constexpr int kGridSide = 64;
-// A relative step of depth between neighbouring cells from which it is another
-// surface, and one up to which it is the same.
+// The relative step of depth above which neighboring cells are of different
+// surfaces, and the one below which they are of the same.
 constexpr double kJump = 0.05;
 constexpr double kNoJump = 0.03;
-// A pixel whose depth is this close to that of its cell is of its surface.
+// A pixel belongs to the surface of its cell if its depth is this close.
 constexpr float kSameSurface = 0.04f;
-// Residuals beyond this many spreads are no measurements of this surface.
+// Residuals beyond this many standard deviations measure another surface.
 constexpr double kMaxResidual = 2.5;
-// Cells of fewer measured pixels than this share were not measured.
+// Cells with a smaller share of measured pixels count as not measured.
 constexpr double kMinMeasured = 0.08;
-// Steps are estimated over so many cells, where they exceed the noise.
+// The distances, in cells, at which steps exceed the noise and are estimated.
 constexpr int kLags[] = {8, 16, 24};
 constexpr size_t kMinPairs = 20;
-// Over so many steps errors change altogether, if not earlier.
+// The number of steps after which errors are uncorrelated, if not earlier.
 constexpr double kCorrelationLength = 16.0;
 constexpr double kMinVariance = 1e-7;
 constexpr int kNumReweightings = 3;
@@ -196,7 +196,7 @@ class CorrectionField {
     noise_ = near.size() >= kMinPairs ? 0.5 * Square(RobustSpread(near))
                                       : 0.1 * total;
     noise_ = std::max(noise_, kMinVariance);
-    // A warp that is smooth grows faster than a random walk.
+    // A smooth warp grows faster than a random walk.
     step_ = total / kCorrelationLength;
     for (const int lag : kLags) {
       std::vector<double> far;
@@ -212,7 +212,7 @@ class CorrectionField {
     const double of_jump =
         across.size() >= kMinPairs ? MeanSquare(across) - 2.0 * noise_ : total;
     jump_ = std::max(of_jump, 4.0 * step_);
-    // Nothing is known less than this.
+    // The variance where nothing was measured.
     max_variance_ = 2.0 * (total + jump_);
   }
 
@@ -261,8 +261,8 @@ class CorrectionField {
     return matrix;
   }
 
-  // Weak enough to change nothing that is measured; surfaces that no
-  // measurement reaches stay where the fit of the whole image has them.
+  // The precision of a zero offset, too weak to change measured cells;
+  // unmeasured surfaces stay where the fit of the whole image has them.
   double Anchor() const { return 1e-3 / max_variance_; }
 
   void Solve() {
@@ -301,9 +301,9 @@ class CorrectionField {
     }
   }
 
-  // The variance of each cell: that of the steps to the measured cell from
-  // which they are smallest. A posterior variance would hardly grow with the
-  // distance, as that of a random walk in two dimensions.
+  // The variance of each cell: the smallest sum of step variances on a path to
+  // a measured cell. A posterior variance would hardly grow with the distance,
+  // as that of a random walk in two dimensions.
   void EstimateVariancesOfCells(const std::vector<double>& weights) {
     variances_.assign(NumCells(), max_variance_);
     std::vector<std::vector<std::pair<int, double>>> neighbours(NumCells());
@@ -317,7 +317,7 @@ class CorrectionField {
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     for (size_t k = 0; k < measured_.size(); ++k) {
-      // What contradicts the field tells nothing of those around.
+      // Cells that contradict the field tell nothing about their neighbors.
       if (weights[k] > kMinWeight) {
         variances_[static_cast<size_t>(measured_[k])] = 0.0;
         queue.emplace(0.0, measured_[k]);
@@ -340,7 +340,7 @@ class CorrectionField {
     }
   }
 
-  // From the four cells around, as far as they are of the pixel's surface.
+  // Interpolates the four cells around, mostly those of the pixel's surface.
   void InterpolateAt(int x,
                      int y,
                      float depth,
@@ -384,7 +384,7 @@ class CorrectionField {
   int width_;
   int height_;
   std::vector<float> depths_;    // Log depth of each cell.
-  std::vector<double> medians_;  // Of its residuals; NaN where not measured.
+  std::vector<double> medians_;  // Of the cell's residuals; NaN: none.
   std::vector<int> measured_;
   double spread_ = 0.0;
   double noise_ = 0.0;  // Variances: of a measured cell,

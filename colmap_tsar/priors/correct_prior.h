@@ -7,25 +7,24 @@
 
 namespace tsar {
 
-// By how much the logarithm of a prior's depth is to be corrected, and the
-// standard deviation of what is then left.
+// The offset to add to the logarithm of a prior's depth, and the standard
+// deviation of the remaining error.
 struct PriorCorrection {
   Image<float> offset;
   Image<float> sigma;
 };
 
-// A prior is right up to errors that neighbouring pixels of one surface share:
-// whole objects too near, a warp of the image. The correction is a Gaussian
-// Markov random field on a coarse grid: a random walk from cell to cell, whose
-// steps are large where the prior's depth jumps, that is observed where depths
-// were measured (ordinary kriging). How large steps are, across the image and
-// across jumps, and how much measurements of neighbouring cells differ, is
-// estimated in the image itself. Measurements that contradict the field count
-// by Cauchy's weights.
+// The errors of a prior are shared by neighboring pixels of one surface: whole
+// objects too near, a warp of the image. The correction is a Gaussian Markov
+// random field on a coarse grid: a random walk from cell to cell, with large
+// steps where the prior's depth jumps, observed where depths were measured
+// (ordinary kriging). The variances of steps, within surfaces and across jumps,
+// and of the measurements of cells are estimated in the image itself.
+// Measurements that contradict the field get Cauchy weights.
 //
-// log_depth: of the prior; NaN: none. residual: log of the measured depth minus
-// log_depth; NaN where there is none. Of the result, offset and sigma are NaN
-// where log_depth is. The bits depend on the arguments alone.
+// log_depth: the prior's; NaN: none. residual: log of the measured depth minus
+// log_depth; NaN where there is none. offset and sigma are NaN where log_depth
+// is. The bits of the result depend on the arguments alone.
 PriorCorrection CorrectPrior(const Image<float>& log_depth,
                              const Image<float>& residual);
 

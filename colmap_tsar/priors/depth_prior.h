@@ -11,7 +11,7 @@
 
 namespace tsar {
 
-// What the values of a depth prior mean, up to unknown factors of its image.
+// The meaning of a depth prior's values, up to unknown factors per image.
 enum class PriorType : uint8_t {
   kAuto = 0,      // Whichever of the others fits measured depths best.
   kMetric = 1,    // Depth times one factor.
@@ -23,7 +23,7 @@ enum class PriorType : uint8_t {
 // raster covers the whole photo and may have any size.
 struct DepthPrior {
   PriorType type = PriorType::kAuto;
-  // As in the file; 0, negative and not finite: none. May be empty.
+  // The values of the file; 0, negative or not finite: none. May be empty.
   Image<float> values;
   // Unit vectors in the camera's frame, towards the camera; (0, 0, 0): none.
   // May be empty, or of another size than `values`.

@@ -15,13 +15,13 @@ namespace {
 // More samples than this change nothing but the time.
 constexpr size_t kMaxSamples = 20000;
 constexpr int kNumIterations = 30;
-// Smaller relative errors count as this.
+// The lower bound of relative errors.
 constexpr double kMinError = 1e-3;
 constexpr double kMedianToSigma = 1.4826;
 // A type with fewer unknowns is preferred to one that is hardly better.
 constexpr double kMinImprovement = 0.95;
 
-// Spread about the median.
+// The robust standard deviation about the median.
 double SpreadAboutMedian(std::vector<double> values) {
   const double median = UpperMedian(&values);
   for (double& value : values) {
@@ -48,8 +48,8 @@ PriorFunction FitFactor(const std::vector<PriorSample>& samples) {
   return {PriorType::kMetric, UpperMedian(&ratios), 0.0};
 }
 
-// Iteratively reweighted least squares for the line y = scale x + shift, where
-// the errors relative to y are small. Scale 0 where there is no rising line.
+// Fits the line y = scale x + shift to small errors relative to y by
+// iteratively reweighted least squares. Scale 0 where there is no rising line.
 PriorFunction FitLine(const std::vector<PriorSample>& samples, PriorType type) {
   const bool is_inverse = type == PriorType::kInverse;
   double scale = 0.0;
@@ -93,7 +93,7 @@ PriorFit FitType(const std::vector<PriorSample>& samples, PriorType type) {
   for (const PriorSample& sample : samples) {
     depths.push_back(std::log(sample.depth));
     const double depth = fit.function.Depth(sample.value);
-    // Where the function has no depth, it is as wrong as can be.
+    // A value without a depth counts as a very large error.
     errors.push_back(depth > 0.0 ? std::log(sample.depth / depth) : 1e3);
   }
   fit.spread_of_depths = SpreadAboutMedian(std::move(depths));

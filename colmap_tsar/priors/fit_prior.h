@@ -15,13 +15,13 @@ struct PriorSample {
   double depth = 0.0;
 };
 
-// From the values of a prior to depths.
+// A function from the values of a prior to depths.
 struct PriorFunction {
   PriorType type = PriorType::kMetric;  // Never kAuto.
   double scale = 1.0;                   // Positive.
   double shift = 0.0;                   // 0 for kMetric.
 
-  // 0 where the value stands for no depth in front of the camera.
+  // 0 where the value represents no depth in front of the camera.
   double Depth(double value) const;
 };
 
@@ -29,23 +29,23 @@ struct PriorFit {
   PriorFunction function;
   // Robust standard deviation of log(measured depth / depth of the prior).
   double spread = 0.0;
-  // The same for the best constant depth: what the prior has to explain.
+  // The baseline: the standard deviation for the best constant depth.
   double spread_of_depths = 0.0;
 
-  // The share of the spread of the measured depths that the prior explains: 1
-  // for a perfect one, 0 for one that is no better than a constant.
+  // The share of spread_of_depths that the prior explains: 1 for a perfect
+  // prior, 0 for one that is no better than a constant.
   double Skill() const {
     return spread_of_depths > 0.0 ? 1.0 - spread / spread_of_depths : 0.0;
   }
 };
 
-// Fits the function of the type, or with kAuto of the type whose spread is
-// smallest, in the sense of least absolute relative errors of depth, which
-// measured depths that are wrong do not pull away. samples: some.
+// Fits the function of the type, or with kAuto of the type with the smallest
+// standard deviation, by least absolute relative errors of depth, which are
+// robust to wrong measurements. samples: at least one.
 PriorFit FitPrior(const std::vector<PriorSample>& samples, PriorType type);
 
 // 1.48 times the median of absolute values: for normal errors about 0 their
-// standard deviation. values: some.
+// standard deviation. values: at least one.
 double RobustSpread(std::vector<double> values);
 
 }  // namespace tsar

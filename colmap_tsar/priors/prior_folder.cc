@@ -29,7 +29,7 @@ std::string WithoutExtension(const std::string& name) {
 
 std::string Advice() { return "check " + OptionName("prior_path"); }
 
-// What a file of the folder may be.
+// The image and kind of a file in the folder.
 struct Match {
   int image = -1;
   bool is_normals = false;
@@ -44,7 +44,7 @@ class NameMatcher {
     }
   }
 
-  // path: of the file; name: below the folder. No image where it is of none.
+  // path: the file; name: its path in the folder. No image if none matches.
   Match Find(const Path& path, const std::string& name) const {
     const std::string stem = WithoutExtension(name);
     std::vector<Match> matches;
@@ -83,7 +83,7 @@ class NameMatcher {
   std::map<std::string, std::set<int>> images_of_;
 };
 
-// In the order of their names.
+// The depth images of a folder, in the order of their names.
 std::vector<Path> ListDepthImages(const Path& folder) {
   std::vector<Path> files;
   for (const TreeEntry& entry : ListTree({folder, {}})) {

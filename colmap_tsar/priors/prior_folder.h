@@ -14,31 +14,31 @@
 
 namespace tsar {
 
-// A folder with the depth priors of images, which are given by their places in
+// A folder with the depth priors of images, which are given by their indices in
 // a list of names. The depth of the image sub/a.jpg is sub/a.jpg.EXT or
 // sub/a.EXT in the folder, its normals are sub/a.jpg.normal.EXT or
 // sub/a.normal.EXT, where EXT is one of the extensions of IsDepthImageName().
 // An image may have depth, normals, both or none.
 class PriorFolder {
  public:
-  // No folder: no image has a prior.
+  // Without a folder, no image has a prior.
   PriorFolder() = default;
   // Throws Error: kNotFound (there is no such folder, or it holds no prior of
   // any of the images; names the option prior_path), kMismatch (an image has
-  // two files of the same kind, or a file may be of two images), kIo.
+  // two files of the same kind, or a file matches two images), kIo.
   PriorFolder(const std::filesystem::path& folder,
               PriorType type,
               const std::vector<std::string>& image_names);
 
   bool HasPrior(int image) const { return !FilesOf(image).Empty(); }
   const PriorFiles& FilesOf(int image) const;
-  // What the values of all depth files mean.
+  // The meaning of the values of all depth files.
   PriorType Type() const { return type_; }
 
-  // How many of the images have a prior; nothing where there is no folder.
+  // The number of the images that have a prior; nothing without a folder.
   std::optional<int64_t> Count(const std::vector<int>& images) const;
 
-  // Warns of files that belong to no image, by their number and one of them.
+  // Warns of files that match no image, with their number and one of them.
   void WarnOfStrayFiles() const;
 
  private:

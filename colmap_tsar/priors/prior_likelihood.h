@@ -11,7 +11,7 @@
 
 namespace tsar {
 
-// What an aligned prior says of one pixel.
+// An aligned prior in one pixel.
 struct PriorDepth {
   float depth = 0.f;  // 0: nothing.
   // See AlignedPrior.
@@ -19,10 +19,10 @@ struct PriorDepth {
   float outlier_share = 0.f;
 };
 
-// The logarithm of how much likelier the prior is where the depth is right than
-// where it is wrong: wrong depths are spread over a factor of e, evenly in
-// their logarithms. 0 where there is no prior, or one whose errors are spread
-// as far. It is bounded on both sides, by sigma and by the share of outliers.
+// The log likelihood ratio of the prior for a right against a wrong depth:
+// wrong depths are uniform in their logarithms, over a factor of e. 0 where
+// there is no prior, or one with errors as wide. It is bounded on both sides,
+// by sigma and by the share of outliers.
 TSAR_HD inline float LogLikelihoodRatio(const PriorDepth& prior, float depth) {
   constexpr float kOneOverRootTwoPi = 0.39894228f;
   if (!(prior.depth > 0.f) || !(depth > 0.f) ||
@@ -36,7 +36,7 @@ TSAR_HD inline float LogLikelihoodRatio(const PriorDepth& prior, float depth) {
                           prior.outlier_share);
 }
 
-// The probability of a depth that had the given one before the prior was asked.
+// Updates the probability of a depth by the log likelihood ratio of a prior.
 TSAR_HD inline float PosteriorProbability(float probability, float log_ratio) {
   const float odds = probability / (1.f - probability);
   const float ratio = ExpOfNegative(-fabsf(log_ratio));

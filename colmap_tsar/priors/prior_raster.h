@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// An aligned prior as the pixels of a map, which may be larger, see it.
+// An aligned prior, sampled at the pixels of a map, which may be larger.
 struct PriorRaster {
   ImageView<const float> depth;  // May be empty.
   ImageView<const float> sigma;
@@ -22,11 +22,11 @@ struct PriorRaster {
   int map_width = 0;
   int map_height = 0;
 
-  // Steps between neighbouring pixels from which they are of two surfaces.
+  // The relative step of depth from which neighbors belong to two surfaces.
   static constexpr float kStep = 0.03f;
 
-  // Between the pixels of one surface depths are interpolated; at its border
-  // they are those of the nearest pixel.
+  // Interpolates depths between the pixels of one surface; at its border takes
+  // those of the nearest pixel.
   TSAR_HD PriorDepth At(int x, int y) const {
     if (depth.Empty()) {
       return {};
@@ -60,8 +60,8 @@ struct PriorRaster {
         outlier_share};
   }
 
-  // Towards the camera, by the depths around; the ray's own direction where
-  // these tell none.
+  // The normal from the surrounding depths, towards the camera; the direction
+  // to the camera where these determine none.
   TSAR_HD Vec3f NormalAt(int x, int y) const {
     const int step = map_width / depth.width > 1 ? map_width / depth.width : 1;
     const Vec3f ray = intrinsics.Ray(x, y);
@@ -81,8 +81,8 @@ struct PriorRaster {
     return i < 0 ? 0 : (i >= size ? size - 1 : i);
   }
 
-  // To the neighbour of the same surface on either side, in the direction of
-  // the step.
+  // The difference to the neighbor of the same surface on either side, in the
+  // direction of the step.
   TSAR_HD Vec3f
   Difference(int x, int y, int step_x, int step_y, const Vec3f& middle) const {
     for (const int sign : {1, -1}) {

@@ -46,7 +46,7 @@ void RequireFit(const fs::path& path,
   }
 }
 
-// value_of: what becomes of the channels of a pixel of the map.
+// value_of: maps the channels of a pixel to its value.
 template <typename T, typename ValueOf>
 Image<T> ReduceMap(const FloatMap& map, const ValueOf& value_of) {
   const int side = std::max(map.width, map.height);
@@ -89,7 +89,7 @@ class PriorReader {
     return prior;
   }
 
-  // What the larger of the files that were read took, in bytes.
+  // The memory of the larger of the files that were read, in bytes.
   int64_t NumBytes() const { return num_bytes_; }
 
  private:
@@ -111,7 +111,7 @@ class PriorReader {
 
   template <typename Parse>
   FloatMap ReadMap(const fs::path& path, const Parse& parse) {
-    // As OpenCV decodes a value, and as it is handed on.
+    // A value as OpenCV decodes it, and as it is returned.
     constexpr size_t kBytesPerValue = sizeof(double) + sizeof(float);
     const std::vector<uint8_t> bytes = ReadFileBytes(path);
     if (bytes.empty()) {

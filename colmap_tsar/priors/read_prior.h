@@ -19,8 +19,8 @@ struct PriorFiles {
   bool Empty() const { return depth.empty() && normals.empty(); }
 };
 
-// A prior tells of walls and floors, not of details: its rasters are kept at
-// this longer side at most, so that they take little memory beside the maps.
+// A prior describes walls and floors, not details: its rasters are kept at this
+// longer side at most, so that they take little memory beside the maps.
 constexpr int kMaxPriorSide = 1024;
 
 // Reads the files of an image whose undistorted photo has this size, by
@@ -36,13 +36,13 @@ DepthPrior ReadPrior(const PriorFiles& files,
                      PriorType type,
                      const RasterSize& photo);
 
-// What a prior takes of main memory, in bytes.
+// The main memory of a prior, in bytes.
 struct PriorMemory {
   int64_t prior = 0;
-  int64_t to_read = 0;  // While it is read, beside the prior.
+  int64_t to_read = 0;  // Beside the prior, while it is read.
 };
 
-// Reads the files as well, and throws what ReadPrior throws.
+// The memory of the files, which it reads. Throws what ReadPrior throws.
 PriorMemory CheckPrior(const PriorFiles& files, const RasterSize& photo);
 
 }  // namespace tsar
