@@ -20,8 +20,8 @@
 namespace tsar {
 namespace {
 
-// While it lives, a write past the limit of a file's size (ulimit -f) fails, as
-// one to a full disk does; the system would end the process otherwise.
+// While it lives, a write beyond the file size limit (ulimit -f) fails, like
+// one to a full disk; otherwise the system would end the process.
 class FileSizeLimitFails {
  public:
   FileSizeLimitFails() {
@@ -64,8 +64,8 @@ void PrintProgramHelp() {
                "version, --help_json these lines as JSON.\n";
 }
 
-// As JSON, for programs: the "summary", the "version" and the "commands", each
-// with "name" and "summary".
+// Prints the help as JSON, for programs: the "summary", the "version" and the
+// "commands", each with "name" and "summary".
 void PrintProgramHelpJson() {
   nlohmann::ordered_json json;
   json["summary"] = kSummary;
@@ -85,7 +85,7 @@ void PrintProgramHelpJson() {
     names.push_back(command.name);
     list += (list.empty() ? "" : ", ") + command.name;
   }
-  // What all begin with is easily forgotten.
+  // The prefix of all commands is easily forgotten.
   const std::string prefix = written.starts_with("tsar") ? "" : "tsar_";
   const std::vector<std::string> suggestions =
       SuggestNames(prefix + written, names);
@@ -97,7 +97,7 @@ void PrintProgramHelpJson() {
           " commands are " + list);
 }
 
-// What the program does where no command is named.
+// Handles the arguments where no command is named.
 int TellAboutProgram(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "help";
   if (name == "help" && argc > 2) {

@@ -12,14 +12,14 @@
 
 namespace tsar {
 
-// What a user of tsar_export gives, on the command line or from Python.
+// The arguments of tsar_export, from the command line or from Python.
 struct ExportCommand {
   std::string workspace_path;
   std::string output_path;
   std::string format;
   std::string input_type;
   std::string mask_path;
-  // Without format, output_path and mask_path, which the members above tell.
+  // Without format, output_path and mask_path, which the members above hold.
   ExportOptions options;
 
   void AddTo(OptionSet* set);
@@ -29,7 +29,7 @@ struct ExportCommand {
   ExportSummary Run(Progress& progress,
                     const std::function<bool()>& should_stop) const;
 
-  // What trains on the folder; empty for formats that are not made for that.
+  // The command that trains on the folder; empty for other formats.
   std::string TrainingCommand() const;
 };
 

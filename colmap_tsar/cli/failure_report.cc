@@ -17,8 +17,8 @@
 namespace tsar {
 namespace {
 
-// One line tells the user enough: what fails while the program ends, as when
-// libraries clean up, follows from what was reported.
+// One line is enough for the user: failures while the program ends, such as
+// when libraries clean up, follow from the reported one.
 std::atomic_flag has_reported;
 
 [[noreturn]] void EndProgram() {
@@ -44,8 +44,8 @@ void ReportFailure() noexcept {
   has_reported.test_and_set();
   try {
     const std::exception_ptr failure = std::current_exception();
-    // One that left a function that must not throw, such as a destructor, is
-    // on its way, but not known: little but memory can fail there.
+    // An exception that left a function that must not throw, such as a
+    // destructor, is not accessible: little but memory can fail there.
     const std::string text = failure ? FailureText(failure)
                              : std::uncaught_exceptions() > 0
                                  ? kOutOfMemory

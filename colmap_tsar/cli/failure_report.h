@@ -9,13 +9,13 @@ namespace tsar {
 // standard error, also where no memory is left.
 void ReportFailure() noexcept;
 
-// Prints that memory ran out. Takes none, and needs nothing that is set up when
-// a program starts.
+// Prints that memory ran out. Allocates none, and needs nothing that is set up
+// when a program starts.
 void ReportOutOfMemory() noexcept;
 
-// Has the program end so, with exit code 1, also by an exception that nothing
-// can catch: one that leaves a destructor or a static object's constructor. No
-// file is half written then, as when it is killed.
+// Makes the program end with such a line and exit code 1, also for an exception
+// that nothing can catch: one that leaves a destructor or a static object's
+// constructor. No file is half written then, as after a kill.
 void ReportUncaughtFailures();
 
 }  // namespace tsar

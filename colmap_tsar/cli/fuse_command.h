@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// What a user of tsar_fuse gives, on the command line or from Python.
+// The arguments of tsar_fuse, from the command line or from Python.
 struct FuseCommand {
   std::string workspace_path;
   std::string output_path;
@@ -23,7 +23,7 @@ struct FuseCommand {
   std::string bounding_box_path;
   bool overwrite = false;
   std::string preset = "default";
-  // -1: that of the preset.
+  // -1: the value of the preset.
   int min_num_views = -1;
   double max_reproj_error = -1.0;
   double max_depth_error = -1.0;

@@ -10,7 +10,7 @@
 
 namespace tsar {
 
-// What a user of tsar_import gives, on the command line or from Python.
+// The arguments of tsar_import, from the command line or from Python.
 struct ImportCommand {
   std::string workspace_path;
   std::string input_path;
@@ -22,12 +22,12 @@ struct ImportCommand {
   std::string normal_frame = "auto";
   bool restore = false;
   std::string restore_conflicts = "report";
-  // Of it, what the members above do not tell.
+  // Options that the members above do not hold.
   ImportOptions import;
 
   void AddTo(OptionSet* options);
 
-  // What to import, if it is not to be undone. Throws kBadOption where
+  // The import to do, unless it is to be undone. Throws kBadOption where
   // something is missing or does not fit the format.
   ImportOptions Parse() const;
 };

@@ -13,8 +13,8 @@
 namespace tsar {
 namespace {
 
-// An exception on its way through C code has the C library load what unwinds
-// the stack, and end the program where it cannot.
+// An exception that passes through C code makes the C library load the stack
+// unwinder, and end the program where it cannot.
 void LoadUnwinder() {
   std::once_flag flag;
   try {
@@ -27,7 +27,7 @@ void LoadUnwinder() {
 }  // namespace
 
 bool HasMemoryToStart() {
-  // Two times what OpenCV's libraries and CUDA's were seen to take.
+  // Twice the memory that the libraries of OpenCV and CUDA were seen to take.
   constexpr size_t kNumBytes = size_t{32} << 20;
   void* const memory = mmap(nullptr,
                             kNumBytes,
@@ -47,8 +47,8 @@ void PrepareForLowMemory() {
     throw std::bad_alloc();
   }
   LoadUnwinder();
-  // The first question about pictures has all their formats registered, for
-  // which some builds of OpenCV load another library.
+  // The first query about an image format registers all formats, for which some
+  // builds of OpenCV load another library.
   cv::haveImageWriter(".png");
 }
 

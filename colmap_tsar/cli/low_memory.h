@@ -5,14 +5,14 @@
 
 namespace tsar {
 
-// Whether there is memory for what libraries set up when a program starts. Some
-// of them end the program, or write to where nothing is, if there is none.
-// Takes none itself, and may be called before they are there.
+// Whether there is memory for the initialization of libraries when a program
+// starts. Without it, some end the program or write to invalid addresses.
+// Allocates none itself, and may be called before they are initialized.
 bool HasMemoryToStart();
 
-// Has that done now which libraries put off until it is needed and which must
-// not fail then, so that memory can run out later without harm. Throws
-// std::bad_alloc where there is not enough to begin with.
+// Forces the lazy initialization of libraries that must not fail later, so that
+// memory can run out later without harm. Throws std::bad_alloc where there is
+// not enough to begin with.
 void PrepareForLowMemory();
 
 }  // namespace tsar

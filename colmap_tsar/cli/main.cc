@@ -11,7 +11,7 @@
 
 namespace {
 
-// Before the libraries set themselves up, which open files and take memory.
+// Runs before the libraries initialize, which open files and take memory.
 void PrepareStart() {
   tsar::OpenClosedStandardStreams();
   tsar::ReportUncaughtFailures();
@@ -21,7 +21,7 @@ void PrepareStart() {
   }
 }
 
-// The system calls what stands in this section first of all.
+// The system calls the functions in this section first of all.
 [[gnu::section(".preinit_array"),
   gnu::used]] void (*const prepare_start)() = &PrepareStart;
 

@@ -11,9 +11,9 @@ namespace tsar {
 // The number of letters to insert, delete or replace to turn a into b.
 int EditDistance(const std::string& a, const std::string& b);
 
-// Those of the names that a user who wrote `written` may have meant, nearest
-// first, at most three. A name with a group ("TsarRefine.device") is also
-// compared by what follows the dot, because the group is easily forgotten.
+// The names that a user who wrote `written` may have meant, nearest first, at
+// most three. A name with a group ("TsarRefine.device") is also compared by the
+// part after the dot, because the group is easily forgotten.
 std::vector<std::string> SuggestNames(const std::string& written,
                                       const std::vector<std::string>& names);
 

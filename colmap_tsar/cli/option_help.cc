@@ -18,8 +18,8 @@ namespace {
 
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
-// By command, the options that are used most, beside those required, and what
-// they do in one line.
+// The most used options by command, beside the required ones, each with a
+// description of one line.
 const Lines& MostUsed(const std::string& command) {
   static const std::map<std::string, Lines> lines = {
       {"tsar_refine",
@@ -113,7 +113,7 @@ void PrintLine(const Option& option,
   out << line << text << "\n";
 }
 
-// dashes: what stands before its name.
+// dashes: the prefix of its name.
 void PrintOption(const Option& option,
                  const std::string& dashes,
                  std::ostream& out) {

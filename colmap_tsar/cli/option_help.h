@@ -11,7 +11,7 @@
 
 namespace tsar {
 
-// What the help of one command tells.
+// The content of the help of one command.
 struct CommandHelp {
   std::string command;          // "tsar_refine".
   std::string summary;          // One paragraph.
@@ -25,14 +25,14 @@ void PrintHelp(const CommandHelp& help,
                const std::string& program,
                std::ostream& out);
 
-// Prints what one needs most of it, on one screen of 24 lines of 80 letters:
-// what the command does, an example, the required options and those most used,
-// and where the rest is.
+// Prints the most important part of the help, on one screen of 24 lines of 80
+// letters: the summary, an example, the required and most used options, and
+// where to find the rest.
 void PrintShortHelp(const CommandHelp& help,
                     const std::string& program,
                     std::ostream& out);
 
-// Prints what can be named in the value of an option of settings.
+// Prints the names that the value of an option of settings may contain.
 void PrintSettings(const Option& option, std::ostream& out);
 
 // Prints the help as one JSON object, for programs: "command", "summary",

@@ -142,7 +142,7 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
 }
 
 CommandHelp OptionSet::Help() const {
-  // Its value is read by Parse and not kept.
+  // Parse reads its value and does not keep it.
   static std::string no_project_path;
   CommandHelp help{command_, summary_, example_, options_};
   help.options.push_back(

@@ -65,7 +65,7 @@ class OptionSet {
   // All options, in the order in which they were added.
   const std::vector<Option>& Options() const { return options_; }
 
-  // What the help tells; PrintHelpJson prints it for programs.
+  // The content of the help; PrintHelpJson prints it for programs.
   CommandHelp Help() const;
 
  private:

@@ -87,7 +87,7 @@ std::string ParseText(const std::string& text,
   return text;
 }
 
-// The setting of that name. where: as for Option::Set.
+// The setting with this name. where: as for Option::Set.
 const Option& FindSetting(const std::vector<Option>& settings,
                           const std::string& name,
                           const std::string& where) {

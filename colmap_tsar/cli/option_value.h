@@ -31,9 +31,9 @@ struct Option {
   // Only for strings; empty: any text.
   std::vector<std::string> choices = {};
   bool required = false;
-  // For a text of the form "name=value,name=value": what can be named.
+  // The possible names in a text of the form "name=value,name=value".
   std::vector<Option> settings = {};
-  // By the name of a preset, as text: the value there, if not the default.
+  // By preset name, as text: the value in the preset, if not the default.
   std::map<std::string, std::string> presets = {};
 
   // Parses the text and writes the result to the target, and to those of the
@@ -49,7 +49,7 @@ struct Option {
   // name ends in "_path" or "_list".
   bool IsPath() const;
 
-  // What kind of value to give, for the help: INT, NUMBER, 0|1, PATH, TEXT,
+  // The kind of value, for the help: INT, NUMBER, 0|1, PATH, TEXT,
   // NAME=VALUE,... or the choices.
   std::string ValueHint() const;
 };

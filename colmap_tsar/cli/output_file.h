@@ -7,11 +7,11 @@
 
 namespace tsar {
 
-// Before the work is done: whether a file may be written where --output_path of
-// a command says. Throws Error kNotFound where its folder is missing,
-// kUnsupported where it lies among the inputs of
-// the workspace, where something else than a file is there, and where a file is
-// there and is not to be overwritten. kind: what the file is, "picture".
+// Checks, before the work is done, whether a command may write a file to its
+// --output_path. Throws Error kNotFound where its folder is missing,
+// kUnsupported where it lies among the inputs of the workspace, where it is
+// something else than a file, and where the file exists and is not to be
+// overwritten. kind: the name of the kind of file, "picture".
 void RequireWritableOutput(const std::string& workspace_path,
                            const std::string& output_path,
                            const std::string& kind,

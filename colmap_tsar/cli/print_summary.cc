@@ -25,7 +25,7 @@ std::string Fixed(double value, int num_digits) {
   return text;
 }
 
-// With four significant digits.
+// The value with four significant digits.
 std::string Rounded(double value) {
   char text[64];
   std::snprintf(text, sizeof(text), "%.4g", value);

@@ -14,24 +14,24 @@
 
 namespace tsar {
 
-// For the user: what was done, what it brought, how long it took, and the
-// command to run next.
+// Prints for the user what was done, the effect, the time, and the next command
+// to run.
 void PrintSummary(const RunSummary& summary, std::ostream& out);
 
-// For how many of the images there are masks; nothing where none were given.
+// Prints how many of the images have masks; nothing where none were given.
 void PrintMasks(const std::optional<int64_t>& num_masks,
                 int num_images,
                 std::ostream& out);
 
-// The most that each GPU held, a line each.
+// Prints the peak memory of each GPU, a line each.
 void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
                      std::ostream& out);
 
-// Where the maps were made, what has none, and the command to run next.
+// Prints the device, the time, images without maps and the next command.
 void PrintSummary(const StereoSummary& summary, std::ostream& out);
 
-// A few lines for the user, with the next command to give. Of many warnings,
-// the first ones.
+// Prints a few lines for the user, with the next command to run and the first
+// of the warnings.
 void PrintSummary(const ImportSummary& summary, std::ostream& out);
 
 }  // namespace tsar

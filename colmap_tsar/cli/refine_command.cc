@@ -311,7 +311,7 @@ int RunTsarRefine(int argc, char** argv) {
       command.Run(progress, [&] { return interruption.Requested(); });
   PrintSummary(summary, std::cout);
   if (summary.RefinedNone()) {
-    // What comes next would find nothing that was refined.
+    // The next command would find no refined maps.
     const RunSummary::KeptImage& first = summary.kept.front();
     throw Error(ErrorCode::kNotFound,
                 command.workspace_path + ": no image could be refined; " +

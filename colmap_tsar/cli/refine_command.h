@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// What a user of tsar_refine gives, on the command line or from Python.
+// The arguments of tsar_refine, from the command line or from Python.
 struct RefineCommand {
   std::string workspace_path;
   std::string input_type;
@@ -36,8 +36,8 @@ struct RefineCommand {
 
   void AddTo(OptionSet* options);
 
-  // Sets the options of the method to those of the preset. Those that were
-  // given come on top of it: they are to be set again.
+  // Sets the options of the method to those of the preset. Options given by the
+  // user override these, and have to be set again afterwards.
   void UsePreset();
 
   // Throws kBadOption, and what RefineWorkspace throws.

@@ -37,8 +37,8 @@ constexpr const char* kSummary =
 
 void WriteReport(const Workspace& workspace, const ReportCommand& command) {
   const PageOptions page = command.Page(workspace);
-  // Before the page is there: from then on, memory may be short without the run
-  // having failed.
+  // The text is made before the page exists: from then on, memory may run out
+  // without the run having failed.
   const std::string index =
       Printable((page.report_path / "index.html").string());
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);

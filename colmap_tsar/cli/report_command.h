@@ -11,7 +11,7 @@
 
 namespace tsar {
 
-// What a user of tsar_report gives, on the command line or from Python.
+// The arguments of tsar_report, from the command line or from Python.
 struct ReportCommand {
   std::string workspace_path;
   std::string input_type;
@@ -25,12 +25,12 @@ struct ReportCommand {
   int max_points = 300000;
   std::string output_path;
   int num_images = 3;
-  // Of the page, what the members above do not tell.
+  // The options of the page that the members above do not hold.
   PageOptions page;
 
   void AddTo(OptionSet* options);
 
-  // With the maps that are asked for. Throws what Workspace throws.
+  // Opens the workspace with the requested maps. Throws what Workspace throws.
   Workspace Open() const;
 
   bool WantsPicture() const { return !output_path.empty(); }
@@ -40,7 +40,7 @@ struct ReportCommand {
   // what RequireWritableOutput, ReadComparisonRow and WritePng throw.
   void WritePicture(const Workspace& workspace) const;
 
-  // How to write the page. Throws kBadOption.
+  // The options of the page. Throws kBadOption.
   PageOptions Page(const Workspace& workspace) const;
 };
 

@@ -27,10 +27,9 @@ struct DeviceArguments {
   DeviceOptions Parse() const;
 };
 
-// Adds the options by which a command is told where to compute and how much
-// memory to take; that of num_threads, which each command describes itself, is
-// left to the caller. group: what their names begin with, such as
-// "TsarRefine.".
+// Adds the options for the devices and the memory of a command, but for
+// num_threads, which each command describes itself. group: the prefix of their
+// names, such as "TsarRefine.".
 void AddDeviceArguments(const std::string& group,
                         DeviceArguments* arguments,
                         OptionSet* options);
@@ -41,15 +40,14 @@ void AddMapType(const std::string& name,
                 const std::string& description,
                 OptionSet* options);
 
-// Of its value; nothing where that is empty.
+// The map type of a value; nothing where that is empty.
 std::optional<MapType> ParseMapType(const std::string& value);
 
 // Adds --restore_conflicts.
 void AddRestoreConflicts(std::string* value, OptionSet* options);
 
-// Prints which maps were left as they are and where those are now that stood in
-// the way. Throws Error kMismatch, after that, where images are left that the
-// user has to decide about.
+// Prints which maps were kept and the new paths of superseded ones. Then throws
+// Error kMismatch where images are left that the user has to decide about.
 void ReportRestored(const std::vector<std::filesystem::path>& kept,
                     const std::vector<std::filesystem::path>& superseded,
                     const std::vector<std::filesystem::path>& conflicts);

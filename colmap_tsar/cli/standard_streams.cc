@@ -22,14 +22,14 @@
 namespace tsar {
 namespace {
 
-// A write function as fopencookie() wants it. Takes no memory, since that it
-// has run out may be what is to be printed.
+// A write function for fopencookie(). Allocates no memory, since the message
+// may be that it has run out.
 ssize_t WritePrintable(void* /*cookie*/, const char* data, size_t size) {
   char buffer[1024];
   size_t length = 0;
   std::string_view text(data, size);
   while (!text.empty()) {
-    // A line ends, and Progress begins its line on a terminal again.
+    // A line ends, or Progress begins its line on a terminal again.
     const bool is_ours =
         text[0] == '\n' || (text[0] == '\r' && text.size() == size);
     std::string_view printable = text.substr(0, 1);
@@ -56,8 +56,8 @@ void OpenClosedStandardStreams() {
     if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) {
       continue;
     }
-    // The smallest number that is free is this one. A folder, which nothing can
-    // be written into, serves where there are no devices.
+    // The lowest free number is this one. A folder, which cannot be written to,
+    // serves where there are no devices.
     if (open("/dev/null", O_RDWR) < 0) {
       open("/", O_RDONLY | O_DIRECTORY);
     }
@@ -95,7 +95,7 @@ void FlushStandardOutput() {
   errno = 0;
   std::cout.flush();
   if (std::fflush(stdout) != 0 || !std::cout) {
-    // Unknown where it was an earlier write that failed.
+    // The reason is unknown where an earlier write failed.
     const std::string reason =
         errno == 0 ? "" : std::string(" (") + std::strerror(errno) + ")";
     std::cout.clear();

@@ -7,24 +7,24 @@
 
 namespace tsar {
 
-// Opens those of standard input, output and error that are closed, to nothing.
-// The first file that a program opens would get the number of a closed stream
-// otherwise, and what is printed would be written into it. To be called before
-// any file is opened.
+// Opens closed standard streams (input, output, error) to nothing. Otherwise
+// the first file that a program opens would get the number of a closed stream,
+// and printed text would be written into it. To be called before any file is
+// opened.
 void OpenClosedStandardStreams();
 
-// Writes all of these bytes to standard error as they are, without memory or
-// anything else that a program must set up first. Whether that was possible.
+// Writes all of these bytes unchanged to standard error, without memory or
+// anything else that a program must set up first. Returns whether it succeeded.
 bool WriteToStandardError(std::string_view bytes);
 
-// From here on, what this program and its libraries print to standard error
-// passes through Printable(), line by line: the readers of pictures print what
-// stands in these. Once, for a program of its own; not where other code shares
-// the process.
+// From here on, all that this program and its libraries print to standard error
+// passes through Printable(), line by line, since image decoders print content
+// of their files. To be called once, by a program of its own; not where other
+// code shares the process.
 void KeepStandardErrorPrintable();
 
-// Writes what has been printed to standard output. Throws kIo where that cannot
-// be, such as on a full disk: a result that is lost must not look like one.
+// Flushes standard output. Throws kIo where that fails, as on a full disk: a
+// lost result must not look like success.
 void FlushStandardOutput();
 
 }  // namespace tsar

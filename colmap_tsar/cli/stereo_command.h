@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// What a user of tsar_stereo gives, on the command line or from Python.
+// The arguments of tsar_stereo, from the command line or from Python.
 struct StereoCommand {
   std::string workspace_path;
   std::string image_list_path;

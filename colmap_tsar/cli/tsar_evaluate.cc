@@ -36,7 +36,7 @@ const char kHelp[] =
     "  tsar_evaluate fused_pixels [options]  pixels that become points\n\n"
     "tsar_evaluate depth --help, and so on, explains the options.\n";
 
-// As --help_json of the other commands, with "forms" in place of options.
+// Prints what --help_json prints elsewhere, with "forms" for options.
 void PrintFormsJson() {
   const Json json = {
       {"command", "tsar_evaluate"},
@@ -50,7 +50,7 @@ void PrintFormsJson() {
   std::cout << json.dump(2) << "\n";
 }
 
-// Prints the numbers of all rows in columns; numbers are given as text.
+// Prints one row of a table; numbers are given as text.
 void PrintRow(const std::vector<std::string>& cells) {
   for (size_t i = 0; i < cells.size(); ++i) {
     std::cout << (i == 0 ? std::left : std::right)
@@ -190,7 +190,7 @@ int EvaluateDepth(int argc, char** argv) {
   return 0;
 }
 
-// Masks are of images, which who asks for it may not know of a cloud.
+// Masks apply to images, but a user may give them for a point cloud.
 void RequireNoMasks(int argc, char** argv) {
   if (std::any_of(argv, argv + argc, [](const std::string& argument) {
         return argument == "--mask_path" ||
