@@ -15,7 +15,7 @@ namespace tsar {
 // The memory that images at work take, in bytes. Every value holds for the
 // largest map of the workspace and the image with most sources.
 struct MemoryPlan {
-  int num_sources = 0;  // Of the image with most.
+  int num_sources = 0;  // The largest number.
 
   // Device memory, which is main memory where the device is the CPU: the memory
   // of one image at work without its uploaded sources, and one uploaded source.
