@@ -30,8 +30,8 @@ struct FusedPixelOptions {
 struct FusedPixelEvaluation {
   int num_images = 0;              // Images with ground truth.
   int64_t num_known = 0;           // Pixels with ground truth.
-  int64_t num_fused = 0;           // Of these, those that became a point.
-  std::vector<int64_t> num_right;  // Of these, by tolerance.
+  int64_t num_fused = 0;           // Known pixels that became a point.
+  std::vector<int64_t> num_right;  // Right fused pixels, by tolerance.
 };
 
 // The evaluation of the ablation in the TSAR-MVS paper (section 6.3.1): for

@@ -50,7 +50,7 @@ constexpr size_t kMinEdgeSamples = 50;
 bool IsMeasured(const RayDepth& sample) { return sample.z > 0.f; }
 
 // The prior's value in a pixel of the raster: interpolated where all four
-// neighbours have one, so that slanted surfaces do not become stairs.
+// neighbors have one, so that slanted surfaces do not become stairs.
 float ValueAt(const Image<float>& values,
               const Image<RayDepth>& raster,
               int x,

@@ -22,7 +22,7 @@ enum class PriorVerdict : uint8_t {
   kUnlike = 4,       // It explains too little of the measured depths.
 };
 
-// How the depth prior of an image fits its measured depths.
+// The fit of an image's depth prior to its measured depths.
 struct PriorAssessment {
   PriorVerdict verdict = PriorVerdict::kNone;
   // The fitted type of its values, and PriorFit::Skill(), at least 0, where

@@ -43,7 +43,7 @@ class ComposeTask : public RefineMapsTask {
                           ViewCache::Lease* views) override;
 
  private:
-  // An image and its neighbours, and what was found in their evidence.
+  // The evidence of an image and its neighbors, and the scene found in it.
   struct Scene {
     ViewEvidence own;
     std::vector<EvidenceStore::Evidence> others;

@@ -23,7 +23,7 @@
 
 namespace tsar {
 
-// How many threads read and write, and how many images may wait between them.
+// The numbers of reading and writing threads, and of images that may wait.
 struct PipelineSizes {
   int num_loaders = 1;
   int num_writers = 1;

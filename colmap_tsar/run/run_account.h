@@ -122,7 +122,7 @@ class ShardAccount : public RunAccount {
 
   const RefineRun& run_;
   ShardRecord record_;
-  ObservedShards observed_;  // Of all shards, where this pass composes.
+  ObservedShards observed_;  // Only where this pass composes.
 };
 
 }  // namespace tsar

@@ -16,7 +16,7 @@ enum class OriginalState {
   kInPlace,  // Under its own name; nothing is stored.
   kStored,   // In stereo/tsar/original; the map in its place is this program's.
   kReplaced,  // Under its own name: COLMAP wrote both maps of the image anew,
-              // and the stored ones are of former times.
+              // and the stored ones are outdated.
 };
 
 // The originals of an image's maps.

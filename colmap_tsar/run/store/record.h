@@ -29,7 +29,7 @@ std::string ToString(ImageStatus status);
 // stereo/tsar/records/NAME.TYPE.json. The caller of WriteBack fills in
 // options_hash, inputs, counts, seconds and note, WriteBack the rest.
 struct ImageRecord {
-  std::string version;  // Of the program that wrote it.
+  std::string version;  // The version of the writing program.
   std::string image;
   std::string type;
   ImageStatus status = ImageStatus::kPending;

@@ -34,8 +34,8 @@ struct ShardRecord {
     std::string note;
   };
 
-  std::string version;  // Of the program.
-  std::string type;     // Of the maps.
+  std::string version;  // The program's version.
+  std::string type;     // The type of the maps.
   std::map<std::string, std::string> options;
   std::string options_hash;
   std::string images_hash;  // A hash of the images to refine and their sources.

@@ -138,8 +138,8 @@ class Workspace {
   std::filesystem::path root_;
   std::filesystem::path source_root_;
   bool is_output_ = false;
-  std::vector<bool> trusts_stored_;           // By image; empty: of none.
-  std::vector<std::filesystem::path> masks_;  // By image; empty: of none.
+  std::vector<bool> trusts_stored_;           // By image; empty: none.
+  std::vector<std::filesystem::path> masks_;  // By image; empty: none.
   PriorFolder priors_;
   std::vector<std::filesystem::path> label_images_;  // By image; as masks_.
   MapType type_;
