@@ -21,8 +21,8 @@ const char kProjectPathHelp[] =
     "Ini file with values for these options: top-level keys, and one section "
     "per group. Options on the command line come before it.";
 
-// COLMAP's commands have it, and whoever calls them all with the same options
-// gives it to these, too.
+// An option of COLMAP's commands, accepted for users who call all commands with
+// the same options.
 const char kLogToStderr[] = "log_to_stderr";
 const char kLogToStderrHelp[] =
     "Taken for the sake of COLMAP's commands, which have it; warnings go to "

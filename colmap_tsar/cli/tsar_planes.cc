@@ -91,7 +91,7 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
       "overwrite", &command->overwrite, "Replace a file that is there.");
 }
 
-// Only JSON has what is no triangle.
+// Planes without triangles are written to JSON only.
 bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
   return format == PlaneFormat::kJson || !plane.polygons.empty();
 }

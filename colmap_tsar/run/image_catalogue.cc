@@ -277,7 +277,7 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
     Keep(index, "none of its source images has " + type + " maps", &report);
   } else if (HasBeenRefined(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
-    // Those of the run that refined it.
+    // The counts of the run that refined it.
     report.counts =
         ReadRecord(workspace_.Paths(Reference(index), workspace_.Type()).record)
             ->counts;

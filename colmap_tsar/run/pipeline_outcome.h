@@ -48,8 +48,8 @@ struct PipelineOutcome {
   // The failure that came first in time, of which others may be consequences;
   // null where there was none.
   std::exception_ptr first_failure;
-  // Where a run ended before the pass that refines: the images that have been
-  // observed for it.
+  // The number of observed images, where a run ended before the pass that
+  // refines.
   std::optional<int> num_observed;
 
   explicit PipelineOutcome(size_t num_images = 0)

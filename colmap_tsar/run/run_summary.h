@@ -49,7 +49,7 @@ struct RunSummary {
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
   int64_t num_sources_without_maps = 0;
   std::map<std::string, int64_t>
-      counts;  // Of all refined images, those of former runs, too.
+      counts;  // Sums over all refined images, also of earlier runs.
   std::map<std::string, double> seconds;
   double wall_seconds = 0.0;
   std::vector<GpuMemory> peak_gpu_memory;
