@@ -20,7 +20,7 @@
 namespace tsar {
 namespace {
 
-// How far lengths of normals and the columns of rotations may be off.
+// Tolerance of the lengths of normals and of the columns of rotations.
 constexpr double kUnitTolerance = 1e-6;
 constexpr double kMinSigma = 1e-9;
 
@@ -81,16 +81,16 @@ void CheckMeasurements(const std::vector<PlaneMeasurement>& measurements,
   }
 }
 
-// Where a scene is, and how large: thresholds must depend neither on the origin
-// nor on the unit of length.
+// The center and the size of a scene: thresholds must depend neither on the
+// origin nor on the unit of length.
 struct SceneExtent {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   double size = 1.0;  // Above 0.
 };
 
-// The median of the places where planes were measured and from where, and of
-// their distances from there, so that few that are far away do not matter; or,
-// where there are none, of the planes' points that are nearest to the origin.
+// The median of the measured points and camera centers, and the median of their
+// distances from it, robust to few that are far away; without measurements, of
+// the planes' points nearest to the origin.
 SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
                      const std::vector<PlaneMeasurement>& measurements) {
   std::vector<Eigen::Vector3d> places;
@@ -125,7 +125,7 @@ SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
   return extent;
 }
 
-// Where each plane is known best: amid what was measured of it.
+// The center of the measurements of each plane, where it is known best.
 std::vector<Eigen::Vector3d> Middles(
     const std::vector<PlaneMeasurement>& measurements,
     const SceneExtent& extent,
@@ -145,10 +145,11 @@ std::vector<Eigen::Vector3d> Middles(
   return sums;
 }
 
-// 3 degrees, and 0.5.
+// Sine of 3 degrees, and 0.5 degrees in radians.
 constexpr double kSinMaxAngle = 0.0523;
 constexpr double kSigma = 0.00873;
-// A plane leans on so many others, of so many of its component.
+// The largest number of priors of a plane, and of planes of its component that
+// are tried.
 constexpr int kMaxPartners = 3;
 constexpr size_t kMaxTried = 30;
 
@@ -168,7 +169,7 @@ std::optional<PlaneAnglePrior> FindPrior(const std::vector<ModelPlane>& planes,
   return std::nullopt;
 }
 
-// Beyond what rounding leaves.
+// Whether the normal is the axis of the frame up to rounding.
 bool IsAlongAxis(const ModelPlane& plane,
                  const std::vector<Eigen::Matrix3d>& frames) {
   return plane.frame >= 0 && frames[static_cast<size_t>(plane.frame)]
@@ -177,10 +178,11 @@ bool IsAlongAxis(const ModelPlane& plane,
                                      .norm() < 1e-9;
 }
 
-// What is known of the adjusted plane, for one that is a little beside it.
+// Sets the covariance of an adjusted plane on the plane that it was adjusted
+// from, which differs slightly.
 void SetKnowledge(const AdjustedPlane& from, ModelPlane* plane) {
   plane->covariance = from.covariance;
-  // Otherwise the middle is not amid what was measured.
+  // Otherwise the center is not that of the measurements.
   if (!std::isfinite(from.covariance(2, 2))) {
     return;
   }
@@ -265,7 +267,7 @@ void AdjustModel(const MeasurePlanes& measure,
   adjustment.angles = FindAnglePriors(model->planes);
   AdjustPlanesOptions options;
   if (std::find(may_move.begin(), may_move.end(), true) == may_move.end()) {
-    options.max_rounds = 1;  // Planes have to be measured once only.
+    options.max_rounds = 1;  // One measurement is enough.
   }
   const AdjustedPlanes adjusted = AdjustPlanes(adjustment, measure, options);
   for (size_t p = 0; p < model->planes.size(); ++p) {

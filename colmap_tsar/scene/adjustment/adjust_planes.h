@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// Two planes that are probably parallel, or orthogonal.
+// A soft constraint: two planes are probably parallel, or orthogonal.
 struct PlaneAnglePrior {
   enum class Kind { kParallel, kOrthogonal };
   Kind kind = Kind::kParallel;
@@ -30,40 +30,39 @@ struct FrameColumn {
   int column = -1;
 };
 
-// Planes that are adjusted together, in the world frame, and what is known of
-// them beside measured depths.
+// Planes that are adjusted together, in the world frame, with the constraints
+// on them that do not come from measured depths.
 struct PlaneAdjustment {
-  std::vector<WorldPlane> planes;       // Of unit normals.
+  std::vector<WorldPlane> planes;       // Normals have unit length.
   std::vector<Eigen::Matrix3d> frames;  // Rotations.
   std::vector<FrameColumn> axes;        // One per plane, or none at all.
   std::vector<PlaneAnglePrior> angles;
 };
 
-// What views measured of the planes as they are at the moment, in any order and
-// any number per plane; see MeasurePlane.
+// Measures the current planes in the views: any number of measurements per
+// plane, in any order; see MeasurePlane.
 using MeasurePlanes = std::function<std::vector<PlaneMeasurement>(
     const std::vector<WorldPlane>& planes)>;
 
 struct AdjustPlanesOptions {
-  // Planes are measured anew, with the weights that observations have at their
-  // new places, and adjusted again, this often at most.
+  // The maximum number of rounds. Each round measures the planes anew, with the
+  // weights of observations at the current planes, and adjusts them.
   int max_rounds = 3;
-  // The error at which the loss of angles turns from squares to logarithms, in
-  // their standard deviations.
+  // Scale of the Cauchy loss of angles, in their standard deviations.
   double loss_scale = 1.0;
 };
 
 struct AdjustedPlane {
   WorldPlane plane;
-  // A point on it amid what was measured, and two orthogonal unit vectors along
-  // it, the principal axes of its errors of direction; with the normal they are
-  // a right-handed basis.
+  // A point on the plane amid its measurements, and two orthogonal unit vectors
+  // in the plane, the principal axes of the error of its normal; with the
+  // normal they are a right-handed basis.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d axis_t = Eigen::Vector3d::UnitY();
-  // Of the rotation about axis_s and about axis_t (through the centre, radians)
-  // and of the shift along the normal, with all that the other planes leave
-  // open. A quantity that nothing determines has an infinite variance, and no
+  // Covariance of the rotations about axis_s and axis_t (through the center, in
+  // radians) and of the shift along the normal, marginalized over the other
+  // planes. A parameter that nothing determines has an infinite variance and no
   // correlation with others.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
@@ -74,20 +73,20 @@ struct AdjustedPlanes {
   int num_rounds = 0;
 };
 
-// Finds the planes and the rotations of the frames that agree best with what
-// views measured and with the angles, each by its expected error and the angles
-// with Cauchy's loss, by nonlinear least squares (Ceres).
+// Finds the planes and the rotations of the frames that agree best with the
+// measurements and the angle priors, by nonlinear least squares (Ceres).
+// Residuals are in expected errors; those of angles have a Cauchy loss.
 //
-// Directions known to no better than half a radian and places known to no
-// better than half of the scene's size are unknown: a weak prior keeps them
-// where they are, and their variances are infinite. A plane of which everything
-// is unknown is returned unchanged, to the bit, unless it lies in a frame: then
-// its normal is the frame's.
+// Rotations known to no better than half a radian and shifts known to no better
+// than half of the scene's size are unknown: a weak prior keeps them at their
+// initial values, and their variances are infinite. A plane whose parameters
+// are all unknown is returned unchanged, to the bit, unless it lies in a frame:
+// then its normal is the frame's.
 //
-// The same input gives the same bits; one thread. Neither the place of the
-// origin nor the unit of length matters beyond rounding. Time and memory grow
-// with the number of planes and measurements, as long as each plane shares
-// angles with few others. Prints nothing.
+// The same input gives the same bits; one thread. Neither the origin nor the
+// unit of length matters beyond rounding. Time and memory grow with the number
+// of planes and measurements, as long as each plane shares angles with few
+// others. Prints nothing.
 //
 // Throws std::invalid_argument where a number is not finite or out of range (a
 // sigma below 1e-9 radians, too), a normal has not unit length, a frame is no
@@ -97,19 +96,19 @@ AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
                             const MeasurePlanes& measure,
                             const AdjustPlanesOptions& options = {});
 
-// What is probably true of planes that people built: each plane that lies in no
-// Manhattan frame (ModelPlane::axis) is as good as parallel or orthogonal to
-// the planes of its component that have most support, where it is within 3
-// degrees of that. To so few of them that the number of priors grows with that
-// of the planes. planes: by falling support.
+// Angle priors for man-made scenes: each plane that lies in no Manhattan frame
+// (ModelPlane::axis) is nearly parallel or orthogonal to the planes of its
+// component with the largest support, where it is within 3 degrees of that.
+// Each plane gets so few priors that their number is linear in that of the
+// planes. planes: by decreasing support.
 std::vector<PlaneAnglePrior> FindAnglePriors(
     const std::vector<ModelPlane>& planes);
 
 // Adjusts the planes and frames of a scene together (AdjustPlanes), with the
-// priors of FindAnglePriors, and sets how well each plane is known. Of each
-// component all planes may move, or none (may_move): then they and their frames
-// stay as they are, and planes that do not lie exactly along their axis lose
-// it. Planes of which nothing is known stay, too. model: without labels.
+// priors of FindAnglePriors, and sets their covariances. may_move: by plane,
+// alike for all planes of a component. Planes that may not move stay, as do
+// their frames, and those that do not lie exactly along their axis lose it.
+// Undetermined planes stay, too. model: without labels.
 void AdjustModel(const MeasurePlanes& measure,
                  const std::vector<bool>& may_move,
                  SceneModel* model);

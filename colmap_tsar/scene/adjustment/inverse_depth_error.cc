@@ -12,13 +12,13 @@
 namespace tsar {
 namespace {
 
-// Standard deviations of what nothing tells of.
+// Prior standard deviations of parameters that nothing determines.
 constexpr double kPriorTurn = 0.02;   // In radians.
-constexpr double kPriorShift = 0.01;  // Of the distance from the camera.
-// In units of the prior variances: as good as infinite.
+constexpr double kPriorShift = 0.01;  // Relative to camera distance.
+// Stands for an infinite variance, in units of the prior variances.
 constexpr double kHugeVariance = 1e12;
 
-// The plane's covariance C together with the prior one P: the inverse of C^-1 +
+// The plane's covariance C combined with the prior P: the inverse of C^-1 +
 // P^-1.
 Eigen::Matrix3d BoundedCovariance(const ModelPlane& plane, double distance) {
   const Eigen::Vector3d prior(kPriorTurn, kPriorTurn, kPriorShift * distance);
@@ -43,8 +43,8 @@ InverseDepthError ErrorInView(const ModelPlane& plane, const Camera& camera) {
   if (!(std::abs(height) > 0.0)) {
     return {};
   }
-  // Derivatives of normal / height by the two turns about the plane's centre
-  // and the shift along its normal.
+  // Derivatives of normal / height by the two rotations about the plane's
+  // center and the shift along its normal.
   Eigen::Matrix3d derivatives;
   const Eigen::Vector3d arm = center - plane.center;
   for (int i = 0; i < 2; ++i) {

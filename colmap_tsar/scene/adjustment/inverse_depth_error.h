@@ -10,9 +10,9 @@
 
 namespace tsar {
 
-// How far a plane may lie beside the true one, as a camera sees it: with p =
-// normal / offset in the camera's frame, the inverse depth along a ray (z = 1)
-// is -p . ray, and this is the covariance of p.
+// The error of a plane's inverse depth in a camera: with p = normal / offset in
+// the camera's frame, the inverse depth along a ray (z = 1) is -p . ray, and
+// this is the covariance of p.
 struct InverseDepthError {
   float xx = 0.f;
   float xy = 0.f;
@@ -21,22 +21,22 @@ struct InverseDepthError {
   float yz = 0.f;
   float zz = 0.f;
 
-  // Of the inverse depth along a ray.
+  // Variance of the inverse depth along a ray.
   TSAR_HD float Variance(const Vec3f& ray) const {
     const float variance =
         ray.x * (xx * ray.x + 2.f * (xy * ray.y + xz * ray.z)) +
         ray.y * (yy * ray.y + 2.f * yz * ray.z) + zz * ray.z * ray.z;
-    // Rounding may leave less than nothing.
+    // Rounding may make it negative.
     return variance > 0.f ? variance : 0.f;
   }
 };
 
-// From the plane's covariance, to first order, with what planes of rooms are
-// expected to be off by at most: a turn by 0.02 radians, a shift by 1 % of the
-// camera's distance from the plane. A variance v thus becomes 1 / (1 / v + 1 /
-// b^2) with b for this bound, nearly v where the plane is known well and b^2
-// where nothing determines it. 0 where the plane holds the camera's centre:
-// then it has no depths.
+// The plane's covariance propagated to first order, after each variance v
+// became 1 / (1 / v + 1 / b^2), where b bounds the expected error of planes of
+// rooms: a rotation by 0.02 radians, a shift by 1 % of the camera's distance
+// from the plane. This is nearly v where the plane is known well and b^2 where
+// nothing determines it. The result is 0 where the plane contains the camera
+// center and thus has no depths.
 InverseDepthError ErrorInView(const ModelPlane& plane, const Camera& camera);
 
 }  // namespace tsar

@@ -19,24 +19,24 @@
 namespace tsar {
 namespace {
 
-// Radians, and sizes of the scene: what moves by less stands still.
+// Convergence threshold of parameters: radians, and sizes of the scene.
 constexpr double kStandstill = 1e-9;
-// One over the standard deviation of the prior, in these units: it takes
-// nothing from what is known.
+// Inverse standard deviation of the prior, in these units: too weak to affect
+// known parameters.
 constexpr double kStay = 1.0 / 32.0;
-// In these units; variances are far larger where there is no evidence.
+// Variances above this, in these units, are infinite: without evidence they are
+// far larger.
 constexpr double kUnknownVariance = 0.25;
-// Directions of a form with less than this share of its largest eigenvalue are
-// what is left of rounding.
+// Eigenvalues of a form below this share of its largest one are rounding
+// errors.
 constexpr double kMinRelativeValue = 1e-12;
-// A plane that passes by a camera this near, in sizes of the scene, is seen
-// from its edge.
+// A plane nearer to a camera than this, in sizes of the scene, is seen edge-on.
 constexpr double kMinRelativeHeight = 1e-12;
 
-// A plane as a function of two blocks of numbers, at 0 where it is: a turn
-// about `axes` through a point, and a shift along the normal in sizes of the
-// scene. A free plane turns about the two axes along it; a plane in a frame
-// turns with the frame, about the axes of the world.
+// A minimal parameterization of a plane by two blocks, 0 at the current plane:
+// a rotation about `axes` through a point, and a shift along the normal in
+// sizes of the scene. A free plane rotates about the two axes in it; a plane in
+// a frame rotates with the frame, about the axes of the world.
 struct MovingPlane {
   Eigen::Vector3d point;
   Eigen::Vector3d normal;
@@ -60,8 +60,8 @@ struct MovingPlane {
   }
 };
 
-// The inverse depths that one view measured, of which outliers have been given
-// little weight already.
+// Residuals of the inverse depths that one view measured; outliers have been
+// given little weight already.
 class MeasurementError {
  public:
   MeasurementError(const MovingPlane& plane,
@@ -81,7 +81,7 @@ class MeasurementError {
     }
   }
 
-  // False where the plane passes through the camera.
+  // Returns false if the plane passes through the camera.
   template <typename T>
   bool operator()(T const* const* blocks, T* residuals) const {
     const Eigen::Matrix<T, 3, 1> normal = plane_.Normal(blocks[0]);
@@ -102,12 +102,12 @@ class MeasurementError {
  private:
   MovingPlane plane_;
   Eigen::Vector3d center_;
-  // The form is |root q + constant|^2 up to what no q changes.
+  // The form is |root q + constant|^2 up to a constant.
   Eigen::Matrix3d root_ = Eigen::Matrix3d::Zero();
   Eigen::Vector3d constant_ = Eigen::Vector3d::Zero();
 };
 
-// How far two planes are from parallel or orthogonal.
+// Residuals of the angle prior of two planes.
 class AngleError {
  public:
   AngleError(const MovingPlane& first,
@@ -137,9 +137,8 @@ class AngleError {
   PlaneAnglePrior prior_;
 };
 
-// The problem as Ceres sees it. What moves is a vector of numbers, 0 at first:
-// the turn of each frame, and the turn of each free plane and the shift of
-// each plane.
+// The problem in Ceres. The parameter vector, initially 0, has the rotation of
+// each frame, the rotation of each free plane and the shift of each plane.
 class CeresProblem {
  public:
   explicit CeresProblem(const PlaneProblem& problem)
@@ -159,7 +158,7 @@ class CeresProblem {
     for (const PlaneAnglePrior& angle : problem.at.angles) {
       const auto first = static_cast<size_t>(angle.first);
       const auto second = static_cast<size_t>(angle.second);
-      // The angle of two planes of one frame is what it is.
+      // The angle of two planes of one frame is constant.
       if (turns_[first] != turns_[second]) {
         AddResidual(new AngleError(planes_[first], planes_[second], angle),
                     angle.kind == PlaneAnglePrior::Kind::kParallel ? 3 : 1,
@@ -172,12 +171,12 @@ class CeresProblem {
   bool Solve() {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    // Of its libraries the only one whose sums do not depend on the machine.
+    // The only sparse library of Ceres whose sums do not depend on the machine.
     if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE)) {
       options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     }
     options.num_threads = 1;
-    // Planes are measured and adjusted again, so what is left is small.
+    // Planes are measured and adjusted again, so few iterations suffice.
     options.max_num_iterations = 10;
     options.function_tolerance = 1e-7;
     options.gradient_tolerance = 1e-12;
@@ -193,7 +192,7 @@ class CeresProblem {
     });
   }
 
-  // Where planes and frames are at the numbers.
+  // Applies the parameters to planes and frames.
   void Move(PlaneAdjustment* at) const {
     for (size_t f = 0; f < at->frames.size(); ++f) {
       const Eigen::Map<const Eigen::Vector3d> turn(&numbers_[3 * f]);
@@ -217,9 +216,9 @@ class CeresProblem {
     }
   }
 
-  // The covariances of the numbers, of turn and shift for each plane; as good
-  // as infinite where they cannot be told. By the inverse of the information,
-  // which takes a tenth of the time of ceres::Covariance's QR decomposition.
+  // The covariance of rotation and shift for each plane; huge where
+  // undetermined. It inverts the information matrix in a tenth of the time of
+  // ceres::Covariance's QR decomposition.
   std::vector<Eigen::MatrixXd> Covariances() {
     using Matrix = Eigen::SparseMatrix<double>;
     ceres::Problem::EvaluateOptions options;
@@ -325,7 +324,7 @@ class CeresProblem {
                    int num_residuals,
                    ceres::LossFunction* loss,
                    const std::vector<double*>& blocks) {
-    // 4 derivatives at once: those of nearly all measurements.
+    // A stride of 4 derivatives covers nearly all measurements.
     auto* cost = new ceres::DynamicAutoDiffCostFunction<Error, 4>(error);
     for (double* block : blocks) {
       cost->AddParameterBlock(ceres_.ParameterBlockSize(block));
@@ -339,11 +338,11 @@ class CeresProblem {
   ceres::Problem ceres_;
   std::vector<MovingPlane> planes_;
   std::vector<double> numbers_;
-  std::vector<double*> turns_;  // By plane, into the numbers.
+  std::vector<double*> turns_;  // By plane; point into the parameters.
   std::vector<double*> shifts_;
 };
 
-// of_numbers: of the plane's turn and shift.
+// of_numbers: the covariance of the plane's rotation and shift.
 void SetCovariance(const MovingPlane& moving,
                    const Eigen::MatrixXd& of_numbers,
                    AdjustedPlane* plane) {

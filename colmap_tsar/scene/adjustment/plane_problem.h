@@ -11,23 +11,24 @@
 
 namespace tsar {
 
-// One adjustment of planes to what views measured of them where they are.
+// One adjustment of planes to measurements made at their current parameters.
 struct PlaneProblem {
   PlaneAdjustment at;  // Valid; see AdjustPlanes.
-  // For each plane a point that it turns about, off the plane or on it: amid
-  // what was measured of it errors of turn and shift are nearly independent.
+  // For each plane the center of its rotation, on the plane or off it: amid its
+  // measurements, the errors of rotation and shift are nearly independent.
   std::vector<Eigen::Vector3d> middles;
   std::vector<PlaneMeasurement> measurements;
-  double size = 1.0;  // Of the scene; above 0.
+  double size = 1.0;  // Size of the scene; above 0.
   double loss_scale = 1.0;
 };
 
-// Moves the planes and the frames of `at` to where they agree best with the
-// measurements and angles, from where a prior keeps what these leave open;
-// planes of a frame come to lie along it. False where nothing moves.
+// Moves the planes and the frames of `at` to the best agreement with the
+// measurements and angles; a prior keeps what these do not determine at its
+// current value. Planes of a frame become aligned to it. Returns false if
+// nothing moves.
 bool SolvePlanes(PlaneProblem* problem);
 
-// The planes where they are, and how well they are known there.
+// The current planes with their covariances.
 std::vector<AdjustedPlane> DescribePlanes(const PlaneProblem& problem);
 
 }  // namespace tsar

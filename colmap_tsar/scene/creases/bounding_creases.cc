@@ -21,7 +21,7 @@ namespace {
 // A line at which its plane ends.
 struct EndOfPlane {
   SharedLine shared;
-  int beyond;  // Side of it.
+  int beyond;  // The side of the line beyond the end.
 };
 
 bool Ends(const LineEvidence& evidence,
@@ -66,7 +66,7 @@ class CreaseFinderOfModel {
  private:
   using Ends = std::vector<EndOfPlane>;
 
-  // By plane, axis and side.
+  // The ends of planes by plane, axis and side.
   std::map<std::tuple<int, int, int>, Ends> FindEnds() const {
     std::map<std::tuple<int, int, int>, Ends> ends;
     for (size_t i = 0; i < lines_.size(); ++i) {
@@ -95,8 +95,8 @@ class CreaseFinderOfModel {
     return count >= options_.min_pattern_lines;
   }
 
-  // ends: of one side of a plane. Of a fall and a rise side by side, their
-  // middle.
+  // The outermost end; if it is one of a fall and a rise side by side, their
+  // middle. ends: those of one side of a plane.
   EndOfPlane Outermost(const Ends& ends) const {
     const auto is_further = [](const EndOfPlane& a, const EndOfPlane& b) {
       return a.beyond == 0 ? a.shared.line.place < b.shared.line.place
@@ -141,9 +141,9 @@ class CreaseFinderOfModel {
     return crease;
   }
 
-  // Of those within reach that face the same way, were measured well enough and
-  // are no copies, the one of which most was measured, or else the nearest that
-  // begins at another crease; -1 where there is none.
+  // The plane within reach with the largest support that has the same normal,
+  // enough support and is not a copy, or else the nearest that begins at
+  // another crease; -1 where there is none.
   int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
     const double max_gap = double{options_.max_offset} * line.pixel;
@@ -188,8 +188,7 @@ class CreaseFinderOfModel {
     plane.center = OnLine(line);
     plane.axis_s = ending.plane.normal;
     plane.axis_t = limit.normal.cross(plane.axis_s);
-    // Its direction is taken to be that of the frame, and its place is known to
-    // a pixel.
+    // Its normal is taken from the frame, and its offset is known to a pixel.
     plane.covariance(2, 2) = double{line.pixel} * line.pixel;
     plane.component = ending.component;
     plane.frame = ending.frame;
@@ -197,8 +196,8 @@ class CreaseFinderOfModel {
     return plane;
   }
 
-  // Lays each new plane in the middle of its creases, by the numbers of views
-  // that see them.
+  // Sets the offset of each new plane to the mean over its creases, weighted by
+  // the numbers of views that see them.
   void PlaceNewPlanes() {
     for (size_t i = 0; i < creases_of_new_.size(); ++i) {
       double sum = 0.0;
@@ -224,11 +223,11 @@ class CreaseFinderOfModel {
   const std::vector<int>& copies_;
   const BoundingCreaseOptions& options_;
   SceneModel* const model_;
-  const size_t first_new_;  // Plane of the model.
-  // By new plane, the offsets with which it would hold each of its creases, and
-  // how many views see these.
+  const size_t first_new_;  // Index of the first new plane.
+  // By new plane, for each of its creases the offset of the plane through it
+  // and the number of views that see it.
   std::vector<std::vector<std::pair<double, double>>> creases_of_new_;
-  // Numbers of lines, by plane and axis.
+  // Indices of lines, by plane and axis.
   std::map<std::pair<int, int>, std::vector<size_t>> on_axis_;
 };
 

@@ -17,15 +17,15 @@
 namespace tsar {
 namespace {
 
-// A depth that was measured, on its ray.
+// A measured depth on its ray.
 struct Measurement {
   RayDepth sample;
-  float place;  // Of the ray on the axis.
+  float place;  // Position of the ray on the axis.
   bool is_on_plane;
   double weight;
 };
 
-// Sums of weights by place, for places that are known before.
+// Cumulative sums of weights at positions that are known beforehand.
 class SumsByPlace {
  public:
   explicit SumsByPlace(std::vector<float> places)
@@ -39,7 +39,7 @@ class SumsByPlace {
         places_.begin())] += weight;
   }
 
-  // Of what lies at one of the places, or below it.
+  // The sum of weights up to and including a position.
   double UpTo(float place) const {
     const auto end = std::upper_bound(places_.begin(), places_.end(), place) -
                      places_.begin();
@@ -51,10 +51,10 @@ class SumsByPlace {
   std::vector<double> sums_;
 };
 
-// One view and the lines of one plane along one axis.
+// Computes the evidence of one view for the lines of one plane along one axis.
 class LineTest {
  public:
-  // is_plane: by superpixel, whether it has the plane, or none.
+  // is_plane: by superpixel, whether it is labeled with the plane or with none.
   LineTest(const ObservedView& view,
            const std::vector<uint8_t>& is_plane,
            const std::vector<SharedLine>& lines,
@@ -68,7 +68,7 @@ class LineTest {
         model_(model),
         options_(options) {}
 
-  // shown: by superpixel, whether it has the plane.
+  // shown: by superpixel, whether it is labeled with the plane.
   ViewLineEvidence Run(size_t first,
                        size_t last,
                        const std::vector<uint8_t>& shown,
@@ -94,7 +94,7 @@ class LineTest {
     for (size_t i = begin; i < end; ++i) {
       const PlaneLine& line = lines_[i].line;
       cuts[0].push_back(line.place - options_.margin * line.pixel);
-      // What lies at it is above it.
+      // Measurements at the limit count as above it.
       cuts[1].push_back(
           std::nextafter(line.place + options_.margin * line.pixel,
                          -std::numeric_limits<float>::infinity()));
@@ -171,8 +171,9 @@ class LineTest {
     return result;
   }
 
-  // Those amid what the view shows of the plane, and as far again to either
-  // side: views that do not show a line may look through what begins there.
+  // The lines within the visible part of the plane, extended by its length to
+  // either side: views that do not show a line may look through the plane that
+  // begins there.
   std::pair<size_t, size_t> LinesAround(const PlaneAxis& axis,
                                         const std::vector<uint8_t>& shown,
                                         const std::vector<Vec3f>& middles,
@@ -204,9 +205,9 @@ class LineTest {
     return {static_cast<size_t>(begin - all), static_cast<size_t>(end - all)};
   }
 
-  // What was measured behind the plane that begins at the line, if the first
-  // one ends at this side of it. Where the camera does not see it, the area
-  // tells nothing.
+  // Adds measurements behind the plane that begins at the line if the first one
+  // ends at this side of it. Where the camera does not see that plane, the area
+  // is no evidence.
   void LookThrough(size_t number,
                    const PlaneAxis& axis,
                    const std::vector<Measurement>& measurements,

@@ -13,18 +13,18 @@
 
 namespace tsar {
 
-// What views measured around a line on a plane, summed over them. Whole numbers
-// of pixels, so that the sum does not depend on the order of the views; those
-// that were measured count by their confidence.
+// Measurements around a line on a plane, summed over views. Counts of pixels
+// are whole numbers, so that the sum does not depend on the order of the views;
+// measured pixels count by their confidence.
 struct LineEvidence {
-  // Below the line's place on its axis, and above.
+  // The two sides of the line: smaller and larger positions on its axis.
   struct Side {
-    // Of the plane, or of none, in views that would see the plane at right
-    // angles that begins at the line if the first one ended there.
+    // The area labeled with the plane or with none, in views that would see the
+    // orthogonal plane that begins at the line if the first one ended there.
     double area = 0.0;
-    double measured = 0.0;  // On the plane, in all views.
-    double through = 0.0;   // Behind that plane: nothing hides what is there.
-    int num_views = 0;      // That show enough of the area.
+    double measured = 0.0;  // Measured on the plane, in all views.
+    double through = 0.0;   // Measured behind that orthogonal plane.
+    int num_views = 0;      // Views that show enough of the area.
   };
   std::array<Side, 2> sides;
 };
@@ -35,22 +35,23 @@ struct LineEvidenceOptions {
   // without being seen through it.
   float tolerance = 1.f;
   float min_through = 3.f;
-  // What is nearer to the line than so many pixels tells nothing about it.
+  // Pixels nearer to the line than this are no evidence.
   float margin = 3.f;
   // The least area for a view to count.
   double min_view_area = 50.0;
 };
 
-// What one view tells of the lines of one plane along one axis: those from
-// `first` to `last`.
+// The evidence of one view for the lines of one plane along one axis: those
+// from `first` to `last`.
 struct ViewLineEvidence {
   size_t first = 0;
   size_t last = 0;
-  // Of these, the lines from begin to begin + lines.size() lie amid what the
-  // view shows of the plane, or not far from it.
+  // The lines from begin to begin + lines.size() lie in the part of the plane
+  // that the view shows, or near it.
   size_t begin = 0;
   std::vector<LineEvidence> lines;
-  // On the plane, all of it above the lines before and below those after.
+  // Measured on the plane: for the lines before `begin` all of it lies above,
+  // for those after the last all of it lies below.
   double measured = 0.0;
 };
 
@@ -63,7 +64,7 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     const SceneModel& model,
     const LineEvidenceOptions& options);
 
-// Of all views.
+// The sum of the evidence of all views.
 class LineEvidenceSum {
  public:
   explicit LineEvidenceSum(size_t num_lines);
@@ -75,8 +76,8 @@ class LineEvidenceSum {
 
  private:
   std::vector<LineEvidence> of_lines_;
-  // Differences from each line to the one before of what was measured on either
-  // side in views that do not show it.
+  // Measured on either side of each line in views that do not show it, as
+  // differences from the line before.
   std::vector<std::array<double, 2>> elsewhere_;
 };
 

@@ -18,15 +18,16 @@
 namespace tsar {
 namespace {
 
-// Bins of one pixel. The level around a line is that of bins so far away,
+// In bins of one pixel. The level around a line is that of bins at these
+// distances,
 constexpr int kNearestAround = 5;
 constexpr int kFarthestAround = 14;
 // of at least so many, and of several lines that are this close to each other
 // only the strongest counts.
 constexpr size_t kMinAround = 6;
 constexpr int kMinGap = 4;
-// Around the middle of what is seen of a plane: that of one seen at a flat
-// angle reaches very far.
+// The profile is centered on the visible part of a plane, which is very long at
+// a grazing angle.
 constexpr int kMaxBins = 4096;
 
 float Median(std::vector<float> values) { return UpperMedian(&values); }
@@ -37,12 +38,12 @@ Image<float> GrayLevels(const Image<Rgb>& color) {
   return gray;
 }
 
-// How the image rises along an axis, for each place on it.
+// The slope of brightness along an axis, by position.
 class LineProfile {
  public:
   struct Sample {
     float place;
-    float rise;  // In grey levels.
+    float rise;  // In gray levels.
   };
 
   // pixel: the size of a bin.
@@ -111,7 +112,7 @@ class LineProfile {
     return means_[static_cast<size_t>(bin)];
   }
 
-  // That of the bin itself where too little is known around it.
+  // The level of the bin itself where there are too few bins around it.
   float LevelAround(int bin) const {
     std::vector<float> around;
     for (int gap = kNearestAround; gap <= kFarthestAround; ++gap) {
@@ -174,8 +175,8 @@ class LineFinder {
   }
 
  private:
-  // Whether none of the pixels that Gray() reads there shows another plane:
-  // what stands in the way ends at a line as well.
+  // Whether none of the pixels that Gray() reads there shows another plane: the
+  // outline of an occluder is a line as well.
   bool IsFree(int plane, float x, float y) const {
     const auto column = static_cast<int>(x);
     const auto row = static_cast<int>(y);
@@ -284,7 +285,7 @@ class LineFinder {
   const SceneModel& model_;
   const PlaneLineOptions& options_;
   const Image<float> gray_;
-  // Of each pixel of the raster the plane that is no copy, or -1.
+  // For each pixel of the raster the original of its plane's copies, or -1.
   Image<int> planes_;
 };
 
@@ -329,8 +330,8 @@ std::vector<int> FindPlaneCopies(
     return planes[static_cast<size_t>(a)].support >
            planes[static_cast<size_t>(b)].support;
   });
-  // By component, axis and direction of the normal, those that are no copies,
-  // by their offsets.
+  // Planes that are not copies by component, axis and sign of the normal, then
+  // by offset.
   std::map<std::tuple<int, int, bool>, std::multimap<double, int>> originals;
   for (const int number : by_support) {
     const auto i = static_cast<size_t>(number);

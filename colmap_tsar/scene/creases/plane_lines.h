@@ -18,8 +18,8 @@
 
 namespace tsar {
 
-// An axis of its Manhattan frame in a plane of the model, as one camera sees
-// it.
+// A plane of the model and an axis of its Manhattan frame in the plane, in the
+// frame of one camera.
 class PlaneAxis {
  public:
   // axis: the frame's column, another one than the plane's normal.
@@ -32,8 +32,9 @@ class PlaneAxis {
 
   const Plane& InCamera() const { return plane_; }
 
-  // How far along the axis from the plane's centre the ray meets the plane, in
-  // units of the model; NaN where it does not.
+  // The position along the axis, from the plane's center, of the ray's
+  // intersection with the plane, in units of the model; NaN where there is
+  // none.
   float Place(const Vec3f& ray) const {
     const float depth = plane_.Depth(ray);
     return depth > 0.f ? Dot(axis_, ray * depth - center_) : std::nanf("");
@@ -45,7 +46,7 @@ class PlaneAxis {
   Vec3f axis_;
 };
 
-// In the world frame. axis: of the plane's frame.
+// A column of the rotation of the plane's frame, in the world frame.
 inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
   return model
       .frames[static_cast<size_t>(
@@ -53,23 +54,22 @@ inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
       .col(axis);
 }
 
-// A straight line in an image that runs along an axis of the Manhattan frame
-// across all that the view shows of a plane.
+// A straight line in an image along an axis of the Manhattan frame, across the
+// whole visible part of a plane.
 struct PlaneLine {
-  int plane = -1;  // Of the model.
-  // The frame's other axis in the plane, and the line's place on it: how far
-  // from the plane's centre, in units of the model.
+  int plane = -1;  // Index in the model.
+  // The frame's other axis in the plane, and the line's position on it, from
+  // the plane's center in units of the model.
   int axis = -1;
   float place = 0.f;
-  float pixel = 0.f;  // What one pixel of the raster spans there.
-  // By how many grey levels the image rises there along the axis, beyond what
-  // it does around the line; negative where it falls.
+  float pixel = 0.f;  // Size of a pixel of the raster there.
+  // The step of brightness along the axis, in gray levels, beyond the slope
+  // around the line; negative where brightness falls.
   float step = 0.f;
 };
 
-// Where the line's plane ends if it does not go on to that side of the line (0:
-// below its place, 1: above): the plane at right angles through it, which faces
-// the other side.
+// The orthogonal plane through the line, at which the line's plane would end on
+// that side (0: smaller positions, 1: larger ones); it faces the other side.
 WorldPlane PlaneAtLine(const SceneModel& model,
                        const PlaneLine& line,
                        int side);
@@ -82,42 +82,41 @@ struct PlaneLineOptions {
   float min_length = 0.1f;
   // Brightness is compared this far on either side of a pixel.
   float reach = 1.5f;
-  // A line lies on the plane: within this distance on either side there is a
-  // pixel that was labelled with it.
+  // A line lies on the plane if a pixel labeled with it is within this distance
+  // on either side.
   float max_distance = 6.f;
-  // Grey levels. Walls get darker toward their creases by one level in ten
-  // pixels, and noise is less than one along a line of sixty.
+  // In gray levels. Walls darken toward their creases by one level in ten
+  // pixels, and noise is below one along a line of sixty.
   float min_step = 1.f;
-  // Differences of more grey levels count as this: one lamp is no line.
+  // Differences are clamped to this many gray levels: one lamp is no line.
   float max_difference = 15.f;
-  // At this share of the line's pixels the image must rise by half of its step
-  // or more. A poster's edge is one at few of the pixels beside it.
+  // The share of the line's pixels at which brightness must rise by half of its
+  // step or more. A poster's edge covers a small share of such a line.
   float min_share = 0.5f;
 };
 
-// Planes of which one is a copy of the other are this close to each other, as a
-// share of the distance from which they are seen: posters hang on a wall, and
-// measurements next to them lie between both.
+// The largest distance between copies of a plane, as a share of the distance
+// from which they are seen: posters hang on a wall, and measurements next to
+// them lie between both.
 inline constexpr float kCopyTolerance = 0.015f;
 // The least cosine between the normals of such planes (3 degrees), where not
 // both lie along axes of one frame exactly.
 inline constexpr double kMinCopyCosine = 0.9986;
 
-// Planes of the model that are one surface within the errors of views: for each
-// plane the number of the best measured one of its copies, which may be itself.
-// Only planes along an axis of a frame have copies: those that lie within
-// tolerance, as a share of the median distance from the plane of the cameras
-// whose views were labelled with it. labels: by view, of each superpixel the
-// plane, or -1.
+// Groups planes of the model that are one surface within the errors of views:
+// for each plane the index of its copy with the largest support, which may be
+// itself. Only planes along an axis of a frame have copies: those within
+// tolerance, as a share of the median distance to the cameras whose views were
+// labeled with the plane. labels: by view, the plane of each superpixel, or -1.
 std::vector<int> FindPlaneCopies(
     const SceneModel& model,
     const std::vector<Camera>& cameras,
     const std::vector<const std::vector<int>*>& labels,
     float tolerance);
 
-// The lines in one view, on those planes that lie along an axis of a frame and
-// are no copies. labels: of each superpixel the plane, or -1; copies: see
-// FindPlaneCopies. The evidence has its colours.
+// The lines in one view on planes that lie along an axis of a frame and are not
+// copies. labels: the plane of each superpixel, or -1; copies: see
+// FindPlaneCopies. The evidence must have its colors.
 std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
                                       const std::vector<int>& labels,
                                       const std::vector<int>& copies,

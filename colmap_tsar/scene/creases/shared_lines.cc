@@ -17,7 +17,7 @@ struct LineInView {
   size_t view;
 };
 
-// Lines that are next to each other by their places.
+// A range of lines in the order of their positions.
 struct Window {
   size_t begin;
   size_t end;
@@ -31,7 +31,7 @@ std::vector<Window> FindWindows(const std::vector<LineInView>& lines,
   std::map<size_t, int> views;
   size_t end = 0;
   for (size_t begin = 0; begin < lines.size(); ++begin) {
-    // A gap to either side of the middle.
+    // One gap to either side of the middle.
     const float last =
         lines[begin].line.place + 2.f * max_gap * lines[begin].line.pixel;
     for (; end < lines.size() && lines[end].line.place <= last; ++end) {
@@ -73,7 +73,7 @@ SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
 std::vector<SharedLine> JoinPlaneLines(
     const std::vector<std::vector<PlaneLine>>& lines,
     const SharedLineOptions& options) {
-  // By plane, axis, and whether the image rises.
+  // Lines by plane, axis, and sign of the step.
   std::map<std::tuple<int, int, bool>, std::vector<LineInView>> groups;
   for (size_t view = 0; view < lines.size(); ++view) {
     for (const PlaneLine& line : lines[view]) {

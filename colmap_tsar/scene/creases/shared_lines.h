@@ -9,21 +9,22 @@
 
 namespace tsar {
 
-// A line that several views see at the same place of a plane.
+// A line that several views see at the same position on a plane.
 struct SharedLine {
   PlaneLine line;  // With the median pixel and the mean step.
   int num_views = 0;
 };
 
 struct SharedLineOptions {
-  // So many views must see a line at the same place,
+  // The least number of views that must see a line at the same position,
   int min_views = 3;
-  // to so many pixels of the raster.
+  // and its largest distance from the middle of theirs, in pixels of the
+  // raster.
   float max_gap = 1.5f;
 };
 
-// lines: by view; those of different directions of step are different lines.
-// Sorted by plane, axis and place.
+// Joins lines of views; steps of opposite signs are different lines. lines: by
+// view. The result is sorted by plane, axis and position.
 std::vector<SharedLine> JoinPlaneLines(
     const std::vector<std::vector<PlaneLine>>& lines,
     const SharedLineOptions& options);

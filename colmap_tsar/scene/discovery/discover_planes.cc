@@ -21,14 +21,13 @@
 namespace tsar {
 namespace {
 
-// Planes are aligned to the Manhattan frame by fewer observations of each: all
-// of them count together.
+// Alignment to the Manhattan frame uses fewer observations of each plane, since
+// all planes are fitted jointly.
 constexpr size_t kMaxAlignedObservations = 500;
-// The share of its support that a plane may lose for being aligned. Not small:
-// what a plane misses by a little it misses in all views, by errors that they
-// have in common.
+// The share of its support that a plane may lose when it is aligned. It is not
+// small, since views have errors in common.
 constexpr double kMaxAlignmentLoss = 0.1;
-// How often a candidate that was chosen is fitted.
+// The number of fits of a candidate that was chosen.
 constexpr int kNumFirstFits = 2;
 constexpr int kMaxImprovingRounds = 3;
 
@@ -58,19 +57,19 @@ class Discovery {
     return std::move(planes_);
   }
 
-  // Planes for superpixels of which none of the known ones explains enough.
-  // best: what is reached in each superpixel.
+  // Adds planes for superpixels that known planes explain poorly. best: the
+  // best score of each superpixel so far.
   std::vector<ScoredPlane> Extend(const std::vector<WorldPlane>& candidates,
                                   std::vector<float> best) {
     ChooseCandidates(candidates, std::move(best));
     return std::move(planes_);
   }
 
-  // That the planes were aligned to.
+  // The frame to which planes were aligned.
   const std::optional<ManhattanFrame>& Frame() const { return frame_; }
 
  private:
-  // best: the scores that are reached in each superpixel already.
+  // best: the best score of each superpixel so far.
   void ChooseCandidates(const std::vector<WorldPlane>& candidates,
                         std::vector<float> best) {
     LazyGreedySelection selection(candidates, scorer_, *device_);
@@ -88,7 +87,7 @@ class Discovery {
     }
   }
 
-  // Fits a plane to the superpixels that it would win.
+  // Fits a plane to the superpixels for which it has the best score.
   ScoredPlane ImproveByFits(ScoredPlane plane,
                             const std::vector<float>& best) const {
     const auto best_of = [&](int k) { return best[k]; };
@@ -112,8 +111,8 @@ class Discovery {
     return plane;
   }
 
-  // Fits the planes to the superpixels that are assigned to them and keeps what
-  // raises the sum of the best scores.
+  // Fits the planes to their assigned superpixels and keeps the fits that raise
+  // the sum of the best scores.
   void FitToAssigned() {
     const int num_planes = static_cast<int>(planes_.size());
     bool improved = true;
@@ -144,7 +143,7 @@ class Discovery {
     }
   }
 
-  // Aligns planes where that costs little of what is assigned to them.
+  // Aligns planes that lose little support by it.
   void AlignPlanes() {
     const std::vector<Ranking> rankings =
         Rank(planes_, observations_.Count(), device_->Threads());
@@ -194,9 +193,9 @@ WorldPlane ToWorld(const WorldPlane& plane, const Camera& reference) {
   return {normal, plane.offset - normal.dot(reference.Center())};
 }
 
-// Adds planes that priors alone tell of, for superpixels that no measurement
-// places on a plane. What measurements tell is found first, without priors:
-// these cannot tell planes apart that are as close as their errors.
+// Adds planes that only priors observe, for superpixels that no measurement
+// assigns to a plane. Planes of measurements are found first, without priors,
+// which cannot distinguish planes that are as close as their errors.
 // candidates: in the reference's frame.
 void AddPlanesOfPriors(const std::vector<ObservedView>& views,
                        const std::vector<WorldPlane>& candidates,

@@ -16,26 +16,26 @@
 
 namespace tsar {
 
-// The candidates of all views, those of the first one first.
+// The candidate planes of all views, in the order of the views.
 std::vector<WorldPlane> CollectCandidates(
     const std::vector<ObservedView>& views);
 
 struct DiscoverPlanesOptions {
-  // How far a depth may be off a plane to speak for it at all, in relative
-  // depths of one pixel of disparity (DepthResolution::RelativeDepthError).
+  // The residual from which a depth is no inlier of a plane, in relative depths
+  // of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
-  // A superpixel counts for this many pixels of full confidence at most, so
-  // that the size of superpixels and of the raster decide little.
+  // The largest weight of a superpixel, in pixels of full confidence, so that
+  // the sizes of superpixels and of the raster matter little.
   double max_weight = 40.0;
-  // What a plane must add to be worth having, in pixels of full confidence that
-  // lie right on it.
+  // The least gain of a plane, in pixels of full confidence that lie exactly on
+  // it.
   double min_gain = 100.0;
   int max_planes = 40;
   // Whether planes become exactly parallel or orthogonal to each other where
   // that agrees with the observations.
   bool manhattan_frame = true;
-  // How many scores of a candidate for a superpixel are held at a time, in four
-  // bytes each.
+  // The largest number of scores (of a candidate for a superpixel) in memory,
+  // four bytes each.
   size_t max_scores = size_t{1} << 25;
 };
 
@@ -43,13 +43,13 @@ struct ScenePlane {
   WorldPlane plane;
   // Sum of the scores of the superpixels that are assigned to it.
   double support = 0.0;
-  // Of the Manhattan frame, the column along which its normal lies exactly; -1:
-  // of none.
+  // The column of the Manhattan frame along which its normal lies exactly, or
+  // -1.
   int axis = -1;
 };
 
 struct DiscoveredPlanes {
-  // By falling support; those that priors alone tell of come last.
+  // By decreasing support; planes that only depth priors observe come last.
   std::vector<ScenePlane> planes;
   // assignment[view][superpixel] is the index of the plane that explains the
   // superpixel's observations best, or -1 where none explains any.
@@ -59,20 +59,20 @@ struct DiscoveredPlanes {
   std::optional<Eigen::Matrix3d> frame;
 };
 
-// The few planes that together explain best what a view and its neighbours
-// measured, from many candidates in the world frame: facility location, where a
-// plane costs min_gain and is assigned superpixels. A plane's score for a
-// superpixel is the sum over its observations of 1 - (residual / tolerance)^2,
-// never below 0, times the confidences, scaled to a sum of the superpixel's
-// weight or max_weight, whichever is less. The residual is NormalizedResidual
-// with one pixel of disparity as the expected error.
+// Selects, from many candidates in the world frame, the few planes that
+// together explain best the observations of a view and its neighbors: facility
+// location, where a plane costs min_gain and is assigned superpixels. A plane's
+// score for a superpixel is the sum over its observations of 1 - (residual /
+// tolerance)^2, never below 0, times the confidences, scaled to a sum of the
+// superpixel's weight or max_weight, whichever is less. The residual is
+// NormalizedResidual with one pixel of disparity as the expected error.
 //
 // Greedy choice of candidates, while one adds min_gain as it is, is followed by
 // rounds in which each plane is fitted to the superpixels assigned to it, in
-// all views at once, and in which planes are dropped that are not worth
-// min_gain, and merged that views take for each other (DropAndMergePlanes). At
-// last planes are aligned (AlignToManhattanFrame) that lose little by that,
-// and each superpixel is assigned to the plane with the highest score.
+// all views at once, planes with a gain below min_gain are dropped, and planes
+// that views confuse are merged (DropAndMergePlanes). Finally, planes that lose
+// little by it are aligned (AlignToManhattanFrame), and each superpixel is
+// assigned to the plane with the highest score.
 //
 // Where candidates times superpixels are more than max_scores, the last of the
 // candidates are left out: list the likely ones first.

@@ -26,11 +26,11 @@ namespace tsar {
 namespace {
 
 // The share of its support that the smaller of two planes of different blocks
-// may lose for the sake of one plane: what views measure of a surface differs
-// by errors that each of them has in common with its neighbours.
+// may lose when they are joined: each view shares errors with its neighbors, by
+// which measurements of one surface differ.
 constexpr double kMaxMergeShare = 0.1;
 
-// The superpixels that are assigned to each plane, numbered through all views.
+// The superpixels that are assigned to each plane, indexed across all views.
 std::vector<std::vector<int>> MembersOf(const DiscoveredPlanes& discovered) {
   std::vector<std::vector<int>> members(discovered.planes.size());
   int number = 0;
@@ -47,7 +47,7 @@ std::vector<std::vector<int>> MembersOf(const DiscoveredPlanes& discovered) {
 
 using Observations = std::vector<DepthObservation>;
 
-// As for DiscoverPlanes, with the tolerance as the expected error.
+// The score of DiscoverPlanes, with the tolerance as the expected error.
 double Support(const WorldPlane& plane, const Observations& observations) {
   double sum = 0.0;
   for (const DepthObservation& observation : observations) {
@@ -57,7 +57,7 @@ double Support(const WorldPlane& plane, const Observations& observations) {
   return sum;
 }
 
-// Whether at least half of what was measured of another plane is near.
+// Whether at least half of the measurements of another plane are near.
 bool IsNear(const WorldPlane& plane, const Observations& observations) {
   const auto num_near = static_cast<size_t>(
       std::count_if(observations.begin(),
@@ -119,13 +119,13 @@ class PlaneJoiner {
  private:
   struct Node {
     MeasuredScenePlane plane;
-    double support = 0.0;  // By its sample.
+    double support = 0.0;  // The score of its sample.
     std::vector<int> blocks;
-    std::vector<int> neighbours;  // Of all of these.
-    int heir = -1;                // What it was joined into.
+    std::vector<int> neighbours;  // The neighbors of all of these blocks.
+    int heir = -1;                // The node that it was joined into.
   };
   struct Joint {
-    double share = 0.0;  // Of what joining may cost.
+    double share = 0.0;  // The ratio of loss to its limit.
     WorldPlane plane;
   };
 
@@ -147,7 +147,7 @@ class PlaneJoiner {
     Consider(pairs);
   }
 
-  // Puts into the queue what is worth it.
+  // Queues the pairs whose loss is below its limit.
   void Consider(const std::vector<std::pair<int, int>>& pairs) {
     std::vector<std::optional<Joint>> joints(pairs.size());
     device_.Threads().Run(
@@ -270,14 +270,15 @@ class PlaneJoiner {
   Device& device_;
   // The planes of the blocks, then those that they are joined into.
   std::vector<Node> nodes_;
-  std::vector<int> num_of_block_;  // Of the first of them.
-  // Those that have not been joined into others.
+  std::vector<int> num_of_block_;  // Index of each block's first node.
+  // Nodes that have not been joined into others.
   std::vector<std::vector<int>> nodes_of_block_;
-  // By what they cost and their numbers.
+  // Joint planes by their share of the limit and the two nodes.
   std::map<std::tuple<double, int, int>, WorldPlane> queue_;
 };
 
-// Moves what belongs to a plane, so that arithmetic is done near the scene.
+// Translates a plane and its samples, so that arithmetic is done near the
+// origin.
 void Shift(const Eigen::Vector3d& offset, MeasuredScenePlane* plane) {
   plane->found.plane.offset -= plane->found.plane.normal.dot(offset);
   for (Observations* samples : {&plane->observations, &plane->superpixels}) {
@@ -379,7 +380,7 @@ ModelPlane ToModelPlane(const MeasuredScenePlane& measured) {
     plane.axis_s = plane.plane.normal.unitOrthogonal();
     plane.axis_t = plane.plane.normal.cross(plane.axis_s);
   }
-  // Turning about one axis tilts the plane along the other.
+  // Rotation about one axis tilts the plane along the other.
   plane.covariance(0, 0) = uncertainty.slope_variance(1);
   plane.covariance(1, 1) = uncertainty.slope_variance(0);
   plane.covariance(2, 2) = uncertainty.height_variance;

@@ -19,50 +19,50 @@ namespace tsar {
 // with others without the evidence of all its views. World frame.
 struct MeasuredScenePlane {
   ScenePlane found;
-  // Of the observations of its superpixels, whether they lie on it or not.
-  // Their expected error is the tolerance about planes, and the weights are in
-  // pixels of full confidence; together they weigh what all observations do.
+  // A sample of the observations of its superpixels, inliers or not. Their
+  // expected error is the tolerance of planes, and weights are in pixels of
+  // full confidence; their sum is that of all observations.
   std::vector<DepthObservation> observations;
-  // One for each superpixel that measured it, with errors that are independent
-  // of each other; together they weigh what all of these do.
+  // A sample with one observation for each superpixel that measured it, with
+  // independent errors; the sum of weights is that of all of these.
   std::vector<DepthObservation> superpixels;
 };
 
-// No plane keeps more of either.
+// The largest number of samples of either kind that a plane keeps.
 inline constexpr size_t kMaxPlaneSamples = 300;
 
-// Leaves at most kMaxPlaneSamples, evenly spaced, which together weigh as much.
+// Keeps at most kMaxPlaneSamples, evenly spaced, with the same sum of weights.
 void ThinOut(std::vector<DepthObservation>* samples);
 
-// Of the planes that were discovered in these views with these options.
+// The planes discovered in these views with these options, with their samples.
 std::vector<MeasuredScenePlane> MeasureScenePlanes(
     const std::vector<ObservedView>& views,
     const DiscoveredPlanes& discovered,
     const DiscoverPlanesOptions& discovery,
     const PlaneSupportOptions& support);
 
-// Without its component and frame.
+// The plane of the model without its component and frame.
 ModelPlane ToModelPlane(const MeasuredScenePlane& measured);
 
 // The planes that were discovered in some of a scene's views.
 struct PlaneBlock {
   std::vector<MeasuredScenePlane> planes;
-  // Other blocks of which some view looks at what a view of this one does, in
-  // ascending order; each is a neighbour of its neighbours.
+  // Other blocks with views of the same surfaces, in ascending order; the
+  // relation is symmetric.
   std::vector<int> neighbours;
 };
 
 struct JoinedPlanes {
-  std::vector<MeasuredScenePlane> planes;  // By falling support.
-  // places[block][plane]: which of them a block's plane has become.
+  std::vector<MeasuredScenePlane> planes;  // By decreasing support.
+  // places[block][plane] is the index in `planes` of a block's plane.
   std::vector<std::vector<int>> places;
 };
 
 // Replaces planes of neighbouring blocks that are one surface by a joint fit:
-// as long as that costs at most min_gain or a tenth of the smaller support,
-// the cheapest first. A joint plane belongs to the blocks of both, so that a
-// wall along many blocks becomes one. Planes of one block are joined only as
-// parts of such a wall.
+// as long as the loss of score is at most min_gain or a tenth of the smaller
+// support, in the order of the loss. A joint plane belongs to the blocks of
+// both, so that a wall along many blocks becomes one plane. Planes of one block
+// are joined only as parts of such a wall.
 //
 // min_gain: see DiscoverPlanesOptions. device: for its threads; the result does
 // not depend on their number. Memory grows with the number of blocks, and time

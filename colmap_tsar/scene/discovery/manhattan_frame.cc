@@ -23,7 +23,7 @@ namespace {
 // have been meant to lie along it.
 constexpr double kSinMaxAngle = 0.0872;
 constexpr double kCosMaxAngle = 0.9962;
-// Pairs of so many planes are tried as directions, those of most support.
+// The number of planes of largest support whose pairs are tried as directions.
 constexpr size_t kMaxPairedPlanes = 10;
 
 using Frame = Eigen::Matrix3d;  // Its columns are directions.
@@ -55,7 +55,7 @@ std::vector<int> BySupport(const std::vector<MeasuredPlane>& planes) {
   return order;
 }
 
-// Nothing where no two planes are orthogonal.
+// Finds the initial frame; nothing where no two planes are orthogonal.
 std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
   std::vector<int> order = BySupport(planes);
   order.resize(std::min(order.size(), kMaxPairedPlanes));
@@ -65,7 +65,7 @@ std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
     for (size_t j = 0; j < i; ++j) {
       const Eigen::Vector3d& first = planes[order[i]].plane.normal;
       const Eigen::Vector3d& other = planes[order[j]].plane.normal;
-      // Each may be off by the largest angle.
+      // Each of the two may be off by the largest angle.
       if (std::abs(first.dot(other)) > 2.0 * kSinMaxAngle) {
         continue;
       }
@@ -83,8 +83,7 @@ std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
   return best;
 }
 
-// The plane turned to this normal, or to the opposite one, where its samples
-// are.
+// The plane rotated to this normal, or to the opposite one, at its samples.
 JointPlane Turned(const MeasuredPlane& measured,
                   const Eigen::Vector3d& direction) {
   const WorldPlane& plane = measured.plane;
@@ -103,8 +102,8 @@ struct SceneFrame {
   int component = 0;
 };
 
-// For each column of the second frame the one of the first that it is, whatever
-// its sign; nothing where they differ.
+// For each column of the second frame the column of the first that equals it up
+// to sign; nothing where the frames differ.
 std::optional<std::array<int, 3>> MatchColumns(const Eigen::Matrix3d& first,
                                                const Eigen::Matrix3d& second) {
   const Eigen::Matrix3d cosines = (first.transpose() * second).cwiseAbs();
@@ -146,7 +145,7 @@ std::vector<WorldPlane> AlignToManhattanFrame(
   }
   const int num_planes = static_cast<int>(planes.size());
   std::vector<int> axes;
-  std::vector<int> along;  // The planes that are taken to be regular.
+  std::vector<int> along;  // The planes near a direction.
   for (int p = 0; p < num_planes; ++p) {
     axes.push_back(NearestAxis(*found, planes[p].plane.normal));
     if (axes.back() >= 0) {
@@ -212,7 +211,8 @@ std::vector<Eigen::Matrix3d> FindSceneFrames(
     return AlignedSupport(blocks[a]) > AlignedSupport(blocks[b]);
   });
   std::vector<SceneFrame> frames;
-  // Per plane of the model, by frame and axis; -1 for what lies along none.
+  // Support per plane of the model, by frame and axis; -1 for support along
+  // none.
   std::vector<std::map<std::pair<int, int>, double>> votes(planes->size());
   for (const size_t b : order) {
     const FrameOfBlock& block = blocks[b];

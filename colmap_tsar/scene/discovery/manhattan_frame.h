@@ -15,11 +15,11 @@
 
 namespace tsar {
 
-// A plane with what it explains.
+// A plane with its observations.
 struct MeasuredPlane {
   WorldPlane plane;
-  double support = 0.0;  // How much that is.
-  FitSamples samples;    // What measured it.
+  double support = 0.0;  // See ScenePlane::support.
+  FitSamples samples;    // Its observations.
 };
 
 // Three directions at right angles.
@@ -29,23 +29,22 @@ struct ManhattanFrame {
   std::vector<int> axes;
 };
 
-// What people build stands at right angles. A wall that only a band of posters
-// measures may lean by a degree and still fit what was measured; a floor that
-// is known well and the poster's edges tell that it does not lean.
+// Man-made surfaces are mostly orthogonal. A wall that only a band of posters
+// measures may lean by a degree and still fit its observations; a floor that is
+// known well and the poster's edges tell that it does not lean.
 //
-// Finds the three directions at right angles to each other along which planes
-// have most support, fits them and the planes near them (within 5 degrees) to
-// the samples of all these planes at once, and gives each of these planes
-// exactly its direction. Of the others, those that are nearly orthogonal
-// (within 5 degrees, too) to a direction, such as a pillar's faces, become
-// exactly so.
+// Finds the three orthogonal directions along which planes have most support,
+// fits them and the planes near them (within 5 degrees) to the samples of all
+// these planes at once, and gives each of these planes exactly its direction.
+// Other planes that are orthogonal to a direction within 5 degrees, such as a
+// pillar's faces, become exactly so.
 //
 // loss_scale: see FitPlane. is_acceptable(p, plane): whether this plane may
-// take the place of planes[p]; one that may not stays as it is, and the
-// directions are fitted without it. Planes without samples turn about their
-// point that is nearest to the origin. Returns a plane for each of `planes`, in
-// their order; they are all unchanged where no two with a support are
-// orthogonal to within 10 degrees. frame_found: where not null,
+// replace planes[p]; otherwise that one stays, and the directions are fitted
+// without it. Planes without samples rotate about their point nearest to the
+// origin. Returns a plane for each of `planes`, in their order; they are all
+// unchanged where no two with a support are orthogonal to within 10 degrees.
+// frame_found: where not null,
 // receives the directions, or nothing where planes are unchanged.
 std::vector<WorldPlane> AlignToManhattanFrame(
     const std::vector<MeasuredPlane>& planes,
@@ -57,18 +56,18 @@ std::vector<WorldPlane> AlignToManhattanFrame(
 struct FrameOfBlock {
   int component = 0;
   std::optional<Eigen::Matrix3d> rotation;
-  // Per plane of the block, the column along which its normal lies, or -1; and
-  // what was measured of it.
+  // Per plane of the block, the column along which its normal lies, or -1, and
+  // its support.
   std::vector<int> axes;
   std::vector<double> supports;
-  // Which plane of the model it has become.
+  // The index of the plane in the model.
   std::vector<int> places;
 };
 
-// The frames of the whole scene. Those of blocks of one component that agree
-// within 2 degrees, whatever their columns are called, become one: that of the
-// block that measured most. A plane of the model lies along the axis that most
-// of what was measured of it was aligned to, if it is still within 2 degrees of
+// The frames of the whole scene. Frames of blocks of one component that agree
+// within 2 degrees, up to order and sign of columns, become one: that of the
+// block with the largest support. A plane of the model lies along the axis to
+// which most of its support was aligned, if it is still within 2 degrees of
 // that. Sets the planes' frame and axis, and returns the frames, of which each
 // has planes.
 std::vector<Eigen::Matrix3d> FindSceneFrames(

@@ -26,59 +26,58 @@ constexpr size_t kMaxFittedObservations = 2000;
 
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
-// Nor are two planes each of which is worth more than this many times what the
-// merger may cost where the other one stays: a joint plane hardly makes up for
-// that.
+// A pair is not fitted if the loss without either of its planes exceeds this
+// multiple of the limit for the merge: a joint plane hardly makes up for that.
 constexpr double kHopelessGains = 3.0;
-// By how many observations it is told how far planes are apart.
+// The number of observations by which the distance of planes is measured.
 constexpr size_t kNumMergeSamples = 100;
 
-// What to do to the planes, and what it costs.
+// A change of the planes, and its loss.
 struct Change {
   int dropped = -1;
   double loss = 0.0;
   double max_loss = 0.0;
-  // What takes the place of the dropped plane and of another one.
+  // The other plane of a merge, and the joint plane that replaces both.
   int replaced = -1;
   const ScoredPlane* joint = nullptr;
 
-  // Of what it may cost.
+  // The ratio of the loss to its limit.
   double Share() const { return loss / max_loss; }
 };
 
-// Fits to the superpixels of two planes, from either plane on; none where they
-// are too different.
+// Fits to the superpixels of two planes, initialized with either plane; none
+// where they are too different.
 using Joint = std::vector<ScoredPlane>;
 
-// What would be lost without some planes.
+// The loss of score without some planes.
 struct Losses {
   explicit Losses(size_t num_planes)
       : without(num_planes, 0.0),
         more_without_both(num_planes, std::vector<double>(num_planes, 0.0)) {}
 
-  // Without both of two different planes.
+  // The loss without two different planes.
   double WithoutBoth(int a, int b) const {
     return without[a] + without[b] + more_without_both[a][b] +
            more_without_both[b][a];
   }
 
   std::vector<double> without;
-  // By the best plane of superpixels and the second best.
+  // The further loss, by the best and the second-best plane of superpixels.
   std::vector<std::vector<double>> more_without_both;
 };
 
-// Two planes that one might replace, and what that may cost.
+// Two planes that one might replace, and the limit of the loss.
 struct Pair {
   int a = 0;
   int b = 0;
   double max_loss = 0.0;
 };
 
-// What views say of each other's planes. The superpixels that match one
-// (SuperpixelMatches) vote by the planes that they are assigned to; those that
-// have none do not vote. Views agree on a real surface. A copy of one is made
-// of errors of matching, which differ between views: where one assigns a
-// superpixel to the copy, others assign it to the surface.
+// Votes of views on each other's planes. The matches of a superpixel
+// (SuperpixelMatches) vote by their assigned planes; those without one do not
+// vote. Views agree on a real surface. A copy of one comes from matching
+// errors, which differ between views: where one view assigns a superpixel to
+// the copy, others assign it to the surface.
 class VotesOfViews {
  public:
   VotesOfViews(const SuperpixelMatches& matches,
@@ -110,15 +109,15 @@ class VotesOfViews {
   // The share of the votes on a superpixel for its own plane; 1 without votes.
   float Agreement(int superpixel) const { return agreements_[superpixel]; }
 
-  // Of the votes on a plane's superpixels for either plane, the share for the
-  // other one. Few votes tell little.
+  // The share of the votes on a plane's superpixels for the other plane, among
+  // the votes for either; near 0 with few votes.
   double Confusion(int plane, int other) const {
     const int for_other = At(plane, other);
     return for_other / (kFewVotes + At(plane, plane) + for_other);
   }
 
  private:
-  // So many votes for the plane itself come with it.
+  // Number of votes for the plane itself that are added as a prior.
   static constexpr double kFewVotes = 4.0;
 
   int At(int plane, int other) const {
@@ -151,7 +150,7 @@ class VotesOfViews {
 
   int num_planes_;
   std::vector<float> agreements_;  // Of each superpixel.
-  // By the plane of a superpixel, then by that of the vote.
+  // Numbers of votes by the plane of the superpixel, then by that of the vote.
   std::vector<int> counts_;
 };
 
@@ -187,7 +186,8 @@ class PlaneMerger {
   }
 
  private:
-  // In proportion to what it may cost; nothing where none is worth it.
+  // The change with the smallest ratio of loss to limit; nothing where all
+  // exceed their limits.
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings =
         Rank(planes_, fitter_.Observations().Count(), threads_);
@@ -251,8 +251,8 @@ class PlaneMerger {
     return cheapest;
   }
 
-  // Whether at least half of what some superpixels observe is within the
-  // largest distance for merging.
+  // Whether at least half of the observations of some superpixels are within
+  // the largest distance for merging.
   bool IsNear(const WorldPlane& plane, const std::vector<int>& members) const {
     size_t num_near = 0;
     const size_t num_samples = fitter_.Observations().Sample(
@@ -304,7 +304,7 @@ class PlaneMerger {
     }
   }
 
-  // None where the planes are too different.
+  // The fits from both planes; none where the planes are too different.
   std::vector<WorldPlane> FitBoth(
       const Pair& pair, const std::vector<std::vector<int>>& members) const {
     const WorldPlane& plane_a = planes_[pair.a].plane;
@@ -325,7 +325,7 @@ class PlaneMerger {
     return {fitter_.Fit(plane_a, samples), fitter_.Fit(plane_b, samples)};
   }
 
-  // By the better one of the two fits.
+  // The merge by the better of the two fits.
   Change Merge(const Pair& pair,
                double loss_without_both,
                const std::vector<Ranking>& rankings) const {
@@ -360,8 +360,8 @@ class PlaneMerger {
   double min_gain_;
   ThreadPool& threads_;
   std::vector<ScoredPlane>& planes_;
-  // A number for each plane, another one after each change of it, and the
-  // joint fits by those of the two planes.
+  // An id for each plane, renewed with each change of it, and the joint fits by
+  // the ids of the two planes.
   std::vector<int> ids_;
   std::map<std::pair<int, int>, Joint> joints_;
 };

@@ -18,7 +18,7 @@ namespace tsar {
 // The scale of Cauchy's loss as a share of the tolerance.
 inline constexpr double kCauchyShare = 0.5;
 
-// Fits planes to what superpixels of several views observed. Keeps pointers.
+// Fits planes to observations of superpixels of several views. Keeps pointers.
 class SuperpixelPlaneFitter {
  public:
   // tolerance: see DiscoverPlanesOptions; device: the scorer's.
@@ -55,25 +55,25 @@ class SuperpixelPlaneFitter {
   Device* device_;
 };
 
-// Planes are not merged that are further apart, in tolerances, where each of
+// The largest distance of planes that are merged, in tolerances, where each of
 // them was measured.
 inline constexpr double kMaxMergeDistance = 10.0;
 
-// That many joint fits, of which a pair has two, are scored at a time at most.
+// The largest number of joint fits, two per pair, that are scored at a time.
 inline constexpr int kMaxJointFits = 64;
 
-// Whether their directions are close enough at all.
+// Whether the angle between the planes allows a merge.
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 
-// Drops planes and replaces pairs by a joint fit as long as there is a change
-// that costs less than it may; the one that costs the smallest share of that
-// comes first. Dropping a plane may cost min_gain; what its superpixels lose
-// counts by the share of the views that assign what they match to it as well.
-// Merging two may cost min_gain or, if that is more, the support of the smaller
-// one times the square of its confusion with the larger one, the share of other
-// views that assign the matches of its superpixels to that: two views must take
-// it for the other. Returns whether there was any change, which does not depend
-// on the threads.
+// Drops planes and replaces pairs by a joint fit as long as some change costs
+// less than its limit; the smallest ratio of cost to limit comes first. The
+// limit for dropping a plane is min_gain; the loss of each of its superpixels
+// is weighted by the share of the views that assign the superpixel's matches to
+// the plane as well. The limit for merging two is min_gain or, if larger, the
+// support of the smaller one times the square of its confusion with the larger
+// one, the share of other views that assign the matches of its superpixels to
+// that one; the square, since two views must confuse them. Returns whether
+// there was any change, which does not depend on the threads.
 bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
                         const SuperpixelMatches& matches,
                         double min_gain,

@@ -13,15 +13,15 @@
 namespace tsar {
 namespace {
 
-// A plane that passes by the camera this near, in depths that it was seen at,
-// is seen from its edge.
+// A plane nearer to the camera than this, relative to its measured depths, is
+// seen edge-on.
 constexpr double kMinRelativeHeight = 1e-9;
 
-// What Cauchy's loss makes of normally distributed errors of variance 1.
+// Moments of the Cauchy weights of normally distributed errors of variance 1.
 struct LossMoments {
   double mean_weight = 1.0;
-  // Of an estimate from n observations, times n: above 1, which least squares
-  // attains.
+  // Variance of an estimate from n observations, times n: above 1, the value of
+  // least squares.
   double variance = 1.0;
 };
 
@@ -86,8 +86,8 @@ PlaneMeasurement MeasurePlane(int index,
     if (std::abs(height) <= kMinRelativeHeight * observation.depth) {
       return PlaneMeasurement{index, measurement.center};
     }
-    // Along rays that graze the plane a small error of the depth is none of the
-    // height; there the image tells less than that.
+    // Along grazing rays a small error of depth is a tiny error of height; the
+    // image is less precise than that.
     const double slope = RaySlope(plane, observation);
     const double grazing = std::abs(plane.normal.dot(observation.ray)) / slope;
     const double inverse_depth = 1.0 / observation.depth;
@@ -111,8 +111,8 @@ PlaneMeasurement MeasurePlane(int index,
     return PlaneMeasurement{index, measurement.center};
   }
   measurement.foot = measurement.center + feet / measurement.information;
-  // By the weights before the loss: otherwise a view that contradicts others
-  // would keep its say.
+  // The sum is over the weights before the loss: otherwise a view that
+  // contradicts others would keep its influence.
   const LossMoments moments = MomentsOf(options.loss_scale);
   const double share =
       1.0 /
@@ -128,7 +128,7 @@ std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
                                           const std::vector<WorldPlane>& planes,
                                           const MeasureViewOptions& options) {
   const SuperpixelObservations observations({view}, options.max_weight);
-  std::map<int, std::vector<int>> superpixels;  // By plane.
+  std::map<int, std::vector<int>> superpixels;  // Indexed by plane.
   for (size_t k = 0; k < assignment.size(); ++k) {
     if (assignment[k] >= 0) {
       superpixels[assignment[k]].push_back(static_cast<int>(k));

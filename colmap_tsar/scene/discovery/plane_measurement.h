@@ -13,28 +13,29 @@
 
 namespace tsar {
 
-// All that one view measured of one plane, condensed to what an adjustment of
-// the plane needs. With q = normal / Height(center), the plane's inverse depth
-// along a ray r is -q . r, so that the weighted squares of the errors of any
-// number of inverse depths are one quadratic form of (q, 1).
+// The measurements of one plane in one view, condensed for its adjustment. With
+// q = normal / Height(center), the plane's inverse depth along a ray r is -q .
+// r, so that the weighted squares of the errors of any number of inverse depths
+// are one quadratic form of (q, 1).
 struct PlaneMeasurement {
   int plane = -1;  // Its index among the planes that are adjusted.
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // Of the camera.
-  // Of (q, 1), in units of expected errors; zero where nothing was measured.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // The camera center.
+  // The quadratic form of (q, 1), in units of expected errors; zero where
+  // nothing was measured.
   Eigen::Matrix4d form = Eigen::Matrix4d::Zero();
-  // Of the plane's height at the foot: one over its variance.
+  // The inverse variance of the plane's height at the foot.
   double information = 0.0;
   // The mean of the points on the plane that were measured, by information.
   Eigen::Vector3d foot = Eigen::Vector3d::Zero();
 };
 
 struct MeasurePlaneOptions {
-  // Where Cauchy's loss turns from squares to logarithms, in expected errors.
+  // Scale of the Cauchy loss, in expected errors.
   double loss_scale = 1.0;
-  // Errors of one view about one plane go together: they have a part in common,
-  // of this standard deviation in expected errors of a single observation. So
-  // the variance of what n of them tell is 1 / n, or what the loss makes of
-  // that, and the square of this. 0: they are independent.
+  // Errors of one view at one plane are correlated: they share a term of this
+  // standard deviation, in expected errors of a single observation. The
+  // variance of the mean of n of them is thus 1 / n, as weighted by the loss,
+  // plus the square of this. 0: they are independent.
   double common_deviation = 0.5;
 };
 
@@ -50,23 +51,23 @@ PlaneMeasurement MeasurePlane(int index,
                               const MeasurePlaneOptions& options = {});
 
 struct MeasureViewOptions {
-  // How far a depth may be off a plane, in relative depths of one pixel of
-  // disparity, and the expected error of one observation as a share of that.
+  // The tolerance of residuals, in relative depths of one pixel of disparity,
+  // and the expected error of one observation as a share of that.
   double tolerance = 1.0;
   double error_share = 0.25;
   // Pixels of full confidence that count as one measurement: neighbouring ones
   // err together.
   double full_weight = 40.0;
-  // A superpixel counts for so many of them at most.
+  // The largest weight of a superpixel, in the same unit.
   double max_weight = 40.0;
-  // The loss turns into a logarithm where that of the fits in DiscoverPlanes
-  // does, at half of the tolerance.
+  // The scale of the loss is that of the fits in DiscoverPlanes, half of the
+  // tolerance.
   MeasurePlaneOptions planes = {2.0, 0.5};
 };
 
-// What a view measured of each plane that any of its superpixels is assigned
-// to, in the order of the planes' numbers. assignment: per superpixel the
-// number of its plane, or -1.
+// The measurement of each plane to which a superpixel of the view is assigned,
+// in the order of planes. assignment: per superpixel the index of its plane, or
+// -1.
 std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
                                           const std::vector<int>& assignment,
                                           const std::vector<WorldPlane>& planes,

@@ -12,7 +12,7 @@ namespace tsar {
 
 void Ranking::Offer(int plane, float score) {
   for (int i = 0; i < 3; ++i) {
-    // Of equal ones, the first is in front.
+    // Ties are in the order of planes.
     if (score > scores[i] || (score == scores[i] && plane < planes[i])) {
       std::swap(plane, planes[i]);
       std::swap(score, scores[i]);
@@ -55,7 +55,7 @@ std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
       }
     }
   };
-  // Each part is sought in the lists of all planes.
+  // Each part is looked up in the lists of all planes.
   constexpr int kPartSize = 512;
   threads.Run(
       (num_superpixels + kPartSize - 1) / kPartSize,

@@ -20,11 +20,11 @@ namespace tsar {
 
 namespace {
 
-// The flattest angle to a plane that counts, by its sine; see RaySlope.
+// Lower bound of the sine of the angle between ray and plane; see RaySlope.
 constexpr float kMinSlope = 0.05f;
 
-// Makes up for the rounding of planes that just reach a superpixel: scores are
-// 0 beyond without it, too.
+// Margin for the rounding of planes that just reach a superpixel: scores are 0
+// beyond in any case.
 constexpr double kReachMargin = 1.05;
 
 // Superpixels that one call of the kernel scores for one plane: their
@@ -35,13 +35,13 @@ constexpr int kTileSize = 16;
 struct ScoreKernel {
   const Ball* balls;
   const ObservationBlock* blocks;
-  const int* first_block;  // num_superpixels + 1 of them.
+  const int* first_block;  // num_superpixels + 1 entries.
   const int* views;        // Of each superpixel.
   int num_superpixels;
   int num_views;
   const Vec3f* normals;
   const float* offsets;
-  const float* heights;  // num_views of them per plane: of the cameras over it.
+  const float* heights;  // Of cameras over planes; num_views per plane.
   int num_planes;
   float* scores;
 
@@ -83,7 +83,7 @@ struct ScoreKernel {
                 block.precision[i] /
                 (steepness > kMinSlope ? steepness : kMinSlope) -
             block.slack[i];
-        // Not a number where the plane is none, and so the share is 0.
+        // NaN where the plane is invalid, so that the share is 0.
         const float ratio = deviation < 0.f ? 0.f : deviation;
         const float share = 1.f - ratio * ratio;
         shares[i] = share > 0.f ? share : 0.f;
@@ -106,8 +106,8 @@ Vec3f ToVec3f(const Eigen::Vector3d& vector) {
   return {rounded.x(), rounded.y(), rounded.z()};
 }
 
-// Holds the box and what is within reach of it; of no size where the box is
-// empty.
+// A ball around the box and all points within reach of it; of radius 0 where
+// the box is empty.
 Ball BallAround(const Eigen::AlignedBox3d& box, double reach) {
   if (box.isEmpty()) {
     return {};
@@ -119,7 +119,7 @@ Ball BallAround(const Eigen::AlignedBox3d& box, double reach) {
 // Candidates whose gains are computed at a time.
 constexpr int kGainBatch = 64;
 
-// By how much a candidate would raise the best scores.
+// The gain of a candidate: by how much it would raise the best scores.
 struct GainKernel {
   const float* scores;
   int num_superpixels;
@@ -284,9 +284,9 @@ std::vector<float> LazyGreedySelection::Scores(int candidate) const {
 
 LazyGreedySelection::Choice LazyGreedySelection::Next(
     const std::vector<float>& best) {
-  // No gain is above what it was, also as computed, since rounding keeps the
-  // order of numbers: once a gain exceeds the old ones of all candidates that
-  // are left, these need not be computed anew.
+  // Gains never grow, computed ones included, since rounding is monotonic: once
+  // a gain exceeds the old ones of all remaining candidates, these need not be
+  // computed anew.
   best_.Upload(best.data());
   std::sort(order_.begin(), order_.end(), [&](int a, int b) {
     return gains_[a] != gains_[b] ? gains_[a] > gains_[b] : a < b;

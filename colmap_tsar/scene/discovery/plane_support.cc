@@ -20,21 +20,20 @@
 namespace tsar {
 namespace {
 
-// Stands for a variance that is not known: its square root is far beyond every
-// depth, and its products with lengths stay finite.
+// Stands for an unknown variance: its square root is far beyond every depth,
+// and its products with lengths stay finite.
 constexpr double kUnknownVariance = 1e30;
-// A cell in which the plane was seen this many times less often than in the
-// median one holds noise.
+// Cells with this many times fewer observations than the median one hold noise.
 constexpr int kMinCellShare = 20;
 constexpr int kMinCellCount = 2;
 
-// What the views observed of one plane.
+// The observations of one plane in all views.
 struct PlaneObservations {
   std::vector<DepthObservation> superpixels;  // One each, measured.
   std::vector<Eigen::Vector3d> points;        // All.
 };
 
-// Adds what one superpixel observed of the plane that it is assigned to.
+// Adds the observations of one superpixel to the plane that it is assigned to.
 void AddSuperpixel(const ObservedView& view,
                    size_t superpixel,
                    const WorldPlane& plane,
@@ -109,7 +108,7 @@ std::vector<PlaneObservations> CollectObservations(
   return result;
 }
 
-// Expressed in the reference camera's frame.
+// The frame of a plane, in the reference camera's frame.
 PlaneFrame MakeFrame(const WorldPlane& plane,
                      const PlaneObservations& observations,
                      const Camera& reference) {
@@ -163,7 +162,7 @@ void AddCells(const PlaneFrame& frame,
   if (points.empty() || !(cell > 0.f)) {
     return;
   }
-  // The farthest point lies on the far side of the last cell.
+  // The farthest point lies on the outer border of the last cell.
   const auto index = [&](float distance) {
     return std::min(static_cast<int>(distance / cell), num_cells - 1);
   };
