@@ -14,26 +14,26 @@
 
 namespace tsar {
 
-// A device that somebody else owns, and what messages call it.
+// A device that the caller owns, and its name in messages.
 struct NamedDevice {
   std::string name;
   Device* device = nullptr;
 };
 
-// Devices that more threads than there are devices share: a thread has one for
-// itself while it works, the one that was idle longest.
+// Devices shared by a larger number of threads: a thread has exclusive use of
+// one while it works, the one that was idle longest.
 class DevicePool {
  public:
   explicit DevicePool(std::vector<NamedDevice> devices);
 
   size_t Size() const { return devices_.size(); }
 
-  // Waits until a device is free, of which there must be one, and calls the
-  // work with it. An Error gets the device's name.
+  // Waits until a device is free and calls the work with it. The pool must not
+  // be empty. An Error gets the device's name.
   void Run(const std::function<void(Device&)>& work);
 
  private:
-  // Holds a device from its construction on, and gives it back in the end.
+  // Holds a device for its own lifetime.
   class Loan {
    public:
     explicit Loan(DevicePool& pool);
@@ -51,8 +51,8 @@ class DevicePool {
   const std::vector<NamedDevice> devices_;
   std::mutex mutex_;
   std::condition_variable is_free_;
-  // Indices, the one that was idle longest first; with room for all, so that
-  // giving one back cannot fail.
+  // Indices of free devices, the one that was idle longest first; the capacity
+  // is reserved, so that returning one cannot fail.
   std::vector<size_t> free_;
 };
 

@@ -18,15 +18,15 @@
 namespace tsar {
 namespace {
 
-// A plane must have been measured by this much in the views around, in pixels
-// of full confidence, for one of them to be labelled with it.
+// The least support of a plane in a view and its neighbors, in pixels of full
+// confidence, for the view to be labeled with it.
 constexpr double kMinMeasured = 50.0;
-// A block has this many planes more for each of its views, up to a limit: time
-// grows with its square.
+// The number of planes that each view adds to the limit of a block, and the
+// largest limit: time grows with its square.
 constexpr int kPlanesPerView = 8;
 constexpr int kMaxBlockPlanes = 400;
 
-// Numbers of the model's planes that the views measured, in ascending order.
+// Indices of the model's planes that the views measured, in ascending order.
 std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
                                 size_t num_planes,
                                 double max_weight) {
@@ -50,7 +50,7 @@ std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
   return numbers;
 }
 
-// The creases at which planes with these numbers end. Adds the numbers of the
+// The creases at which planes with these indices end. Adds the indices of the
 // planes that begin there.
 std::vector<BoundingCrease> BoundingCreasesOf(
     const std::vector<BoundingCrease>& creases, std::vector<int>* numbers) {
@@ -70,7 +70,8 @@ std::vector<BoundingCrease> BoundingCreasesOf(
   return result;
 }
 
-// From the numbers of the model to places in a list of them; -1 for others.
+// Translates indices in the model to positions in a list of them; -1 for
+// others.
 std::vector<int> Translate(const std::vector<int>& planes,
                            const std::vector<int>& places) {
   std::vector<int> result;
@@ -88,7 +89,7 @@ std::vector<int> PlacesOf(const std::vector<int>& numbers, size_t num_planes) {
   return places;
 }
 
-// Of the planes with these numbers.
+// The support of the planes with these indices.
 PlaneSupport FindSupport(const std::vector<ModelledView>& views,
                          const std::vector<ModelPlane>& planes,
                          const std::vector<int>& numbers,
@@ -199,8 +200,8 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
 
 int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters) {
-  // The pixels of each superpixel and of each region of one colour, their rays
-  // and colours, and what sorting them or drawing a source takes.
+  // The pixels of each superpixel and of each region of one color, their rays
+  // and colors, and the buffers for sorting them or drawing a source.
   const int64_t pixels = 27 * size.num_pixels + (1 << 16);
   const int64_t num_costs = size.num_superpixels * size.num_planes;
   const int64_t of_source =
@@ -208,7 +209,7 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
       (rasters.superpixels ? 6 * size.num_pixels + 8 * size.num_superpixels +
                                  16 * size.num_planes
                            : 0);
-  // Observations by the cells of planes; no cell is without one.
+  // The cells of planes, each of which has an observation.
   const PlaneSupportOptions support;
   const int64_t num_cells = std::min(
       size.num_views * size.num_observations,

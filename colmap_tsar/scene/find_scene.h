@@ -31,11 +31,11 @@
 
 namespace tsar {
 
-// The steps from the evidence of views to the planes of the scene that they
-// share, and to what each view shows of these. All but the costs of labels are
-// for CPUs, as MakeEvidence().
+// The steps from the evidence of views to the planes of the scene, and to the
+// labels of each view. All but the costs of labels run on CPUs, as
+// MakeEvidence().
 
-// The planes that some views measured, and which of them each superpixel did.
+// The planes that a block of views measured, and the plane of each superpixel.
 struct BlockOfScene {
   std::vector<MeasuredScenePlane> planes;
   // See DiscoveredPlanes.
@@ -43,11 +43,11 @@ struct BlockOfScene {
   std::optional<Eigen::Matrix3d> frame;
 };
 
-// How many scores of a candidate for a superpixel a block may have. Beyond
-// that, some of the candidates would be left out.
+// The largest number of scores (of a candidate for a superpixel) in a block.
+// Beyond that, some of the candidates would be left out.
 inline constexpr size_t kMaxBlockScores = size_t{1} << 27;
 
-// For a block of so many views.
+// The options of discovery for a block of num_views views.
 DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
                                             int num_views);
 
@@ -55,13 +55,13 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
                         const RefineOptions& options,
                         Device& device);
 
-// What a view was labelled with.
+// The labels of a view.
 struct LabelsInModel {
   ViewLabels labels;
   std::vector<float> strengths;  // See LabeledView.
 };
 
-// A view, and what the model of the scene says of it so far.
+// A view, with its assignment to planes of the model and its labels so far.
 struct ModelledView {
   ObservedView observed;
   // The plane of the model that each superpixel measured, or -1.
@@ -70,16 +70,16 @@ struct ModelledView {
   const LabelsInModel* labels = nullptr;
 };
 
-// Has the work done with a device that has so much memory left for it.
+// Runs the work on a device that has num_bytes of free memory.
 using DeviceLender = std::function<void(
     int64_t num_bytes, const std::function<void(Device&)>& work)>;
 
-// Labels the first view with planes of the model, of which those count that the
-// views measured, and those that begin where one of these ends. The evidence of
-// the first view has all its parts. costs: what these planes cost there
-// whatever the others are labelled with, as an earlier call with the same views
-// and planes left it; empty where there was none. The result has the same bits
-// on every device.
+// Labels the first view with planes of the model: those that the views
+// measured, and those that begin where one of these ends. The evidence of the
+// first view must have all its parts. costs: the costs of these planes without
+// votes of other views, as set by an earlier call with the same views and
+// planes; empty on the first call. The result has the same bits on every
+// device.
 LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
                            const std::vector<ModelPlane>& planes,
                            const std::vector<BoundingCrease>& creases,
@@ -87,15 +87,16 @@ LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
                            const DeviceLender& lend_device,
                            Image<PlaneCost>* costs);
 
-// Of the device that is lent. rasters: confident depths where there are no
-// costs, superpixels where the others have been labelled.
+// Memory of the lent device that LabelInModel needs. rasters: confident depths
+// where there are no costs, superpixels where the other views have been
+// labeled.
 int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters);
 
-// The planes of the scene that an image shows and where, and what is curved.
+// The planes and curved surfaces of the scene that an image shows, and where.
 struct FoundScene {
   LabeledView labeled;
-  // Of labeled.planes: in the model, and how well they are known here.
+  // Indices of labeled.planes in the model, and their errors in this view.
   std::vector<int> plane_numbers;
   std::vector<InverseDepthError> plane_errors;
   CurvedView curved;
@@ -105,25 +106,25 @@ struct FoundScene {
   // Columns and pipes whose outlines the image shows. FindScene leaves them to
   // its caller, as it does their time.
   std::vector<SeenCylinder> cylinders;
-  // That it took, per stage: "labels", "curved surfaces", "columns and pipes".
+  // Seconds per stage: "labels", "curved surfaces", "columns and pipes".
   std::map<std::string, double> seconds;
 };
 
-// views: that of the reference, then those that look at the same scene, in any
-// order, the same one for the same bits. labels: of each.
+// views: the reference, then its neighbors in any order; the same order gives
+// the same bits. labels: of each view.
 FoundScene FindScene(const std::vector<ObservedView>& views,
                      const std::vector<ModelPlane>& planes,
                      const std::vector<const ViewLabels*>& labels,
                      const RefineOptions& options,
                      Device& device);
 
-// A plane map names the first so many planes of the model, which are those of
-// largest support: by one more than their numbers, in 16 bits.
+// The number of planes that a plane map can name, those of the model with the
+// largest support: it holds indices plus one, in 16 bits.
 inline constexpr int kMaxPlanesOfMap = std::numeric_limits<uint16_t>::max();
 
-// What a plane map may say in each pixel of the raster: the plane that its
-// superpixel was labelled with. 0 where there is none, or a curved surface, or
-// one that plane maps cannot name.
+// The values of a plane map on the raster: the index plus one of the plane that
+// each pixel's superpixel was labeled with; 0 where there is none, a curved
+// surface, or a plane that plane maps cannot name.
 Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
                              const FoundScene& found);
 
@@ -131,8 +132,7 @@ Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
 // none.
 std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled);
 
-// Superpixels of curved surfaces get planes of their own, which touch the
-// surface in their middle.
+// Gives superpixels of curved surfaces the tangent plane at their center.
 LabeledView FlattenSurfaces(const ObservedView& view,
                             LabeledView labeled,
                             const CurvedView& curved);

@@ -13,8 +13,8 @@
 
 namespace tsar {
 
-// Calls function(i, device) for each i in [0, count), some at a time. device:
-// the CPU, with as many of the threads as each of these gets.
+// Calls function(i, device) for each i in [0, count), max_at_a_time at most in
+// parallel. device: the CPU, with an equal share of the threads.
 template <typename Function>
 void ForEachView(size_t count,
                  int max_at_a_time,

@@ -83,8 +83,7 @@ LabelsInModel LabelSweeps::Label(size_t view,
       try {
         return gpus_.Run(work);
       } catch (const Error& error) {
-        // Other programs may have taken the GPU's memory. The CPU gives the
-        // same bits.
+        // Other programs may use the GPU's memory. The CPU gives the same bits.
         if (error.Code() != ErrorCode::kOutOfMemory) {
           throw;
         }

@@ -150,7 +150,7 @@ class SceneModeler {
       num_candidates += evidence[i]->candidates.size();
     }
     if (part.size() > 1 && num_superpixels * num_candidates > kMaxBlockScores) {
-      // All candidates of fewer views rather than some of these.
+      // All candidates of fewer views are better than some candidates of these.
       evidence.clear();
       const auto middle =
           part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
@@ -164,7 +164,7 @@ class SceneModeler {
     }
   }
 
-  // Makes the planes of the model of those of the blocks.
+  // Joins the planes of the blocks into those of the model.
   void Join(std::vector<Block> blocks) {
     std::vector<std::vector<size_t>> views;
     for (const Block& block : blocks) {
@@ -220,10 +220,10 @@ class SceneModeler {
     }
   }
 
-  // Finds how well the planes of the model are known, and adjusts together
-  // those of views that were too many for one block: within a block they have
-  // been already, by a criterion that outliers move less. Of the evidence only
-  // what views measured of planes is kept, one view at a time.
+  // Computes the covariances of the model's planes, and adjusts jointly the
+  // planes of views that were too many for one block: within a block they are
+  // already fitted, by a criterion that is more robust to outliers. Only the
+  // measurements of planes are kept, from the evidence of one view at a time.
   void Adjust() {
     int round = 0;
     AdjustModel(
@@ -253,7 +253,7 @@ class SceneModeler {
                        MakeSceneOptions(refine_options_, {observed}).measuring);
   }
 
-  // Nothing where the run is to stop.
+  // Labels all views; nothing where the run is to stop.
   std::optional<std::vector<ViewLabels>> Label() {
     LabelSweeps sweeps({views_,
                         evidence_,
@@ -274,7 +274,7 @@ class SceneModeler {
                    std::to_string(options_.num_sweeps))) {
         return std::nullopt;
       }
-      // What views would tell each other is void beyond creases.
+      // The labels of the first sweep are no valid votes beyond creases.
       if (sweep == 0 && refine_options_.bounding_creases &&
           FindCreases(&sweeps) && !run(sweep, "within creases")) {
         return std::nullopt;
@@ -283,8 +283,8 @@ class SceneModeler {
     return sweeps.TakeLabels();
   }
 
-  // By the labels of the first sweep. Where the run is to stop, what is found
-  // is of no use.
+  // Finds creases with the labels of the first sweep; the result is invalid
+  // where the run is to stop. Returns whether there are any.
   bool FindCreases(LabelSweeps* sweeps) {
     std::vector<Camera> cameras;
     std::vector<const std::vector<int>*> labels;
@@ -381,7 +381,7 @@ class SceneModeler {
                 [&](size_t i, Device& cpu) {
                   if (!should_stop_()) {
                     function(i, cpu);
-                    // The speed that it tells is one of images.
+                    // The speed that progress reports is in images.
                     progress_.Advance(/*was_work=*/are_views);
                   }
                 });

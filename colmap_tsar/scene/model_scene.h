@@ -20,61 +20,62 @@
 
 namespace tsar {
 
-// A view that was observed.
+// An observed view.
 struct SceneView {
   int image = -1;  // The key of its labels.
-  Camera camera;   // Of the image, at any size.
-  // Other views, by their places among all.
+  Camera camera;   // Camera of the image, at any size.
+  // Indices of its source views.
   std::vector<size_t> sources;
 };
 
-// The evidence of views, by their places; called from several threads.
+// Access to the evidence of views by index; called from several threads.
 struct SceneEvidence {
-  // What neighbours need.
+  // The parts that neighbors need.
   std::function<std::shared_ptr<const ViewEvidence>(size_t view)> get;
-  // All of it.
+  // All parts.
   std::function<ViewEvidence(size_t view)> read_all;
 };
 
 struct ModelSceneOptions {
-  // Planes are looked for in this many views at a time, at most.
+  // The largest number of views of a block, in which planes are discovered
+  // jointly.
   size_t max_block_views = 32;
-  // How often all views are labelled. In the first sweep each view is labelled
-  // by itself; in the others it hears what its sources were labelled with in
-  // the one before.
+  // The number of sweeps over all views. In the first sweep each view is
+  // labeled on its own; in later sweeps the labels of its sources from the
+  // sweep before vote.
   int num_sweeps = 3;
 };
 
-// What the pass works with, by what memory allows.
+// The resources of the pass, as memory allows.
 struct ModelResources {
-  int num_threads = 1;  // Of the host, all together.
+  int num_threads = 1;  // Threads of the host in total.
   int num_blocks = 1;   // Blocks, and
-  int num_views = 1;    // views to be labelled, at a time.
-  // Main memory for what is kept from one sweep to the next.
+  int num_views = 1;    // views to be labeled, in parallel.
+  // Main memory for costs that are kept from one sweep to the next.
   int64_t max_kept_bytes = 0;
-  // GPUs on which labels are rated, each for one view at a time, and what a
-  // view may take of such a one's memory. The CPU rates those of larger views,
-  // and of all views where there are no GPUs.
+  // GPUs that compute the costs of labels, each for one view at a time, and the
+  // memory of a GPU that a view may use. The CPU computes the costs of larger
+  // views, and of all views where there are no GPUs.
   std::vector<NamedDevice> gpus;
   int64_t max_gpu_bytes = 0;
 };
 
 // Finds the planes of a whole scene and labels its views with them:
-// - discovers planes in blocks of views that look at the same things;
+// - discovers planes in blocks of views of the same surfaces;
 // - joins planes of different blocks that are one surface, and adjusts the
 //   planes of several blocks together (adjust_planes);
 // - labels all views in sweeps; after the first one it looks for creases at
 //   which planes end (bounding_creases), adds the planes that begin there, and,
 //   if there are any, repeats the first sweep.
 // Time grows with the number of views; memory holds the evidence of the blocks
-// and views at work, samples of the planes, some twenty bytes per superpixel of
-// all views, and as many of the costs of labels as max_kept_bytes allows; once
-// these are freed, the outlines of all views (FindSceneCylinders).
+// and views in progress, samples of the planes, some twenty bytes per
+// superpixel of all views, and up to max_kept_bytes of the costs of labels;
+// once these are freed, the outlines of all views (FindSceneCylinders).
 //
-// views: in an order in which those that look at the same things are close to
-// each other (OrderByNeighbours): it decides which views share a block. Result:
-// the same bits for any resources; nothing once should_stop returned true.
-// pass: what the progress begins with.
+// views: in an order in which views of the same surfaces are close to each
+// other (OrderByNeighbours), since it decides which views share a block.
+// Result: the same bits for any resources; nothing once should_stop returned
+// true. pass: prefix of the progress messages.
 std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const SceneEvidence& evidence,
                                      const RefineOptions& refine_options,

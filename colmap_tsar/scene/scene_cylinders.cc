@@ -34,7 +34,7 @@ OutlineView FindOutlines(const ObservedView& view, const AxisFrame& axis) {
               FindEdgesAcross(view.evidence->color, view.camera, *camera), {})};
 }
 
-// Along all axes, by the outlines of all views, which are freed.
+// Finds cylinders along all axes by the outlines of all views, which are freed.
 std::vector<ModelCylinder> FindByOutlines(
     const std::vector<AxisFrame>& axes,
     const std::vector<std::vector<size_t>>& neighbours,

@@ -17,27 +17,27 @@
 namespace tsar {
 
 // The parts of a pass, each with a name. All call a function from several
-// threads, and not at all once the run is to stop.
+// threads, and no longer once the run is to stop.
 struct CylinderSearch {
   using OfView = std::function<void(size_t view, const ObservedView&)>;
-  // cpu: with the threads of this axis.
+  // cpu: has the threads for this axis.
   using OfAxis = std::function<void(size_t axis, Device& cpu)>;
 
-  // For each view once, with all parts of its evidence, or with those for
-  // neighbours.
+  // Call the function once per view, with all parts of its evidence, or with
+  // those for neighbors.
   std::function<void(const std::string& name, const OfView& function)>
       visit_all;
   std::function<void(const std::string& name, const OfView& function)> visit;
-  // For each of so many axes once.
+  // Calls the function once for each of num_axes axes.
   std::function<void(
       const std::string& name, size_t num_axes, const OfAxis& function)>
       visit_axes;
   std::function<bool()> should_stop;
 };
 
-// The columns and pipes of a scene along the axes of its Manhattan frames.
-// neighbours: by view, the others that look at the same things. planes: of the
-// scene; labels: by view. Where the run is to stop, what is found is of no use.
+// Finds the columns and pipes of a scene along the axes of its Manhattan
+// frames. neighbours: by view, other views of the same surfaces. planes: of the
+// scene; labels: by view. The result is invalid where the run is to stop.
 // Memory holds the outlines of all views, four bytes for each row in which a
 // pair of edges is seen, until the circles are found.
 std::vector<ModelCylinder> FindSceneCylinders(

@@ -9,13 +9,13 @@
 namespace tsar {
 namespace {
 
-// The tolerance about planes, in relative depths of one pixel of disparity,
-// stays within these: COLMAP's maps are no better than the first, and what is
-// worse than the second carries no plane.
+// Limits of the tolerance at planes, in relative depths of one pixel of
+// disparity: COLMAP's maps are no better than the first, and maps worse than
+// the second support no plane.
 constexpr double kMinTolerance = 0.7;
 constexpr double kMaxTolerance = 2.0;
 
-// The superpixels for which the lengths of BorderOptions hold.
+// The superpixel size for which the lengths of BorderOptions hold.
 constexpr double kDefaultSuperpixelSize = 400.0;
 
 }  // namespace
@@ -51,7 +51,7 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   if (!options.bounded_planes) {
     scene.labels.extrapolation_uncertainty = 0.f;
   }
-  // Lengths of borders grow with the superpixels.
+  // Lengths at borders scale with the superpixels.
   const double border_scale =
       std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
   const auto scaled = [&](int length) {

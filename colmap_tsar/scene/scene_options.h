@@ -15,7 +15,8 @@
 
 namespace tsar {
 
-// What the search for the planes of the scene makes of the options of a run.
+// Options of the search for the planes of the scene, derived from those of a
+// run.
 struct SceneOptions {
   DiscoverPlanesOptions discovery;
   PlaneSupportOptions support;
@@ -25,14 +26,14 @@ struct SceneOptions {
   CurvedSurfaceOptions surfaces;
 };
 
-// How far depths may lie off a plane, in relative depths of one pixel of
+// The tolerance of residuals at a plane, in relative depths of one pixel of
 // disparity. noise: see ViewEvidence.
 double PlaneTolerance(const RefineOptions& options, double noise);
 
-// The median of the noise of the views that have some; 0 where none has.
+// The median of the views' noise where it is above 0; 0 where it never is.
 double MedianNoise(const std::vector<ObservedView>& views);
 
-// views: those that see the scene; the tolerance follows from their noise.
+// views: all views of the scene; the tolerance follows from their noise.
 SceneOptions MakeSceneOptions(const RefineOptions& options,
                               const std::vector<ObservedView>& views);
 

@@ -8,18 +8,17 @@
 
 namespace tsar {
 
-// neighbours[i]: the views, by their numbers, that view i reads or that read
-// it.
+// neighbours[i]: the indices of the views that view i reads or that read it.
 using ViewGraph = std::vector<std::vector<size_t>>;
 
-// For each view, the number of the connected set of views that it belongs to;
-// sets are numbered in the order of their first views.
+// For each view, the index of its connected component of views; components are
+// in the order of their first views.
 std::vector<int> FindComponents(const ViewGraph& neighbours);
 
-// Cuts the views, in their order, into blocks of at most max_size, the blocks
-// of one connected set about equally large. Views that nothing connects never
+// Splits the views, in their order, into blocks of at most max_size, the blocks
+// of one component about equally large. Views of different components never
 // share a block, however few they are: they have no surface in common. Views of
-// one set must follow each other, best with neighbours close to each other.
+// one component must be contiguous, best with neighbors close to each other.
 std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbours,
                                                  size_t max_size);
 

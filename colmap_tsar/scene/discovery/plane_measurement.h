@@ -19,7 +19,7 @@ namespace tsar {
 // are one quadratic form of (q, 1).
 struct PlaneMeasurement {
   int plane = -1;  // Its index among the planes that are adjusted.
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // The camera center.
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // Camera center.
   // The quadratic form of (q, 1), in units of expected errors; zero where
   // nothing was measured.
   Eigen::Matrix4d form = Eigen::Matrix4d::Zero();

@@ -18,11 +18,11 @@ struct Ranking {
 
   void Offer(int plane, float score);
 
-  // Whether that could be told from what is here: false where another plane
-  // may now be among the best.
+  // Returns false if the ranking cannot be updated, since another plane may now
+  // be among the best.
   bool ChangeScore(int plane, float score);
 
-  // The best score of all planes but those.
+  // The best score among all other planes.
   float BestWithout(int plane, int other_plane) const {
     int i = 0;
     while (i < 2 && (planes[i] == plane || planes[i] == other_plane)) {
@@ -36,18 +36,18 @@ std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
                           int num_superpixels,
                           ThreadPool& threads);
 
-// Follows the change of one plane.
+// Updates the rankings after the change of one plane.
 void UpdateRankings(const std::vector<ScoredPlane>& planes,
                     int changed,
                     const ScoredPlane& before,
                     ThreadPool& threads,
                     std::vector<Ranking>* rankings);
 
-// The superpixels of each plane: each belongs to its best one.
+// The superpixels of each plane: each is assigned to its best plane.
 std::vector<std::vector<int>> AssignedSuperpixels(
     const std::vector<Ranking>& rankings, size_t num_planes);
 
-// By how much a plane would raise best(superpixel), the best scores without it.
+// The gain of a plane over best(superpixel), the best scores without it.
 template <typename Function>
 double PlaneGain(const ScoredPlane& plane, const Function& best) {
   double gain = 0.0;

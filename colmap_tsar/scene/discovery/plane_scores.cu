@@ -41,7 +41,7 @@ struct ScoreKernel {
   int num_views;
   const Vec3f* normals;
   const float* offsets;
-  const float* heights;  // Of cameras over planes; num_views per plane.
+  const float* heights;  // Camera heights, num_views per plane.
   int num_planes;
   float* scores;
 

@@ -17,26 +17,27 @@
 namespace tsar {
 
 // Some observations of one superpixel, side by side so that vector units work
-// on all at once. Unused ones are zero and add nothing.
+// on all at once. Unused entries are zero and add nothing.
 struct ObservationBlock {
   static constexpr int kSize = 8;
-  float ray_x[kSize] = {};  // A unit vector.
+  float ray_x[kSize] = {};  // Rays have unit length.
   float ray_y[kSize] = {};
   float ray_z[kSize] = {};
-  float inverse_distance[kSize] = {};  // One over the length along it.
-  float precision[kSize] = {};  // One over the tolerance, which is relative.
+  float inverse_distance[kSize] = {};  // Along the ray.
+  float precision[kSize] = {};         // Inverse relative tolerance.
   float weight[kSize] = {};
   float slack[kSize] = {};  // See DepthObservation.
 };
 
-// Planes that pass by it come near none of a superpixel's observations.
+// The bounding ball of a superpixel's observations and their tolerance: planes
+// that do not meet it score 0.
 struct Ball {
   Vec3f center;
   float radius = 0.f;
 };
 
-// Scores planes for all superpixels on a device, by the score that
-// DiscoverPlanes states. Planes are in the frame of the first camera.
+// Scores planes for all superpixels on a device, by the score of
+// DiscoverPlanes. Planes are in the frame of the first camera.
 class PlaneScorer {
  public:
   // tolerance: see DiscoverPlanesOptions.
@@ -46,11 +47,11 @@ class PlaneScorer {
 
   int NumSuperpixels() const { return num_superpixels_; }
 
-  // A row of scores per plane.
+  // Scores, one row per plane.
   Buffer<float> Score(const std::vector<WorldPlane>& planes) const;
 
  private:
-  std::vector<Eigen::Vector3d> centers_;  // Of the cameras.
+  std::vector<Eigen::Vector3d> centers_;  // Camera centers.
   int num_superpixels_;
   Device* device_;
   Buffer<int> views_;
@@ -66,7 +67,7 @@ struct ScoredPlane {
 
   WorldPlane plane;
   std::vector<float> scores;
-  // The superpixels whose score is not 0: a few of all.
+  // The few superpixels whose score is not 0.
   std::vector<int> superpixels;
 };
 
@@ -76,8 +77,9 @@ std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
                                      Device& device);
 
 // Greedy choice among candidate planes: finds the one that raises the best
-// scores of the superpixels most. Lazy: a candidate's gain never grows, so that
-// an old one is a bound, and most are never computed anew.
+// scores of the superpixels most. Lazy evaluation: a candidate's gain never
+// grows, so that an old gain is an upper bound, and most are never computed
+// anew.
 class LazyGreedySelection {
  public:
   struct Choice {
@@ -93,7 +95,7 @@ class LazyGreedySelection {
   std::vector<float> Scores(int candidate) const;
 
   // best: the score of each superpixel's best plane so far; none may be below
-  // that of the call before. Of equal candidates the first wins.
+  // that of the call before. Ties go to the first candidate.
   Choice Next(const std::vector<float>& best);
 
  private:
@@ -103,7 +105,7 @@ class LazyGreedySelection {
   Device* device_;
   Buffer<float> scores_;
   Buffer<float> best_;
-  std::vector<float> gains_;  // At the time when each was computed last.
+  std::vector<float> gains_;  // As last computed.
   std::vector<int> order_;
 };
 

@@ -25,8 +25,8 @@ struct PlaneFrame {
   Vec3f center;
   Vec3f axis_s;
   Vec3f axis_t;
-  // Of the height of the plane: at the centre, and per squared distance along
-  // each axis. Very large where nothing tells.
+  // Variance of the height of the plane at the center, and per squared distance
+  // along each axis; very large where undetermined.
   float height_variance = 0.f;
   float slope_variance_s = 0.f;
   float slope_variance_t = 0.f;
@@ -44,11 +44,10 @@ struct PlaneFrame {
 };
 
 struct PlaneSupportOptions {
-  // As in DiscoverPlanesOptions: observations further from the plane are not
-  // its own.
+  // The tolerance of inliers, as in DiscoverPlanesOptions.
   double tolerance = 1.0;
-  // Observations of less confidence do not tell how well the plane is known,
-  // but only where it is.
+  // Observations of less confidence do not affect the plane's variances, only
+  // its extent.
   float min_measured_confidence = 0.5f;
   // The expected error of one observation, as a share of the tolerance.
   double error_share = 0.25;
@@ -59,11 +58,11 @@ struct PlaneSupportOptions {
   int num_cells = 64;
 };
 
-// How well the scene's planes are known, and where they were observed, in all
-// views together.
+// The variances of the scene's planes, and where all views together observed
+// them.
 struct PlaneSupport {
   std::vector<PlaneFrame> frames;  // One for each plane.
-  // The middles of the cells of plane k in which it was observed are
+  // The centers of the cells in which plane k was observed are
   // cells[first_cell[k]] to cells[first_cell[k + 1]].
   std::vector<int> first_cell;
   std::vector<PlanePoint> cells;
@@ -71,9 +70,9 @@ struct PlaneSupport {
   std::vector<float> cell_sizes;
 };
 
-// What the views measured of each plane: one observation for each superpixel
-// that is assigned to it, in the world frame, with errors that are independent
-// of each other.
+// The measurements of each plane in all views: one observation for each
+// superpixel that is assigned to it, in the world frame, with independent
+// errors.
 std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
     const std::vector<ObservedView>& views,
     const DiscoveredPlanes& discovered,

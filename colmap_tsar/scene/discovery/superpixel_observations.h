@@ -15,22 +15,22 @@
 
 namespace tsar {
 
-// Of a superpixel's observations those of the views themselves, measured or on
-// planes of regions, or those of their priors.
+// Selects a superpixel's observations: those of the views themselves, measured
+// or on planes of regions, or those of their priors.
 enum class ObservationsOf { kViews, kPriors };
 
-// What DiscoverPlanes looks at: the superpixels of all views, one after the
-// other, with their observations in the frame of the first camera. Keeps
+// The input of DiscoverPlanes: the superpixels of all views, in the order of
+// the views, with their observations in the frame of the first camera. Keeps
 // pointers into the views' evidence.
 class SuperpixelObservations {
  public:
-  // A superpixel counts for max_weight at most.
+  // The weight of a superpixel is at most max_weight.
   SuperpixelObservations(const std::vector<ObservedView>& views,
                          double max_weight,
                          ObservationsOf which = ObservationsOf::kViews);
 
   int Count() const { return static_cast<int>(views_.size()); }
-  // The number of each superpixel's view.
+  // The index of each superpixel's view.
   const std::vector<int>& Views() const { return views_; }
   int NumViews() const { return static_cast<int>(frames_.size()); }
   const Eigen::Vector3d& CameraCenter(int view) const {
@@ -74,7 +74,7 @@ class SuperpixelObservations {
  private:
   struct Frame {
     Eigen::Vector3d center;
-    Eigen::Matrix3d rotation;  // From the view's camera.
+    Eigen::Matrix3d rotation;  // From the camera's frame.
     DepthResolution resolution;
   };
   struct Entry {
@@ -82,7 +82,7 @@ class SuperpixelObservations {
     const float* errors;  // Null: all 1.
     int count;
     double weight;
-    double confidences;  // The sum of the observations'.
+    double confidences;  // Sum over the observations.
   };
 
   double slack_ = 0.0;

@@ -8,7 +8,8 @@
 
 namespace tsar {
 
-// By the points that both views measured; none where these are few.
+// Estimates the gain from the points that both views measured; neutral where
+// these are few.
 ColorGain EstimateColorGain(const ObservedView& reference,
                             const ObservedView& source);
 

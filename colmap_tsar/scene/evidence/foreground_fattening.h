@@ -9,17 +9,17 @@
 
 namespace tsar {
 
-// Whose depth it is that a patch measured. Matching finds the depth of what
-// varies in the patch. Where that is an edge at the patch's rim and the pixel
-// itself lies on something flat, the pixel got the depth of the edge: a wall
-// beside a picture frame takes the frame's.
+// Foreground fattening: matching finds the depth of the texture in a patch.
+// Where that is an edge at the patch's rim and the pixel itself lies on a bare
+// surface, the pixel gets the depth of the edge: a wall beside a picture frame
+// takes the frame's.
 
-// The share of a patch's pattern that is the pixel's own, from 0 to 1: twice
-// the share of the contrast of the whole patch that is found close to the
-// pixel. Less where the patch reaches into superpixels with more than twice the
-// texture of the pixel's own, since an edge belongs to the side that has the
-// texture: times twice the share of that texture which its own one has. 1 where
-// nothing varies in the patch.
+// The share of a patch's texture that is the pixel's own, from 0 to 1: twice
+// the ratio of the contrast close to the pixel to that of the whole patch.
+// Where the patch reaches into superpixels with more than twice the texture of
+// the pixel's own, it is multiplied by twice the ratio of its own texture to
+// theirs, since an edge belongs to the side that has the texture. It is 1 where
+// the patch has no contrast.
 // gray: grey levels (0-255); contrast: ComputeContrast() of them; superpixels:
 // labels in [0, num_superpixels); patch_radius: of the matching patches, in
 // pixels of these images; one below 2 counts as 2.

@@ -16,24 +16,25 @@
 namespace tsar {
 
 struct EvidenceOptions {
-  // Grey levels of standard deviation above which a measurement counts in full,
-  // and what one on weaker texture counts.
+  // The standard deviation of gray levels above which a measurement has full
+  // confidence, and the confidence on weaker texture.
   float min_texture = 1.f;
   float confidence_without_texture = 0.5f;
-  // Measurements count by the square of their fattening weight, too, but
-  // by no less than this, above 0, where the pattern is not the pixel's own.
+  // The confidence of measurements is multiplied by the square of their
+  // fattening weight, but by no less than this, above 0, where the texture is
+  // not the pixel's own.
   float min_own_confidence = 0.02f;
-  // What a pixel counts that was not measured, but lies in a region that has a
-  // plane.
+  // The confidence of a pixel that was not measured, but lies in a region that
+  // has a plane.
   float confidence_of_region_plane = 0.3f;
-  // It counts less where measurements in the same superpixel lie off the plane:
-  // further than this, as a multiple of RelativeDepthError().
+  // That confidence is lower where measurements in the same superpixel have
+  // residuals at the plane above this multiple of RelativeDepthError().
   float max_region_plane_residual = 6.f;
-  // What a pixel counts whose depth a prior tells, where none of this is known:
-  // errors of priors are those of whole surfaces.
+  // The confidence of a pixel whose depth comes from a prior alone: errors of
+  // priors are correlated over whole surfaces.
   float confidence_of_prior = 0.1f;
-  // The error of a prior at which it still speaks for a plane, in its standard
-  // deviations; and that of measurements, in expected ones.
+  // The tolerances of priors, in their standard deviations, and of
+  // measurements, in expected errors.
   float prior_tolerance = 2.f;
   float tolerance = 1.f;
   int max_observations_per_superpixel = 32;
@@ -46,7 +47,7 @@ struct EvidenceOptions {
   float border_scale = 4.f;
 };
 
-// What the stages found in one view, on the raster of its superpixels.
+// The results of the stages in one view, on the raster of its superpixels.
 struct EvidenceInputs {
   Image<int> superpixels;                // Labels in [0, num_superpixels).
   int num_superpixels = 0;               // At most 65536.
@@ -64,14 +65,14 @@ struct EvidenceInputs {
 };
 
 struct GatheredEvidence {
-  // Without `color` and `ratings`, to which this would add nothing.
+  // Without `color` and `ratings`, which the caller sets.
   ViewEvidence evidence;
-  // How many of its candidates, which are the first, are planes of regions.
+  // The number of planes of regions, which are its first candidates.
   int num_region_planes = 0;
 };
 
-// The spread of measurements about their superpixels' planes, in relative
-// depths of one pixel of disparity; 0 where no superpixel has a plane.
+// The standard deviation of measurements at their superpixels' planes, in
+// relative depths of one pixel of disparity; 0 where no superpixel has a plane.
 float MeasureNoise(const EvidenceInputs& inputs);
 
 GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,

@@ -13,15 +13,15 @@
 
 namespace tsar {
 
-// A number from kMin to kMax in 255 equal steps: the labels of all views of a
-// scene are in memory at once.
+// A value from kMin to kMax in 255 equal steps, in one byte: the labels of all
+// views of a scene are in memory at once.
 template <int kMin, int kMax>
 class ByteOf {
  public:
   static_assert(kMin <= 0 && kMax > kMin);
 
   ByteOf() : ByteOf(0.f) {}
-  // Rounds, and clamps what lies outside.
+  // Rounds, and clamps to the range.
   explicit ByteOf(float value)
       : level_(static_cast<uint8_t>(std::lround(
             (std::clamp(value, float{kMin}, float{kMax}) - kMin) * kScale))) {}
@@ -35,39 +35,40 @@ class ByteOf {
   uint8_t level_;
 };
 
-// How well the plane that a superpixel was labelled with is borne out there.
+// The evidence in a superpixel for the plane that it was labeled with.
 struct LabelQuality {
-  // What PlaneCost says of the superpixel on this plane.
+  // The fields of PlaneCost for the superpixel on this plane.
   ByteOf<0, 1> strength;
   ByteOf<0, 1> confirmed;
   ByteOf<0, 1> uncertainty;
-  // How much more the next best plane, or none, would cost, neighbours left
-  // aside, in pixels of full confidence for each pixel of the superpixel;
-  // negative where the neighbours decided.
+  // The unary cost of the second-best plane, or none, less that of the label,
+  // in pixels of full confidence for each pixel of the superpixel; negative
+  // where the pairwise costs decided.
   ByteOf<-1, 2> margin;
 
   friend bool operator==(const LabelQuality&, const LabelQuality&) = default;
 };
 
-// How much the labels of other views count. Costs are in pixels of the raster
-// for each view of full weight, gaps in relative depths of one pixel of
+// The weights of votes by the labels of other views. Costs are in pixels of the
+// raster for each view of full weight, gaps in relative depths of one pixel of
 // disparity.
 struct LabelVoteOptions {
-  // What a pixel gains by a view with the same plane there,
+  // The gain of a pixel for each view with the same plane there,
   float gain_of_same = 0.1f;
-  // and costs by one with another plane that is this close at most. The cost
+  // and its cost for each view with another plane within max_gap. The cost
   // grows with the gap, up to full_gap.
   float cost_of_rival = 0.1f;
   float max_gap = 6.f;
   float full_gap = 0.5f;
-  // What it costs to lie further than that in front of a view's plane, which it
-  // would hide, and what to lie behind what several views see in front of it.
+  // The cost of lying further than that in front of a view's plane, which it
+  // would occlude, and the cost of lying behind surfaces that several views see
+  // in front of it.
   float cost_of_hiding = 0.1f;
   float cost_of_hidden = 0.2f;
-  // What a label weighs that nothing in its own view measured. One that all
-  // measurements agree on weighs 1 (LabeledView::strengths).
+  // The weight of a label without measurements in its own view. One that all
+  // measurements agree on has weight 1 (LabeledView::strengths).
   float guessed_weight = 0.2f;
-  // More weight than this changes nothing; and no pixel costs more than this.
+  // Upper limits of the weight that gains, and of the cost of a pixel.
   float max_same = 3.f;
   float max_against = 3.f;
 };
@@ -75,40 +76,40 @@ struct LabelVoteOptions {
 // Costs are in pixels of full confidence. Depth differences are in relative
 // depths of one pixel of disparity.
 struct LabelOptions {
-  // From this difference on, an observation speaks fully against a plane.
+  // The residual from which an observation counts fully against a plane.
   float tolerance = 1.f;
-  // What an observation costs that no plane is to explain. A plane that
-  // explains a superpixel's observations worse than this is none for it, unless
-  // the neighbours outweigh that.
+  // The cost of an observation where the superpixel has no plane. A plane with
+  // a higher cost is not chosen, unless the pairwise costs outweigh that.
   float cost_of_unexplained = 0.6f;
-  // What a depth off its plane costs that other views confirm and the view did
-  // not trust: most of them are wrong on bare surfaces, but in numbers they
-  // tell a chest from the wall behind it.
+  // The cost of an outlier depth that other views confirm and the view did not
+  // trust: most of these are wrong on bare surfaces, but many together
+  // distinguish a chest from the wall behind it.
   float confirmed_weight = 0.2f;
-  // LabeledView::strengths is half of what it is with many measurements where
-  // they are this share of the pixels.
+  // The share of measured pixels at which LabeledView::strengths is half of its
+  // value with many measurements.
   float strength_prior = 0.02f;
-  // Per pixel without an observation: of having no plane, and of having one
-  // whose depth there is unknown.
+  // Costs per pixel without an observation: of no plane, and of a plane whose
+  // depth there is unknown.
   float unlabelled_cost = 0.02f;
   float uncertainty_cost = 0.05f;
   // The expected error of a plane at which its depth counts as unknown.
   float max_sigma = 1.f;
-  // How unknown a plane's depth is where it was observed on one side only, far
-  // from there.
+  // The uncertainty of a plane's depth where it was observed on one side only,
+  // far away.
   float extrapolation_uncertainty = 0.6f;
-  // How far that is, relative to the size of the area in which the plane was
+  // That distance, relative to the size of the area in which the plane was
   // observed.
   float extrapolation_reach = 0.6f;
-  // What a pixel without an observation costs whose region has other colours in
-  // the other views: per full difference beyond that on the plane which fits
-  // best, plus what noise and gloss make of it. Planes more uncertain than this
-  // are none to compare with: one that nobody observed there fits by chance.
+  // The cost of a pixel without an observation whose region has different
+  // colors in other views: per full difference beyond that on the best plane
+  // plus min_color_gap, which allows for noise and gloss. Planes above
+  // max_color_uncertainty are not compared with: an unobserved one may fit by
+  // chance.
   float color_cost = 4.f;
   float min_color_gap = 0.05f;
   float max_color_uncertainty = 0.3f;
-  // Within this share of the tolerance of what another view saw, a plane is
-  // confirmed.
+  // The largest residual of depths of other views at which they confirm a
+  // plane, as a share of the tolerance.
   float confirmation_share = 0.5f;
   // The gap between two planes at a border from which the border costs its full
   // weight.
@@ -119,21 +120,21 @@ struct LabelOptions {
 
 // How a superpixel came by its plane.
 enum class LabelEvidence : uint8_t {
-  kNone = 0,      // It has none.
-  kGuessed = 1,   // By its neighbours in the image alone.
+  kNone = 0,      // There is no plane.
+  kGuessed = 1,   // Only the neighbors in the image support it.
   kCarried = 2,   // Other views measured the plane there.
-  kMeasured = 3,  // It lies in the superpixel's own observations.
+  kMeasured = 3,  // The superpixel's own observations support it.
 };
 
-// What each superpixel of a view was labelled with.
+// The label of each superpixel of a view.
 struct ViewLabels {
-  std::vector<int> planes;  // Numbers of planes; -1: none.
+  std::vector<int> planes;  // Indices of planes; -1: none.
   std::vector<LabelEvidence> evidence;
-  // Of those that have a plane; all 0 elsewhere.
+  // All 0 where there is no plane.
   std::vector<LabelQuality> qualities;
 };
 
-// What a view was labelled with, for the views that look at the same.
+// The labels of a view that vote in its neighbors.
 struct VotingLabels {
   std::vector<int> planes;       // As in ViewLabels.
   std::vector<float> strengths;  // See LabeledView.
@@ -142,11 +143,11 @@ struct VotingLabels {
 struct LabeledView {
   // Planes of the scene, in the reference camera's frame.
   std::vector<Plane> planes;
-  // Per superpixel of the reference: the number of its plane, or -1.
+  // Per superpixel of the reference: the index of its plane, or -1.
   std::vector<int> labels;
   std::vector<LabelEvidence> evidence;
   std::vector<LabelQuality> qualities;  // See ViewLabels.
-  // How firmly the superpixel's measurements place it on its plane, from 0 to 1
+  // How strongly the superpixel's measurements support its plane, from 0 to 1
   // (PlaneCost::strength).
   std::vector<float> strengths;
 };

@@ -10,9 +10,8 @@
 
 namespace tsar {
 
-// What is known of the depth that a pixel measured, in one byte: whether it is
-// trusted (bit 7), and whether another view confirms it (bit 6) on distinct
-// texture (bit 5).
+// The reliability of a measured depth, in one byte: whether it is trusted (bit
+// 7), and whether another view confirms it (bit 6) on distinct texture (bit 5).
 struct MeasurementRating {
   static constexpr int kTrusted = 1 << 7;
   static constexpr int kConfirmed = 1 << 6;

@@ -17,16 +17,15 @@ namespace tsar {
 
 bool IsMeasured(const RayDepth& sample);
 
-// The distance of a measurement from a plane, in units of the error that one
-// pixel of disparity makes.
+// The residual of a measurement at a plane, in pixels of disparity.
 float Residual(const RayDepth& sample,
                const Plane& plane,
                const DepthResolution& resolution);
 
-// The planes of a view's regions that are worth a candidate.
+// The planes of a view's regions that become candidates.
 struct RegionCandidates {
   std::vector<Plane> planes;
-  // For each pixel of the raster the number of its region's plane among these,
+  // For each pixel of the raster the index of its region's plane among these,
   // plus one; 0 where it has none.
   Image<uint16_t> of_pixels;
 };
@@ -37,9 +36,9 @@ struct PixelObservation {
   float error = 1.f;  // See ViewEvidence::errors.
 };
 
-// The observation of each pixel, of confidence 0 where there is none: what was
-// measured, elsewhere the plane of the pixel's region, or what a prior says.
-// confident_depth: of ViewEvidence.
+// The observation of each pixel: its measurement, else the plane of its region,
+// or a prior; confidence 0 where there is none. confident_depth: of
+// ViewEvidence.
 Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
                                       const RegionCandidates& regions,
                                       const EvidenceOptions& options,

@@ -16,22 +16,21 @@
 
 namespace tsar {
 
-// What the colours of a source are multiplied by to be those of the reference:
+// The factors that map the colors of a source to those of the reference:
 // exposure and white balance, and vignetting, which darkens a pixel by
-// `falloff` times the square of its distance from the image's centre, in half
+// `falloff` times the square of its distance from the image center, in half
 // diagonals.
 struct ColorGain {
   Vec3f balance{1.f, 1.f, 1.f};
   float falloff = 0.f;
 
-  // At two pixels, by the squares of their distances.
+  // The factors at two pixels, given their squared distances.
   TSAR_HD Vec3f At(float reference, float source) const {
     return balance * (1.f + falloff * (source - reference));
   }
 };
 
-// The square of the distance of a pixel from the image's centre, in half
-// diagonals.
+// The squared distance of a pixel from the image center, in half diagonals.
 TSAR_HD inline float SquaredRadius(float x, float y, int width, int height) {
   const float u = 2.f * x - static_cast<float>(width - 1);
   const float v = 2.f * y - static_cast<float>(height - 1);
@@ -41,35 +40,34 @@ TSAR_HD inline float SquaredRadius(float x, float y, int width, int height) {
 // A view that looks at the same scene as the reference. Lengths are in units of
 // the sparse model throughout.
 struct ObservedSource {
-  // Of its raster, in pixels of it.
+  // Intrinsics of its raster.
   Intrinsics intrinsics;
-  // From the reference camera's frame into its own.
+  // Pose from the reference camera's frame into its own.
   RelativePose from_reference;
-  // Of its map, of which the raster may be a reduced one.
+  // Resolution of its map, which may be larger than the raster.
   DepthResolution resolution;
-  int width = 0;  // Of its raster, in pixels.
+  int width = 0;  // Size of its raster.
   int height = 0;
-  // As in ViewEvidence, of the size of the raster; each where it is asked for,
-  // otherwise empty. Depths along its optical axis, 0 where nothing is certain.
+  // The images of ViewEvidence, of the size of the raster; empty where not
+  // requested. Depths are along its optical axis, 0 where nothing is certain.
   ImageView<const float> confident_depth;
-  ImageView<const uint16_t> superpixels;  // The number of each pixel's.
+  ImageView<const uint16_t> superpixels;  // Of each pixel.
   ImageView<const Rgb> color;
   ColorGain gain;
 };
 
-// A point as a source view sees it.
+// A point in a source view.
 struct SeenPoint {
   float depth = 0.f;  // Along the source's optical axis.
-  float x = 0.f;      // Its place on the source's raster, in pixels,
+  float x = 0.f;      // Its position on the raster, in pixels,
   float y = 0.f;
   int column = 0;  // and the pixel there.
   int row = 0;
 };
 
-// Where a source sees a point, which is in the reference camera's frame. False
-// where it does not see it, and `seen` is of no use then: behind the camera,
-// beside its image, or where a coordinate is NaN. Whether something hides the
-// point is not asked.
+// Projects a point in the reference camera's frame into a source. Returns
+// false, with `seen` undefined, where the point is behind the camera or outside
+// the image, or a coordinate is NaN. Occlusion is not tested.
 TSAR_HD inline bool FindInSource(const ObservedSource& source,
                                  const Vec3f& point,
                                  SeenPoint* seen) {
@@ -79,7 +77,7 @@ TSAR_HD inline bool FindInSource(const ObservedSource& source,
   }
   seen->depth = position.z;
   source.intrinsics.Project(position, &seen->x, &seen->y);
-  // As floats, since far outside they do not fit into integers.
+  // Floats are compared, since far outside they do not fit into integers.
   if (!(seen->x >= 0.f && seen->y >= 0.f && seen->x < source.width - 0.5f &&
         seen->y < source.height - 0.5f)) {
     return false;
@@ -95,7 +93,7 @@ ObservedSource MakeObservedSource(const ObservedView& reference,
                                   const ObservedView& source);
 
 // Votes of the other views on a surface of the reference: a view that measured
-// the same depth there confirms it. More views than these change nothing.
+// the same depth there confirms it. More views than kMaxVotes change nothing.
 constexpr int kMaxVotes = 2;
 
 // Whether the source confirms a point in the reference camera's frame. max_gap:
@@ -115,12 +113,12 @@ TSAR_HD inline bool Confirms(const ObservedSource& source,
              max_gap;
 }
 
-// Which of a superpixel's pixels are asked about: evenly spaced ones.
+// The evenly spaced pixels of a superpixel at which votes are taken.
 struct VoteSampling {
   int pixels_per_test = 1;
-  // A small superpixel has so many tests, or one at each of its pixels.
+  // The least number of tests, unless a superpixel has fewer pixels.
   int min_tests = 1;
-  // A large one has no more than these.
+  // The largest number of tests.
   int max_tests = INT_MAX;
 
   TSAR_HD int NumTests(int num_pixels) const {
@@ -131,7 +129,7 @@ struct VoteSampling {
     return num_tests > 1 ? num_tests : 1;
   }
 
-  // The number of the pixel of a test.
+  // The index of the pixel of a test.
   TSAR_HD static int Pixel(int test, int num_tests, int num_pixels) {
     return static_cast<int>((2 * test + 1) * static_cast<int64_t>(num_pixels) /
                             (2 * num_tests));
@@ -140,8 +138,8 @@ struct VoteSampling {
 
 // Planes are compared for all superpixels at once, on the device.
 inline constexpr VoteSampling kPlaneSampling{9, 1};
-// A growing surface is tested on the host, again in each round: fewer pixels.
-// It bends, so that one pixel does not tell of all of a small superpixel.
+// A growing surface is tested on the host in each round, at fewer pixels. It
+// bends, so that one pixel does not represent a small superpixel.
 inline constexpr VoteSampling kCurvedSampling{64, 6};
 
 // The votes on one superpixel. No pixel counts for more than kMaxVotes.

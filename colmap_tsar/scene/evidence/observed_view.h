@@ -8,10 +8,10 @@
 
 namespace tsar {
 
-// A view that was observed, placed in the world. The evidence outlives it.
+// An observed view with its pose in the world. The evidence must outlive it.
 struct ObservedView {
   const ViewEvidence* evidence = nullptr;
-  Camera camera;  // Of the evidence's raster.
+  Camera camera;  // Camera of the evidence's raster.
 };
 
 // camera: of the view's image at any size; only the pose is taken from it.

@@ -10,9 +10,9 @@
 
 namespace tsar {
 
-// The planes that a view's prior proposes: for each superpixel the one that
-// fits best what the prior says of it and of those around that continue it.
-// None without a prior.
+// The planes that a view's prior proposes: for each superpixel the plane that
+// best fits the prior in it and in its neighbors that continue it. None without
+// a prior.
 std::vector<Plane> ProposePlanesOfPrior(const ViewEvidence& evidence);
 
 }  // namespace tsar

@@ -11,17 +11,18 @@
 
 namespace tsar {
 
-// Which superpixels of other views show the surface that a superpixel observed.
-// Superpixels are numbered through all views, as in SuperpixelObservations.
+// The superpixels of other views that show the surface observed by a
+// superpixel. Superpixels are indexed across all views, as in
+// SuperpixelObservations.
 class SuperpixelMatches {
  public:
   // One of a superpixel's observations is projected into each other view. It
   // matches the superpixel there if the median depth of that one's observations
-  // is within 4 % of its own: a surface in front of it tells nothing about it.
-  // A view without a raster of superpixels has no matches.
+  // is within 4 % of its own: an occluder is no evidence. A view without a
+  // raster of superpixels has no matches.
   explicit SuperpixelMatches(const std::vector<ObservedView>& views);
 
-  // At most one in each other view.
+  // The matches of a superpixel, at most one per other view.
   std::span<const int> Of(int superpixel) const {
     const size_t begin = first_[superpixel];
     return {matches_.data() + begin, first_[superpixel + 1] - begin};

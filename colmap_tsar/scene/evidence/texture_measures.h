@@ -11,7 +11,7 @@
 namespace tsar {
 
 // Standard deviation of the grey levels (0-255) in the 7x7 pixels around each
-// pixel, those of them that lie in the image.
+// pixel, as far as they lie in the image.
 DeviceImage<float> ComputeTexture(ImageView<const float> gray, Device& device);
 
 // Largest minus smallest grey level in the 3x3 pixels around each pixel: how

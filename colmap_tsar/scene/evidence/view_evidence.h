@@ -17,8 +17,7 @@
 
 namespace tsar {
 
-// A depth with its own ray, in the camera's frame, and how far it is to be
-// believed.
+// A depth on its ray, in the camera's frame, and its confidence.
 struct Observation {
   RayDepth sample;  // z > 0
   // In (0, 1]; above 1 where one observation stands for many of a prior.
@@ -28,16 +27,16 @@ struct Observation {
 // Where the depth of an observation comes from.
 enum class ObservationSource : uint8_t {
   kRegionPlane = 0,  // The plane of the pixel's region.
-  kMeasured = 1,     // What the view measured there.
+  kMeasured = 1,     // A measurement of the view.
   kPrior = 2,        // A depth prior.
 };
 
-// The errors of a prior are those of whole surfaces. So that no plane is
-// preferred to another for following them, deviations up to the tolerance count
-// as none, and those of one more tolerance in full.
+// The errors of a prior are correlated over whole surfaces. So that no plane is
+// preferred for following them, residuals up to one tolerance count as 0, and
+// those of two tolerances in full.
 constexpr float kSlackOfPrior = 1.f;
 
-// Where two superpixels touch.
+// The common border of two superpixels.
 struct SuperpixelBorder {
   int first = 0;  // The smaller label.
   int second = 0;
@@ -50,51 +49,53 @@ struct SuperpixelBorder {
   int pixels[kNumPixels] = {};
 };
 
-// What one view measured, as it and its neighbours need it to find the planes
-// of the scene: small next to its maps. Everything lives on the raster of its
-// superpixels and in its camera's frame.
+// The measurements of one view, as it and its neighbors need them to find the
+// planes of the scene: small compared to its maps. Everything is on the raster
+// of its superpixels and in its camera's frame.
 struct ViewEvidence {
   int width = 0;  // Of the raster.
   int height = 0;
-  // Of the raster, with which everything here was made. Those of the image,
-  // scaled to its size, are others where the view was judged at a smaller size.
+  // Intrinsics of the raster, used for everything here. They differ from those
+  // of the image, scaled to its size, where the view was judged at a smaller
+  // size.
   Intrinsics intrinsics;
-  // Of the map that was judged, at the size at which it was.
+  // Resolution of the judged map, at the size at which it was judged.
   DepthResolution resolution;
-  // Spread of the measurements about the planes of superpixels, in relative
-  // depths of one pixel of disparity; 0 where no superpixel has a plane.
+  // Standard deviation of measurements at the planes of superpixels, in
+  // relative depths of one pixel of disparity; 0 where no superpixel has a
+  // plane.
   float noise = 0.f;
 
   Image<uint16_t> superpixels;  // Labels in [0, NumSuperpixels()).
   // Per superpixel, the sum of the confidences of all its pixels.
   std::vector<float> weights;
-  // Those of superpixel k are first_observation[k] to first_observation[k + 1]:
-  // a sample of its pixels. NumSuperpixels() + 1 entries.
+  // The observations of superpixel k, a sample of its pixels, are
+  // first_observation[k] to first_observation[k + 1]. NumSuperpixels() + 1
+  // entries.
   std::vector<int> first_observation;
   std::vector<Observation> observations;
   // For each observation its expected error, in relative depths of one pixel of
   // disparity; empty where all are 1, as they are without a prior.
   std::vector<float> errors;
   std::vector<ObservationSource> sources;  // Of each observation.
-  // What tells which plane a superpixel lies on, and not which planes there are:
-  // depths that other views confirm and that the view itself did not trust.
-  // Those of superpixel k are first_confirmed[k] to first_confirmed[k + 1]: a
-  // sample of its pixels that have one, of which there are
-  // confirmed_pixels[k].
+  // Depths that other views confirm and that the view itself did not trust, for
+  // labeling but not for discovery of planes. Those of superpixel k are
+  // first_confirmed[k] to first_confirmed[k + 1], a sample of its
+  // confirmed_pixels[k] pixels with such a depth.
   std::vector<int> first_confirmed;
   std::vector<RayDepth> confirmed;
   std::vector<int> confirmed_pixels;
 
   std::vector<SuperpixelBorder> borders;  // Sorted by (first, second).
 
-  // Planes that the view found by itself: of regions, then of superpixels.
+  // Candidate planes of the view alone: of regions, then of superpixels.
   std::vector<Plane> candidates;
 
-  // Depths that are as good as certain, 0 elsewhere: what the view saw through
-  // is empty up to there.
+  // Depths that are almost certain, 0 elsewhere: the space in front of them is
+  // free.
   Image<float> confident_depth;
 
-  // From outside; empty without.
+  // An external depth prior; may be empty.
   AlignedPrior prior;
 
   // The image that the superpixels were made of.
@@ -110,15 +111,15 @@ struct ViewEvidence {
   bool IsOfPrior(size_t observation) const {
     return sources[observation] == ObservationSource::kPrior;
   }
-  // A superpixel's observations of a prior are its last ones, from this on.
+  // Index of a superpixel's first observation of a prior; these come last.
   int FirstOfPrior(int superpixel) const;
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };
 
-// Of each superpixel of the evidence, the number of its pixels,
+// The number of pixels of each superpixel of the evidence,
 std::vector<float> CountPixels(const ViewEvidence& evidence);
 
-// and the ray of their middle, in the camera's frame. intrinsics: of the
+// and the ray of their center, in the camera's frame. intrinsics: of the
 // raster.
 std::vector<Vec3f> MiddleRays(const ViewEvidence& evidence,
                               const Intrinsics& intrinsics);
