@@ -16,19 +16,20 @@ namespace {
 
 constexpr size_t kMaxSamples = 4000;
 constexpr size_t kMinSamples = 100;
-// Colours that are neither black nor clipped.
+// The range of colors that are neither black nor clipped.
 constexpr int kMinLevel = 10;
 constexpr int kMaxLevel = 250;
-constexpr float kSameSurface = 0.02f;  // In shares of the depth.
-// Ratios further from the median are other surfaces, highlights or shadows.
+constexpr float kSameSurface = 0.02f;  // Relative to the depth.
+// Log ratios further from the median are of other surfaces, highlights or
+// shadows.
 constexpr float kMaxLogRatio = 0.3f;
-// No lens is darker by more than this at the corners.
+// The largest vignetting of a lens at the corners.
 constexpr float kMaxFalloff = 0.6f;
 
-// One point as both views see it.
+// The colors of one point in both views.
 struct SharedColor {
   std::array<float, 3> log_ratios;  // Reference over source, by channel.
-  float radius_difference;          // Of the source less of the reference.
+  float radius_difference;          // Source less reference.
 };
 
 bool IsUsable(const Rgb& color) {
@@ -77,7 +78,8 @@ std::vector<SharedColor> FindSharedColors(const ObservedView& reference,
   return result;
 }
 
-// The slope of green's ratios over the radii, those near the median.
+// The slope of the log ratios of green over the radii, for ratios near the
+// median.
 float FitFalloff(const std::vector<SharedColor>& colors, float median) {
   double count = 0.0;
   double x = 0.0;

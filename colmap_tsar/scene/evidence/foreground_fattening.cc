@@ -16,11 +16,12 @@
 namespace tsar {
 namespace {
 
-// How near to a pixel pattern is its own, relative to the patch's radius.
+// The radius within which texture is a pixel's own, relative to the patch's
+// radius.
 constexpr float kNearShare = 0.4f;
-// The share of the contrast from which on it is the pixel's own.
+// The ratio of contrasts from which on the weight is 1.
 constexpr float kFullShare = 0.5f;
-// Contrasts are compared with so many grey levels added, which noise causes.
+// The contrast of noise in gray levels, added before contrasts are compared.
 constexpr float kNoise = 1.f;
 
 using Morphology = void (*)(cv::InputArray,
@@ -31,8 +32,8 @@ using Morphology = void (*)(cv::InputArray,
                             int,
                             const cv::Scalar&);
 
-// The result of cv::erode or cv::dilate with the square around each pixel, the
-// part of it that lies in the image.
+// The result of cv::erode or cv::dilate with the square around each pixel,
+// clipped to the image.
 Image<float> Filter(const Image<float>& image,
                     int radius,
                     Morphology morphology) {
@@ -59,7 +60,7 @@ Image<float> Largest(const Image<float>& image, int radius) {
   return Filter(image, radius, cv::dilate);
 }
 
-// The largest minus the smallest grey level around each pixel.
+// The largest minus the smallest gray level around each pixel.
 Image<float> Range(const Image<float>& gray, int radius) {
   Image<float> range = Largest(gray, radius);
   const Image<float> smallest = Smallest(gray, radius);

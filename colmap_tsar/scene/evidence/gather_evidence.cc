@@ -20,10 +20,10 @@
 namespace tsar {
 namespace {
 
-// Region planes that no more than this many pixels have are not worth a
-// candidate: fragments beyond the reach of another plane.
+// The largest size in pixels of regions whose planes are no candidates: they
+// are fragments beyond the reach of another plane.
 constexpr int kMinCandidatePixels = 30;
-// Makes the median of residuals the standard deviation of normal errors.
+// The ratio of standard deviation to median of absolute normal errors.
 constexpr float kMedianToSigma = 1.48f;
 
 struct PlaneBits {
@@ -47,15 +47,15 @@ struct PlaneBitsHash {
   }
 };
 
-// Numbers the different planes of the regions by their first pixel, and makes
-// candidates of those that are large enough.
+// Lists the distinct planes of the regions in the order of their first pixels;
+// those of regions that are large enough become candidates.
 RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs) {
   RegionCandidates candidates;
   candidates.of_pixels =
       Image<uint16_t>(inputs.superpixels.Width(), inputs.superpixels.Height());
   const Image<Plane>& planes = inputs.region_planes;
   std::unordered_map<PlaneBits, int, PlaneBitsHash> numbers;
-  std::vector<std::pair<Plane, int>> found;  // With the number of pixels.
+  std::vector<std::pair<Plane, int>> found;  // Planes and numbers of pixels.
   Image<int> number_of(planes.Width(), planes.Height(), -1);
   for (size_t i = 0; i < planes.NumPixels(); ++i) {
     const Plane& plane = planes.Data()[i];
@@ -107,8 +107,8 @@ size_t Spaced(size_t i, size_t count, size_t size) {
   return (2 * i + 1) * size / (2 * count);
 }
 
-// Adds an evenly spaced sample of some pixels' observations, of which the
-// confidences are scaled by `share`.
+// Adds an evenly spaced sample of some pixels' observations, with confidences
+// scaled by `share`.
 void AddSample(const Image<PixelObservation>& observed,
                const std::vector<int>& pixels,
                size_t count,
@@ -171,7 +171,8 @@ void AddObservations(const EvidenceInputs& inputs,
     const size_t count =
         std::min(of_prior[k].size(),
                  static_cast<size_t>(options.max_priors_per_superpixel));
-    // So that both weigh in the sample what they weigh in the superpixel.
+    // Both kinds have the same relative weights in the sample as in the
+    // superpixel.
     const float rate = own_weight > 0.f ? sampled / own_weight : 1.f;
     AddSample(observed,
               of_prior[k],

@@ -42,11 +42,10 @@ float ConfidenceOfMeasurement(const EvidenceInputs& inputs,
          ConfidenceAgainstFattening(inputs.fattening_weight, x, y, options);
 }
 
-// What the measurements of a superpixel say of the planes of the regions that
-// it belongs to.
+// The support by a superpixel's measurements for the planes of its regions.
 struct RegionPlaneSupport {
-  float on = 0.f;   // The confidences of measurements on these planes,
-  float off = 0.f;  // and of those off them.
+  float on = 0.f;   // Total confidence of inliers of these planes,
+  float off = 0.f;  // and of outliers.
 };
 
 std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
@@ -76,8 +75,8 @@ std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
   return supports;
 }
 
-// What a pixel counts that takes its depth from the plane of its region:
-// nothing where no measurement of its superpixel lies on it.
+// The confidence of a pixel that takes its depth from the plane of its region:
+// 0 where no measurement of its superpixel lies on it.
 float ConfidenceOfFill(const RegionPlaneSupport& support,
                        const EvidenceOptions& options) {
   return support.on > 0.f ? options.confidence_of_region_plane * support.on /
@@ -92,7 +91,7 @@ PriorDepth PriorAt(const AlignedPrior& prior, int x, int y) {
                    prior.depth(x, y), prior.sigma(x, y), prior.outlier_share};
 }
 
-// Of confidence 0 where there is no prior.
+// The observation of the prior; its confidence is 0 where there is no prior.
 PixelObservation ObservePrior(const EvidenceInputs& inputs,
                               int x,
                               int y,
@@ -153,7 +152,8 @@ Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
         if (depth > 0.f && std::isfinite(depth)) {
           const RegionPlaneSupport& support =
               supports[static_cast<size_t>(inputs.superpixels(x, y))];
-          // Unless a prior contradicts it, the plane of the region tells more.
+          // The plane of the region takes precedence unless a prior contradicts
+          // it.
           if (LogLikelihoodRatio(PriorAt(inputs.prior, x, y), depth) >= 0.f) {
             observations(x, y) = {
                 {{ray.x, ray.y, depth}, ConfidenceOfFill(support, options)},

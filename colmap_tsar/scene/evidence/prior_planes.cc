@@ -11,12 +11,12 @@
 namespace tsar {
 namespace {
 
-// Of a superpixel's pixels, every so many-th in both directions is looked at.
+// The stride in both directions at which a superpixel's pixels are sampled.
 constexpr int kStride = 2;
-// A prior that is less certain tells no plane.
+// The largest standard deviation of a prior that is used.
 constexpr float kMaxSigma = 0.1f;
-// How far a neighbour's depths may lie off a superpixel's own plane to continue
-// it.
+// The largest residual of a neighbor's depths at a superpixel's plane that they
+// continue.
 constexpr double kContinues = 0.02;
 
 struct PriorOfSuperpixel {

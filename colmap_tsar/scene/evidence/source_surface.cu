@@ -16,10 +16,10 @@
 namespace tsar {
 namespace {
 
-// A surface in front is one that fills this share of the 5x5 pixels around, as
-// far as it lies within a relative difference of its nearest point there.
+// A surface in front needs this many of the 5x5 pixels around, within this
+// relative difference of its nearest point there.
 constexpr int kFrontRadius = 2;
-constexpr int kMinFrontPixels = 8;  // Of 25.
+constexpr int kMinFrontPixels = 8;  // Out of 25.
 constexpr float kOneFront = 0.03f;
 
 // Positive floats are ordered as their bits are.
@@ -61,8 +61,8 @@ struct MeasuredKernel {
   }
 };
 
-// Draws the surface of a source into the reference's raster: the nearest depth
-// of each pixel.
+// Renders the surface of a source into the reference's raster: the nearest
+// depth at each pixel.
 struct DrawKernel {
   ImageView<const float> surface;
   Intrinsics source;

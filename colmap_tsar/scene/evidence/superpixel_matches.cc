@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-// Of the observations of each superpixel; 0 where there are none.
+// The median depth of each superpixel's observations; 0 where there are none.
 std::vector<float> MedianDepths(const ViewEvidence& evidence) {
   std::vector<float> medians;
   std::vector<float> depths;
@@ -31,7 +31,7 @@ std::vector<float> MedianDepths(const ViewEvidence& evidence) {
   return medians;
 }
 
-// The superpixel of a view into which a point in its camera's frame falls.
+// The superpixel of a view that a point in its camera's frame projects into.
 std::optional<int> SuperpixelAt(const ObservedView& view, const Vec3f& point) {
   if (!(point.z > 0.f)) {
     return std::nullopt;
@@ -75,7 +75,7 @@ SuperpixelMatches::SuperpixelMatches(const std::vector<ObservedView>& views) {
         if (j == i) {
           continue;
         }
-        // Different ones for different views, all over the superpixel.
+        // Each view gets a different observation, spaced over the superpixel.
         const RayDepth& sample =
             evidence.observations[begin + (2 * j + 1) * count / (2 * num_views)]
                 .sample;

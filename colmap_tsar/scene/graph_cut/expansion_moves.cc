@@ -14,11 +14,11 @@
 namespace tsar {
 namespace {
 
-// All costs of one move together are below two to this power, in units of the
+// The sum of all costs of one move is below two to this power, in units of the
 // move. Their differences stay far from overflow.
 constexpr int kUnitBits = 56;
-// Of the sum of the magnitudes of costs: far more than rounding can make of
-// their sum.
+// Upper limit of the rounding error of a sum of costs, relative to the sum of
+// their magnitudes.
 constexpr double kRoundingShare = 1e-9;
 
 void RequireFinite(double cost) {
@@ -237,12 +237,12 @@ double ExpansionMoves::UnitsPerCost(const std::vector<int>& part,
   return std::ldexp(1.0, kUnitBits - exponent);
 }
 
-// A cut cannot express that it costs less, added up, when one node of an edge
-// switches and when the other does than when both do and when none does. Then
-// the dearer one of the first two is raised. Nothing gets cheaper, and staying
-// costs what it did, so that what the cut finds cheaper than staying is so in
-// truth. Lowering the cost of staying would do as well, but hides what a node
-// gains by switching alone: with any tables, it ends at higher energies.
+// A cut cannot represent pairwise costs that are not submodular: where the
+// costs with one node switching have a smaller sum than those with both or
+// none. Then the larger one of the former is raised. No cost decreases, and
+// that of staying is unchanged, so that any move that the cut finds lowers the
+// energy. Lowering the cost of staying is also valid, but hides the gain of a
+// node that switches alone, and ends at higher energies.
 std::vector<uint8_t> ExpansionMoves::FindCut(const std::vector<int>& part,
                                              int label) {
   for (const int node : part) {
@@ -265,7 +265,7 @@ std::vector<uint8_t> ExpansionMoves::FindCut(const std::vector<int>& part,
       const bool has_first = places_of_[first] == move_;
       const bool has_second = places_of_[second] == move_;
       if (has_first && has_second && node == second) {
-        continue;  // Its first node sees to it.
+        continue;  // Its first node adds it.
       }
       const int64_t none = to_units(costs_[edge].none_switches);
       const int64_t both = to_units(costs_[edge].both_switch);

@@ -13,29 +13,29 @@
 
 namespace tsar {
 
-// The moves of one graph (MinimizeByExpansion), each for the labels that those
-// before left. Of a move only the part is looked at in which nodes may take
-// the label:
+// The expansion moves of one graph (MinimizeByExpansion), each from the labels
+// that the move before left. A move is restricted to the subgraph of nodes that
+// may take the label:
 //
 // A set of nodes that takes it together changes the energy by at least the sum
-// of a bound of each of its nodes: what the label costs there, less what the
-// present one does and what the edges of the node can save. Where an edge has
-// both ends in the set, each counts for half of it. A set that lowers the
-// energy has connected parts each of which does, so that each part holds a node
-// whose bound is not above 0, and around it no others than what the bounds
-// below 0 can pay for. Where all bounds are above 0, nothing can change. The
-// first bound needs none of the edges' costs but the present ones.
+// of lower bounds of its nodes: the unary cost of the label, less that of the
+// present label and the largest saving of the node's edges. An edge with both
+// ends in the set counts by half at each. In a set that lowers the energy, some
+// connected component does, so that it has a node whose bound is not above 0,
+// and around it only nodes that the bounds below 0 can pay for. Where all
+// bounds are above 0, no move lowers the energy. The first bound needs only the
+// present costs of edges.
 //
-// In the cut, costs are whole numbers: sums are then exact in any order, and a
-// tie is a tie. The unit is a power of two that follows the sum of the part's
-// costs: costs of any size will do, and floats lose nothing that matters.
+// The cut uses integer costs, so that sums are exact in any order, as are ties.
+// The unit is a power of two that scales with the sum of the subgraph's costs:
+// costs may have any magnitude, and the loss of precision is negligible.
 class ExpansionMoves {
  public:
   // The graph was checked, and the labels fit it. Keeps a reference to it.
   ExpansionMoves(const LabelGraph& graph, std::vector<int> labels);
 
   // Gives the label to the nodes that lower the energy by taking it together.
-  // False where there are none.
+  // Returns false if there are none.
   bool Expand(int label);
 
   std::vector<int> TakeLabels() { return std::move(labels_); }
@@ -50,11 +50,11 @@ class ExpansionMoves {
   };
   struct Bound {
     double value = 0.0;
-    double error = 0.0;  // More than rounding can have made of it.
+    double error = 0.0;  // Upper limit of the rounding error.
 
     bool IsAbove0() const { return value > error; }
   };
-  // A node, and by how much those on the way to it raise the energy.
+  // A node, and the energy added by the nodes on the path to it.
   struct Reached {
     double raised = 0.0;
     int node = 0;
@@ -63,20 +63,21 @@ class ExpansionMoves {
   };
 
   void ListEdgesOfNodes();
-  // Of the node with its present label and those of its neighbours.
+  // Sums the costs of the node with the present labels.
   void SumPresentCosts(int node);
   Bound FirstBound(int node, int label) const;
-  // By the costs of the edges, which must have been read.
+  // The bound with the actual costs of the edges, which must have been read.
   Bound TightBound(int node, int label) const;
   void ReadEdgesOf(int node, int label);
-  // Nodes that may take the label: all of the sets that lower the energy.
+  // Nodes that may take the label: a superset of all sets that lower the
+  // energy.
   std::vector<int> FindPart(int label);
-  // Adds what those can reach whose bounds are not above 0.
+  // Adds nodes that can be reached from those whose bounds are not above 0.
   void Grow(const std::vector<int>& begin,
             double saved,
             int label,
             std::vector<int>* part);
-  // The sets that lower the energy, as one: 1 for its nodes.
+  // The union of the sets that lower the energy: 1 for its nodes.
   std::vector<uint8_t> FindCut(const std::vector<int>& part, int label);
   double UnitsPerCost(const std::vector<int>& part, int label) const;
 
@@ -88,23 +89,23 @@ class ExpansionMoves {
 
   const LabelGraph& graph_;
   std::vector<int> labels_;
-  // The numbers of node k's edges are edges_[first_edge_[k]] to
+  // The indices of node k's edges are edges_[first_edge_[k]] to
   // edges_[first_edge_[k + 1]].
   std::vector<size_t> first_edge_;
   std::vector<int> edges_;
   std::vector<float> present_;  // The cost of each edge.
-  // By node: what its edges cost over the least that they can, and the sum of
-  // the magnitudes.
+  // By node: the costs of its edges above their lower bounds, and the sum of
+  // magnitudes.
   std::vector<double> saving_;
   std::vector<double> magnitude_;
 
-  // Of this move, which has a number, and by which move each was set.
+  // Values of the current move, with the index of the move that set each.
   int move_ = 0;
   std::vector<EdgeCosts> costs_;
   std::vector<int> costs_of_;
   std::vector<double> bounds_;
   std::vector<int> bounds_of_;
-  std::vector<int> places_;  // Of nodes in the part.
+  std::vector<int> places_;  // Positions of nodes in the subgraph.
   std::vector<int> places_of_;
 };
 

@@ -70,7 +70,7 @@ std::vector<int> MinimizeByExpansion(const LabelGraph& graph,
       initial.empty() ? CheapestLabels(graph) : std::move(initial);
   CheckLabels(graph, labels);
   ExpansionMoves moves(graph, std::move(labels));
-  int num_unchanged = 0;  // Labels in a row that no node took.
+  int num_unchanged = 0;  // Consecutive labels that no node took.
   for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
     for (int label = 0; label < graph.num_labels; ++label) {
       num_unchanged = moves.Expand(label) ? 0 : num_unchanged + 1;

@@ -15,17 +15,17 @@
 namespace tsar {
 namespace {
 
-// The property of an arc is its number before it was sorted by its origin.
+// The property of an arc is its index before arcs were sorted by origin.
 using Network = boost::
     compressed_sparse_row_graph<boost::directedS, boost::no_property, size_t>;
 using Arc = boost::graph_traits<Network>::edge_descriptor;
 
-// Pairs of an arc and its reverse, whose capacity is 0: those from the source
-// to nodes that would rather stay, those from the others to the sink, then the
+// Pairs of an arc and its reverse, whose capacity is 0: arcs from the source to
+// nodes with a cost of switching, arcs from the others to the sink, then the
 // edges.
 struct ArcPairs {
   std::vector<std::pair<size_t, size_t>> ends;
-  std::vector<int64_t> capacities;  // Of the pair's first one.
+  std::vector<int64_t> capacities;  // Of the first arc.
 
   void Add(size_t from, size_t to, int64_t capacity) {
     ends.emplace_back(from, to);
@@ -102,7 +102,7 @@ std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
                                     source,
                                     sink);
   // The white nodes are those from which the sink can still be reached: the
-  // smallest of all sets that are best.
+  // smallest set of all minimum cuts.
   std::vector<uint8_t> switches(to_switch.size());
   for (size_t node = 0; node < switches.size(); ++node) {
     switches[node] = colors[node] == boost::white_color ? 1 : 0;

@@ -8,17 +8,17 @@
 
 namespace tsar {
 
-// Two nodes that would rather switch together: the cost of the first one
-// staying while the second one switches.
+// An edge of the cut: the cost of the first node staying while the second one
+// switches.
 struct CutEdge {
   int first = 0;
   int second = 0;
   int64_t cost = 0;  // Not below 0.
 };
 
-// For each node 1 where it switches and 0 where it stays, so that the sum of
-// to_switch of those that switch and of the costs of the edges is the least,
-// and of all sets that are best the smallest one switches. By a minimum cut
+// A minimum cut: for each node 1 where it switches and 0 where it stays, so
+// that the sum of to_switch of the switching nodes and of the costs of cut
+// edges is minimal; among minimum cuts, that with the smallest switching set.
 // (Boykov and Kolmogorov, "An Experimental Comparison of Min-Cut/Max-Flow
 // Algorithms for Energy Minimization in Vision", PAMI 2004). No sum may
 // overflow.

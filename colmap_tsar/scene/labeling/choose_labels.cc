@@ -22,13 +22,12 @@ namespace tsar {
 
 namespace {
 
-// The cost of a border between a plane and 'none', as a multiple of that
-// between two planes far apart.
+// The pairwise cost between a plane and 'none', as a multiple of that between
+// two planes far apart.
 constexpr float kBorderToNone = 2.f;
 
-// What a border between two superpixels costs for each pair of labels, of which
-// the last one is 'none'. Keeps references to the evidence and the
-// planes.
+// The pairwise costs of borders between superpixels; the last label is 'none'.
+// Keeps references to the evidence and the planes.
 class BorderCosts {
  public:
   // full_gap: see LabelOptions.
@@ -38,7 +37,7 @@ class BorderCosts {
               const std::vector<Plane>& planes,
               float full_gap);
 
-  // edge: the number of the border in the evidence.
+  // edge: the index of the border in the evidence.
   float operator()(int edge, int a, int b) const;
 
  private:
@@ -46,8 +45,8 @@ class BorderCosts {
   DepthResolution resolution_;
   const std::vector<Plane>& planes_;
   float full_gap_;
-  // Of the pixels of each border. Depths along them are computed when they are
-  // asked for: most planes are too dear for both superpixels.
+  // Rays of the pixels of each border. Depths along them are computed on
+  // demand: most planes are too costly for both superpixels.
   std::vector<Vec3f> rays_;
 };
 
@@ -98,8 +97,8 @@ float BorderCosts::operator()(int edge, int a, int b) const {
   return weight * sum / SuperpixelBorder::kNumPixels;
 }
 
-// of_labels: what each label would cost the superpixel, the last one being
-// none; chosen: one of them.
+// The quality of the chosen label. of_labels: the unary cost of each label, the
+// last one being none.
 LabelQuality RateLabel(const PlaneCost& cost,
                        std::span<const float> of_labels,
                        int chosen,

@@ -14,8 +14,8 @@
 
 namespace tsar {
 
-// Gives each superpixel of a view one of the planes or none, by the smallest
-// sum of the costs of
+// Labels each superpixel of a view with one of the planes or none, so as to
+// minimize the sum of the costs of
 // - observations that do not lie on their plane;
 // - planes where they are not known well enough, or were not observed around;
 // - planes that are not those that other views were labelled with;

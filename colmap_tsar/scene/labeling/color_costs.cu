@@ -20,26 +20,25 @@
 namespace tsar {
 namespace {
 
-// In grey levels, over the three channels.
+// The difference that counts in full, in gray levels over the three channels.
 constexpr float kFullDifference = 20.f;
-// A source tells of a region if it sees this share of it, and a plane is judged
-// by this many sources at least. More than kMaxSources change little.
+// A source is used for a region if it sees this share of it, and a plane needs
+// at least this many sources. More than kMaxSources change little.
 constexpr float kMinShareSeen = 0.4f;
 constexpr int kMinSources = 3;
 constexpr int kMaxSources = 12;
-// Something hides a point that the source measured nearer by this share.
+// A point is occluded where the source's depth is smaller by this share.
 constexpr float kHidden = 0.03f;
 constexpr VoteSampling kRegionSampling{9, 1, 400};
 
-// How much the colours of a region of the reference differ from those that one
-// source shows on a plane.
+// The color difference of a region of the reference and one source, on a plane.
 struct SourceColorKernel {
   PixelGroupsView regions;
   const Plane* planes;
   int num_planes;
   const ObservedSource* sources;
   VoteSampling sampling;
-  ImageView<const Rgb> color;  // Of the reference.
+  ImageView<const Rgb> color;  // Reference image.
   Intrinsics intrinsics;
   // Column: source * num_planes + plane, row: region.
   ImageView<float> differences;
@@ -49,8 +48,8 @@ struct SourceColorKernel {
         sources[column / num_planes], planes[column % num_planes], region);
   }
 
-  // Mean over the region's pixels, from 0 to 1; negative where too few of them
-  // are seen.
+  // The mean over the region's pixels, from 0 to 1; negative where too few of
+  // them are visible.
   TSAR_HD float InSource(const ObservedSource& source,
                          const Plane& plane,
                          int region) const {
@@ -95,8 +94,8 @@ struct SourceColorKernel {
   }
 };
 
-// The mean of the better half of the sources that see a region, since what
-// hides it in others is not always known.
+// The mean of the better half of the sources that see a region, since
+// occlusions in others are not always known.
 struct RegionColorKernel {
   ImageView<const float> of_sources;
   int num_sources;
@@ -126,9 +125,9 @@ struct RegionColorKernel {
   }
 };
 
-// How much worse the colours of a superpixel's region fit on each plane than on
-// the one that fits best of those that are known there, by more than noise and
-// gloss; the largest value of all levels of regions.
+// The color difference of a superpixel's region on each plane beyond that on
+// the best plane that is known there, and beyond noise and gloss; the largest
+// value of all levels of regions.
 struct GapKernel {
   const int* region_of_superpixel;
   ImageView<const float> differences;
@@ -173,7 +172,7 @@ std::vector<float> CountUnobserved(const ViewEvidence& evidence) {
   return counts;
 }
 
-// Column: plane, row: region.
+// Color differences; column: plane, row: region.
 DeviceImage<float> CompareRegions(const PixelGroups& regions,
                                   const Buffer<Plane>& planes,
                                   const LabelInputs& inputs,
@@ -183,8 +182,8 @@ DeviceImage<float> CompareRegions(const PixelGroups& regions,
   const int num_sources = std::max(inputs.NumSources(), 1);
   const int num_regions = regions.NumGroups();
   DeviceImage<float> differences(device, num_planes, num_regions);
-  // So many at a time that what all sources show of them takes a quarter of
-  // the memory of the result.
+  // Batches of regions, so that their differences in all sources take a quarter
+  // of the memory of the result.
   const int max_rows = std::max(num_regions / (4 * num_sources), 1);
   DeviceImage<float> of_sources(device, num_sources * num_planes, max_rows);
   const PixelGroupsView all = regions.View();

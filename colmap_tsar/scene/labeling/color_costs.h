@@ -14,11 +14,11 @@
 
 namespace tsar {
 
-// Adds to the costs of superpixels (row) on planes (column) what the colours of
-// the other views say of them: how much worse they fit there than on the plane
-// that fits best, over the regions of one colour that the superpixel is in (see
-// color_regions.h), in the region that tells most. inputs: with confident
-// depths; planes: in the reference camera's frame.
+// Adds to the costs of superpixels (row) on planes (column) the photometric
+// cost in the other views: the color difference beyond that on the best plane,
+// for the region of one color around the superpixel (see color_regions.h) with
+// the largest difference. inputs: with confident depths; planes: in the
+// reference camera's frame.
 void AddColorCosts(const LabelInputs& inputs,
                    const std::vector<Plane>& planes,
                    const LabelOptions& options,

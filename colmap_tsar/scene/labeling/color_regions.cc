@@ -16,14 +16,14 @@
 namespace tsar {
 namespace {
 
-// The colours that are compared lie this far on each side of a border, where
-// they do not mix.
+// The distance of the compared colors from the border on each side, where they
+// do not mix.
 constexpr int kReach = 2;
-// In grey levels.
+// In gray levels.
 constexpr float kMaxSteps[] = {2.f, 4.f, 8.f};
 
-// The border of two regions: the colours of the one less those of the other,
-// summed over the pairs of pixels across it.
+// The border of two regions: their color difference, summed over the pairs of
+// pixels across it.
 struct Border {
   Vec3f step;
   int count = 0;
@@ -33,7 +33,8 @@ struct Border {
   }
 };
 
-// By the neighbour's number. The step is the region's colour less its own.
+// Borders by the neighbor's index. The step is the region's color less the
+// neighbor's.
 using Borders = std::map<int, Border>;
 
 Vec3f ColorOf(const Rgb& color) {
@@ -74,7 +75,7 @@ std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
   return borders;
 }
 
-// Gives all that borders on `gone` to `kept`.
+// Transfers all borders of `gone` to `kept`.
 void Merge(int kept, int gone, std::vector<Borders>* borders) {
   Borders& of_kept = (*borders)[static_cast<size_t>(kept)];
   for (const auto& [other, border] : (*borders)[static_cast<size_t>(gone)]) {
@@ -91,11 +92,11 @@ void Merge(int kept, int gone, std::vector<Borders>* borders) {
   (*borders)[static_cast<size_t>(gone)].clear();
 }
 
-// Numbers the regions by their first superpixels.
+// Indexes the regions in the order of their first superpixels.
 ColorRegions NumberRegions(const std::vector<int>& merged_into) {
   ColorRegions regions;
   for (size_t s = 0; s < merged_into.size(); ++s) {
-    // Regions merge into those of lower numbers, which have theirs by now.
+    // Regions merge into those of lower indices, which are already set.
     const auto into = static_cast<size_t>(merged_into[s]);
     regions.of_superpixel.push_back(into == s ? regions.count++
                                               : regions.of_superpixel[into]);
@@ -130,7 +131,7 @@ std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence) {
       const Borders& of_kept = borders[static_cast<size_t>(kept)];
       const auto border = of_kept.find(gone);
       if (border == of_kept.end() || border->second.MeanStep() != step) {
-        continue;  // One of the two grew since.
+        continue;  // One of the two has grown since.
       }
       Merge(kept, gone, &borders);
       merged_into[static_cast<size_t>(gone)] = kept;

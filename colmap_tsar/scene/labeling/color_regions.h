@@ -9,7 +9,7 @@
 
 namespace tsar {
 
-// Connected superpixels between which the image shows no step of colour.
+// Connected components of superpixels without a color step between them.
 struct ColorRegions {
   std::vector<int> of_superpixel;  // In [0, count).
   int count = 0;
@@ -18,8 +18,8 @@ struct ColorRegions {
 // Regions of three levels, each made of those of the level before. Neighbours
 // are merged in ascending order of the mean step across their whole common
 // border, up to 2, 4 and 8 grey levels over the three channels: a border that
-// fades away somewhere still separates, and a shaded wall is one region. Which
-// level has a surface for a region, nobody knows beforehand.
+// fades in places still separates, and a shaded wall is one region. The level
+// at which a surface is one region is not known beforehand.
 std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence);
 
 }  // namespace tsar

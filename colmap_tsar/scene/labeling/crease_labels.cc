@@ -13,21 +13,23 @@
 namespace tsar {
 namespace {
 
-// What a pixel costs on a plane that ends before it: more than neighbours
+// The cost of a pixel on a plane that ends before it: more than pairwise costs
 // can outweigh.
 constexpr float kCostBeyond = 0.3f;
-// What it costs on a plane that begins at a crease before which it lies.
+// The cost of a pixel on a plane that begins at a crease, where it does not lie
+// beyond that.
 constexpr float kCostBefore = 1.f;
-// Shares of a superpixel that speak for a plane which it has beyond a crease:
-// observed, or confirmed by other views.
+// The share of a superpixel, observed or confirmed by other views, that
+// supports a plane beyond a crease.
 constexpr float kMinShare = 0.2f;
 
-// The planes that a view may be labelled with (columns), at the middles of its
-// superpixels (rows), and at which of these each may be one that begins at a
-// crease.
+// The depths of the planes that a view may be labeled with (columns) at the
+// centers of its superpixels (rows), and where each coincides with one that
+// begins at a crease.
 class PlanesAtCreases {
  public:
-  // numbers: of the columns, in the model; with those that begin at creases.
+  // numbers: indices of the columns in the model, ascending, including planes
+  // that begin at creases.
   PlanesAtCreases(const std::vector<ModelPlane>& planes,
                   const std::vector<int>& numbers,
                   const std::vector<BoundingCrease>& creases,
@@ -64,9 +66,9 @@ class PlanesAtCreases {
         numbers_.begin());
   }
 
-  // Whether the plane may be, there, the one that begins at the crease, or else
-  // one that begins at another and stands before it. limit: the depth at which
-  // the crease's begins.
+  // Whether the plane coincides there with the one that begins at the crease,
+  // or with one that begins at another crease and lies in front of it. limit:
+  // the depth of the plane that begins at the crease.
   bool MayBeBeyond(const BoundingCrease& crease,
                    float limit,
                    int column,
@@ -96,7 +98,7 @@ class PlanesAtCreases {
   const std::vector<int>& numbers_;
   Image<float> depths_;
   Image<uint8_t> begins_;  // At any crease.
-  // By column that begins at a crease, which ones lie along it.
+  // By column that begins at a crease, the columns with nearly the same normal.
   std::map<int, std::vector<uint8_t>> is_along_;
 };
 
@@ -118,7 +120,8 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
     const Plane limit = ToCameraPlane(crease.limit, camera_);
     const bool is_seen = crease.limit.Height(camera_.Center()) > 0.0;
     for (size_t s = 0; s < rays_.size(); ++s) {
-      // The ray meets what begins at the crease before what ends there.
+      // The ray intersects the plane that begins at the crease before the one
+      // that ends there.
       const float depth = limit.Depth(rays_[s]);
       const bool is_beyond =
           is_seen && depth > 0.f && depth < ending.Depth(rays_[s]);
@@ -135,9 +138,9 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
     *votes = Image<float>(costs.Width(), costs.Height(), 0.f);
   }
   const PlanesAtCreases planes(planes_, numbers, creases_, rays_, camera_);
-  // Where a plane lies beyond a crease, or beyond several.
+  // Whether a plane lies beyond at least one crease.
   Image<uint8_t> is_costly(costs.Width(), costs.Height(), 0);
-  // By column, where planes that begin at creases may be.
+  // By column: the superpixels in which planes that begin at creases may lie.
   std::map<int, std::vector<uint8_t>> beginning;
   for (size_t i = 0; i < creases_.size(); ++i) {
     const BoundingCrease& crease = creases_[i];

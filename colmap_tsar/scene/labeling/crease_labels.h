@@ -14,21 +14,21 @@
 
 namespace tsar {
 
-// What a view is labelled with where planes end at creases.
+// The costs of a view's labels where planes end at creases.
 class CreaseLabels {
  public:
-  // creases: those of planes that the view may be labelled with. Keeps
-  // references to all but the view's camera.
+  // creases: of planes that the view may be labeled with. Keeps references to
+  // all but the view's camera.
   CreaseLabels(const ObservedView& view,
                const std::vector<ModelPlane>& planes,
                const std::vector<BoundingCrease>& creases);
 
-  // Adds to the costs of superpixels (row) on planes (column; numbers: in the
-  // model) that lie beyond a crease: of the plane that ends there, and of
-  // others that nothing speaks for, but for those that begin at another crease
-  // and stand before the one that begins here. Those that begin here lose what
-  // it costs them that nothing of them was measured, and cannot be elsewhere.
-  // votes: of the size of the costs, or empty.
+  // Adds costs of superpixels (row) beyond a crease on planes (column; numbers:
+  // indices in the model): on the plane that ends there, and on others without
+  // evidence, except those that begin at another crease in front of the plane
+  // that begins here. On planes that begin here, the costs for missing
+  // measurements are removed, and other superpixels are excluded. votes: of the
+  // size of the costs, or empty.
   void AddVotes(const std::vector<int>& numbers,
                 const Image<PlaneCost>& costs,
                 const LabelOptions& options,
@@ -39,10 +39,10 @@ class CreaseLabels {
   const Camera camera_;
   const std::vector<ModelPlane>& planes_;
   const std::vector<BoundingCrease>& creases_;
-  std::vector<Vec3f> rays_;        // The middle of each superpixel,
+  std::vector<Vec3f> rays_;        // The center of each superpixel,
   std::vector<float> num_pixels_;  // and its size.
-  // By crease and superpixel, where it lies beyond, the depth at which the
-  // plane begins; 0 elsewhere.
+  // By crease and superpixel: where it lies beyond, the depth of the plane that
+  // begins there; 0 elsewhere.
   std::vector<std::vector<float>> limits_;
 };
 

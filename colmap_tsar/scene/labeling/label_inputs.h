@@ -15,17 +15,17 @@
 
 namespace tsar {
 
-// The pixels of a view by the label of their superpixel. labels: of each
+// Groups the pixels of a view by the label of their superpixel. labels: of each
 // superpixel, in [0, num_labels).
 PixelGroups GroupByLabel(const ViewEvidence& evidence,
                          const std::vector<int>& labels,
                          int num_labels,
                          Device& device);
 
-// A view to be labelled and its sources, in a device's memory.
+// A view to be labeled and its sources, in a device's memory.
 class LabelInputs {
  public:
-  // What of the sources is there.
+  // The rasters of the sources that are uploaded.
   struct Rasters {
     bool confident_depth = false;  // For ComputePlaneCosts,
     bool superpixels = false;      // and for ComputeLabelVotes.
@@ -51,17 +51,17 @@ class LabelInputs {
   Buffer<ObservedSource> sources_;
 };
 
-// How large a view to be labelled and its sources are.
+// The size of a view to be labeled and its sources.
 struct LabelingSize {
-  int num_views = 1;  // With the reference.
-  // Of the raster of each view, and
+  int num_views = 1;  // Including the reference.
+  // Maxima over views.
   int64_t num_pixels = 0;
   int64_t num_superpixels = 0;
   int64_t num_observations = 0;
   int num_planes = 0;
 };
 
-// The largest of all views.
+// The maxima over all views.
 LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
                                  int num_planes);
 

@@ -16,26 +16,26 @@
 namespace tsar {
 namespace {
 
-// One view may be wrong.
+// The least number of views that see a surface in front: one may be wrong.
 constexpr int kMinInFront = 2;
-// The strength of a label that hides what lies behind it.
+// The least strength of a label that occludes.
 constexpr float kFirm = 0.5f;
 
-// A superpixel of a source view: its plane, and how much that counts.
+// A superpixel of a source view: its plane, and the weight of that label.
 struct SourceLabel {
   int plane = -1;
   float weight = 0.f;
 };
 
-// What a source view was labelled with.
+// The labels of a source view.
 struct SourceLabels {
   const SourceLabel* labels;  // By superpixel.
   const Plane* planes;        // All of them, in this view's frame.
-  // The surface of its firm labels as the reference sees it.
+  // The surface of its strong labels, rendered into the reference.
   ImageView<const float> front;
 };
 
-// Sums of the weights of views.
+// Sums of the weights of views that agree, and of costs by those that do not.
 struct LabelVotes {
   float same = 0.f;
   float against = 0.f;
@@ -77,7 +77,7 @@ TSAR_HD inline void AddLabelVote(const ObservedSource& source,
 }
 
 struct LabelVoteKernel {
-  PixelGroupsView pixels;  // Of the superpixels.
+  PixelGroupsView pixels;  // By superpixel.
   const Plane* planes;
   const ObservedSource* sources;
   const SourceLabels* labels;
@@ -147,7 +147,7 @@ std::vector<Plane> MovePlanes(const std::vector<Plane>& planes,
   return result;
 }
 
-// By superpixel; invalid where the label is not firm.
+// Planes by superpixel; invalid where the label is not strong.
 std::vector<Plane> FirmPlanes(const VotingLabels& labels,
                               const std::vector<Plane>& planes) {
   std::vector<Plane> result;

@@ -14,14 +14,14 @@
 
 namespace tsar {
 
-// What the labels of the sources add to the cost of each superpixel of the
-// reference (row) on each plane (column). A pixel on a plane costs less for
-// each view that has the same plane where it sees that pixel, and more for each
-// that has another plane nearby, or one behind it: a surface that is within the
-// errors of another one is that one, and what a view sees through is not there.
-// Labels count by how firmly they were measured (LabelVoteOptions). inputs:
-// with superpixels; planes: in the reference camera's frame. labels: of the
-// sources, in numbers of these planes.
+// The change of the cost of each superpixel of the reference (row) on each
+// plane (column) by votes of the sources' labels. A pixel on a plane costs less
+// for each view with the same label at its projection, and more for each with
+// another plane nearby, or one behind it: surfaces within each other's errors
+// are one, and views do not see through surfaces. Votes are weighted by the
+// strengths of labels (LabelVoteOptions). inputs: with superpixels; planes: in
+// the reference camera's frame. labels: of the sources, as indices of these
+// planes.
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<Plane>& planes,
                                const std::vector<VotingLabels>& labels,

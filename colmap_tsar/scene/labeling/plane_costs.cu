@@ -18,33 +18,33 @@
 namespace tsar {
 namespace {
 
-// Depths are believed down to this share of the nearest observation, and up to
+// Depths are possible down to this share of the nearest observation, and up to
 // its inverse times the farthest.
 constexpr float kDepthMargin = 0.5f;
-// The shares of the observations that are left out as the nearest and the
-// farthest: some are wrong.
+// The share of the nearest, and of the farthest observations that are left out
+// as outliers.
 constexpr double kDepthQuantile = 0.005;
-// What a pixel costs that cannot lie on a plane.
+// The cost of a pixel on a plane without a possible depth there.
 constexpr float kCostOfImpossible = 2.f;
-// Directions of eight in which a plane must have been observed around a point
-// so as not to be unknown there.
+// Up to this many of eight directions with observations around a point, a plane
+// is fully unknown there.
 constexpr int kSectorsUnknown = 3;
-// The flattest slope of a ray to a plane that counts: beyond, the error of the
-// depth would have no bound.
+// Lower bound of the slope of a ray to a plane, which bounds the error of the
+// depth.
 constexpr float kMinSlope = 0.02f;
 
-// A superpixel's part of the evidence.
+// The evidence of one superpixel.
 struct SuperpixelData {
   int first_observation = 0;
   int num_observations = 0;
   int first_confirmed = 0;
   int num_confirmed = 0;     // In the sample,
-  int confirmed_pixels = 0;  // and altogether.
+  int confirmed_pixels = 0;  // and in total.
   int num_pixels = 0;
   float weight = 0.f;
-  // Confidence of the observations together.
+  // Sum of the confidences of the observations.
   float confidence = 0.f;
-  // The middle of the pixels.
+  // Ray of the center of the pixels.
   Vec3f ray;
 };
 
@@ -56,7 +56,7 @@ struct PlaneData {
   float cell_size = 0.f;
 };
 
-// The weights of measurements on a plane, and off it.
+// The weights of inliers and outliers of a plane.
 struct Measurements {
   float on = 0.f;
   float off = 0.f;
@@ -73,7 +73,7 @@ struct CostKernel {
   const ObservationSource* observation_sources;
   const float* errors;  // Null: all 1.
   const RayDepth* confirmed;
-  PixelGroupsView pixels;  // Of the superpixels.
+  PixelGroupsView pixels;  // By superpixel.
   const PlanePoint* cells;
   const ObservedSource* sources;
   int num_sources;
@@ -140,7 +140,7 @@ struct CostKernel {
                        options.strength_prior * superpixel.num_pixels);
   }
 
-  // Depths that other views confirm, though this one did not trust them.
+  // Adds depths that other views confirm and that this view did not trust.
   TSAR_HD void AddConfirmed(const SuperpixelData& superpixel,
                             const Plane& plane,
                             Measurements* measured,
@@ -155,8 +155,8 @@ struct CostKernel {
     }
   }
 
-  // How far a depth lies off a plane beyond the slack, as a share of the
-  // tolerance for so large an error, at most 1.
+  // The residual of a depth beyond the slack, as a share of the tolerance
+  // scaled by the expected error, at most 1.
   TSAR_HD float ResidualShare(const RayDepth& sample,
                               const Plane& plane,
                               float error,
@@ -199,7 +199,7 @@ struct CostKernel {
         static_cast<float>(sum.num_confirmed) / (sum.num_tests * kMaxVotes);
   }
 
-  // How little is known about the plane's depth there, from 0 to 1.
+  // The uncertainty of the plane's depth there, from 0 to 1.
   TSAR_HD float Uncertainty(const Vec3f& ray, const PlaneData& plane) const {
     const float depth = plane.plane.Depth(ray);
     if (!IsPossible(depth)) {
@@ -215,8 +215,8 @@ struct CostKernel {
         options.extrapolation_uncertainty * Extrapolation(point, plane));
   }
 
-  // 0 where the plane was observed all around the point or next to it, 1 where
-  // the point lies far out on one side.
+  // The degree of extrapolation: 0 where the plane was observed all around the
+  // point or next to it, 1 where the point lies far out on one side.
   TSAR_HD float Extrapolation(const PlanePoint& point,
                               const PlaneData& plane) const {
     if (plane.num_cells == 0) {

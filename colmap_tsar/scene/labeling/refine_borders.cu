@@ -13,17 +13,17 @@
 namespace tsar {
 namespace {
 
-// More planes than these seldom meet within reach of a pixel.
+// The largest number of planes within reach of a pixel; more are rare.
 constexpr int kMaxSides = 4;
-// Every other pixel is enough to find the superpixels around, which are not
-// that thin.
+// Every other pixel suffices to find the superpixels around, which are not that
+// thin.
 constexpr int kStepToSides = 2;
-// Neighbours vote on a grid of so many steps from the middle. It is turned by
-// one pixel a step, and so meets every row and column: straight and thin things
-// do not slip through.
+// Neighbors vote on a grid of this many steps from the center. It is rotated by
+// one pixel per step, and so samples every row and column: straight and thin
+// structures are not missed.
 constexpr int kVotesPerRadius = 4;
 
-// What each pixel of the raster measured: the trusted depth under its middle,
+// The measurement of each pixel of the raster: the trusted depth at its center,
 // or 0.
 struct MeasuredKernel {
   ImageView<const float> depth;
@@ -41,7 +41,7 @@ struct MeasuredKernel {
   }
 };
 
-// The superpixels on one plane around a pixel.
+// A plane of the superpixels around a pixel.
 struct Side {
   int label = -1;
   uint16_t superpixel = 0;  // The nearest one.
@@ -49,14 +49,14 @@ struct Side {
   float votes = 0.f;
 };
 
-// What the kernels know of the neighbourhood of a pixel.
+// Access of the kernels to the neighborhood of a pixel.
 struct Neighborhood {
   BorderInputs inputs;
   const int* labels;
   const Plane* planes;
   BorderOptions options;
   ImageView<const float> measured;
-  ImageView<const uint16_t> superpixels;  // As they are by now.
+  ImageView<const uint16_t> superpixels;  // As refined so far.
 
   TSAR_HD float Gap(float a, float b) const {
     const float nearer = fminf(a, b);
@@ -71,7 +71,7 @@ struct Neighborhood {
 
   TSAR_HD int LabelAt(int x, int y) const { return labels[superpixels(x, y)]; }
 
-  // Finds the planes that the pixel can have, its own first. Returns their
+  // Finds the candidate planes of the pixel, its own first. Returns their
   // number.
   TSAR_HD int FindSides(int x, int y, Side* sides) const {
     const uint16_t own = superpixels(x, y);
@@ -106,7 +106,7 @@ struct Neighborhood {
     return num_sides;
   }
 
-  // Whether another label makes sense for a pixel, and a difference.
+  // Whether another label is possible for a pixel and differs from its own.
   TSAR_HD bool CanHave(int label, float own_depth, int x, int y) const {
     const float depth = DepthOf(label, x, y);
     if (!(depth > 0.f)) {
@@ -115,7 +115,7 @@ struct Neighborhood {
     return !(own_depth > 0.f) || Gap(depth, own_depth) >= options.min_gap;
   }
 
-  // Calls body(x, y, weight) for pixels around, and the pixel itself.
+  // Calls body(x, y, weight) for the pixels around and the pixel itself.
   template <typename Body>
   TSAR_HD void ForNeighbors(int x, int y, const Body& body) const {
     const Vec3f color = inputs.lab(x, y);
@@ -132,7 +132,7 @@ struct Neighborhood {
           continue;
         }
         const Vec3f difference = inputs.lab(x + u, y + v) - color;
-        // Not exp(), which the devices round differently.
+        // This replaces exp(), which the devices round differently.
         const float c = 1.f + Dot(difference, difference) * per_color;
         const float d = 1.f + static_cast<float>(u * u + v * v) * per_distance;
         body(x + u, y + v, 1.f / (c * c * d * d));
@@ -141,12 +141,12 @@ struct Neighborhood {
   }
 };
 
-// What a pixel says to its neighbours.
+// The vote of a pixel in its neighborhood.
 struct Ballot {
   int label = -1;
-  // How much there is to its measurement, in [0, 1).
+  // Reliability of its measurement, in [0, 1).
   float belief = 0.f;
-  // How well it speaks for the plane.
+  // Weight of its vote for the plane.
   float vote = 0.f;
 };
 
@@ -160,7 +160,8 @@ struct BallotKernel {
     ballots(x, y) = {label, belief, Vote(label, belief, x, y)};
   }
 
-  // From the texture on the pixel's own side: the edge is not of both.
+  // The reliability by the texture on the pixel's own side: an edge belongs to
+  // one side.
   TSAR_HD float Belief(int label, int x, int y) const {
     const ImageView<const Vec3f>& lab = around.inputs.lab;
     float low = lab(x, y).x;
@@ -190,7 +191,7 @@ struct BallotKernel {
   }
 };
 
-// Marks the pixels that may change at all: those near borders.
+// Marks the pixels that may change: those near borders.
 struct ContestedKernel {
   Neighborhood around;
   ImageView<uint8_t> contested;
@@ -257,8 +258,8 @@ struct FattenedKernel {
     fattened(x, y) = votes_for < votes_against ? 1 : 0;
   }
 
-  // -1 where the measurement lies in front of the plane, 1 behind it, 0 on it
-  // or where there is none of either.
+  // The side of the plane on which the measurement lies: -1 in front, 1 behind,
+  // 0 on it or where either is missing.
   TSAR_HD int SideOfPlane(int label, int x, int y) const {
     const float depth = around.measured(x, y);
     const float plane = around.DepthOf(label, x, y);
