@@ -17,25 +17,26 @@ constexpr double kMinCosine = 0.6;
 // The least depth in the rectified camera of the image's corners at a depth of
 // one in the view.
 constexpr double kMinCornerDepth = 0.2;
-// The rectified image reaches no further, in focal lengths,
+// The largest extent of the rectified image, in focal lengths,
 constexpr double kMaxSlope = 1.5;
-// and its sides are no longer than this multiple of the raster's together.
+// and of the sum of its sides, relative to that of the raster.
 constexpr double kMaxEnlargement = 4.0;
 
-// A camera is at least so many radii from the centre.
+// The least distance of a camera from the center, in radii.
 constexpr double kMinCenterDistance = 1.2;
 // The least cosine between a tangent and the camera's forward direction.
 constexpr double kMinTangentCosine = 0.3;
 
-// Radii that follow from the widths that two cameras see, as a share of the
-// larger one: outlines of narrow things are known to a tenth of the width.
+// The largest difference of the radii that follow from the widths in two
+// cameras, relative to the larger one: outlines of narrow objects are known to
+// a tenth of the width.
 constexpr double kMaxRadiusGap = 0.4;
 
-// Between two columns.
+// The ray midway between two columns.
 struct MiddleRay {
   Eigen::Vector2d direction;
-  // Roughly, of a circle at a distance of one along the camera's forward
-  // direction.
+  // Approximate radius of a circle at a distance of one along the camera's
+  // forward direction.
   double radius;
 };
 
@@ -68,7 +69,7 @@ Line LineOf(const CircleTangent& tangent) {
   return {normal, normal.dot(tangent.camera->center)};
 }
 
-// What one pixel of the camera spans at the circle.
+// The size of a pixel of the camera at the circle.
 double PixelAt(const AxisCircle& circle, const AxisCamera& camera) {
   return (circle.center - camera.center).norm() / camera.focal;
 }
@@ -86,13 +87,14 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   forward.normalize();
   const Eigen::Vector3d right = frame.along.cross(forward);
   AxisCamera result;
-  // Where pixels are not square, the rectified ones are as the longer side is.
+  // Where pixels are not square, rectified pixels have the length of the longer
+  // side.
   result.focal = std::min(camera.fx, camera.fy);
   result.center = frame.Across(camera.Center());
   result.center_height = frame.along.dot(camera.Center());
   result.right = frame.Across(right);
   result.forward = frame.Across(forward);
-  Eigen::Matrix3d axes;  // Of the rectified camera, in the world.
+  Eigen::Matrix3d axes;  // Axes of the rectified camera in the world.
   axes << right, frame.along, forward;
   result.to_view = camera.rotation * axes;
   Eigen::Array2d low = Eigen::Array2d::Constant(HUGE_VAL);
@@ -114,7 +116,7 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   low = low.max(-kMaxSlope);
   high = high.min(kMaxSlope);
   const Eigen::Array2d size = (high - low) * result.focal;
-  // Nothing of the image, or what is no number.
+  // The image is not visible, or a coordinate is NaN.
   if (!(size.minCoeff() >= 0.0) ||
       !(size.maxCoeff() <=
         kMaxEnlargement *
@@ -166,7 +168,7 @@ bool MayShowOneCircle(const ColumnPair& a, const ColumnPair& b) {
   const MiddleRay ray_a = MiddleOf(a);
   const MiddleRay ray_b = MiddleOf(b);
   const Eigen::Vector2d between = b.camera.center - a.camera.center;
-  // Where the rays meet, as seen along either.
+  // Radii at the intersection of the rays, along either.
   const double area = Cross(ray_a.direction, ray_b.direction);
   const double radius_a = Cross(between, ray_b.direction) / area * ray_a.radius;
   const double radius_b = Cross(between, ray_a.direction) / area * ray_b.radius;
@@ -182,7 +184,7 @@ std::optional<AxisCircle> FitCircle(const std::vector<CircleTangent>& tangents,
   for (const CircleTangent& tangent : tangents) {
     origin += tangent.camera->center / static_cast<double>(tangents.size());
   }
-  // Of weights, so that they are about 1 whatever the scale of the scene is.
+  // Unit of weights, which makes them about 1 at any scale of the scene.
   const double unit = near != nullptr && !tangents.empty()
                           ? PixelAt(*near, *tangents.front().camera)
                           : 1.0;

@@ -30,7 +30,7 @@ void AddView(std::vector<double> heights,
   }
 }
 
-// As half-open ranges of bins.
+// The runs of bins with enough views, as half-open ranges.
 std::vector<std::pair<size_t, size_t>> RunsOf(
     const std::vector<size_t>& num_views, size_t min_views) {
   std::vector<std::pair<size_t, size_t>> runs;

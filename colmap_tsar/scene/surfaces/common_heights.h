@@ -9,7 +9,7 @@
 
 namespace tsar {
 
-// A part of an axis.
+// An interval on an axis.
 struct HeightRange {
   double min = 0.0;
   double max = 0.0;
@@ -28,10 +28,10 @@ struct HeightRange {
   static constexpr double kMinOverlap = 0.2;
 };
 
-// The parts of an axis at which at least min_views views see something, in
-// ascending order. heights: by view, those at which it sees it,
-// either ascending or descending. bin: the length that counts as one height;
-// gaps of a few bins in one view are closed.
+// The intervals of an axis with observations in at least min_views views, in
+// ascending order. heights: by view, the heights of its observations, either
+// ascending or descending. bin: the length that counts as one height; gaps of a
+// few bins in one view are closed.
 std::vector<HeightRange> FindCommonHeights(
     const std::vector<std::vector<double>>& heights,
     double bin,

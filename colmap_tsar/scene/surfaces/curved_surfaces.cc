@@ -13,9 +13,8 @@
 namespace tsar {
 namespace {
 
-// Superpixels that lie next to another plane or have none: planes that
-// explain all around them are left alone. Those that are explained worst come
-// first.
+// Superpixels without a plane or next to another one: the interior of planes is
+// left alone. Those with the largest residuals come first.
 std::vector<int> Seeds(const SurfaceCosts& costs) {
   std::vector<int> seeds;
   for (int s = 0; s < costs.Count(); ++s) {
@@ -34,7 +33,7 @@ std::vector<int> Seeds(const SurfaceCosts& costs) {
   return seeds;
 }
 
-// The surfaces that gain most come first.
+// The grown surfaces in the order of decreasing gain.
 std::vector<GrownSurface> Candidates(const SurfaceCosts& costs,
                                      SurfaceGrower* grower) {
   std::vector<GrownSurface> candidates;

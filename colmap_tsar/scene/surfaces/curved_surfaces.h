@@ -12,48 +12,47 @@
 namespace tsar {
 
 struct CurvedSurfaceOptions {
-  // Costs, tolerance and what other views say, as for planes.
+  // Costs, tolerance and votes of other views, as for planes.
   LabelOptions labels;
-  // Only what was measured tells of curvature, not pixels on the plane of a
-  // region: observations of lower confidence.
+  // The least confidence of observations that are used: measurements indicate
+  // curvature, but pixels on the plane of a region do not.
   float min_confidence = 0.4f;
-  // Errors of neighbouring pixels are alike: so many pixels of full confidence
-  // count as one observation, with a standard deviation of this share of the
-  // tolerance.
+  // Errors of neighboring pixels are correlated: this many pixels of full
+  // confidence count as one observation, with a standard deviation of this
+  // share of the tolerance.
   float pixels_per_observation = 250.f;
   float noise_share = 0.33f;
-  // By how much the criterion must fall: 6 is called strong evidence.
+  // The least decrease of the criterion: 6 is called strong evidence.
   float min_gain = 6.f;
-  // Less of a superpixel measured than this share does not tell whether a
-  // surface holds there.
+  // The least measured share of a superpixel for which a surface is tested
+  // there.
   float min_measured = 0.1f;
-  // Mean of min(residual / tolerance, 1)^2 over all of a surface, and over one
-  // of its superpixels, at most.
+  // The largest mean of min(residual / tolerance, 1)^2 over a surface, and over
+  // one of its superpixels.
   float max_residual = 0.12f;
   float max_residual_of_superpixel = 0.5f;
-  // By how much this mean must fall at least: errors that all of a surface has
-  // in common, which no number of observations averages out, look like a slight
-  // curvature.
+  // The least decrease of this mean: errors common to a whole surface, which no
+  // number of observations averages out, look like a slight curvature.
   float min_improvement = 0.015f;
-  // Fewer measured superpixels do not tell a curve from a wrong depth.
+  // Fewer measured superpixels do not distinguish a curve from a wrong depth.
   int min_superpixels = 3;
-  // While it grows, a surface may explain a superpixel so much worse than its
-  // plane, by the same mean: it is still to be fitted there.
+  // While it grows, a surface may have a higher mean in a superpixel than its
+  // plane by this, since it is yet to be fitted there.
   float growth_slack = 0.1f;
-  // How far the surface bends away from a plane over its extent, as a share of
-  // its depth.
+  // The largest deviation of the surface from a plane over its extent, relative
+  // to its depth.
   float max_sagitta = 0.15f;
-  // Cosine of the angle between normal and ray.
+  // The least cosine of the angle between normal and ray.
   float min_slope = 0.15f;
 };
 
 struct CurvedView {
   // In the reference camera's frame.
   std::vector<CurvedSurface> surfaces;
-  // Per superpixel of the reference: the number of its surface, or -1 where it
+  // Per superpixel of the reference: the index of its surface, or -1 where it
   // keeps its plane or has neither.
   std::vector<int> labels;
-  // Per superpixel: how it came by its surface, else by its plane.
+  // Per superpixel: the evidence for its surface, else for its plane.
   std::vector<LabelEvidence> evidence;
 };
 
@@ -63,8 +62,7 @@ struct CurvedView {
 // six parameters and credits it with three for each plane that it replaces
 // altogether. Surfaces fill superpixels without measurements only where
 // measurements surround these and the fit is certain there.
-// views: the reference, of which labeled tells, then those that look at the
-// same scene.
+// views: the reference, which `labeled` belongs to, then its neighbors.
 CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
                               const LabeledView& labeled,
                               const CurvedSurfaceOptions& options);

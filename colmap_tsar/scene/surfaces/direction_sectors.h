@@ -9,12 +9,12 @@
 
 namespace tsar {
 
-// The eight directions, of 45 degrees each, in which something lies around a
-// point of a plane or an image.
+// The set of those of eight sectors, of 45 degrees each, in which there are
+// observations around a point of a plane or an image.
 class DirectionSectors {
  public:
-  // In so many of them a surface must have been observed around a point to be
-  // known there.
+  // The number of sectors with observations around a point from which a surface
+  // is known there.
   static constexpr int kNumKnown = 7;
 
   // x, y: relative to the point.

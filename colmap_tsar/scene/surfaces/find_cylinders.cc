@@ -16,7 +16,7 @@ namespace tsar {
 namespace {
 
 constexpr int kFitRounds = 3;
-// Hypotheses that are fitted at a time.
+// The number of hypotheses that are fitted at a time.
 constexpr size_t kFitBatch = 64;
 
 // A view that shows both outlines of a circle.
@@ -28,9 +28,9 @@ using Supports = std::vector<Support>;
 
 struct Hypothesis {
   AxisCircle circle;
-  HeightRange heights;  // That both views show which propose it.
-  // The views that propose it, and how many of their neighbours show it, in how
-  // many rows together.
+  HeightRange heights;  // Common to both proposing views.
+  // The views that propose it, and the number of views around that show it,
+  // with their total number of rows.
   size_t first = 0;
   size_t second = 0;
   size_t num_views = 0;
@@ -58,7 +58,7 @@ double MeanDistance(const CircleOutline& outline) {
   return 0.5 * (outline.left_distance + outline.right_distance);
 }
 
-// From where to where along the axis a pair is seen.
+// The interval of the axis in which a pair is seen.
 HeightRange HeightsOf(const OutlinePair& pair,
                       const AxisCamera& camera,
                       const CircleOutline& outline) {
@@ -107,8 +107,8 @@ class CylinderFinder {
     return hypotheses;
   }
 
-  // The cylinders of a hypothesis, fitted to all views around that show it:
-  // one above the other, by their heights.
+  // The cylinders of a hypothesis, fitted to all views around that show it: one
+  // for each common interval of heights.
   std::vector<ModelCylinder> Fit(const Hypothesis& hypothesis,
                                  const AxisFrame& frame) const {
     AxisCircle circle = hypothesis.circle;
@@ -163,7 +163,7 @@ class CylinderFinder {
     return around;
   }
 
-  // Circles that two views may show, and that enough of their neighbours do.
+  // Adds circles that two views may show and that enough views around support.
   void FindInTwo(size_t first,
                  size_t second,
                  std::vector<Hypothesis>* hypotheses) const {
@@ -196,8 +196,7 @@ class CylinderFinder {
     }
   }
 
-  // The heights at which both of two views show both outlines where they
-  // should.
+  // The heights at which both views show both outlines of the circle.
   std::optional<HeightRange> ExplainedHeights(const AxisCircle& circle,
                                               const Supports& two) const {
     HeightRange heights[2];
@@ -215,7 +214,8 @@ class CylinderFinder {
                : std::nullopt;
   }
 
-  // In each view the pair that is seen in most rows, of those at such heights.
+  // In each view the pair with the most rows that agrees with the circle and
+  // overlaps the heights.
   Supports FindSupports(const AxisCircle& circle,
                         const HeightRange& heights,
                         const std::vector<size_t>& views) const {
@@ -238,7 +238,7 @@ class CylinderFinder {
     return supports;
   }
 
-  // Root mean square, in pixels.
+  // The root mean square of the outlines' residuals, in pixels.
   static std::optional<double> Residual(const Supports& supports,
                                         const AxisCircle& circle) {
     double sum = 0.0;
@@ -254,7 +254,7 @@ class CylinderFinder {
     return std::sqrt(sum / (2.0 * static_cast<double>(supports.size())));
   }
 
-  // Whether two lines explain the outlines much worse than the circle does.
+  // Whether two fixed lines explain the outlines much worse than the circle.
   bool IsRound(const Supports& supports, double residual) const {
     double sum = 0.0;
     for (const bool is_left : {true, false}) {
@@ -287,7 +287,7 @@ class CylinderFinder {
     return widths[widths.size() / 2];
   }
 
-  // The parts that at least half of the views show.
+  // The intervals that at least half of the views show.
   std::vector<HeightRange> CommonHeights(const Supports& supports,
                                          const AxisCircle& circle) const {
     std::vector<std::vector<double>> heights;
@@ -318,7 +318,8 @@ class CylinderFinder {
   const FindCylindersOptions& options_;
 };
 
-// Whether a circle is in a cylinder, or cuts it, at some of these heights.
+// Whether a circle intersects a cylinder, or is inside, at some of these
+// heights.
 bool IsIn(const ModelCylinder& cylinder,
           const AxisCircle& circle,
           const HeightRange& heights) {
@@ -355,7 +356,7 @@ std::vector<ModelCylinder> FindCylinders(
     });
     for (size_t i = 0; i < count; ++i) {
       const Hypothesis& hypothesis = hypotheses[begin + i];
-      // By one of the same batch.
+      // A cylinder of the same batch may have taken it.
       if (is_taken(hypothesis.circle, hypothesis.heights)) {
         continue;
       }

@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// What a view shows along an axis.
+// The outline pairs of a view along an axis.
 struct OutlineView {
   AxisCamera camera;
   std::vector<OutlinePair> pairs;
@@ -21,28 +21,27 @@ struct OutlineView {
 
 // Lengths are in pixels of the views' rasters.
 struct FindCylindersOptions {
-  // At least so many views show both outlines,
+  // The least number of views that show both outlines,
   size_t min_views = 4;
-  // this far from where they are expected at most,
+  // their largest residual,
   double max_difference = 1.3;
-  // and in the root mean square.
+  // and the largest root mean square of residuals.
   double max_residual = 0.3;
-  // The outlines of a cylinder are at another place of it in each view. Two
-  // lines that stay where they are, such as the edges of a board, must explain
-  // them so many times worse, where residuals below the least are errors of
-  // edges.
+  // The outlines of a cylinder are different lines of it in each view. Two
+  // fixed lines, such as the edges of a board, must have a residual larger by
+  // this factor, where residuals below the least are errors of edges.
   double min_ratio = 2.0;
   double least_residual = 0.125;
-  // The median of the views' widths, and the part along the axis that at least
-  // half of the views show, are no less than this.
+  // The least median of the widths in views, and the least length along the
+  // axis that at least half of the views show.
   double min_width = 12.0;
   double min_length = 20.0;
 };
 
-// Circular cylinders along the axis of `frame` whose outlines are among the
-// pairs of several views. neighbours: by view, the others that look at the same
-// things. Of cylinders that are in each other at the same heights, one remains.
-// The same for any number of threads.
+// Finds circular cylinders along the axis of `frame` whose outlines are among
+// the pairs of several views. neighbours: by view, other views of the same
+// surfaces. Of cylinders that intersect at the same heights, one remains. The
+// result does not depend on the number of threads.
 std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
     const std::vector<std::vector<size_t>>& neighbours,

@@ -17,7 +17,8 @@ using Vector6 = Eigen::Matrix<double, kNumParameters, 1>;
 using Matrix6 = FittedSurface::Covariance;
 
 constexpr int kFitIterations = 4;
-// Depths are believed so far beyond those measured on the surface, as a share.
+// The share by which possible depths extend beyond those measured on the
+// surface.
 constexpr float kDepthMargin = 0.2f;
 
 Vector6 Powers(double u, double v) {
@@ -26,22 +27,22 @@ Vector6 Powers(double u, double v) {
   return powers;
 }
 
-// So many numbers as loops over samples take at a time.
+// The values that loops over samples process at a time.
 using Several = Eigen::Array<double, SampleRange::kAlignment, 1>;
 
 auto SeveralAt(const std::vector<float>& values, size_t begin) {
   return Eigen::Array<float, SampleRange::kAlignment, 1>::Map(&values[begin]);
 }
 
-// What a fit is relative to.
+// The units of a fit.
 struct FitScale {
-  double weights = 0.0;  // Of all samples together.
+  double weights = 0.0;  // Sum over all samples.
   double inverse_depth = 0.0;
   double extent = 0.0;
 };
 
-// Places the surface's polynomial in the middle of the samples. False where
-// these do not extend.
+// Centers the surface's polynomial on the samples. Returns false if these have
+// no extent.
 bool PlaceSurface(const SurfaceCosts& costs,
                   const std::vector<int>& members,
                   CurvedSurface* surface,
@@ -82,7 +83,7 @@ bool PlaceSurface(const SurfaceCosts& costs,
 }
 
 // The equations of a fit, one for each sample: powers . coefficients = measured
-// +- error. In units of FitScale.
+// +- error, in units of FitScale.
 class FitEquations {
  public:
   FitEquations(const SurfaceCosts& costs,
@@ -90,7 +91,8 @@ class FitEquations {
                const CurvedSurface& surface,
                const FitScale& scale);
 
-  // With weights that are smaller where `weighted_by` fits worse, if given.
+  // Solves with weights that are smaller where `weighted_by` fits worse, if
+  // given.
   Eigen::LDLT<Matrix6> Solve(const Vector6* weighted_by, Vector6* coefficients);
 
  private:
@@ -100,7 +102,7 @@ class FitEquations {
   std::vector<Vector6> powers_;
   std::vector<double> measured_;
   std::vector<double> errors_;
-  std::vector<double> full_weights_;  // Of samples without any residual.
+  std::vector<double> full_weights_;  // Weights at a residual of 0.
   std::vector<double> weights_;
 };
 
@@ -127,7 +129,7 @@ FitEquations::FitEquations(const SurfaceCosts& costs,
   size_t first = 0;
   for (const int s : members) {
     const SampleRange& range = costs.At(s).samples;
-    // What runs on beyond the end of a range, the next one overwrites.
+    // Values beyond the end of a range are overwritten by the next one.
     for (size_t i = 0; i < range.PaddedCount(); i += SampleRange::kAlignment) {
       const size_t from = range.Begin() + i;
       const size_t to = first + i;
@@ -170,9 +172,9 @@ void FitEquations::SetWeights(const Vector6& coefficients) {
   }
 }
 
-// The sums of the lower triangle of the normal matrix, a column each, in
-// locals of fixed size, which stay in registers. Some reach above the diagonal
-// to have whole registers.
+// The lower triangle of the normal matrix is summed by columns, in locals of
+// fixed size, which stay in registers. Some extend above the diagonal to fill
+// registers.
 Eigen::LDLT<Matrix6> FitEquations::Solve(const Vector6* weighted_by,
                                          Vector6* coefficients) {
   if (weighted_by != nullptr) {
@@ -211,7 +213,8 @@ Eigen::LDLT<Matrix6> FitEquations::Solve(const Vector6* weighted_by,
   return solver;
 }
 
-// Finds the coefficients and their covariance. False where there are none.
+// Finds the coefficients and their covariance. Returns false if there is no
+// solution.
 bool SolveCoefficients(FitEquations equations,
                        double inverse_depth,
                        FittedSurface* fitted) {

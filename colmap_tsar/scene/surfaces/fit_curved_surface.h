@@ -13,26 +13,26 @@
 
 namespace tsar {
 
-// A curved surface that was fitted to the observations of superpixels.
+// A curved surface fitted to the observations of superpixels.
 struct FittedSurface {
   static constexpr int kNumParameters = 6;
   using Covariance = Eigen::Matrix<double, kNumParameters, kNumParameters>;
 
   CurvedSurface surface;
-  Covariance covariance = Covariance::Zero();  // Of the coefficients.
-  // The range of the depths that were measured on it.
+  Covariance covariance = Covariance::Zero();  // Of coefficients.
+  // The range of its inlier depths.
   float min_depth = 0.f;
   float max_depth = 0.f;
 };
 
-// Least squares of the inverse depth with Cauchy weights. Nothing where the
-// superpixels do not tell a surface. members: superpixels of `costs`.
-// residuals: those of the members on it.
+// Fits a surface by least squares of the inverse depth with Cauchy weights.
+// Nothing where the superpixels do not determine a surface. members:
+// superpixels of `costs`. residuals: of the members on the surface.
 std::optional<FittedSurface> FitCurvedSurface(const SurfaceCosts& costs,
                                               const std::vector<int>& members,
                                               std::vector<float>* residuals);
 
-// Whether the surface's depth is known at a superpixel's pixels, and possible.
+// Whether the surface's depth at a superpixel's pixels is known and possible.
 bool IsKnown(const FittedSurface& fitted,
              const SurfaceCosts& costs,
              const Superpixel& superpixel);

@@ -16,9 +16,9 @@ namespace {
 
 // A surface grows by one ring of superpixels at a time.
 constexpr int kMaxRounds = 24;
-// In so many it must explain what it covers better than the planes around, and
-// later better than what each superpixel has: most seeds lie at the rims of
-// walls, all over which it would grow else.
+// In the first rounds it must explain its members better than the planes
+// around, and later better than the present label of each: most seeds lie at
+// the rims of walls, over which it would grow otherwise.
 constexpr int kFirstRounds = 2;
 
 // Whether there are measurements all around a point.
@@ -106,8 +106,7 @@ bool SurfaceGrower::IsBetter(int round, Trials::value_type* tried) const {
   return *is_better;
 }
 
-// As Connected(). Whatever hangs together with a seed does so with any other of
-// the members that are part of it.
+// Connected(), cached: a connected part is the same for each seed in it.
 std::vector<int> SurfaceGrower::Next(int seed,
                                      Trials::value_type* tried) const {
   std::vector<std::vector<int>>& parts = tried->second.parts;
@@ -125,9 +124,9 @@ std::vector<int> SurfaceGrower::Next(int seed,
   return part;
 }
 
-// The measured superpixels that the surface explains about as well as what
-// they have, as far as they hang together with the seed, which is a member, one
-// ring around the present ones at most.
+// The measured superpixels that the surface explains about as well as their
+// present labels, as far as they are connected to the seed, which is a member;
+// at most one ring around the present members.
 std::vector<int> SurfaceGrower::Connected(
     int seed, const Trials::value_type& tried) const {
   const auto& [members, trial] = tried;
@@ -211,14 +210,14 @@ std::vector<float> SurfaceGrower::CostsOn(
   return costs;
 }
 
-// Of the members with each plane those that the surface explains better, or
-// all where none of the plane is left then, and it pays. costs: of the members
-// on the surface.
+// For each plane, keeps its members that the surface explains better, or all
+// where the surface then replaces the plane altogether at a lower cost. costs:
+// of the members on the surface.
 std::vector<int> SurfaceGrower::Keep(const std::vector<int>& members,
                                      const std::vector<float>& costs) const {
   struct Share {
     std::vector<int> members;
-    double increase = 0.0;  // Of what these cost.
+    double increase = 0.0;  // Of their costs.
 
     void Add(int s, double cost) {
       members.push_back(s);
@@ -251,7 +250,7 @@ std::vector<int> SurfaceGrower::Keep(const std::vector<int>& members,
   return Largest(kept);
 }
 
-// The largest connected part.
+// The largest connected component.
 std::vector<int> SurfaceGrower::Largest(
     const std::vector<int>& superpixels) const {
   std::vector<char> is_left(static_cast<size_t>(costs_.Count()), 0);
@@ -298,7 +297,7 @@ void SurfaceGrower::FillBetween(GrownSurface* surface) const {
   }
   std::vector<int>& members = surface->members;
   for (size_t i = 0; i < members.size(); ++i) {
-    // Not a reference: the list grows.
+    // A copy, since the list grows.
     const int s = members[i];
     for (const int t : costs_.At(s).neighbors) {
       char& seen = is_seen[static_cast<size_t>(t)];

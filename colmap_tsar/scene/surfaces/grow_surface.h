@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// A surface that was fitted to connected superpixels, and what it gains.
+// A surface that was fitted to connected superpixels, and its gain.
 struct GrownSurface {
   int seed = 0;
   std::vector<int> members;  // Ascending.
@@ -21,32 +21,32 @@ struct GrownSurface {
   double gain = 0.0;  // In the units of costs; 0 where there is no surface.
 };
 
-// Grows surfaces about superpixels, in those that no other surface has taken.
+// Grows surfaces around seeds, in superpixels that no other surface has taken.
 class SurfaceGrower {
  public:
-  // Keeps a reference.
+  // Keeps a reference to the costs.
   explicit SurfaceGrower(const SurfaceCosts& costs);
 
   bool IsTaken(int s) const { return taken_[static_cast<size_t>(s)] != 0; }
   void Take(const std::vector<int>& superpixels);
 
-  // The members of one without a gain are those that were tried.
+  // Grows a surface. If it has no gain, its members are those last tried.
   GrownSurface Grow(int seed);
 
-  // Adds superpixels without measurements, but with measured members all
-  // around, unless their plane was carried there by other views.
+  // Adds superpixels without measurements that measured members surround,
+  // unless their plane was carried there by other views.
   void FillBetween(GrownSurface* surface) const;
 
  private:
-  // The surface of some superpixels and what it comes to, each found out where
-  // it is asked for first. Most seeds on one object grow into the same
-  // superpixels, and go on alike from there.
+  // The surface of a set of superpixels and its tests, each computed on demand.
+  // Most seeds on one object grow into the same superpixels, with the same
+  // further growth.
   struct Trial {
     std::optional<FittedSurface> fitted;
-    std::vector<float> residuals;  // Of the members, where it was fitted.
+    std::vector<float> residuals;  // Of members, if fitted.
     std::optional<bool> beats_planes_around;
     std::optional<bool> improves;
-    // What Connected() found: each seed is in one of them at most.
+    // Results of Connected(): each seed is in one of them at most.
     std::vector<std::vector<int>> parts;
     std::optional<GrownSurface> finished;
   };

@@ -18,14 +18,14 @@ namespace tsar {
 
 namespace {
 
-// Pixels of the raster along its border that tell nothing.
+// The width of the raster's border, in pixels, without valid edges.
 constexpr double kMargin = 4.0;
 
-// Colours are averaged along the axis, and differentiated across it.
+// Colors are averaged along the axis, and differentiated across it.
 constexpr std::array<float, 5> kSmoothing = {1.f, 2.f, 3.f, 2.f, 1.f};
 constexpr float kSumOfSmoothing = 9.f;
 constexpr int kReach = 2;
-// The derivative below of the least step that is an edge, of 4 grey levels.
+// The derivative below at the least step that is an edge, of 4 gray levels.
 constexpr float kMinSlope = 4.f * 3.f / 8.f;
 
 using Channel = Image<float>;
@@ -93,7 +93,7 @@ RectifiedImage Rectify(const Image<Rgb>& color,
 }
 
 // The mean square of the channels' derivatives across the axis in one row; 0
-// where not all that it takes is in the image.
+// where its support is not fully in the image.
 std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
   const int width = rectified.is_valid.Width();
   std::vector<float> slopes(static_cast<size_t>(width), 0.f);
@@ -131,14 +131,14 @@ std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
   return slopes;
 }
 
-// Edges of one row.
+// A pair of edges in one row.
 struct EdgePair {
   int row = 0;
   float left = 0.f;
   float right = 0.f;
 };
 
-// In pixels.
+// Size of a bin, in pixels.
 constexpr float kBinSize = 2.f;
 using Bin = std::pair<int, int>;
 using Bins = std::map<Bin, std::vector<EdgePair>>;
@@ -154,7 +154,7 @@ Bins CollectPairs(const std::vector<std::vector<AcrossEdge>>& edges,
   for (size_t row = 0; row < edges.size(); ++row) {
     const std::vector<AcrossEdge>& of_row = edges[row];
     for (size_t i = 0; i < of_row.size(); ++i) {
-      float between = 0.f;  // The strongest.
+      float between = 0.f;  // The strongest edge.
       for (size_t j = i + 1; j < of_row.size(); ++j) {
         const float width = of_row[j].column - of_row[i].column;
         if (between >= options.max_between * of_row[i].strength ||
@@ -182,7 +182,7 @@ float Median(const std::vector<EdgePair>& pairs, float EdgePair::*column) {
   return UpperMedian(&values);
 }
 
-// Of the pairs those that lie where most do, one in each row: an edge may be
+// Joins the pairs near their median position, one in each row: an edge may be
 // double.
 OutlinePair Join(std::vector<EdgePair> pairs,
                  const OutlinePairOptions& options) {
@@ -259,7 +259,7 @@ bool IsInRaster(const Camera& camera,
                 double row) {
   double x = 0.0;
   double y = 0.0;
-  // The derivative takes pixels around.
+  // The derivative uses the pixels around.
   return Source(camera, axis_camera, column - kReach, row - kReach, &x, &y) &&
          Source(camera, axis_camera, column + kReach, row + kReach, &x, &y);
 }
@@ -278,12 +278,12 @@ std::vector<OutlinePair> FindOutlinePairs(
       });
   std::vector<OutlinePair> result;
   for (const auto& [size, bin] : by_size) {
-    // An edge between two bins has half of its rows in each of up to four.
+    // A pair between bins is spread over up to four of them.
     if (4 * size < options.min_rows) {
       break;
     }
     if (!bins.contains(bin)) {
-      continue;  // It has become part of another pair.
+      continue;  // It is part of another pair.
     }
     std::vector<EdgePair> around;
     for (int left = bin.first - 1; left <= bin.first + 1; ++left) {

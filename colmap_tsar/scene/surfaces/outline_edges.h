@@ -12,16 +12,15 @@
 
 namespace tsar {
 
-// Where the image changes across an axis, in a row of the image of an
-// AxisCamera.
+// An edge across an axis in a row of the image of an AxisCamera.
 struct AcrossEdge {
-  float column = 0.f;    // To a fraction of a pixel.
-  float strength = 0.f;  // The slope of the colour, in grey levels per pixel.
+  float column = 0.f;    // With subpixel precision.
+  float strength = 0.f;  // Slope of color, in gray levels per pixel.
 };
 
-// For each row of the rectified image the columns at which the colour changes
-// most, in ascending order. color: the view's raster, of the camera that
-// `axis_camera` was made of.
+// For each row of the rectified image the edges at local maxima of the color
+// slope, in ascending order of columns. color: the view's raster, of the camera
+// from which `axis_camera` was made.
 std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
     const Image<Rgb>& color,
     const Camera& camera,
@@ -36,28 +35,28 @@ bool IsInRaster(const Camera& camera,
 
 // Two straight edges parallel to an axis with nothing as strong between them,
 // in the image of an AxisCamera: perhaps the outlines of a column or a pipe.
-// Outlines are its occluding contours, at which it turns away from the camera:
-// other lines of its surface in each view.
+// Outlines are its occluding contours, which are different lines of its surface
+// in each view.
 struct OutlinePair {
   float left = 0.f;  // Columns.
   float right = 0.f;
-  std::vector<int> rows;  // In which both are seen, in ascending order.
+  std::vector<int> rows;  // Rows with both edges, ascending.
 };
 
-// In pixels.
+// Lengths are in pixels.
 struct OutlinePairOptions {
   float min_width = 10.f;
   float max_width = 400.f;
   size_t min_rows = 20;
-  // How far an edge may be from the pair's in a row that counts.
+  // The largest distance of a row's edges from those of the pair.
   float tolerance = 1.5f;
-  // Edges between the two of a pair have less than this share of the strength
-  // of the weaker one.
+  // The upper limit of the strength of edges between the two of a pair,
+  // relative to the weaker one.
   float max_between = 0.6f;
 };
 
-// edges: see FindEdgesAcross. Of pairs that share edges, those that are seen in
-// most rows come first.
+// Finds outline pairs. edges: see FindEdgesAcross. Of pairs that share edges,
+// those with the most rows take precedence.
 std::vector<OutlinePair> FindOutlinePairs(
     const std::vector<std::vector<AcrossEdge>>& edges,
     const OutlinePairOptions& options);

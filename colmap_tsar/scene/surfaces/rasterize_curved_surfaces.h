@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// Replaces each pixel's plane by that which touches its surface, where its
+// Replaces each pixel's plane by the tangent plane of its surface, where its
 // superpixel has one.
 // superpixels: of `planes`' size; intrinsics: of this raster.
 void RasterizeCurvedSurfaces(const CurvedView& curved,

@@ -18,10 +18,10 @@ namespace tsar {
 
 namespace {
 
-// How far an edge may be from where an outline is expected, in pixels.
+// The largest distance of an edge from an expected outline, in pixels.
 constexpr double kMaxDifference = 1.5;
-// Outlines are seen in at least so many rows side by side, and missed in no
-// more than so many between these.
+// The least number of contiguous rows with outlines, and the largest gap in
+// them.
 constexpr int kMinRows = 8;
 constexpr int kMaxGap = 8;
 
@@ -31,7 +31,7 @@ bool HasEdge(const std::vector<AcrossEdge>& edges, double column) {
   });
 }
 
-// Rows in which the view shows all of the outlines that its image holds.
+// The rows in which the view shows all outlines that lie in its image.
 std::vector<uint8_t> RowsWithOutlines(
     const std::vector<std::vector<AcrossEdge>>& edges,
     const Camera& camera,
@@ -58,7 +58,7 @@ void CloseGapsAndDropShort(std::vector<uint8_t>* rows) {
     std::fill(rows->begin() + begin, rows->begin() + end, value);
   };
   for (const bool closes : {true, false}) {
-    // Runs without outlines, then those with them.
+    // Runs without outlines come first, then those with them.
     const uint8_t value = closes ? 0 : 1;
     int begin = 0;
     for (int row = 0; row <= count; ++row) {
@@ -75,7 +75,7 @@ void CloseGapsAndDropShort(std::vector<uint8_t>* rows) {
   }
 }
 
-// Whether any of it is seen.
+// Marks the visible bins; returns whether there are any.
 bool MarkSeen(const std::vector<uint8_t>& rows,
               const AxisCamera& camera,
               const CircleOutline& outline,
@@ -107,8 +107,8 @@ bool MarkSeen(const std::vector<uint8_t>& rows,
   return is_any;
 }
 
-// How far off the cylinder a depth is another surface's, in relative depths of
-// one pixel of disparity.
+// The distance from the cylinder beyond which a depth is of another surface, in
+// relative depths of one pixel of disparity.
 constexpr float kMinGap = 3.f;
 
 }  // namespace
@@ -140,7 +140,7 @@ std::vector<SeenCylinder> FindSeenCylinders(
   std::vector<std::vector<AcrossEdge>> edges;
   const ModelCylinder* last = nullptr;
   for (const ModelCylinder& cylinder : cylinders) {
-    // Those along one axis follow each other.
+    // Cylinders are grouped by axis.
     if (last == nullptr || cylinder.frame != last->frame) {
       axis_camera = MakeAxisCamera(view.camera, cylinder.frame);
       edges = axis_camera ? FindEdgesAcross(

@@ -16,22 +16,23 @@
 
 namespace tsar {
 
-// A cylinder of the scene in a view: where the view shows its outlines, nothing
-// hides it. Kernels read it from a buffer.
+// A cylinder of the scene in a view: it is not occluded where the view shows
+// its outlines. Kernels read it from a buffer.
 struct SeenCylinder {
   // The least cosine between its normal and the direction to the camera where
-  // it faces the camera. Beyond, outlines are close.
+  // it faces the camera. Below, outlines are close.
   static constexpr float kMinCosine = 0.5f;
   static constexpr int kNumBins = 256;
 
-  // In the view's camera frame. Heights begin where the known part does.
+  // The cylinder in the view's camera frame. Heights begin at the known part.
   Cylinder cylinder;
-  float length = 0.f;  // Of the known part, along the axis.
-  // Of each of as many parts of it, whether the view shows its outlines.
+  float length = 0.f;  // Of the known part.
+  // Whether the view shows the outlines, for each of kNumBins bins of the
+  // length.
   uint8_t is_seen[kNumBins] = {};
-  // The directions that the covariance of its ModelCylinder is about, in the
-  // camera frame, and that covariance: variances, then those of the first and
-  // second, the first and third, the second and third parameter.
+  // The directions of the shifts in the covariance of its ModelCylinder, in the
+  // camera frame, and that covariance: variances, then covariances of the first
+  // and second, the first and third, the second and third parameter.
   Vec3f across;
   Vec3f third;
   float variances[3] = {};
@@ -42,15 +43,16 @@ struct SeenCylinder {
     return bin >= 0.f && bin < kNumBins && is_seen[static_cast<int>(bin)] != 0;
   }
 
-  // Whether it does in the pixel with a ray with z = 1. normal: of it there.
+  // Whether the cylinder faces the camera along a ray with z = 1. normal: of
+  // the cylinder there.
   TSAR_HD static bool FacesCamera(const Vec3f& normal, const Vec3f& ray) {
     return -Dot(normal, ray) > kMinCosine * Norm(ray);
   }
 
   // The variance of the depth at which a ray with z = 1 intersects it.
   TSAR_HD float DepthVariance(const Vec3f& ray, const Vec3f& normal) const {
-    // At the very outline, where rays graze it, the depth does not follow from
-    // what it is to first order.
+    // At the outline, where rays graze it, the depth is not linear in the
+    // parameters.
     const float least = kMinCosineOfVariance * Norm(ray);
     const float cosine = fmaxf(-Dot(normal, ray), least);
     const float a = Dot(normal, across);
@@ -66,21 +68,21 @@ struct SeenCylinder {
   static constexpr float kMinCosineOfVariance = 0.1f;
 };
 
-// view: with the colours of its evidence.
+// Finds the cylinders whose outlines a view shows. view: with the colors of its
+// evidence.
 std::vector<SeenCylinder> FindSeenCylinders(
     const ObservedView& view, const std::vector<ModelCylinder>& cylinders);
 
-// The cylinder as it is in the camera's frame, of which nothing is known to be
-// seen.
+// The cylinder in the camera's frame, with no part marked as seen.
 SeenCylinder ToCameraCylinder(const ModelCylinder& cylinder,
                               const Camera& camera);
 
-// What views tell about the known part of a cylinder, in pixels of rasters.
-// Whole numbers: sums do not depend on the order of views.
+// Evidence of views about the known part of a cylinder, in pixels of rasters.
+// Counts are integers, so that sums do not depend on the order of views.
 struct CylinderEvidence {
-  int64_t area = 0;     // Of its front, where nothing was measured before it.
-  int64_t through = 0;  // Of these, where the view saw what is behind it,
-  // and where it measured a plane of the scene in the superpixel.
+  int64_t area = 0;     // Of its front, without measurements before it.
+  int64_t through = 0;  // Of these, with measurements behind it,
+  // and of these, with a measured plane of the scene off the cylinder.
   int64_t on_planes = 0;
 
   CylinderEvidence& operator+=(const CylinderEvidence& other) {
@@ -89,15 +91,15 @@ struct CylinderEvidence {
     on_planes += other.on_planes;
     return *this;
   }
-  // What else there may be is seen, or was measured, all over it. Single wrong
-  // depths are not.
+  // Whether measurements behind it, or planes off it, cover more than a quarter
+  // of its area; single wrong depths do not.
   bool IsContradicted() const {
     return 4 * through > area || 4 * on_planes > area;
   }
 };
 
-// Of one view, which needs superpixels and confident depths, by cylinder.
-// planes: of the scene; labels: of the view.
+// The evidence of one view, which needs superpixels and confident depths, by
+// cylinder. planes: of the scene; labels: of the view.
 std::vector<CylinderEvidence> TestCylinders(
     const ObservedView& view,
     const std::vector<ModelPlane>& planes,

@@ -13,7 +13,7 @@ namespace tsar {
 namespace {
 
 // Calls body(part, values) for parts of a range that fit into an array on the
-// stack: so short, most of the time, that an allocation would show.
+// stack: ranges are mostly so short that an allocation would cost time.
 template <typename Body>
 void ForParts(const SampleRange& range, const Body& body) {
   constexpr int kLength = 64;

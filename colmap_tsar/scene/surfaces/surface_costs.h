@@ -19,36 +19,35 @@
 
 namespace tsar {
 
-// A superpixel of the reference as a search for curved surfaces sees it.
+// A superpixel of the reference in the search for curved surfaces.
 struct Superpixel {
   int num_pixels = 0;
-  SampleRange samples;         // What was measured: of SurfaceCosts::Samples().
-  SampleRange tests;           // Where votes are taken: of its Tests().
+  SampleRange samples;         // In SurfaceCosts::Samples().
+  SampleRange tests;           // In SurfaceCosts::Tests().
   std::vector<int> neighbors;  // Ascending.
-  float confidence = 0.f;      // Of the samples together.
-  float weight = 0.f;          // Of what was measured.
-  // With its plane or without any: see MeasuredFit::residual.
+  float confidence = 0.f;      // Sum over the samples.
+  float weight = 0.f;          // Of measurements.
+  // The residual with its plane or without any: see MeasuredFit::residual.
   float residual = 0.f;
 
   bool IsMeasured() const { return confidence > 0.f; }
 };
 
-// How a surface fits what was measured of a superpixel.
+// The fit of a surface to the measurements of a superpixel.
 struct MeasuredFit {
   // Mean of min(difference / tolerance, 1)^2; 1 without samples.
   float residual = 1.f;
-  // The range of the depths that lie on the surface; min_depth > max_depth
-  // where none does.
+  // The range of inlier depths; min_depth > max_depth where there are none.
   float min_depth = INFINITY;
   float max_depth = 0.f;
 };
 
-// What superpixels of the reference cost on surfaces, and with the planes that
-// they have. Keeps references. Remembers what was asked of planes: not for
-// several threads at a time.
+// The costs of superpixels of the reference on surfaces, and with their present
+// planes. Keeps references to the arguments. It caches costs of planes and is
+// not thread-safe.
 class SurfaceCosts {
  public:
-  // As for FindCurvedSurfaces.
+  // The arguments are those of FindCurvedSurfaces.
   SurfaceCosts(const std::vector<ObservedView>& views,
                const LabeledView& labeled,
                const CurvedSurfaceOptions& options);
@@ -63,10 +62,10 @@ class SurfaceCosts {
   }
   // The mean of the rays of its pixels.
   Vec3f MiddleOf(int s) const;
-  // The number of the superpixel's plane, or -1.
+  // The index of the superpixel's plane, or -1.
   int LabelOf(int s) const { return labeled_.labels[static_cast<size_t>(s)]; }
   int NumPlanes() const { return static_cast<int>(labeled_.planes.size()); }
-  // How many measured superpixels a plane has.
+  // The number of measured superpixels of a plane.
   int NumMeasured(int plane) const {
     return num_measured_[static_cast<size_t>(plane)];
   }
@@ -74,17 +73,18 @@ class SurfaceCosts {
   MeasuredFit Measure(const Superpixel& superpixel,
                       const CurvedSurface& surface) const;
 
-  // The residual of a measured superpixel, each sample on that of some planes
-  // which is nearest to it: where planes meet inside a superpixel, none of them
-  // explains it alone.
+  // The residual of a measured superpixel, each sample at the nearest of some
+  // planes: where planes intersect inside a superpixel, none of them explains
+  // it alone.
   float ResidualOfNearest(int s, const std::vector<int>& planes) const;
 
-  // On a surface of this residual (MeasuredFit); see LabelOptions.
+  // The cost of a superpixel with this residual (MeasuredFit); see
+  // LabelOptions.
   float Cost(const Superpixel& superpixel, float residual) const {
     return superpixel.IsMeasured() ? superpixel.weight * residual : 0.f;
   }
 
-  // With its plane or without any.
+  // The cost with its plane or without any.
   float PresentCost(int s) const;
 
   // Whether the superpixel lies in a region whose plane is another surface.
@@ -94,7 +94,7 @@ class SurfaceCosts {
                            const CurvedSurface& surface) const;
 
  private:
-  // Of a superpixel on a plane: difference / tolerance of each sample.
+  // The difference / tolerance of each sample of a superpixel on a plane.
   struct SharesOnPlane {
     int plane = 0;
     std::vector<float> shares;
@@ -121,16 +121,16 @@ class SurfaceCosts {
   const CurvedSurfaceOptions& options_;
   std::vector<ObservedSource> sources_;
   std::vector<Superpixel> superpixels_;
-  // Those of superpixel s are first_pixel_[s] to first_pixel_[s + 1] of the
-  // raster's pixels, in their order there.
+  // The pixels of superpixel s in raster order are pixels_[first_pixel_[s]] to
+  // pixels_[first_pixel_[s + 1]].
   std::vector<int> first_pixel_;
   std::vector<int> pixels_;
   DepthSamples samples_;
   RaySamples tests_;
   std::vector<int> num_measured_;  // Of each plane.
-  // Per superpixel; NaN where it was not asked for yet.
+  // Cached costs per superpixel; NaN where not computed yet.
   mutable std::vector<float> present_costs_;
-  // Per superpixel, those that were asked for.
+  // Cached shares per superpixel.
   mutable std::vector<std::vector<SharesOnPlane>> shares_;
 };
 

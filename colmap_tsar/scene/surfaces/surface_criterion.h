@@ -15,31 +15,32 @@
 // surface.
 namespace tsar {
 
-// What the three parameters of a plane cost: a surface saves them where it
+// The cost of the three parameters of a plane, which a surface saves where it
 // replaces a plane altogether.
 double CostOfPlane(const SurfaceCosts& costs, const std::vector<int>& members);
 
-// Whether so many superpixels of a plane are all of those that were measured.
+// Whether num_superpixels is the number of all measured superpixels of a plane.
 bool IsWhole(const SurfaceCosts& costs, int plane, size_t num_superpixels);
 
-// Whether the surface explains its members better than what they have.
+// Whether the surface explains its members better than their present labels.
 bool Improves(const SurfaceCosts& costs,
               const std::vector<int>& members,
               const std::vector<float>& residuals);
 
-// Whether the surface explains its members better than planes do, each sample
-// on the nearest of those in and around them.
+// Whether the surface explains its members better than the planes in and around
+// them do, each sample at the nearest one.
 bool BeatsPlanesAround(const SurfaceCosts& costs,
                        const std::vector<int>& members,
                        const std::vector<float>& residuals);
 
-// Whether it fits, is known where it lies and does not bend too much.
+// Whether the surface fits its members, is known there and is not bent too
+// much.
 bool IsSound(const SurfaceCosts& costs,
              const FittedSurface& fitted,
              const std::vector<int>& members,
              const std::vector<float>& residuals);
 
-// By how much the criterion falls beyond the least.
+// The decrease of the criterion less min_gain, in the units of costs.
 double CriterionGain(const SurfaceCosts& costs,
                      const std::vector<int>& members,
                      const std::vector<float>& surface_costs);

@@ -15,10 +15,10 @@
 // of them work on several at a time.
 namespace tsar {
 
-// Which ones of such arrays.
+// A range of samples in the arrays below.
 struct SampleRange {
   // A range begins at a multiple of this, and loops run on to the next one
-  // after its end: over numbers that are there but mean nothing.
+  // after its end: over values that exist but are ignored.
   static constexpr int kAlignment = 4;
 
   int begin = 0;
@@ -26,7 +26,7 @@ struct SampleRange {
 
   size_t Begin() const { return static_cast<size_t>(begin); }
   size_t Count() const { return static_cast<size_t>(count); }
-  // As many as loops run over.
+  // The number of values that loops run over.
   size_t PaddedCount() const {
     return (Count() + kAlignment - 1) / kAlignment * kAlignment;
   }
@@ -45,24 +45,24 @@ struct DepthSamples {
   RaySamples rays;
   std::vector<float> depth;       // > 0
   std::vector<float> confidence;  // As in Observation.
-  // One pixel of disparity there: the relative change of the depth,
+  // The change of depth by one pixel of disparity there: relative,
   std::vector<float> relative_error;
-  // and its change.
+  // and absolute.
   std::vector<float> error;
 
   SampleRange Add(const std::vector<Observation>& observations,
                   const DepthResolution& resolution);
 };
 
-// The depths at which rays meet a surface, 0 where they do not. depths:
-// range.PaddedCount() ones.
+// The depths at which rays intersect a surface, 0 where they do not. depths:
+// range.PaddedCount() values.
 void ComputeDepths(const CurvedSurface& surface,
                    const RaySamples& rays,
                    const SampleRange& range,
                    float* depths);
 
-// How far depths are off a surface, in pixels of disparity; infinite where the
-// ray does not meet it. differences: range.PaddedCount() ones.
+// The residuals of depths at a surface, in pixels of disparity; infinite where
+// the ray does not intersect it. differences: range.PaddedCount() values.
 void ComputeDifferences(const CurvedSurface& surface,
                         const DepthSamples& samples,
                         const SampleRange& range,
