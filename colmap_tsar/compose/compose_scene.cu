@@ -14,7 +14,7 @@
 namespace tsar {
 namespace {
 
-// Of a plane of the scene that fills a pixel.
+// The provenance of a pixel that a plane of the scene fills.
 TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
   switch (evidence) {
     case LabelEvidence::kMeasured:
@@ -26,11 +26,11 @@ TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
   }
 }
 
-// What becomes of the depth that a pixel measured.
+// The decision on the measured depth of a pixel.
 enum OwnDepth : uint8_t {
-  kGivesWay = 0,   // To a plane, or because nothing speaks for it.
-  kMoves = 1,      // Onto the plane that it measured.
-  kContested = 2,  // It and the plane are two surfaces, or there is no plane.
+  kGivesWay = 0,   // Replaced by a plane, or without support.
+  kMoves = 1,      // Moved onto the plane that it measured.
+  kContested = 2,  // Not on the plane, or there is no plane.
   kStands = 3,
 };
 
@@ -42,7 +42,7 @@ struct OwnDepthKernel {
   DepthResolution resolution;
   float on_plane;
   ImageView<uint8_t> own_depth;
-  // Where the measurement is contested, it and the plane; 0 elsewhere.
+  // The depths of contested measurements and of their planes; 0 elsewhere.
   ImageView<float> contested;
   ImageView<float> rivals;
 
@@ -66,7 +66,7 @@ struct OwnDepthKernel {
   }
 };
 
-// Of the measurement at a pixel of the map.
+// The support of the measurement at a pixel of the map.
 TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
                                             const ViewVotes& votes,
                                             int x,
@@ -79,7 +79,7 @@ TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
       MeasurementRating::IsTrusted(inputs.ratings(x, y))};
 }
 
-// Decides by the views, the image and the label.
+// Decides contested measurements by the views, the image and the label.
 struct ContestKernel {
   ComposeSceneInputs inputs;
   DepthResolution resolution;
@@ -112,7 +112,7 @@ struct ContestKernel {
                                               : kGivesWay;
   }
 
-  // Where there is no plane.
+  // Whether a measurement is kept where there is no plane.
   TSAR_HD bool StandsAgainstPrior(int x, int y, const PriorDepth& prior) const {
     const float log_ratio = LogLikelihoodRatio(prior, contested(x, y));
     if (log_ratio >= 0.f) {
@@ -132,7 +132,7 @@ struct ContestKernel {
 struct ComposeSceneKernel {
   ComposeSceneInputs inputs;
   ImageView<const uint8_t> own_depth;
-  // The own hypotheses, which the result replaces.
+  // The view's own hypotheses, which the result overwrites.
   ImageView<float> depth;
   ImageView<Vec3f> normal;
   ImageView<uint8_t> provenance;
@@ -190,7 +190,7 @@ struct SceneConfidenceKernel {
     const bool is_measured =
         static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
     const float in_surface = ConfidenceInSurface(evidence);
-    // The prior tells which surface, not how precisely.
+    // The prior identifies the surface, but not the precise depth.
     const float with_prior = PosteriorProbability(
         in_surface, LogLikelihoodRatio(prior, depth(x, y)));
     confidence(x, y) =
@@ -201,8 +201,8 @@ struct SceneConfidenceKernel {
             : 0.f;
   }
 
-  // What confidence is the probability of; and how far a prior may be off and
-  // still be on the right surface.
+  // The relative error of a correct depth, and of a prior that is on the right
+  // surface.
   static constexpr float kRight = 0.01f;
   static constexpr float kSameSurface = 0.03f;
 
@@ -210,8 +210,8 @@ struct SceneConfidenceKernel {
     return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
   }
 
-  // Of a prior's relative error, by an approximation of the normal distribution
-  // that is right to 0.01.
+  // The probability that a prior's relative error is below `error`, by an
+  // approximation of the normal distribution that is accurate to 0.01.
   TSAR_HD static float ProbabilityWithin(const PriorDepth& prior, float error) {
     constexpr float kTwoOverPi = 0.63661977f;
     const float share = error / prior.sigma;

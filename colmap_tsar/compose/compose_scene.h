@@ -21,33 +21,33 @@
 
 namespace tsar {
 
-// A measured depth further than this from a plane or a cylinder does not lie on
-// it, in relative depths of one pixel of disparity.
+// The largest residual of a measured depth that lies on a plane or a cylinder,
+// in relative depths of one pixel of disparity.
 inline constexpr float kOnSurface = 1.2f;
 
 struct ComposeSceneOptions {
-  // A measurement nearer to its plane lies on it, in relative depths of one
-  // pixel of disparity.
+  // The largest residual of a measurement that lies on its plane, in relative
+  // depths of one pixel of disparity.
   float on_plane = kOnSurface;
-  // The log-odds from which on a measurement off its plane stands. Below 0,
-  // since a depth that was right and is lost does more harm than one that was
-  // wrong and stays.
+  // The log-odds above which a measurement off its plane is kept. It is below
+  // 0, since losing a correct depth does more harm than keeping a wrong one.
   float min_log_odds = -1.25f;
 };
 
-// How a superpixel came by its plane.
+// The label of a superpixel, with its evidence and error.
 struct ComposedSuperpixel {
   LabelEvidence evidence = LabelEvidence::kNone;
   LabelMeasures label;
-  InverseDepthError error{};  // Of its plane.
-  // Its surface is a curved one; then the error is not known.
+  InverseDepthError error{};  // Error of its plane.
+  // The surface is curved, and its error is unknown.
   bool is_curved = false;
 };
 
 struct ComposeSceneInputs {
-  ImageView<const uint8_t> ratings;  // Of the map: see MeasurementRating.
+  ImageView<const uint8_t> ratings;  // Of the map; see MeasurementRating.
   PlaneRaster scene_planes;          // Invalid where a superpixel has none.
-  // The superpixel of each pixel of the raster, and what is known of each.
+  // The superpixel of each pixel of the raster, and the label of each
+  // superpixel.
   ImageView<const uint16_t> superpixels;
   const ComposedSuperpixel* of_superpixel = nullptr;
   // ComputeTexture() of the raster.
@@ -55,7 +55,7 @@ struct ComposeSceneInputs {
   PriorRaster prior{};  // May be empty.
 };
 
-// Of the superpixel under a pixel of the map.
+// The label of the superpixel at a pixel of the map.
 TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
     const ComposeSceneInputs& inputs, int x, int y) {
   const ImageView<const uint16_t>& raster = inputs.superpixels;
@@ -64,10 +64,10 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
       ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
 }
 
-// One map from the planes of the scene and the view's own measurements. Where a
-// measurement and the plane of its superpixel are two surfaces, that of the two
-// stands for which the image and the other views speak; where the scene has no
-// plane, measurements stand.
+// Composes one map from the planes of the scene and the view's own
+// measurements. Where a measurement and the plane of its superpixel are two
+// surfaces, the one that the image and the other views support is kept; where
+// the scene has no plane, measurements are kept.
 // own: the measured hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
@@ -76,9 +76,9 @@ ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneOptions& options,
                          Device& device);
 
-// The probability that each depth is right to 1 %; 0 where there is none, and
-// where nothing was measured and it is not as likely as min_fill_confidence
-// that the depth lies on the right surface. noise: see ViewEvidence.
+// The probability that each depth is correct to 1 %; 0 where there is none, and
+// where a filled depth lies on the right surface with a probability below
+// min_fill_confidence. noise: see ViewEvidence.
 DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        const ComposeSceneInputs& inputs,
                                        const ViewSurfaces& surfaces,
@@ -87,14 +87,13 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        float min_fill_confidence,
                                        Device& device);
 
-// The depth of the plane that a raster has at a pixel of the map; 0 where it
-// has none.
+// The depth of a raster's plane at a pixel of the map; 0 where there is none.
 TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
   const Plane plane = raster.At(x, y);
   return plane.Valid() ? plane.Depth(raster.intrinsics.Ray(x, y)) : 0.f;
 }
 
-// Whether a depth is exactly that of the plane: then composition put it there.
+// Whether a depth is exactly that of the plane, as set by the composition.
 TSAR_HD inline bool IsOnPlane(const PlaneRaster& raster,
                               int x,
                               int y,
@@ -102,11 +101,11 @@ TSAR_HD inline bool IsOnPlane(const PlaneRaster& raster,
   return depth > 0.f && depth == DepthOnPlane(raster, x, y);
 }
 
-// Which plane of the scene each pixel of a composed map lies on.
-// scene_planes: as the map was composed with. numbers: of its size, one more
-// than the number of the plane in the model; 0 where that is not a plane of the
-// model. Result, of the map's size: the number where the depth is exactly that
-// of the plane, 0 elsewhere.
+// The plane of the scene that each pixel of a composed map lies on.
+// scene_planes: those of the composition. numbers: of their size, the index of
+// the plane in the model plus one; 0 where it is not a plane of the model.
+// Result, of the map's size: that number where the depth is exactly that of the
+// plane, 0 elsewhere.
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
                                 const PlaneRaster& scene_planes,
                                 ImageView<const uint16_t> numbers,

@@ -11,8 +11,8 @@
 
 namespace tsar {
 
-// What confidence maps hold: a confidence of [0, 1] in 255 steps. 0 stands for
-// no depth alone; what is less than a step is one.
+// The values of confidence maps: a confidence in [0, 1] in 255 steps. 0 is
+// reserved for no depth; positive values below one step become 1.
 inline uint8_t ToConfidenceLevel(float confidence) {
   return confidence > 0.f
              ? static_cast<uint8_t>(std::lround(

@@ -14,9 +14,9 @@ struct DepthInterval {
   double max = 0.0;
 };
 
-// The depths between which an image's surfaces lie, as COLMAP estimates them:
-// from the first to the 99th percentile of its sparse points in front of it,
-// widened by a quarter. Nothing where the image has none.
+// The depth range of an image, as COLMAP estimates it: from the 1st to the 99th
+// percentile of the sparse points in front of it, widened by a quarter. Nothing
+// where the image has none.
 std::optional<DepthInterval> SparseDepthInterval(const SparseModel& model,
                                                  int image);
 

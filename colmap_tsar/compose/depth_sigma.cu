@@ -12,8 +12,7 @@
 namespace tsar {
 namespace {
 
-// A view's noise counts as no less than this; it is 0 where no superpixel has a
-// plane.
+// Lower bound of a view's noise, which is 0 where no superpixel has a plane.
 constexpr float kMinNoise = 0.1f;
 
 struct SigmaKernel {
@@ -32,7 +31,7 @@ struct SigmaKernel {
                       : uint16_t{0};
   }
 
-  // In relative depths of one pixel of disparity.
+  // The error of matching, in relative depths of one pixel of disparity.
   TSAR_HD float Matching(Provenance source) const {
     switch (source) {
       case Provenance::kMeasured:
@@ -71,7 +70,8 @@ struct SceneSigmaKernel {
     const bool is_on_plane = IsOnPlane(inputs.scene_planes, x, y, z);
     const float matching = Matching(source, is_on_plane, superpixel) *
                            resolution.RelativeDepthError(z);
-    // Of the plane, as a share of the depth: that of 1/z is the same.
+    // The plane's variance relative to the squared depth, which is the same for
+    // 1/z.
     const float of_plane =
         is_on_plane && !superpixel.is_curved
             ? z * z *
@@ -81,8 +81,8 @@ struct SceneSigmaKernel {
     sigma(x, y) = ToPositiveHalf(z * sqrtf(matching * matching + of_plane));
   }
 
-  // Beside the error of the plane, in relative depths of one pixel of
-  // disparity.
+  // The error of matching, in addition to that of the plane, in relative depths
+  // of one pixel of disparity.
   TSAR_HD float Matching(Provenance source,
                          bool is_on_plane,
                          const ComposedSuperpixel& superpixel) const {

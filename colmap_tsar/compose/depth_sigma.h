@@ -11,28 +11,27 @@
 
 namespace tsar {
 
-// Standard deviations of depths of the right surface, in relative depths of one
-// pixel of disparity, by how the depths came about: benchmarks/fit_sigma.cc
-// finds them.
+// Standard deviations of depths on the right surface, in relative depths of one
+// pixel of disparity, by provenance; benchmarks/fit_sigma.cc fits them.
 struct SceneSigmaOptions {
-  // Beside the error of the plane itself: of depths that were measured on it,
-  // and of those that it fills, by LabelEvidence.
+  // In addition to the error of the plane: for depths measured on it, and for
+  // those that it fills, by LabelEvidence.
   float moved = 0.2f;
   float filled_measured = 0.19f;
   float filled_carried = 0.24f;
   float filled_guessed = 0.26f;
-  // Measured off the plane: as a multiple of the spread of the view's
-  // measurements.
+  // For measurements off the plane, as a multiple of ViewEvidence::noise.
   float standing = 3.2f;
-  // Of planes of regions, and filled by curved surfaces.
+  // For planes of regions, and pixels filled by curved surfaces.
   float no_plane = 0.54f;
   float moved_to_curved = 0.19f;
   float interpolated = 0.74f;
-  // Beside the error of the cylinder itself (SetSigmaOfCylinders).
+  // In addition to the error of the cylinder (SetSigmaOfCylinders).
   float on_cylinder = 0.1f;
 };
 
-// The same where an image is refined on its own, by provenance alone.
+// Standard deviations where an image is refined on its own, by provenance
+// alone.
 struct ViewSigmaOptions {
   float measured = 0.22f;
   float superpixel_plane = 0.64f;
@@ -50,7 +49,7 @@ DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
                                         const SceneSigmaOptions& options,
                                         Device& device);
 
-// The same where an image is refined on its own.
+// The standard deviations where an image is refined on its own.
 DeviceImage<uint16_t> ComputeSigma(const ComposedMap& composed,
                                    const DepthResolution& resolution,
                                    const ViewSigmaOptions& options,

@@ -55,7 +55,7 @@ struct LayKernel {
     }
   }
 
-  // Whether what was measured in the pixel is another surface.
+  // Whether the measurement of the pixel is of another surface and is kept.
   TSAR_HD bool Stands(int x,
                       int y,
                       const Vec3f& ray,
@@ -66,8 +66,7 @@ struct LayKernel {
     const float gap =
         (depth(x, y) - on_cylinder.depth) /
         (on_cylinder.depth * resolution.RelativeDepthError(on_cylinder.depth));
-    // Close to the outlines matching finds these, which are elsewhere in each
-    // view.
+    // Close to the outlines, matching finds these, which differ between views.
     return gap < -kOnSurface ||
            (gap > kOnSurface &&
             SeenCylinder::FacesCamera(on_cylinder.normal, ray) &&

@@ -16,20 +16,19 @@
 
 namespace tsar {
 
-// Which pixels of a map lie on cylinders.
+// The pixels of a map that lie on cylinders.
 struct LaidCylinders {
   Buffer<SeenCylinder> cylinders;
-  // 1 + the number of the pixel's cylinder, 0 = none; empty without cylinders.
+  // 1 + the index of the pixel's cylinder, 0 = none; empty without cylinders.
   DeviceImage<uint8_t> numbers;
 };
 
-// Replaces what a composed map holds by the nearest of the cylinders where the
-// view shows the outlines of one: what is behind a cylinder cannot be seen, nor
-// does anything else hide it there. What was measured in front of it stays, and
-// so does a depth off it on distinct texture that another view confirms, except
-// close to the outlines. Such pixels become interpolated ones. ratings: see
-// MeasurementRating; intrinsics: both of the map. No more than 255 cylinders
-// are laid, the first ones.
+// Replaces the depths of a composed map by the nearest of the cylinders whose
+// outlines the view shows: it occludes what is behind it and is not occluded
+// there. Measurements in front of it are kept, as are depths off it on distinct
+// texture that another view confirms, except close to the outlines. Replaced
+// pixels have the provenance kInterpolated. ratings: see MeasurementRating;
+// intrinsics: both of the map. At most the first 255 cylinders are applied.
 LaidCylinders LayCylinders(const std::vector<SeenCylinder>& cylinders,
                            ImageView<const uint8_t> ratings,
                            const Intrinsics& intrinsics,
@@ -42,8 +41,8 @@ void RateCylinders(const LaidCylinders& laid,
                    DeviceImage<float>* confidence,
                    Device& device);
 
-// Sets the standard deviations (RefinedMaps::sigma) of those that are still
-// there. intrinsics, resolution: as above.
+// Sets the standard deviations (RefinedMaps::sigma) of those that still have a
+// depth. intrinsics, resolution: as above.
 void SetSigmaOfCylinders(const LaidCylinders& laid,
                          const Intrinsics& intrinsics,
                          const DepthResolution& resolution,

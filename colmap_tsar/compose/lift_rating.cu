@@ -29,7 +29,8 @@ struct LiftRatingsKernel {
   DepthResolution resolution;
   ImageView<uint8_t> lifted;
 
-  // Whether a depth of the map is one with the hypothesis of a reduced pixel.
+  // Whether a depth of the map lies on the plane of a reduced pixel's
+  // hypothesis.
   TSAR_HD bool IsOnPlane(
       int column, int row, const Vec3f& ray, float own, float tolerance) const {
     const float judged_depth = judged.hypotheses.depth(column, row);
@@ -39,7 +40,7 @@ struct LiftRatingsKernel {
     const Plane plane = Plane::FromPoint(judged.intrinsics.Ray(column, row),
                                          judged_depth,
                                          judged.hypotheses.normal(column, row));
-    // A normal that faces away says nothing of the slant.
+    // A normal that faces away does not determine the slant.
     const float on_ray = plane.Valid() ? plane.Depth(ray) : judged_depth;
     return fabsf(on_ray - own) <= tolerance * own;
   }
@@ -59,8 +60,8 @@ struct LiftRatingsKernel {
           if (!judged.ratings.Contains(column, row)) {
             continue;
           }
-          // In half pixels, from the middle of the square; the one that covers
-          // the pixel is the nearest.
+          // The offset from the center of the square, in half pixels; the
+          // square that covers the pixel is the nearest.
           const int to_x = 2 * (x - column * factor) - (factor - 1);
           const int to_y = 2 * (y - row * factor) - (factor - 1);
           const int distance = to_x * to_x + to_y * to_y;

@@ -16,7 +16,7 @@
 
 namespace tsar {
 
-// The hypotheses of a reduced view (ReduceView) and what came of judging them.
+// The hypotheses of a reduced view (ReduceView) and their ratings.
 struct JudgedHypotheses {
   ImageView<const uint8_t> ratings;  // MeasurementRating
   DepthNormalViews hypotheses;
@@ -24,13 +24,13 @@ struct JudgedHypotheses {
   int factor = 1;
 };
 
-// Ratings of the pixels of the map: each takes that of the reduced pixel that
-// covers it, if its own depth lies on the plane of the hypothesis that was
-// judged there; otherwise of the nearest of the eight pixels around for which
-// this holds, since no depth stands for a square across an edge; and 0 where it
-// holds for none. On the plane is what lies within half of
-// RelativeDepthError() of the map that was judged, and within 0.3 % in any
-// case. With a factor of 1 they are the ratings as they are.
+// Transfers ratings to the pixels of the map: each takes that of the reduced
+// pixel that covers it, if its own depth lies on the plane of the hypothesis
+// judged there; otherwise that of the nearest of the eight pixels around for
+// which this holds, since no depth represents a square across an edge; and 0 if
+// there is none. A depth lies on the plane within half of RelativeDepthError()
+// of the judged map, and within 0.3 % in any case. A factor of 1 leaves the
+// ratings unchanged.
 // depth, intrinsics: of the map.
 DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
                                  ImageView<const float> depth,
@@ -38,8 +38,8 @@ DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
                                  const DepthResolution& resolution,
                                  Device& device);
 
-// Of ViewEvidence::ratings, whatever it was reduced by. view: the reference in
-// the device's memory. Throws kMismatch where it is of another map.
+// Transfers ViewEvidence::ratings at any reduction. view: the reference in the
+// device's memory. Throws kMismatch where it is of another map.
 DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
                                  const ViewData& reference,
                                  const DeviceReference& view,

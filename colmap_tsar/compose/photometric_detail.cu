@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-// In units of the smoothing's standard deviation.
+// The reach of the smoothing, in its standard deviations.
 constexpr float kSmoothingReach = 3.f;
 
 struct KnownOffsetKernel {
@@ -27,8 +27,7 @@ struct KnownOffsetKernel {
   }
 };
 
-// Dilates a mask along rows or columns, or erodes it. What lies outside decides
-// nothing.
+// Dilates or erodes a mask along rows or columns. Pixels outside are ignored.
 struct LineKernel {
   ImageView<const uint8_t> mask;
   int radius;
@@ -37,7 +36,7 @@ struct LineKernel {
   ImageView<uint8_t> result;
 
   TSAR_HD void operator()(int x, int y) const {
-    // One that is set decides a dilation, one that is not an erosion.
+    // One set pixel decides a dilation, one unset pixel an erosion.
     const uint8_t decisive = dilate ? 1 : 0;
     for (int d = -radius; d <= radius; ++d) {
       const int u = along_x ? x + d : x;
@@ -61,7 +60,7 @@ struct MoveKernel {
   DepthResolution resolution;
   PhotometricOptions options;
   int reach;  // Pixels to either side, at most kMaxReach.
-  // By distance in pixels.
+  // Weights by distance in pixels.
   float gaussian[kMaxReach + 1];
   ImageView<float> depth;
 
@@ -103,7 +102,7 @@ struct MoveKernel {
   }
 };
 
-// Sets what lies between pixels that are set.
+// Closes a mask: sets the pixels between set ones.
 void CloseMask(int radius, DeviceImage<uint8_t>* mask, Device& device) {
   DeviceImage<uint8_t> other(device, mask->Width(), mask->Height());
   for (const bool dilate : {true, false}) {
@@ -121,7 +120,7 @@ void CloseMask(int radius, DeviceImage<uint8_t>* mask, Device& device) {
   }
 }
 
-// Moves the depths to which the offsets give reason.
+// Moves the depths that have significant offsets.
 void MoveDepths(const PhotometricOffsets& offsets,
                 const DepthResolution& resolution,
                 const PhotometricOptions& options,

@@ -15,11 +15,11 @@
 
 namespace tsar {
 
-// Restores what stands off its surface by less than the spread of measured
-// depths, which composition smooths onto the surface: posters, doors and
-// mouldings. Measured pixels with texture move by the mean offset that the
-// images show in their neighbourhood; normals and provenance stay.
-// For maps that are judged as they are.
+// Restores relief below the standard deviation of measured depths, which
+// composition flattens onto the surface: posters, doors and moldings. Measured
+// pixels with texture move by the mean offset that the images show in their
+// neighbourhood; normals and provenance stay.
+// The map must have been judged at its full size.
 void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,

@@ -22,14 +22,15 @@ constexpr float kStep = 0.25f;  // In pixels of disparity.
 // best, the surface is another one.
 constexpr int kNumSteps = 5;  // To either side.
 constexpr int kNumOffsets = 2 * kNumSteps + 1;
-// Of 1 - NCC^2, beside noise: interpolation, and surfaces that are not flat.
+// The part of 1 - NCC^2 by interpolation and surfaces that are not flat, in
+// addition to noise.
 constexpr float kModelError = 0.02f;
-// From a source that has a surface nearer than this share of the depth, the
-// pixel is hidden.
+// A pixel is occluded in a source with a surface nearer than this share of the
+// depth.
 constexpr float kHidden = 0.97f;
-// Pixels from the border of a source.
+// Least distance from the border of a source, in pixels.
 constexpr float kMargin = 3.f;
-// No offset is known better, whatever the texture.
+// Lower bound of the standard deviation of an offset.
 constexpr float kMinSigma = 0.02f;
 
 // Log-likelihood by offset.
@@ -43,7 +44,7 @@ struct OffsetCurve {
     }
     return best;
   }
-  // At an offset that is not the first or last.
+  // The curvature at an offset that is not the first or last.
   TSAR_HD float Curvature(int i) const {
     return 2.f * value[i] - value[i - 1] - value[i + 1];
   }
@@ -116,7 +117,8 @@ struct OffsetKernel {
     }
     const float unexplained =
         kModelError + 2.f * noise_variance / patch.GrayVariance();
-    // Cheap tests first: most pixels that have no offset of their own fail one.
+    // Cheap tests come first: most pixels without an offset of their own fail
+    // one.
     EpipolarMotion motion;
     uint32_t seen = 0;
     static_assert(kMaxPhotometricSources <= 32);
@@ -164,7 +166,7 @@ struct OffsetKernel {
     return 1.f / fmaxf(kStep * kStep / curvature, kMinSigma * kMinSigma);
   }
 
-  // Whether the source may see the surface; adds how it moves there.
+  // Whether the source may see the surface; adds the motion of its projection.
   TSAR_HD bool AddMotion(const SourceView& source,
                          const Vec3f& ray,
                          float own,
@@ -195,7 +197,7 @@ struct OffsetKernel {
     source.intrinsics.Project(moved, &moved_u, &moved_v);
     const float length =
         sqrtf((moved_u - u) * (moved_u - u) + (moved_v - v) * (moved_v - v));
-    // Towards the source's centre.
+    // The direction toward the source's epipole.
     const Vec3f center = -TransposeTimes(pose.rotation, pose.translation);
     const float along_x = intrinsics.fx * (center.x - ray.x * center.z);
     const float along_y = intrinsics.fy * (center.y - ray.y * center.z);
@@ -224,14 +226,14 @@ struct OffsetKernel {
       const float ncc = cost == kUndefinedCost ? 0.f : fmaxf(1.f - cost, 0.f);
       residuals[i] = fminf(1.f - ncc * ncc + unexplained, 1.f);
     }
-    // In a loop of its own, which becomes vector instructions on a CPU.
+    // A separate loop, which becomes vector instructions on a CPU.
     for (int i = 0; i < kNumOffsets; ++i) {
       curve->value[i] -= 0.5f * static_cast<float>(kPatchSize) *
                          NaturalLogarithm(residuals[i]);
     }
   }
 
-  // Whether what the gradients tell of the offset surrounds the pixel: beside
+  // Whether the gradients that determine the offset surround the pixel: beside
   // an edge, a window takes the depth of the edge.
   TSAR_HD bool IsAmidTexture(int x, int y, const EpipolarMotion& motion) const {
     constexpr int kRadius = 5;
@@ -257,7 +259,7 @@ struct OffsetKernel {
            sum_x * sum_x + sum_y * sum_y < max_distance * max_distance;
   }
 
-  // Outside as on the border.
+  // The gray level, clamped to the border.
   TSAR_HD float Gray(int x, int y) const {
     x = x < 0 ? 0 : (x < gray.width ? x : gray.width - 1);
     y = y < 0 ? 0 : (y < gray.height ? y : gray.height - 1);

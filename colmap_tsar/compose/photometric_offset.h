@@ -13,57 +13,59 @@
 
 namespace tsar {
 
-// When a pixel leaves its surface. Offsets are in pixels of disparity.
+// Conditions for moving a pixel off its surface. Offsets are in pixels of
+// disparity.
 struct PhotometricOptions {
-  // Less may be the error of matching: the surface stays as smooth as it is.
+  // Smaller offsets may be errors of matching and leave the surface as it is.
   float min_offset = 0.08f;
-  // A surface further off is another one, or an edge in front of it.
+  // Larger offsets are of another surface, or an edge in front.
   float max_offset = 0.8f;
-  // The same as a share of the depth.
+  // The largest change of depth, relative to it.
   float max_depth_change = 0.01f;
-  // The standard deviation that the texture gives an offset, and how far two
-  // halves of the sources may differ.
+  // The largest standard deviation of an offset by its texture, and the largest
+  // difference of the offsets of two halves of the sources.
   float max_sigma = 0.1f;
   float max_difference_of_halves = 0.2f;
   int min_num_sources = 4;
-  // The own texture of a pixel, in variances of the noise.
+  // The least texture of the pixel itself, in variances of the noise.
   float min_texture = 8.f;
-  // How far the texture that tells the offset may lie to one side of the pixel.
+  // The largest distance from the pixel of the centroid of the texture that
+  // determines the offset.
   float max_texture_distance = 1.25f;
-  // Between pixels with an offset of their own, those at most twice this far
-  // apart take their neighbours'.
+  // Pixels between others with an offset, at most twice this far apart, take
+  // their neighbors' offsets.
   int closing_radius = 7;
-  // How far offsets are averaged, and how far they may spread.
+  // The scale at which offsets are averaged, and their largest standard
+  // deviation.
   float smoothing_sigma = 3.f;
   float max_spread = 0.15f;
 };
 
-// The sources that are asked, at most: more cost time and memory, and see the
-// surface from farther away.
+// The largest number of sources: more cost time and memory, and see the surface
+// from farther away.
 constexpr int kMaxPhotometricSources = 8;
 
 struct PhotometricInputs {
   Intrinsics intrinsics;
   ImageView<const float> gray;
-  // Images, and the depths that they came with; empty depths hide nothing.
+  // Images with their depth maps; empty depth maps occlude nothing.
   // At most kMaxPhotometricSources.
   const Buffer<SourceView>& sources;
   DepthResolution resolution;
-  NoiseCurve noise;  // Of the images.
+  NoiseCurve noise;  // Noise of the images.
 };
 
-// How far the surface that the images show lies off a depth.
+// The photometric offset of the surface from the depth of each pixel.
 struct PhotometricOffsets {
-  // Of weights: the pixel keeps its depth.
+  // The weight of a pixel that keeps its depth.
   static constexpr float kNeverMoves = -1.f;
 
   DeviceImage<float> offset;
-  // 1 / sigma^2; 0 where the offset is not known but may be that of the
-  // neighbours.
+  // 1 / sigma^2; 0 where the offset is unknown and may be taken from neighbors.
   DeviceImage<float> weight;
 };
 
-// A positive offset is nearer to the camera.
+// The depth at an offset; positive offsets are toward the camera.
 TSAR_HD inline float DepthAtOffset(float depth,
                                    float offset,
                                    const DepthResolution& resolution) {
@@ -73,7 +75,8 @@ TSAR_HD inline float DepthAtOffset(float depth,
 // Compares each measured pixel that has texture with the sources, with the
 // plane of its depth and normal moved along the ray. The log-likelihood of an
 // offset adds up over the sources; its curvature is the inverse of the offset's
-// variance, and two halves of the sources tell whether it can be believed.
+// variance, and the agreement of two halves of the sources tests its
+// reliability.
 PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                                   const PhotometricInputs& inputs,
                                   const PhotometricOptions& options,

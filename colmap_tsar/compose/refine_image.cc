@@ -68,7 +68,7 @@ RefineResult RefineImage(
   Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
-  // With min_confidence an empty map is what was asked for.
+  // With min_confidence, an empty map is a valid result.
   if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
     result.reason_to_keep = kNothingReliable;
   }

@@ -22,38 +22,38 @@
 
 namespace tsar {
 
-// What the stages of a single view found, in main memory.
+// The results of the stages of a single view, in main memory.
 struct MeasuredImage {
   EvidenceInputs inputs;
-  Image<Rgb> color;                         // Of the raster of the inputs.
-  Image<float> gray;                        // Of the same.
+  Image<Rgb> color;                         // On the raster of the inputs.
+  Image<float> gray;                        // On the same raster.
   Image<uint8_t> ratings;                   // See ViewEvidence::ratings.
-  Camera camera;                            // Of the maps.
+  Camera camera;                            // Camera of the maps.
   std::shared_ptr<const DepthPrior> prior;  // Null: none.
 };
 
 struct RefineResult {
   RefinedMaps maps;
   std::map<std::string, double> seconds;  // Per stage.
-  // Why the image should keep its maps; empty where it was refined.
+  // The reason to keep the image's maps; empty where it was refined.
   std::string reason_to_keep;
   PriorAssessment prior;
-  // What was measured, and what was observed by it, where one of them and not
-  // the maps was asked for.
+  // The measurements, and the evidence made of them, where one of these was
+  // requested instead of the maps.
   std::unique_ptr<MeasuredImage> measured;
   std::unique_ptr<ViewEvidence> evidence;
 };
 
-// The reason to keep an image's maps where nothing is left of them.
+// The reason to keep an image's maps where no refined depth is left.
 inline constexpr const char* kNothingReliable =
     "none of its depths is reliable";
 
-// Takes one image through the stages of a single view. Reads nothing and writes
-// nothing; the result is a function of the arguments, whatever the device's
-// threads. image_id keys the random numbers. When it returns, the device has
-// done all work. Sources may have been uploaded by another device of the same
-// GPU. They are let go as soon as nothing needs them any more. observer: where
-// given, is shown what the stages find, which changes nothing.
+// Takes one image through the stages of a single view. It reads and writes no
+// files; the result is a function of the arguments, for any number of the
+// device's threads. image_id keys the random numbers. When it returns, the
+// device has finished all work. Sources may have been uploaded by another
+// device of the same GPU. They are released as soon as possible. observer:
+// where given, receives the results of the stages, without effect on them.
 RefineResult RefineImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
@@ -62,7 +62,7 @@ RefineResult RefineImage(
     Device& device,
     StageObserver* observer = nullptr);
 
-// Uploads the sources, too.
+// Uploads the sources as well.
 RefineResult RefineImage(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
                          uint32_t image_id,

@@ -34,10 +34,10 @@
 namespace tsar {
 namespace {
 
-// What a plane must explain in one view to be looked at by the neighbours,
-// relative to what it must explain in all of them.
+// The least gain of a plane in one view to be a candidate in its neighbors,
+// relative to that in all of them.
 constexpr double kShareOfOneView = 0.25;
-// Of the windows in which views are judged, on the raster.
+// The radius on the raster of the windows in which views are judged.
 int PatchRadius(const Image<float>& raster, const Camera& camera) {
   return static_cast<int>(
       std::lround(double{kPatchRadius} * raster.Width() / camera.width));
@@ -51,7 +51,7 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   inputs.superpixels = surfaces.superpixels.labels.ToHost();
   inputs.num_superpixels = surfaces.superpixels.count;
   inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
-  // There are none without RefineOptions::superpixel_planes.
+  // Planes are missing without RefineOptions::superpixel_planes.
   inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
   const auto sample = [&](ImageView<const uint8_t> wanted) {
     return SampleMeasurements(views.Hypotheses().depth,
@@ -76,8 +76,8 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   return inputs;
 }
 
-// The measurements that a prior is aligned by: those on texture of their own.
-// On bare surfaces errors are shared by whole areas, of all views alike, and a
+// The measurements to which a prior is aligned: those with texture of their
+// own. On bare surfaces whole areas share errors, in all views alike, and a
 // prior would follow them.
 Image<RayDepth> SamplesToAlignBy(const EvidenceInputs& inputs) {
   constexpr float kMinOwnTexture = 0.5f;
@@ -93,8 +93,8 @@ Image<RayDepth> SamplesToAlignBy(const EvidenceInputs& inputs) {
   return samples;
 }
 
-// Keeps of the planes of superpixels those that the view as a whole needs:
-// most of the hundreds say the same, and every neighbour would have to look at
+// Keeps only those candidate planes of superpixels that explain the whole view:
+// most of the hundreds are duplicates, and every neighbor would have to score
 // each of them.
 void ReduceCandidates(const Camera& camera,
                       const RefineOptions& options,
@@ -124,8 +124,8 @@ DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
                         device);
 }
 
-// The superpixel of each pixel once its borders are refined. Takes the trust
-// from measurements that an edge in front fattened.
+// The superpixel of each pixel after refinement of borders. Marks measurements
+// that an edge in front fattened as not trusted.
 Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
                                   const LabeledView& labeled,
@@ -160,7 +160,7 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
-// The surface of each superpixel, planes before curved ones.
+// Shows the observer the surface of each superpixel, planes before curved ones.
 void ShowScene(StageObserver* observer,
                const ViewEvidence& evidence,
                const LabeledView& labeled,
@@ -191,7 +191,7 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
   return ComputeTexture(gray.View(), device);
 }
 
-// The superpixels' evidence with what is known of their planes.
+// The labels of superpixels with their evidence and the errors of their planes.
 std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
@@ -213,9 +213,9 @@ std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
   return result;
 }
 
-// A confirmed depth is moved onto its plane only within so many standard
-// deviations of the depths about their planes, and within no less than this
-// share of a pixel of disparity, which no matching resolves.
+// The residual up to which a confirmed depth is moved onto its plane, in
+// standard deviations of depths at their planes, and its lower limit as a share
+// of a pixel of disparity, below the resolution of matching.
 constexpr double kSpreadOnPlane = 3.0;
 constexpr double kMinSpreadOnPlane = 0.3;
 
@@ -366,7 +366,7 @@ RefineResult ComposeImage(
                                           evidence.resolution,
                                           &composed,
                                           device);
-  // What is wider has no plane because the images contradict those around.
+  // Wider holes have no plane because the images contradict the planes around.
   constexpr int kHoleIterations = 1;
   FillHoles(view.color.View(),
             view.MapIntrinsics(),
@@ -414,14 +414,14 @@ RefineResult ComposeImage(
                            .ToHost();
   timer.Finish("download");
   if (options.photometric && !sources.empty()) {
-    // After all that asks whether depths lie on their planes.
+    // This follows all tests of whether depths lie exactly on their planes.
     RestoreDetail(view, sources, evidence.resolution, {}, &composed, device);
     timer.Finish("photometric");
   }
   Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
-  // With min_confidence an empty map is what was asked for.
+  // With min_confidence, an empty map is a valid result.
   if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
     result.reason_to_keep = kNothingReliable;
   }

@@ -21,14 +21,14 @@ namespace tsar {
 
 // The first and the last of the steps by which an image is refined together
 // with all others. The first takes it through the stages of a single view and
-// keeps what these found. Of that, the steps of find_scene.h make the planes of
-// the scene, with which the last one composes its map.
+// keeps their results. From these, the steps of find_scene.h make the planes of
+// the scene, with which the last step composes its map.
 
-// The first step in two parts: the stages, for which the result holds what they
-// measured, and what makes evidence of that; the result then holds the evidence
-// and no maps. Arguments as RefineImage. The second part has little to do for a
-// GPU: where many images are observed, it goes on a CPU while the GPU measures
-// the next one.
+// The first step in two parts: MeasureImage runs the stages, and its result
+// holds the measurements; MakeEvidence replaces these by the evidence. Neither
+// makes maps. Arguments are those of RefineImage. The second part has little
+// work for a GPU: with many images, it runs on a CPU while the GPU measures the
+// next one.
 RefineResult MeasureImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
@@ -40,8 +40,8 @@ void MakeEvidence(const RefineOptions& options,
                   Device& device,
                   RefineResult* result);
 
-// Composes the reference's map of the planes and surfaces that were found in
-// it. The evidence of the reference has all its parts. sources: for
+// Composes the reference's map from the planes and surfaces that were found in
+// it. The evidence of the reference must have all its parts. sources: for
 // RefineOptions::photometric; none where the map was judged at a smaller size.
 // observer: as in RefineImage.
 RefineResult ComposeImage(
@@ -53,8 +53,8 @@ RefineResult ComposeImage(
     Device& device,
     StageObserver* observer = nullptr);
 
-// How ComposeImage() composes what these views see: the noise of their
-// measurements tells what lies on a plane.
+// The options with which ComposeImage() composes these views: the noise of
+// their measurements sets the tolerance at planes.
 ComposeSceneOptions MakeCompositionOptions(
     const std::vector<ObservedView>& views);
 

@@ -15,20 +15,19 @@
 namespace tsar {
 namespace {
 
-// What a view brings where planes of the scene are looked for: those that it
-// found, at most DiscoverPlanesOptions::max_planes, and those of its regions,
-// of which there are seldom more than this.
+// The number of candidate planes of a view's regions, which is seldom larger. A
+// view also has its own planes, at most DiscoverPlanesOptions::max_planes.
 constexpr int kCandidatesOfRegions = 60;
 
-// The superpixels that a raster has as a rule: what is smaller than a quarter
-// of superpixel_size was merged, and what is left at the borders of objects is
-// smaller than superpixel_size. Where many views add up, the most that each of
-// them can have would be far too much.
+// The typical number of superpixels of a raster: those below a quarter of
+// superpixel_size were merged, and those at the borders of objects are smaller
+// than superpixel_size. For sums over many views, the maximum of each would be
+// far too large.
 int64_t NumSuperpixels(const RefineOptions& options, int64_t num_pixels) {
   return MaxRasterPixels(num_pixels) * 3 / 2 / options.superpixel_size + 1;
 }
 
-// Of the tables of scores of all planes for all superpixels.
+// The tables of scores of all planes for all superpixels.
 int64_t ScoresBytes(int64_t num_superpixels,
                     int64_t num_candidates,
                     size_t max_scores) {
@@ -37,11 +36,11 @@ int64_t ScoresBytes(int64_t num_superpixels,
                   static_cast<int64_t>(max_scores));
 }
 
-// The stages up to the surfaces of one view.
+// The memory of the stages up to the surfaces of one view.
 int64_t SingleViewBytes(const RefineOptions& options,
                         int64_t bytes_per_pixel,
                         int64_t num_pixels) {
-  // The accumulator in which lines are looked for is as large for small maps.
+  // The accumulator of the line detector has the same size for small maps.
   constexpr int64_t kFixed = 720000;
   return kFixed + bytes_per_pixel * num_pixels +
          57 * MaxRasterPixels(num_pixels) +
@@ -63,8 +62,8 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
 }
 
 int64_t SegmentsWorkingBytes(int64_t num_pixels) {
-  // While planes of segments are found, the regions between edges and the
-  // planes of their pixels.
+  // The regions between edges and the planes of their pixels, while planes of
+  // segments are found.
   return static_cast<int64_t>(sizeof(int) + sizeof(Plane)) *
          MaxRasterPixels(num_pixels);
 }
@@ -97,7 +96,7 @@ int64_t ModelBlockMainBytes(const RefineOptions& options,
   const int64_t num_candidates =
       int64_t{num_views} *
       (kCandidatesOfRegions + DiscoverPlanesOptions().max_planes);
-  // The observations, and the scores of the planes that were chosen.
+  // The observations, and the scores of the selected planes.
   return num_superpixels * (2200 + 160 * num_views) +
          ScoresBytes(num_superpixels, num_candidates, kMaxBlockScores);
 }
@@ -112,7 +111,7 @@ int64_t LabelViewWorkingBytes(const RefineOptions& options,
   size.num_observations = std::min(
       size.num_pixels,
       size.num_superpixels * EvidenceOptions().max_observations_per_superpixel);
-  // As many as one view can have, and as many more by its sources.
+  // The maximum of one view, and as many more from its sources.
   size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
   return LabelInModelWorkingBytes(
       size, {/*confident_depth=*/true, /*superpixels=*/true});
