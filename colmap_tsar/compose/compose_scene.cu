@@ -34,7 +34,7 @@ enum OwnDepth : uint8_t {
   kStands = 3,
 };
 
-// Finds the measurements that do not lie on a plane of the scene.
+// Classifies measurements by whether they lie on the plane of the scene.
 struct OwnDepthKernel {
   ImageView<const float> depth;
   ImageView<const uint8_t> rating;

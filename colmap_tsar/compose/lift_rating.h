@@ -52,8 +52,8 @@ DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
                                  Device& device);
 
 // The hypotheses of ReduceView(), of a view in the device's memory.
-// is_to_refine: ViewData::is_to_refine, in host memory. Beside the result,
-// takes a byte of the device's memory for each pixel of the view.
+// is_to_refine: ViewData::is_to_refine, in host memory. In addition to the
+// result, it uses a byte of the device's memory per pixel of the view.
 DepthNormalImages ReduceHypotheses(const DeviceReference& view,
                                    const Image<uint8_t>& is_to_refine,
                                    int factor,

@@ -15,11 +15,12 @@
 namespace tsar {
 namespace {
 
-// Wide enough for NCC to tell noise, small enough for detail.
+// The window is wide enough for NCC to be robust to noise, and small enough for
+// detail.
 constexpr float kWindowRadius = 3.f;
 constexpr float kStep = 0.25f;  // In pixels of disparity.
-// Offsets are tried beyond the largest that counts: where the last one is the
-// best, the surface is another one.
+// Offsets are tried beyond max_offset: where the last one is the best, it is
+// another surface.
 constexpr int kNumSteps = 5;  // To either side.
 constexpr int kNumOffsets = 2 * kNumSteps + 1;
 // The part of 1 - NCC^2 by interpolation and surfaces that are not flat, in
@@ -62,7 +63,8 @@ TSAR_HD inline bool IsAtEnd(int offset) {
 }
 
 // Sums over sources of the products of e, the motion of a pixel along its
-// epipolar line by a pixel of disparity: gradients' information about it.
+// epipolar line per pixel of disparity, which give the information of gradients
+// about an offset.
 struct EpipolarMotion {
   float xx = 0.f;
   float xy = 0.f;

@@ -66,7 +66,7 @@ struct ModelledView {
   ObservedView observed;
   // The plane of the model that each superpixel measured, or -1.
   const std::vector<int>* assignment = nullptr;
-  // Null where no view has been labelled yet.
+  // Null where no view has been labeled yet.
   const LabelsInModel* labels = nullptr;
 };
 
@@ -103,8 +103,8 @@ struct FoundScene {
   // For each source view, the plane of each of its superpixels, in its camera's
   // frame; invalid where it has none.
   std::vector<std::vector<Plane>> planes_of_sources;
-  // Columns and pipes whose outlines the image shows. FindScene leaves them to
-  // its caller, as it does their time.
+  // Columns and pipes whose outlines the image shows. The caller of FindScene
+  // sets them, and their time.
   std::vector<SeenCylinder> cylinders;
   // Seconds per stage: "labels", "curved surfaces", "columns and pipes".
   std::map<std::string, double> seconds;

@@ -128,7 +128,7 @@ class SceneModeler {
     if (should_stop_()) {
       return;
     }
-    // Which planes are found depends a little on the order of the views.
+    // The planes found depend slightly on the order of the views.
     std::vector<size_t> views = part;
     std::sort(views.begin(), views.end(), [&](size_t a, size_t b) {
       return views_[a].image < views_[b].image;
@@ -358,8 +358,8 @@ class SceneModeler {
     });
   }
 
-  // Calls function for all views, unless the run is to stop; name: of this
-  // part of the pass.
+  // Calls function for all views, unless the run is to stop. name: of this part
+  // of the pass.
   void VisitViews(const std::string& name,
                   const std::function<void(size_t view)>& function) {
     Visit(name,
@@ -397,7 +397,7 @@ class SceneModeler {
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const ViewGraph neighbours_;
-  // By view and superpixel, the plane of the model that it measured, or -1.
+  // The measured plane of the model by view and superpixel, or -1.
   std::vector<std::vector<int>> assignment_;
   SceneModel model_;
   std::vector<bool> may_move_;  // Per plane, in the adjustment.

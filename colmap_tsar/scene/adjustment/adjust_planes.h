@@ -23,8 +23,8 @@ struct PlaneAnglePrior {
   double sigma = 0.0;  // Standard deviation of the angle, in radians.
 };
 
-// Puts a plane into a Manhattan frame: its normal is exactly a column of the
-// frame's rotation, or the opposite of that.
+// A hard constraint: the normal of a plane is exactly a column of the rotation
+// of a Manhattan frame, or its negative.
 struct FrameColumn {
   int frame = -1;  // -1: the plane is free.
   int column = -1;

@@ -40,7 +40,7 @@ constexpr double kMinRelativeHeight = 1e-12;
 struct MovingPlane {
   Eigen::Vector3d point;
   Eigen::Vector3d normal;
-  // 2 or 3 of them, as columns.
+  // Axes of rotation: 2 or 3 columns.
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 3> axes;
   double size;
 

@@ -232,7 +232,7 @@ class LineTest {
       const Vec3f ray = {sample.x, sample.y, 1.f};
       const float depth = plane.Depth(ray);
       const float unit = evidence_.resolution.RelativeDepthError(sample.z);
-      // The other half of it is behind the plane that ends.
+      // The other half of the orthogonal plane is behind the plane that ends.
       if (depth > 0.f && depth < axis.InCamera().Depth(ray) &&
           sample.z > depth * (1.f + options_.min_through * unit)) {
         of_side.through += measurement.weight;

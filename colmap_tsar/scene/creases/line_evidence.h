@@ -30,9 +30,9 @@ struct LineEvidence {
 };
 
 struct LineEvidenceOptions {
-  // How far, in relative depths of one pixel of disparity, a depth may be from
-  // the plane to be measured on it, and behind the one that begins at the line
-  // without being seen through it.
+  // The largest residual of a depth on the plane, and the least distance of a
+  // depth behind the plane that begins at the line to count as seen through it,
+  // in relative depths of one pixel of disparity.
   float tolerance = 1.f;
   float min_through = 3.f;
   // Pixels nearer to the line than this are no evidence.

@@ -22,8 +22,8 @@ namespace {
 // distances,
 constexpr int kNearestAround = 5;
 constexpr int kFarthestAround = 14;
-// of at least so many, and of several lines that are this close to each other
-// only the strongest counts.
+// of which this many are required; of several lines closer to each other than
+// kMinGap only the strongest counts.
 constexpr size_t kMinAround = 6;
 constexpr int kMinGap = 4;
 // The profile is centered on the visible part of a plane, which is very long at
@@ -94,7 +94,7 @@ class LineProfile {
     return true;
   }
 
-  // The share of the pixels at which the image rises by half of the step or
+  // The share of the pixels at which brightness rises by half of the step or
   // more.
   float Share(int bin) const {
     const std::vector<float>& rises = bins_[static_cast<size_t>(bin)];
@@ -216,7 +216,7 @@ class LineFinder {
     const PlaneAxis in_view(plane, AxisOf(model_, number, axis), camera_);
     std::vector<LineProfile::Sample> samples;
     std::vector<float> pixels;
-    // The reach, and a pixel to interpolate.
+    // The margin is the reach, plus a pixel for interpolation.
     const int margin = static_cast<int>(std::ceil(options_.reach)) + 1;
     for (int y = margin; y < planes_.Height() - margin; ++y) {
       for (int x = margin; x < planes_.Width() - margin; ++x) {

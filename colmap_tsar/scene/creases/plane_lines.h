@@ -22,7 +22,7 @@ namespace tsar {
 // frame of one camera.
 class PlaneAxis {
  public:
-  // axis: the frame's column, another one than the plane's normal.
+  // axis: a column of the frame other than the plane's normal.
   PlaneAxis(const ModelPlane& plane,
             const Eigen::Vector3d& axis,
             const Camera& camera)

@@ -31,8 +31,8 @@ struct DiscoverPlanesOptions {
   // it.
   double min_gain = 100.0;
   int max_planes = 40;
-  // Whether planes become exactly parallel or orthogonal to each other where
-  // that agrees with the observations.
+  // Whether planes are made exactly parallel or orthogonal to each other where
+  // the observations allow it.
   bool manhattan_frame = true;
   // The largest number of scores (of a candidate for a superpixel) in memory,
   // four bytes each.

@@ -15,8 +15,8 @@
 
 namespace tsar {
 
-// A plane with a sample of what was measured of it, so that it can be compared
-// with others without the evidence of all its views. World frame.
+// A plane with a sample of its measurements, for comparison with others without
+// the evidence of all its views. World frame.
 struct MeasuredScenePlane {
   ScenePlane found;
   // A sample of the observations of its superpixels, inliers or not. Their
@@ -66,9 +66,9 @@ struct JoinedPlanes {
 //
 // min_gain: see DiscoverPlanesOptions. device: for its threads; the result does
 // not depend on their number. Memory grows with the number of blocks, and time
-// about so, as long as each has few neighbours and no plane runs along more
-// than a thousand of them: whatever is joined into it is compared with all that
-// lies along it.
+// about so, as long as each has few neighbors and no plane runs along more than
+// a thousand of them: every plane joined into it is compared with all planes
+// along it.
 JoinedPlanes JoinPlanes(std::vector<PlaneBlock> blocks,
                         double min_gain,
                         Device& device);

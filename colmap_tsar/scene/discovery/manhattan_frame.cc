@@ -19,8 +19,8 @@ namespace tsar {
 
 namespace {
 
-// Planes whose normals are within this angle, 5 degrees, of a direction may
-// have been meant to lie along it.
+// Normals within this angle, 5 degrees, of a direction are candidates to lie
+// along it.
 constexpr double kSinMaxAngle = 0.0872;
 constexpr double kCosMaxAngle = 0.9962;
 // The number of planes of largest support whose pairs are tried as directions.

@@ -22,7 +22,7 @@ struct MeasuredPlane {
   FitSamples samples;    // Its observations.
 };
 
-// Three directions at right angles.
+// Three orthogonal directions.
 struct ManhattanFrame {
   Eigen::Matrix3d rotation;  // Its columns are the directions.
   // Per plane, the column along which its normal lies exactly, or -1.
@@ -31,7 +31,7 @@ struct ManhattanFrame {
 
 // Man-made surfaces are mostly orthogonal. A wall that only a band of posters
 // measures may lean by a degree and still fit its observations; a floor that is
-// known well and the poster's edges tell that it does not lean.
+// known well and the poster's edges show that it does not lean.
 //
 // Finds the three orthogonal directions along which planes have most support,
 // fits them and the planes near them (within 5 degrees) to the samples of all

@@ -21,7 +21,8 @@
 namespace tsar {
 namespace {
 
-// Fits work on evenly spaced observations where there are more.
+// The largest number of observations in a fit, evenly spaced where there are
+// more.
 constexpr size_t kMaxFittedObservations = 2000;
 
 // Planes at a larger angle are never merged.
@@ -263,9 +264,9 @@ class PlaneMerger {
     return 2 * num_near >= num_samples;
   }
 
-  // The fits are kept until one of the planes changes, though both may win or
-  // lose some superpixels: there are hundreds of pairs, and nearly all of them
-  // are looked at again after each change.
+  // The fits are cached until one of the planes changes, though both may gain
+  // or lose some superpixels: there are hundreds of pairs, and nearly all of
+  // them are considered again after each change.
   void FindJoints(const std::vector<Pair>& pairs,
                   const std::vector<std::vector<int>>& members) {
     std::vector<Pair> added;
@@ -284,7 +285,7 @@ class PlaneMerger {
     ScoreJoints(fits, joints);
   }
 
-  // Several pairs at a time: single ones are too little work for many threads.
+  // Scores several pairs at a time: one is too little work for many threads.
   void ScoreJoints(const std::vector<std::vector<WorldPlane>>& fits,
                    const std::vector<Joint*>& joints) const {
     std::vector<WorldPlane> planes;

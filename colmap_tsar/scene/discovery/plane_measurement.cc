@@ -31,7 +31,8 @@ LossMoments MomentsOf(double loss_scale) {
   if (loss_scale > 20.0) {
     return moments;
   }
-  // The mean of 1 / (a + r^2), whose derivative by a gives that of its square.
+  // The mean of 1 / (a + r^2); its derivative with respect to a gives the mean
+  // of the square.
   const double mean = std::sqrt(M_PI / (2.0 * a)) * std::exp(0.5 * a) *
                       std::erfc(std::sqrt(0.5 * a));
   const double weight = a * mean;

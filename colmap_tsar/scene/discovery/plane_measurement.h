@@ -25,7 +25,7 @@ struct PlaneMeasurement {
   Eigen::Matrix4d form = Eigen::Matrix4d::Zero();
   // The inverse variance of the plane's height at the foot.
   double information = 0.0;
-  // The mean of the points on the plane that were measured, by information.
+  // The mean of the measured points on the plane, weighted by information.
   Eigen::Vector3d foot = Eigen::Vector3d::Zero();
 };
 
@@ -55,8 +55,8 @@ struct MeasureViewOptions {
   // and the expected error of one observation as a share of that.
   double tolerance = 1.0;
   double error_share = 0.25;
-  // Pixels of full confidence that count as one measurement: neighbouring ones
-  // err together.
+  // Pixels of full confidence that count as one measurement: errors of
+  // neighbors are correlated.
   double full_weight = 40.0;
   // The largest weight of a superpixel, in the same unit.
   double max_weight = 40.0;

@@ -71,7 +71,7 @@ struct ScoreKernel {
     float sums[ObservationBlock::kSize] = {};
     for (int b = begin; b < end; ++b) {
       const ObservationBlock& block = blocks[b];
-      // In loops without branches, or compilers use no vector units.
+      // Loops without branches are vectorized by compilers.
       float shares[ObservationBlock::kSize];
       for (int i = 0; i < ObservationBlock::kSize; ++i) {
         const float slope = normal.x * block.ray_x[i] +

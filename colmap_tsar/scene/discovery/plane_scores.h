@@ -105,7 +105,7 @@ class LazyGreedySelection {
   Device* device_;
   Buffer<float> scores_;
   Buffer<float> best_;
-  std::vector<float> gains_;  // As last computed.
+  std::vector<float> gains_;  // The values last computed.
   std::vector<int> order_;
 };
 

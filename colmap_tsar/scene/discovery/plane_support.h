@@ -19,8 +19,8 @@ struct PlanePoint {
   float t = 0.f;
 };
 
-// Coordinates on a plane, and how well the plane is known there. All in the
-// reference camera's frame.
+// Coordinates on a plane, and its variances. All in the reference camera's
+// frame.
 struct PlaneFrame {
   Vec3f center;
   Vec3f axis_s;

@@ -20,7 +20,7 @@ namespace tsar {
 // the pixel's own, it is multiplied by twice the ratio of its own texture to
 // theirs, since an edge belongs to the side that has the texture. It is 1 where
 // the patch has no contrast.
-// gray: grey levels (0-255); contrast: ComputeContrast() of them; superpixels:
+// gray: gray levels (0-255); contrast: ComputeContrast() of them; superpixels:
 // labels in [0, num_superpixels); patch_radius: of the matching patches, in
 // pixels of these images; one below 2 counts as 2.
 Image<float> ComputeFatteningWeight(const Image<float>& gray,

@@ -212,7 +212,7 @@ void AddConfirmed(const EvidenceInputs& inputs,
   }
 }
 
-// The pairs of neighbouring pixels with different labels.
+// The pairs of neighboring pixels with different labels.
 struct BorderPixels {
   float weight = 0.f;
   std::vector<int> pixels;  // On the side of the smaller label.

@@ -41,7 +41,7 @@ struct EvidenceOptions {
   int max_priors_per_superpixel = 12;
   int max_confirmed_per_superpixel = 12;
   // The weight of a pair of pixels across a border is
-  // base + contrast exp(-edge / scale), edge in grey levels.
+  // base + contrast exp(-edge / scale), edge in gray levels.
   float border_base = 0.05f;
   float border_contrast = 2.f;
   float border_scale = 4.f;

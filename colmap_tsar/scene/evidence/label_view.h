@@ -118,7 +118,7 @@ struct LabelOptions {
   ExpansionOptions expansion;
 };
 
-// How a superpixel came by its plane.
+// The evidence for the plane of a superpixel.
 enum class LabelEvidence : uint8_t {
   kNone = 0,      // There is no plane.
   kGuessed = 1,   // Only the neighbors in the image support it.

@@ -97,8 +97,8 @@ ObservedSource MakeObservedSource(const ObservedView& reference,
 constexpr int kMaxVotes = 2;
 
 // Whether the source confirms a point in the reference camera's frame. max_gap:
-// between the point and what the source measured, in relative depths of one
-// pixel of disparity.
+// the largest distance from the source's depth, in relative depths of one pixel
+// of disparity.
 TSAR_HD inline bool Confirms(const ObservedSource& source,
                              const Vec3f& point,
                              float max_gap) {
@@ -142,7 +142,7 @@ inline constexpr VoteSampling kPlaneSampling{9, 1};
 // bends, so that one pixel does not represent a small superpixel.
 inline constexpr VoteSampling kCurvedSampling{64, 6};
 
-// The votes on one superpixel. No pixel counts for more than kMaxVotes.
+// The votes on one superpixel. A pixel has at most kMaxVotes votes.
 struct SuperpixelVotes {
   int num_confirmed = 0;
   int num_tests = 0;

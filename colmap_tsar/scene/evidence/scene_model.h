@@ -17,7 +17,7 @@ namespace tsar {
 // An axis and a frame of the plane across it, in the world; heights are along
 // the axis.
 struct AxisFrame {
-  // Unit vectors at right angles.
+  // Orthogonal unit vectors.
   Eigen::Vector3d along = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d across = Eigen::Vector3d::UnitX();
 

@@ -10,12 +10,12 @@
 
 namespace tsar {
 
-// Standard deviation of the grey levels (0-255) in the 7x7 pixels around each
+// Standard deviation of the gray levels (0-255) in the 7x7 pixels around each
 // pixel, as far as they lie in the image.
 DeviceImage<float> ComputeTexture(ImageView<const float> gray, Device& device);
 
-// Largest minus smallest grey level in the 3x3 pixels around each pixel: how
-// strong an edge runs there.
+// Largest minus smallest gray level in the 3x3 pixels around each pixel: the
+// strength of an edge there.
 DeviceImage<float> ComputeContrast(ImageView<const float> gray, Device& device);
 
 }  // namespace tsar

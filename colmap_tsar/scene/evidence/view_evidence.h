@@ -20,11 +20,12 @@ namespace tsar {
 // A depth on its ray, in the camera's frame, and its confidence.
 struct Observation {
   RayDepth sample;  // z > 0
-  // In (0, 1]; above 1 where one observation stands for many of a prior.
+  // Confidence in (0, 1]; above 1 where one observation represents many of a
+  // prior.
   float confidence = 0.f;
 };
 
-// Where the depth of an observation comes from.
+// The source of the depth of an observation.
 enum class ObservationSource : uint8_t {
   kRegionPlane = 0,  // The plane of the pixel's region.
   kMeasured = 1,     // A measurement of the view.
@@ -74,8 +75,8 @@ struct ViewEvidence {
   // entries.
   std::vector<int> first_observation;
   std::vector<Observation> observations;
-  // For each observation its expected error, in relative depths of one pixel of
-  // disparity; empty where all are 1, as they are without a prior.
+  // The expected error of each observation, in relative depths of one pixel of
+  // disparity; empty where all are 1, as without a prior.
   std::vector<float> errors;
   std::vector<ObservationSource> sources;  // Of each observation.
   // Depths that other views confirm and that the view itself did not trust, for
@@ -98,7 +99,7 @@ struct ViewEvidence {
   // An external depth prior; may be empty.
   AlignedPrior prior;
 
-  // The image that the superpixels were made of.
+  // The image from which the superpixels were made.
   Image<Rgb> color;
 
   // A MeasurementRating of each depth, of the size at which the view was

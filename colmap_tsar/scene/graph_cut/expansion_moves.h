@@ -31,7 +31,8 @@ namespace tsar {
 // costs may have any magnitude, and the loss of precision is negligible.
 class ExpansionMoves {
  public:
-  // The graph was checked, and the labels fit it. Keeps a reference to it.
+  // The graph must have been checked, and the labels must match it. Keeps a
+  // reference to it.
   ExpansionMoves(const LabelGraph& graph, std::vector<int> labels);
 
   // Gives the label to the nodes that lower the energy by taking it together.
@@ -41,7 +42,8 @@ class ExpansionMoves {
   std::vector<int> TakeLabels() { return std::move(labels_); }
 
  private:
-  // The costs of an edge for the choices of its first and its second node.
+  // The costs of an edge for each combination of its nodes keeping or switching
+  // labels.
   struct EdgeCosts {
     float none_switches = 0.f;
     float first_switches = 0.f;

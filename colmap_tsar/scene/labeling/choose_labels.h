@@ -16,15 +16,15 @@ namespace tsar {
 
 // Labels each superpixel of a view with one of the planes or none, so as to
 // minimize the sum of the costs of
-// - observations that do not lie on their plane;
-// - planes where they are not known well enough, or were not observed around;
-// - planes that are not those that other views were labelled with;
-// - neighbours with different planes, in proportion to the gap between these
+// - observations that are outliers of their plane;
+// - planes that are not known well enough there, or were not observed around;
+// - planes other than those that other views were labeled with;
+// - neighbors with different planes, in proportion to the gap between these
 //   along the border, unless an edge of the image runs there: where two planes
-//   meet in space the change is free.
+//   intersect the change is free.
 // planes: in the view's frame. costs: of each superpixel (row) on each plane
-// (column), see ComputePlaneCosts. votes: what ComputeLabelVotes adds to them;
-// empty where other views have not been labelled.
+// (column), see ComputePlaneCosts. votes: see ComputeLabelVotes;
+// empty where other views have not been labeled.
 LabeledView ChooseLabels(const ObservedView& view,
                          std::vector<Plane> planes,
                          const Image<PlaneCost>& costs,

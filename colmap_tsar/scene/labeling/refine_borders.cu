@@ -64,7 +64,7 @@ struct Neighborhood {
            (nearer * inputs.resolution.RelativeDepthError(nearer));
   }
 
-  // 0 where there is none.
+  // The depth of a label's plane at a pixel; 0 where there is none.
   TSAR_HD float DepthOf(int label, int x, int y) const {
     return label < 0 ? 0.f : planes[label].Depth(inputs.intrinsics.Ray(x, y));
   }

@@ -29,7 +29,7 @@ struct BorderOptions {
   float color_sigma = 5.f;
   // Planes closer to each other than this count as one.
   float min_gap = 1.f;
-  // A measurement this close to a plane lies on it.
+  // The largest residual of a measurement that lies on a plane.
   float on_plane = 1.2f;
   // The range of lightness (0-100) in the 3x3 pixels around a measurement at
   // which its reliability is one half.
@@ -52,10 +52,10 @@ struct BorderInputs {
 };
 
 struct RefinedBorders {
-  // Each pixel's superpixel, which may now be one nearby.
+  // Each pixel's superpixel, which may have become one nearby.
   DeviceImage<uint16_t> superpixels;
-  // 1 where a measurement off the pixel's plane is that of a surface behind the
-  // next edge: it came with the matching window, not with the pixel.
+  // 1 where a measurement off the pixel's plane is of the surface across the
+  // next edge, to which the matching window extends.
   DeviceImage<uint8_t> fattened;
 };
 

@@ -10,7 +10,7 @@
 namespace tsar {
 namespace {
 
-// In bins.
+// Limits in bins.
 constexpr int kMaxGap = 8;
 constexpr double kMaxBins = 20000.0;
 

@@ -47,7 +47,7 @@ struct CurvedSurfaceOptions {
 };
 
 struct CurvedView {
-  // In the reference camera's frame.
+  // Surfaces in the reference camera's frame.
   std::vector<CurvedSurface> surfaces;
   // Per superpixel of the reference: the index of its surface, or -1 where it
   // keeps its plane or has neither.

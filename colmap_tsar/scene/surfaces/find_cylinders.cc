@@ -151,7 +151,7 @@ class CylinderFinder {
   }
 
  private:
-  // Two views and their neighbours.
+  // Two views and their neighbors.
   std::vector<size_t> ViewsAround(size_t first, size_t second) const {
     std::vector<size_t> around = neighbours_[first];
     around.insert(

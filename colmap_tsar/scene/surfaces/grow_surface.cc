@@ -161,7 +161,7 @@ std::vector<int> SurfaceGrower::Connected(
   is_seen[static_cast<size_t>(seed)] = 1;
   for (size_t i = 0; i < result.size(); ++i) {
     const int s = result[i];
-    // The ring does not grow further.
+    // Superpixels of the ring are not expanded.
     if (!is_member[static_cast<size_t>(s)]) {
       continue;
     }

@@ -26,8 +26,8 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
     const Camera& camera,
     const AxisCamera& axis_camera);
 
-// Whether the view's raster, without a margin in which no edge is found, holds
-// the pixel of the rectified image.
+// Whether the pixel of the rectified image lies in the view's raster, without a
+// margin in which no edge is found.
 bool IsInRaster(const Camera& camera,
                 const AxisCamera& axis_camera,
                 double column,

@@ -104,7 +104,7 @@ class SurfaceCosts {
   void ListPixels();
   void AddSamples(int s, Superpixel* superpixel);
   void AddTests(int s, Superpixel* superpixel);
-  // A plane in the form of a surface.
+  // A plane converted to a surface.
   CurvedSurface PlaneSurface(int label) const;
   Vec3f RayOf(int pixel) const {
     return intrinsics_.Ray(static_cast<float>(pixel % evidence_.width),

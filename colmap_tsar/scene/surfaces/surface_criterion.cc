@@ -30,7 +30,7 @@ double CostOfParameter(const SurfaceCosts& costs,
       std::log(std::max(weight / costs.Options().pixels_per_observation, 2.0)));
 }
 
-// The planes of superpixels and of their neighbours, ascending.
+// The planes of superpixels and of their neighbors, ascending.
 std::vector<int> PlanesAround(const SurfaceCosts& costs,
                               const std::vector<int>& superpixels) {
   std::vector<char> is_around(static_cast<size_t>(costs.NumPlanes()), 0);

@@ -9,10 +9,10 @@
 #include <cstddef>
 #include <vector>
 
-// When a curved surface is better than the planes of its superpixels ("members"
-// below): the Bayesian information criterion, in the units of costs, and what
-// else it must satisfy. residuals, surface_costs: of each member on the
-// surface.
+// The conditions under which a curved surface replaces the planes of its
+// superpixels ("members" below): the Bayesian information criterion, in the
+// units of costs, and tests of the fit. residuals, surface_costs: of each
+// member on the surface.
 namespace tsar {
 
 // The cost of the three parameters of a plane, which a surface saves where it

@@ -11,8 +11,7 @@
 #include <cstddef>
 #include <vector>
 
-// Rays and depths in one array for each of their numbers, which loops over many
-// of them work on several at a time.
+// Rays and depths as one array per component, so that loops are vectorized.
 namespace tsar {
 
 // A range of samples in the arrays below.
@@ -40,7 +39,7 @@ struct RaySamples {
   SampleRange Add(const std::vector<Vec3f>& rays);
 };
 
-// Depths that were measured.
+// Measured depths.
 struct DepthSamples {
   RaySamples rays;
   std::vector<float> depth;       // > 0
