@@ -23,7 +23,7 @@ struct ComposeKernel {
   ComposeInputs inputs;
   DisparityScale scale;
   PlaneTolerance on_plane;
-  // The own hypotheses, which the result replaces.
+  // The view's hypotheses, which the result replaces.
   ImageView<float> depth;
   ImageView<Vec3f> normal;
   ImageView<uint8_t> provenance;
@@ -111,7 +111,8 @@ struct ConfidenceKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const auto source = static_cast<Provenance>(provenance(x, y));
-    // Not 0, which stands for no depth, also where nothing judged it.
+    // The confidence is never 0, which stands for no depth, even without a
+    // score.
     confidence(x, y) = source == Provenance::kMeasured
                            ? fminf(fmaxf(score(x, y), kMinConfidence), 1.f)
                            : ConfidenceOfFilled(source);

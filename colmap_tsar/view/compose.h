@@ -15,13 +15,13 @@
 namespace tsar {
 
 struct ComposeOptions {
-  // A measurement this close to a plane lies on it: the spread of good matches,
-  // about a pixel of disparity.
+  // Largest distance of a measurement that lies on a plane: the dispersion of
+  // good matches, about a pixel of disparity.
   PlaneTolerance on_plane{0.f, 1.f};
 };
 
 struct ComposeInputs {
-  ImageView<const uint8_t> trusted;  // Where the measured hypotheses stand.
+  ImageView<const uint8_t> trusted;  // Nonzero where the hypothesis is kept.
   PlaneRaster superpixel_planes;     // May be empty.
   PlaneRaster region_planes;         // May be empty.
   // The Confirmation of each hypothesis: confirmed ones stand as well. May be
@@ -34,19 +34,20 @@ struct ComposedMap {
   DeviceImage<uint8_t> provenance;
 };
 
-// One map from what the stages found. A trusted measurement that lies on a
-// plane moves onto it, which removes its noise; one that does not keeps its
-// depth. Where nothing is trusted, the plane with the more local support wins:
-// the superpixel's, unless the region's says the same.
-// own: the measured hypotheses, whose memory the result takes over.
+// Composes one map from the results of the stages. A trusted measurement that
+// lies on a plane moves onto it, which removes its noise; one that does not
+// keeps its depth. Where nothing is trusted, the plane with the more local
+// support wins: the superpixel's, unless the region's says the same. own: the
+// measured hypotheses, whose memory is moved to the result.
 ComposedMap ComposeMap(DepthNormalImages own,
                        const ComposeInputs& inputs,
                        const DisparityScale& scale,
                        const ComposeOptions& options,
                        Device& device);
 
-// Replaces what a map holds by the planes of regions wherever these are, as in
-// the paper. A trusted measurement that lies on the plane still counts as one.
+// Replaces the depths of a map by the planes of regions wherever these exist,
+// as in the paper. A trusted measurement that lies on the plane still counts as
+// one.
 void LayRegionPlanes(const PlaneRaster& region_planes,
                      const DisparityScale& scale,
                      const ComposeOptions& options,
@@ -58,9 +59,9 @@ void MarkInterpolated(ImageView<const uint8_t> filled,
                       ComposedMap* composed,
                       Device& device);
 
-// What a depth is worth that was not measured in its pixel: about the share of
-// such pixels that are right to 2 cm on the scenes of docs/method.md. 0 for all
-// others.
+// The confidence of a depth that was not measured in its pixel: about the share
+// of such pixels that are right to 2 cm on the scenes of docs/method.md. 0 for
+// all others.
 TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
   switch (provenance) {
     case Provenance::kRegionPlane:
@@ -74,9 +75,9 @@ TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
   }
 }
 
-// How much each depth is worth, in [0, 1]: the score where it was measured, and
-// for filled pixels a fixed value by provenance, at most 0.5; 0 where there
-// is no depth.
+// The confidence of each depth, in [0, 1]: the score where it was measured, and
+// for filled pixels a fixed value by provenance, at most 0.5; 0 where there is
+// no depth.
 DeviceImage<float> RateConfidence(const ComposedMap& composed,
                                   ImageView<const float> score,
                                   Device& device);

@@ -14,26 +14,26 @@
 
 namespace tsar {
 
-// The least confidence of a depth: 0 stands for no depth.
+// The least confidence of a valid depth; 0 stands for no depth.
 inline constexpr float kMinConfidence = 0.01f;
 
-// On columns and pipes between their outlines.
+// The confidence of depths on cylinders between their outlines.
 inline constexpr float kConfidenceOfCylinder = 0.9f;
 
-// How a depth of a composed map came about.
+// The origin of a depth of a composed map.
 enum class DepthKind : uint8_t {
-  kStanding,        // Measured, off its plane or where there is none.
+  kStanding,        // Measured; off its plane or without one.
   kMoved,           // Measured on its plane.
-  kFilled,          // Not measured: on a plane that the view measured around,
-  kCarried,         // that other views measured there,
-  kGuessed,         // or nobody.
-  kMovedToCurved,   // Measured on a curved surface,
-  kFilledByCurved,  // or filled by one.
+  kFilled,          // Filled by a plane that the view measured around it.
+  kCarried,         // Filled by a plane that other views measured there.
+  kGuessed,         // Filled by a plane that no view measured there.
+  kMovedToCurved,   // Measured on a curved surface.
+  kFilledByCurved,  // Filled by a curved surface.
   kInterpolated,
 };
 inline constexpr int kNumDepthKinds = 8;
 
-// LabelQuality of the superpixel of a depth, in numbers.
+// LabelQuality of the superpixel of a depth as numbers.
 struct LabelMeasures {
   float strength = 0.f;
   float confirmed = 0.f;
@@ -41,21 +41,21 @@ struct LabelMeasures {
   float margin = 0.f;
 };
 
-// All that is known of a depth of a composed map.
+// The evidence for a depth of a composed map.
 struct DepthEvidence {
   DepthKind kind;
-  // Where it does not stand, its votes alone count.
+  // Only the votes are used unless kind is kStanding.
   MeasurementSupport support;
-  LabelMeasures label;  // Where it lies on a plane.
+  LabelMeasures label;  // Used for depths on planes.
   // The relative depth of one pixel of disparity there, and the view's noise
-  // (ViewEvidence), in such.
+  // (ViewEvidence) in units of it.
   float resolution = 0.f;
   float noise = 0.f;
 };
 
-// The terms of the regression: a constant for each kind, how precise depths are
-// there, the votes of measurements and of other depths, and what only depths of
-// some kinds have (docs/method.md, "Confidence";
+// The terms of the logistic regression: a constant for each kind, the precision
+// of depths there, the votes on measurements and on other depths, and the terms
+// of some kinds alone (docs/method.md, "Confidence";
 // benchmarks/fit_confidence.cc finds the weights).
 struct ConfidenceTerms {
   static constexpr int kCount =
@@ -87,8 +87,8 @@ struct ConfidenceTerms {
   }
 };
 
-// The probability that a depth is right to 1 %, from kMinConfidence to as much
-// below 1.
+// The probability that a depth is right to 1 %, in [kMinConfidence, 1 -
+// kMinConfidence].
 TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
   constexpr float kWeights[ConfidenceTerms::kCount] = {
       -10.11f, -8.00f, -7.67f, -7.70f, -7.70f, -7.61f, -9.66f, -9.83f,
@@ -100,8 +100,8 @@ TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
   return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
 }
 
-// How likely a depth lies on the right surface, however precisely: the
-// probability that it would have were all depths of a usual precision.
+// The probability that a depth lies on the right surface, whatever its
+// precision: its confidence if all depths had a typical precision.
 TSAR_HD inline float ConfidenceInSurface(DepthEvidence depth) {
   depth.resolution = 0.003f;
   depth.noise = 0.2f;

@@ -17,8 +17,9 @@
 
 namespace tsar {
 
-// A quarter of the paper's images, as in its authors' program. The raster of
-// superpixels and regions has no longer side, and none longer than the map's.
+// Largest side of the raster of superpixels and regions, which is no larger
+// than the map either: a quarter of the paper's images, as in its authors'
+// program.
 constexpr int kMaxRasterSide = 777;
 
 // A reference image and its maps in the device's memory.
@@ -28,7 +29,7 @@ struct DeviceReference {
   int Width() const { return color.Width(); }
   int Height() const { return color.Height(); }
   Intrinsics MapIntrinsics() const { return camera.GetIntrinsics(); }
-  // Planes of a raster, as the map's pixels see them.
+  // The planes of a raster on the map's pixels.
   PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
     return {planes.View(), MapIntrinsics(), Width(), Height()};
   }
@@ -43,18 +44,18 @@ struct DeviceReference {
 class DeviceViews {
  public:
   // The sources may have been uploaded by another device of the same GPU.
-  // denoise: the raster.
+  // denoise: whether the raster's image is denoised.
   DeviceViews(const ViewData& reference,
               std::vector<std::shared_ptr<const UploadedView>> sources,
               Device& device,
               bool denoise = true);
-  // Uploads the sources, too.
+  // This constructor uploads the sources as well.
   DeviceViews(const ViewData& reference,
               const std::vector<const ViewData*>& sources,
               Device& device);
 
-  // Sources are shared with other devices of the GPU: as long as they are held,
-  // this waits for the work that may read them.
+  // Waits for the work that may read the sources, which are shared with other
+  // devices of the GPU.
   ~DeviceViews();
 
   int Width() const { return reference_.Width(); }
@@ -72,12 +73,13 @@ class DeviceViews {
   }
   const Buffer<SourceView>& Sources() const { return sources_; }
   DepthNormalViews Hypotheses() const { return reference_.hypotheses.Views(); }
-  // The sources that have a depth anywhere: no more can agree with a pixel.
+  // The number of sources with any depth, which bounds the agreement of a
+  // pixel.
   int NumSourcesWithDepth() const { return num_sources_with_depth_; }
-  // Frees what only matching needs, once the device has done that: the sources
-  // and the gray image, which are empty afterwards.
+  // Frees the data that only matching needs, the sources and the gray image,
+  // once the device has finished. They are empty afterwards.
   void ReleaseSources();
-  // Gives the hypotheses away; they and Reference() are empty afterwards.
+  // Moves the hypotheses out; they and Reference() are empty afterwards.
   DepthNormalImages TakeHypotheses() {
     return std::move(reference_.hypotheses);
   }
@@ -91,8 +93,8 @@ class DeviceViews {
   PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
     return reference_.OnMap(planes);
   }
-  // The raster's size relative to kMaxRasterSide: lengths shrink by it, areas by
-  // its square.
+  // The raster's size relative to kMaxRasterSide: lengths shrink by it, areas
+  // by its square.
   double RasterScale() const;
 
  private:
@@ -107,11 +109,11 @@ class DeviceViews {
   int num_sources_with_depth_ = 0;
 };
 
-// Pixels of the raster of a map of this many.
+// The largest number of raster pixels of a map of num_pixels.
 int64_t MaxRasterPixels(int64_t num_pixels);
 
-// The image that superpixels, regions, textures and borders are found in:
-// reduced to the raster and, if denoise says so, without its noise.
+// The image in which superpixels, regions, textures and borders are found:
+// reduced to the raster and, with denoise, denoised.
 DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  const ReducedRaster& raster,
                                  bool denoise,

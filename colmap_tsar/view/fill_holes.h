@@ -13,8 +13,8 @@
 namespace tsar {
 
 // R2: fills small holes by weighted medians, and marks them as interpolated.
-// color, intrinsics: of the map. num_iterations: each fills what is a window
-// wide at most. Nothing where the options switch it off.
+// color, intrinsics: those of the map. num_iterations: each fills holes of at
+// most a window's width. Does nothing if the options disable it.
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,
@@ -22,12 +22,12 @@ void FillHoles(ImageView<const Rgb> color,
                ComposedMap* composed,
                Device& device);
 
-// Of all the maps those that are made in any case.
+// Downloads the maps that are always made.
 void Download(const ComposedMap& composed,
               const DeviceImage<float>& confidence,
               RefinedMaps* maps);
 
-// Shows the result to an observer where there is one.
+// Shows the result to the observer unless it is null.
 void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
 
 }  // namespace tsar

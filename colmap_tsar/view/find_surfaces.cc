@@ -26,7 +26,7 @@ namespace {
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
 
-// Sets superpixels, their planes and whom to trust.
+// Computes the superpixels, their planes and the trusted pixels.
 void RefineTrust(const DeviceViews& views,
                  DeviceImage<uint8_t> reliable,
                  uint32_t image_id,
@@ -84,11 +84,11 @@ void RefineTrust(const DeviceViews& views,
 
 struct FoundRegions {
   Regions between_edges;
-  // Of the label image; without labels where there is none.
+  // The segments of the label image; no labels without a label image.
   Regions segments;
 };
 
-// segments: of the reference image's ViewData.
+// segments: those of the reference image's ViewData.
 FoundRegions SegmentTexturelessRegions(const DeviceViews& views,
                                        const Image<uint16_t>& segments,
                                        const RefineOptions& options,
@@ -119,7 +119,8 @@ FoundRegions SegmentTexturelessRegions(const DeviceViews& views,
   return found;
 }
 
-// The depths that tell of the planes of regions, and where they may be used.
+// The depths to which the planes of regions are fitted, and the mask of usable
+// pixels.
 struct RegionEvidence {
   ImageView<const float> depth;
   ImageView<const uint8_t> reliable;
@@ -136,7 +137,7 @@ RegionEvidence EvidenceOfRegions(const DeviceViews& views,
           surfaces.trusted.View()};
 }
 
-// The planes that the samples give to the pixels of regions.
+// Fits the planes of regions to the samples and assigns them to pixels.
 DeviceImage<Plane> FitAndAssignPlanes(const DeviceViews& views,
                                       const Regions& regions,
                                       ImageView<const RayDepth> samples,

@@ -17,28 +17,29 @@
 
 namespace tsar {
 
-// What one view tells about the surfaces that it sees.
+// The results of the single-view stages.
 struct Surfaces {
   DeviceImage<float> score;            // n_aggr of the hypotheses.
   DeviceImage<uint8_t> confirmations;  // HypothesisScores::confirmations.
-  DeviceImage<uint8_t> trusted;  // Other than 0 where the hypothesis stands.
+  DeviceImage<uint8_t> trusted;  // Nonzero where the hypothesis is trusted.
   // Empty without RefineOptions::refine.
   Superpixels superpixels;
   Buffer<Plane> superpixel_planes;
-  // The depths of the trusted pixels with RefineOptions::spread_medians; else
-  // empty.
+  // The smoothed depths of the trusted pixels with
+  // RefineOptions::spread_medians; else empty.
   DepthNormalImages spread;
-  // The map as R1 and R2 leave it with RefineOptions::fill_before_regions, to
-  // which the regions were fitted; else empty. The hypotheses of the views or
-  // `spread` went into it.
+  // The map after R1 and R2 with RefineOptions::fill_before_regions, to which
+  // the regions were fitted; else empty. The hypotheses of the views or
+  // `spread` were moved into it.
   ComposedMap filled;
   // The regions' planes at the raster's pixels; empty without
   // RefineOptions::segment.
   DeviceImage<Plane> region_planes;
 };
 
-// Filtering, refinement and segmentation, the paper's three stages.
-// Lets the sources of the views go as soon as it can. observer: may be null.
+// Runs filtering, refinement and segmentation, the paper's three stages.
+// Releases the sources of the views as early as possible. observer: may be
+// null.
 Surfaces FindSurfaces(const ViewData& reference,
                       uint32_t image_id,
                       const RefineOptions& options,
@@ -48,9 +49,9 @@ Surfaces FindSurfaces(const ViewData& reference,
                       StageObserver* observer);
 
 // The map of one view alone: its trusted depths and the planes of its
-// superpixels and regions (may be empty). Takes the hypotheses of the views, or
-// Surfaces::spread where it is there: the planes of superpixels are in it
-// already.
+// superpixels and regions (may be empty). Moves the hypotheses out of the
+// views, or Surfaces::spread if not empty, which already includes the planes of
+// superpixels.
 ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
                             const RefineOptions& options,
                             Surfaces* surfaces,

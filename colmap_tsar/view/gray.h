@@ -8,20 +8,20 @@
 
 namespace tsar {
 
-// The brightness of a colour image, 0-255, as matching sees it. gray has the
+// The brightness of a color image, 0-255, as matching uses it. gray has the
 // size of color.
 void ComputeGray(ImageView<const Rgb> color,
                  ImageView<float> gray,
                  Device& device);
 DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device);
 
-// The same in the form in which sources are interpolated.
+// The brightness as pixel pairs, from which source views are interpolated.
 void ComputeGrayPairs(ImageView<const Rgb> color,
                       ImageView<GrayPair> pairs,
                       Device& device);
 
-// Half as wide and high, rounded down, but at least one pixel: each pixel is
-// the mean of four.
+// The image at half the width and height, rounded down, but at least one pixel:
+// each pixel is the mean of four.
 DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device);
 
 }  // namespace tsar

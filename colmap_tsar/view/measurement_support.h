@@ -12,23 +12,25 @@
 
 namespace tsar {
 
-// What speaks for a depth that a pixel measured, and against it.
+// The evidence for and against a measured depth.
 struct MeasurementSupport {
   ViewVotes votes;
-  // Standard deviation of the grey levels around (ComputeTexture).
+  // Standard deviation of the gray levels around the pixel (ComputeTexture).
   float texture = 0.f;
   bool is_trusted = false;  // See MeasurementRating.
 };
 
-// The surface that would replace it: the plane of the pixel's superpixel.
+// The surface that would replace the measurement: the plane of the pixel's
+// superpixel.
 struct Rival {
   ViewVotes votes;
-  // Between the two depths, in relative depths of one pixel of disparity.
+  // Difference of the two depths, in relative depths of one pixel of disparity.
   float gap = 0.f;
   float margin = 0.f;  // LabelQuality::margin.
 };
 
-// Between two depths of one ray, relative to that of one pixel of disparity.
+// Difference of two depths of one ray, in relative depths of one pixel of
+// disparity.
 TSAR_HD inline float GapInPixels(float own,
                                  float other,
                                  const DepthResolution& resolution) {
@@ -37,7 +39,7 @@ TSAR_HD inline float GapInPixels(float own,
 
 inline constexpr int kNumVoteShares = 3;
 // Writes the shares of the votes that agree, of those for a surface in front,
-// and of those for one behind, among all votes and one more.
+// and of those for one behind, each as a share of all votes plus one.
 TSAR_HD inline void ShareVotes(const ViewVotes& votes, float* shares) {
   const float share = 1.f / static_cast<float>(1 + votes.Count());
   shares[0] = share * static_cast<float>(votes.agreeing);
@@ -84,7 +86,7 @@ TSAR_HD inline float WeighedSum(const float (&weights)[kCount],
   return sum;
 }
 
-// The log-odds of the measurement being nearer to the truth than its rival.
+// The log-odds that the measurement is nearer to the truth than its rival.
 TSAR_HD inline float LogOddsAgainst(const Rival& rival,
                                     const MeasurementSupport& support) {
   constexpr float kSupport[] = {0.35f, 0.43f, 0.14f, -2.28f, -2.63f};

@@ -28,8 +28,8 @@ SquareHypothesis SquaresOf(const ViewData& rows,
           first_row};
 }
 
-// SquareHypothesis::Find() with memory, which makes it several times as fast on
-// a CPU: the depths of a square are gathered once, and rays come from tables.
+// SquareHypothesis::Find() with buffers, several times as fast on a CPU: the
+// depths of a square are gathered once, and rays come from tables.
 class SquareFinder {
  public:
   explicit SquareFinder(const SquareHypothesis& squares)
@@ -60,7 +60,7 @@ class SquareFinder {
   }
 
  private:
-  // The first `count` of each list.
+  // Arrays of which the first `count` elements are used.
   struct Depths {
     explicit Depths(int factor)
         : depth(static_cast<size_t>(factor) * static_cast<size_t>(factor)),
@@ -73,7 +73,7 @@ class SquareFinder {
     std::vector<int> row;
   };
 
-  // Without branches, since holes come at random.
+  // This has no branches, since holes are unpredictable.
   void Gather(int column, int row) {
     const size_t pixel = squares_.depth.Index(column, row);
     const float depth = squares_.depth.data[pixel];
@@ -85,7 +85,7 @@ class SquareFinder {
 
   static void Append(
       float depth, int column, int row, bool counts, Depths* depths) {
-    // What does not count is overwritten by the next.
+    // A depth that does not count is overwritten by the next.
     const auto place = static_cast<size_t>(depths->count);
     depths->depth[place] = depth;
     depths->column[place] = column;
@@ -114,7 +114,7 @@ class SquareFinder {
     return count >= min_count ? pixel : -1;
   }
 
-  // The first one with the lower median.
+  // The index of the first depth that equals the lower median.
   static int Median(const Depths& depths) {
     const int rank = (depths.count - 1) / 2;
     for (int i = 0; i < depths.count; ++i) {
@@ -136,7 +136,7 @@ class SquareFinder {
   const SquareHypothesis& squares_;
   Depths own_;
   Depths other_;
-  std::vector<float> rays_;  // x of those of each column.
+  std::vector<float> rays_;  // x of the ray of each column.
 };
 
 Image<Rgb> MeanColors(const Image<Rgb>& color,

@@ -15,9 +15,9 @@
 
 namespace tsar {
 
-// The intermediate results of refinement that can be looked at, in the order in
-// which they come about. "Raster" is that of superpixels and regions; all
-// others have the size of the map.
+// The intermediate results of refinement that an observer is shown, in order.
+// "Raster" is that of superpixels and regions; all others have the size of the
+// map.
 enum class RefineStage {
   kImage,             // Rgb, raster.
   kDepthInput,        // float, depth; so are all depths below.
@@ -31,11 +31,11 @@ enum class RefineStage {
   kSuperpixels,       // int, labels, raster.
   kDepthTrusted,      // float
   kSuperpixelPlanes,  // Plane, raster.
-  kEdges,             // uint8_t, other than 0 on edges, raster.
-  kLines,             // As the edges.
+  kEdges,             // uint8_t, nonzero on edges, raster.
+  kLines,             // uint8_t, nonzero on edges, raster.
   kRegions,           // int, labels, -1 outside of regions, raster.
   kRegionPlanes,      // Plane, raster.
-  kSceneLabels,       // int, number of the surface or -1, raster.
+  kSceneLabels,       // int, index of the surface or -1, raster.
   kLabelEvidence,     // uint8_t, values of LabelEvidence, raster.
   kScenePlanes,       // Plane, raster.
   kDepthComposed,     // float
@@ -51,11 +51,11 @@ struct RefineStageInfo {
   std::string description;
 };
 
-// All of them, element i about the stage with value i.
+// All stages; element i describes the stage of value i.
 const std::vector<RefineStageInfo>& RefineStages();
 
-// Is shown what the stages find for one image. A stage that the options switch
-// off shows nothing. Called from one thread at a time.
+// Receives the results of the stages for one image. A disabled stage shows
+// nothing. Called from one thread at a time.
 class StageObserver {
  public:
   virtual ~StageObserver() = default;
@@ -72,14 +72,15 @@ class RefineObserver {
  public:
   virtual ~RefineObserver() = default;
 
-  // The observer of one pass over the image; a run may take two, with other
-  // stages each. depth: the map before. Called from several threads.
+  // Returns the observer of one pass over the image; a run may take two passes
+  // with different stages. depth: the original map. Called from several
+  // threads.
   virtual std::unique_ptr<StageObserver> Observe(const std::string& image_name,
                                                  const Image<float>& depth) = 0;
 };
 
-// Shows what lies in a device's memory. Without an observer, or where there is
-// nothing, this costs nothing.
+// Shows a raster in a device's memory. Does nothing without an observer or if
+// the raster is empty.
 template <typename T>
 void ShowStage(StageObserver* observer,
                RefineStage stage,
@@ -99,7 +100,7 @@ void ShowStage(StageObserver* observer,
   ShowStage(observer, stage, values.View(), device);
 }
 
-// The depth where the mask is not 0.
+// Shows the depth where the mask is nonzero.
 void ShowMaskedDepth(StageObserver* observer,
                      RefineStage stage,
                      ImageView<const float> depth,

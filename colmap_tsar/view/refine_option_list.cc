@@ -32,7 +32,7 @@ std::string ValueText(T value) {
 template <typename T>
 void CheckRange(const RefineField& field, const T* value) {
   if constexpr (!std::is_same_v<T, bool>) {
-    // Not the negation, which NaN would pass.
+    // The comparison is not negated, since NaN would pass.
     const bool is_inside = *value >= field.min && *value <= field.max;
     if (!is_inside) {
       TextStream text;
@@ -46,7 +46,7 @@ void CheckRange(const RefineField& field, const T* value) {
 
 }  // namespace
 
-// Name and place of a member.
+// Name and address of a member.
 #define TSAR_FIELD(member) .name = #member, .value = &options->member
 
 std::vector<RefineField> ListRefineFields(RefineOptions* options) {

@@ -13,20 +13,20 @@
 
 namespace tsar {
 
-// One member of RefineOptions, with what a user needs to know about it.
+// One member of RefineOptions with its documentation.
 struct RefineField {
   std::string name;
   std::variant<bool*, int*, double*> value;
   std::string description;
-  // The values that make sense, both ends included; not for bools.
+  // The range of valid values, both ends included; unused for bools.
   double min = 0.0;
   double max = 1.0;
-  // Whether it is an option of the command, which users choose better than we;
-  // all others are set by its option "experiment".
+  // Whether it is an option of the command for users; all others are set by its
+  // option "experiment".
   bool is_option = false;
-  // What the presets set it to, where that is not the default: the published
-  // method as this project reads it, and its equations as printed, which
-  // otherwise have the values of the first.
+  // The values of the presets where they differ from the default: `paper` is
+  // the published method as this project interprets it; `paper_strict` its
+  // equations as printed, which defaults to `paper`.
   std::optional<double> paper = std::nullopt;
   std::optional<double> paper_strict = std::nullopt;
 
@@ -34,15 +34,15 @@ struct RefineField {
   std::string Text() const;
 };
 
-// All members of RefineOptions, in the order of the help. The one list that the
-// command line, Python, the presets, the checks, the manifest, the options' hash
-// and the ablation of benchmarks/suite are made from.
+// All members of RefineOptions, in the order of the help. The command line,
+// Python, the presets, the checks, the manifest, the options' hash and the
+// ablation of benchmarks/suite are generated from this list.
 std::vector<RefineField> ListRefineFields(RefineOptions* options);
 
-// The columns of that list.
+// The presets, which are the columns of that list.
 enum class RefinePreset { kDefault, kPaper, kPaperStrict };
 
-// All members with the values of a preset. Lengths of kPaperStrict are metres,
+// All members with the values of a preset. Lengths of kPaperStrict are meters,
 // as on ETH3D; docs/method.md lists where it follows the print.
 RefineOptions PresetOptions(RefinePreset preset);
 
@@ -50,8 +50,8 @@ RefineOptions PresetOptions(RefinePreset preset);
 std::map<std::string, std::string> RefineOptionsText(
     const RefineOptions& options);
 
-// A fingerprint of the program's version and of all values: what a result
-// depends on beside the workspace.
+// A hash of the program's version and of all values, on which a result depends
+// beside the workspace.
 std::string HashRefineOptions(const RefineOptions& options);
 
 }  // namespace tsar

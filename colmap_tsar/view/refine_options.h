@@ -5,14 +5,14 @@
 
 namespace tsar {
 
-// What a result depends on beside the workspace; ListRefineFields describes the
-// members, docs/ablation.md tells how each default was found. Pixel numbers
-// hold for maps 3110 pixels wide, the paper's size on ETH3D, and a segmentation
-// raster 777 wide; they are scaled to the maps at hand.
+// The options on which a result depends beside the workspace; ListRefineFields
+// describes the members, docs/ablation.md how each default was found. Values in
+// pixels hold for maps 3110 pixels wide, the paper's size on ETH3D, and a
+// segmentation raster 777 wide; they are scaled to the maps at hand.
 struct RefineOptions {
   bool denoise = true;
 
-  // Of maps from which nothing was filtered.
+  // Applies to unfiltered maps only.
   bool distrust_unmatched = false;
 
   // Joint hypothesis filtering.
@@ -57,10 +57,10 @@ struct RefineOptions {
   double max_boundary_error = 0.02;  // gamma, as a fraction of depth
   double max_boundary_gap = 0.0;     // gamma, in the unit of the model
 
-  // What is done with a measured depth.
+  // Confirmation of measured depths.
   bool confirmed_depths = true;
 
-  // Planes of the scene, views that agree.
+  // Planes of the scene, consistent over the views.
   bool scene_planes = true;
   bool foreground_fattening = true;
   bool manhattan_frame = true;
@@ -75,8 +75,8 @@ struct RefineOptions {
   double min_scene_plane = 100.0;
   double unlabelled_cost = 0.02;
 
-  // Depths of less confidence are left out; and where nothing was measured,
-  // those that are less likely on the right surface.
+  // The least confidence of depths, and the least ConfidenceInSurface() of
+  // depths that were not measured.
   double min_confidence = 0.0;
   double min_fill_confidence = 0.35;
 
@@ -86,7 +86,7 @@ struct RefineOptions {
   // Keys the random numbers of every RANSAC.
   int seed = 0;
 
-  // Throws kBadOption, naming the option, where a value makes no sense.
+  // Throws kBadOption with the option's name if a value is invalid.
   void Check() const;
 };
 

@@ -10,15 +10,15 @@
 
 namespace tsar {
 
-// Where a pixel's depth comes from; the values of provenance maps.
+// The provenance of a pixel's depth; the values of provenance maps.
 enum class Provenance : uint8_t {
   kNone = 0,
   kMeasured = 1,
   kSuperpixelPlane = 2,
   kInterpolated = 3,
   kRegionPlane = 4,
-  kOtherViews = 5,  // Their planes, where they measured these.
-  kGuessed = 6,     // Planes of the scene that no view measured there.
+  kOtherViews = 5,  // Planes that other views measured there.
+  kGuessed = 6,     // Scene planes that no view measured there.
   kPrior = 7,       // A depth prior from outside.
 };
 
@@ -27,13 +27,13 @@ struct RefinedMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
   Image<float> confidence;    // In [0, 1]; see confidence_level.h.
-  Image<uint8_t> provenance;  // How each pixel's depth was found; 0 = none.
-  // 1 + the number of the plane of the scene (scene_model.h) that the pixel
-  // lies on, 0 = none; empty where no model of the scene was made.
+  Image<uint8_t> provenance;  // Values of Provenance; 0 = no depth.
+  // 1 + the index of the pixel's scene plane (scene_model.h), 0 = none; empty
+  // without a model of the scene.
   Image<uint16_t> planes{};
   // The standard deviation of each depth in the units of the map, provided that
-  // its surface is the right one, as a half (half.h); 0 = no depth. Empty where
-  // it was not asked for.
+  // its surface is the right one, as a half (half.h); 0 = no depth. Empty if
+  // not requested.
   Image<uint16_t> sigma{};
 };
 

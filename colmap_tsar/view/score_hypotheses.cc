@@ -56,8 +56,8 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
     ShowStage(observer, RefineStage::kAgreement, agreement, device);
     if (options.confirmed_depths) {
       const NoiseCurve noise = EstimateNoise(views.Reference().gray, device);
-      // What COLMAP's own check of consistency rejected is not confirmed by
-      // chance.
+      // Depths that COLMAP's consistency check rejected are no candidates, lest
+      // they be confirmed by chance.
       const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
       result.confirmations = ConfirmDepths(views.Reference().gray,
                                            agreement.View(),

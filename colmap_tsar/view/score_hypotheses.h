@@ -14,11 +14,11 @@
 
 namespace tsar {
 
-// What the images and the other views say about each hypothesis.
+// The scores of each hypothesis by the images and the other views.
 struct HypothesisScores {
   DeviceImage<float> score;  // n_aggr (Eq. 2), with the agreement of views.
-  // Its Confirmation. Empty without RefineOptions::confirmed_depths or
-  // view_agreement.
+  // The Confirmation of each hypothesis. Empty without
+  // RefineOptions::confirmed_depths or view_agreement.
   DeviceImage<uint8_t> confirmations;
 };
 

@@ -15,20 +15,20 @@
 
 namespace tsar {
 
-// Finds the pixel whose hypothesis stands for a square of pixels of a map, as
-// ReduceView() says. Takes no memory and sorts nothing, so that a thread of a
-// GPU can do it: squares are small.
+// Finds the pixel whose hypothesis represents a square of pixels of a map (see
+// ReduceView()). Uses no buffer and no sorting, as suits a GPU thread: squares
+// are small.
 struct SquareHypothesis {
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
-  // Where the map to refine has a hypothesis; empty: everywhere.
+  // Nonzero where the hypothesis is from the map to refine; empty: everywhere.
   ImageView<const uint8_t> is_to_refine;
-  Intrinsics intrinsics;  // Of the whole map.
+  Intrinsics intrinsics;  // Those of the full map.
   int factor = 1;
-  int first_row = 0;  // Of the whole map, the first one in the rasters.
+  int first_row = 0;  // Row of the full map at which the rasters start.
 
-  // The pixel's place in the rasters, or -1 where there is none. (x, y): of the
-  // square, in the rasters.
+  // The index of the pixel in the rasters, or -1 if there is none. (x, y):
+  // indices of the square in the rasters.
   TSAR_HD ptrdiff_t Find(int x, int y) const {
     const Square square = {x * factor,
                            y * factor,
@@ -38,7 +38,7 @@ struct SquareHypothesis {
     return own >= 0 || is_to_refine.Empty() ? own : FindOf(square, false);
   }
 
-  // The depth of a pixel's hypothesis, taken along its plane to another ray.
+  // The depth of a pixel's hypothesis, moved along its plane to another ray.
   TSAR_HD float DepthOnRay(ptrdiff_t pixel, const Vec3f& ray) const {
     return DepthOnRay(PlaneOf(pixel), depth.data[pixel], ray);
   }
@@ -55,19 +55,20 @@ struct SquareHypothesis {
                           static_cast<float>(first_row + row));
   }
 
-  // A square was measured if no more than one pixel in some is without the
-  // depth that stands for it.
+  // The least number of depths of a valid square: one pixel in kPixelsPerGap
+  // may have none.
   TSAR_HD static int MinCount(int num_pixels) {
     constexpr int kPixelsPerGap = 8;
     return num_pixels - num_pixels / kPixelsPerGap;
   }
 
-  // Whether a depth lies on the plane of another. ray: of the former.
+  // Whether a depth lies on the plane of another. ray: that of the former.
   TSAR_HD static bool IsOnPlane(float depth,
                                 const Vec3f& ray,
                                 const Plane& plane,
                                 float depth_of_plane) {
-    // How far off the plane that stands for a square its depths may lie.
+    // The largest residual of a square's depths to its plane, as a fraction of
+    // depth.
     constexpr float kMaxResidual = 0.005f;
     const float expected = DepthOnRay(plane, depth_of_plane, ray);
     return fabsf(depth - expected) <= kMaxResidual * depth_of_plane;
@@ -77,7 +78,7 @@ struct SquareHypothesis {
   TSAR_HD static float DepthOnRay(const Plane& plane,
                                   float depth,
                                   const Vec3f& ray) {
-    // Along a plane seen at a grazing angle, half a square can be far.
+    // Bounds the change along a plane seen at a grazing angle.
     constexpr float kMaxDepthChange = 0.02f;
     const float on_ray = plane.Depth(ray);
     return on_ray > 0.f && fabsf(on_ray - depth) <= kMaxDepthChange * depth
@@ -85,7 +86,7 @@ struct SquareHypothesis {
                : depth;
   }
 
-  // From begin on, up to before end.
+  // The half-open pixel ranges [begin, end).
   struct Square {
     int begin_x;
     int begin_y;

@@ -76,7 +76,7 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   planes.min_rim_share = static_cast<float>(options.min_plane_support);
   planes.max_boundary_error = static_cast<float>(options.max_boundary_error);
   if (options.max_boundary_gap > 0.0) {
-    // The test that follows alone decides.
+    // Only the boundary test that follows decides.
     planes.min_samples = 3;
     planes.min_rim_share = 0.f;
     planes.max_boundary_error = std::numeric_limits<float>::infinity();

@@ -13,12 +13,12 @@
 
 namespace tsar {
 
-// Of a view whose measurements serve the planes of the scene: these need every
-// pixel's own depth, and no others.
+// The options for a view whose measurements serve the scene planes, which need
+// every pixel's own depth and no others.
 RefineOptions MeasuringOptions(const RefineOptions& options);
 
-// What single stages make of the options of a run. raster_scale: that of
-// DeviceViews; lengths shrink by it, areas by its square. image_id keys the
+// The options of single stages from the options of a run. raster_scale: that of
+// DeviceViews; lengths scale by it, areas by its square. image_id keys the
 // random numbers.
 
 ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options);

@@ -11,13 +11,13 @@
 
 namespace tsar {
 
-// Books the time between its calls to named stages.
+// Adds the time between its calls to named stages.
 class StageTimer {
  public:
   StageTimer(Device& device, std::map<std::string, double>* seconds)
       : device_(device), seconds_(seconds), start_(Clock::now()) {}
 
-  // Waits for the device; all time since the last call counts for this stage.
+  // Waits for the device and adds the time since the last call to this stage.
   void Finish(const std::string& stage) {
     device_.Synchronize();
     const Clock::time_point now = Clock::now();

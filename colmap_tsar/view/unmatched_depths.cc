@@ -28,8 +28,8 @@ void DropDepth(int x, int y, ViewData* view) {
 }  // namespace
 
 bool IsUnfiltered(int64_t num_depths, int64_t num_pixels) {
-  // Programs that filter nothing leave out little more than the margins;
-  // filters remove a tenth to a half.
+  // Unfiltered maps lack little more than the margins; filters remove a tenth
+  // to a half.
   constexpr double kMinShare = 0.98;
   return num_depths > 0 && static_cast<double>(num_depths) >=
                                kMinShare * static_cast<double>(num_pixels);

@@ -11,25 +11,25 @@
 
 namespace tsar {
 
-// Whether maps have so few holes that no filter has removed what follows from a
-// prior or from chance.
+// Whether maps have so few holes that no filter has removed depths due to a
+// prior or to chance.
 bool IsUnfiltered(int64_t num_depths, int64_t num_pixels);
 
-// Tells the depths of such a map that the images confirm from the others. As
-// views agree on a prior as well, a source confirms a depth if its own map
-// agrees and its image matches better there than beside (see
-// AddDistinctMatches); two sources have to, or the only one.
+// Finds the depths of such a map that the images confirm. As views agree on a
+// prior as well, a source confirms a depth if its own map agrees and its image
+// matches better there than at nearby depths (see AddDistinctMatches); two
+// sources must confirm, or the only one.
 class UnmatchedDepths {
  public:
-  // The view must outlive this object and have its camera, colours, depths and
+  // The view must outlive this object and have its camera, colors, depths and
   // normals.
   UnmatchedDepths(const ViewData& view, int num_sources);
 
-  // Needs the source's camera, colours and depths.
+  // Counts confirmations by a source with camera, colors and depths.
   void CompareWith(const ViewData& source);
 
-  // Makes pixels without a hypothesis of those to refine that too few of the
-  // sources have confirmed. view: the one given before.
+  // Clears the hypotheses to refine that too few sources confirmed. view: the
+  // one given to the constructor.
   void Drop(ViewData* view) const;
 
  private:
@@ -40,7 +40,8 @@ class UnmatchedDepths {
   Image<uint8_t> num_matches_;
 };
 
-// With the reading of one source, whose photo has num_image_pixels.
+// Bytes of working memory, including the reading of one source with a photo of
+// num_image_pixels.
 int64_t UnmatchedDepthsWorkingBytes(int64_t num_pixels,
                                     int64_t num_image_pixels);
 

@@ -29,7 +29,8 @@ std::shared_ptr<const UploadedView> UploadView(
   spare->has_depth = HasDepth(view.depth);
   const DeviceImage<Rgb> color(device, view.color);
   ComputeGrayPairs(color.View(), spare->gray.View(), device);
-  // Not by Upload(): another device may have allocated the memory.
+  // Upload() cannot be used, since another device may have allocated the
+  // memory.
   device.CopyToDevice(spare->depth.View().data,
                       view.depth.Data(),
                       view.depth.NumPixels() * sizeof(float));

@@ -14,10 +14,10 @@
 
 namespace tsar {
 
-// What the stages need of a source image, in a device's memory.
+// The data of a source view that the stages need, in a device's memory.
 struct UploadedView {
   Camera camera;
-  bool has_depth = false;  // In any pixel.
+  bool has_depth = false;  // Whether any pixel has a depth.
   DeviceImage<GrayPair> gray;
   DeviceImage<float> depth;
 };
@@ -25,8 +25,8 @@ struct UploadedView {
 // Whether any pixel has a depth.
 bool HasDepth(const Image<float>& depth);
 
-// The work may still be under way on the device. spare: a view that nobody uses
-// any more; one of the same size gives its memory.
+// Uploads a view; the device may still be working on return. spare: an unused
+// view, whose memory is reused if it has the same size.
 std::shared_ptr<const UploadedView> UploadView(
     const ViewData& view,
     Device& device,

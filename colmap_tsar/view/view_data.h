@@ -13,16 +13,17 @@
 
 namespace tsar {
 
-// One image of the workspace as the stages see it; all rasters have the size of
-// its depth map.
+// One image of the workspace as input of the stages; all rasters have the size
+// of its depth map.
 struct ViewData {
   Camera camera;
   Image<Rgb> color;
-  // The hypotheses: the map to refine, and where that is empty the other type.
+  // The hypotheses: those of the map to refine and, where it has none, of the
+  // other type.
   Image<float> depth;
   Image<Vec3f> normal;
   // 1 where the hypothesis is from the map to refine, 0 where it is from the
-  // other type or there is none. Empty where all are from one map.
+  // other type or there is none. Empty if all are from one map.
   Image<uint8_t> is_to_refine;
   // The two smallest matching costs of the hypotheses as COLMAP exported them,
   // or empty.
@@ -30,13 +31,13 @@ struct ViewData {
   Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
-  // Of the image's label image (see io/label_image.h), which shows the
-  // whole image at a size of its own: 0 is no segment. Empty: there is none.
+  // The image's label image (see io/label_image.h), which covers the full image
+  // at any size: 0 is no segment. Empty if there is none.
   Image<uint16_t> segments;
-  // From outside; null where there is none.
+  // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;
-  // Whether hardly a depth is missing in the map to refine (see
-  // view/unmatched_depths.h), also where no normal tells of it.
+  // Whether the map to refine has few holes (see view/unmatched_depths.h), also
+  // counting depths without a normal.
   bool is_unfiltered = false;
 
   size_t NumBytes() const;

@@ -15,10 +15,10 @@
 namespace tsar {
 namespace {
 
-// Depths that differ by less than this share are of one surface.
+// The largest relative difference of depths of one surface.
 constexpr float kSameSurface = 0.015f;
 
-// More views than a byte counts change nothing.
+// Increments a count that saturates at the maximum of a byte.
 TSAR_HD inline void Count(uint8_t* votes) {
   *votes = static_cast<uint8_t>(*votes < UINT8_MAX ? *votes + 1 : UINT8_MAX);
 }

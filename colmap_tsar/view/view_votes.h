@@ -16,9 +16,9 @@
 
 namespace tsar {
 
-// How many source views see a surface at the depth of a pixel, one in front of
-// it on the reference's own ray, which would hide it, and one behind it on
-// theirs, which it would hide.
+// The numbers of source views that see a surface at the depth of a pixel, in
+// front of it on the reference's ray, which would occlude it, and behind it on
+// their own rays, which it would occlude.
 struct ViewVotes {
   uint8_t agreeing = 0;
   uint8_t in_front = 0;
@@ -27,13 +27,13 @@ struct ViewVotes {
   TSAR_HD int Count() const { return agreeing + in_front + behind; }
 };
 
-// What the views around the reference see. Keeps references.
+// The surfaces that the views around the reference see. Holds references.
 struct ViewSurfaces {
   // The reference, then its sources, on their rasters.
   const std::vector<ObservedView>& views;
-  // For each source the plane of each of its superpixels, in its camera's
-  // frame, invalid where there is none: where the source measured nothing that
-  // is as good as certain, its surface is that plane.
+  // For each source, the plane of each of its superpixels in its camera's
+  // frame, invalid if there is none: the source's surface where it has no
+  // confident depth.
   const std::vector<std::vector<Plane>>& planes_of_sources;
 };
 

@@ -12,11 +12,11 @@
 namespace tsar {
 
 struct DenoiseOptions {
-  // Pixels this far away, by row and column, are averaged with a pixel if what
-  // surrounds them looks alike: patches of 5 x 5 pixels.
+  // Largest offset, in rows and columns, of the pixels that are averaged with a
+  // pixel if the patches of 5 x 5 pixels around them are similar.
   int search_radius = 5;
   // Patches whose mean squared difference exceeds that of noise by this many
-  // variances of the noise do not look alike at all.
+  // variances of the noise are not similar: their weight is 0.
   float strength = 4.f;
 };
 

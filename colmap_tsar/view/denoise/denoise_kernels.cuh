@@ -3,9 +3,9 @@
 
 #pragma once
 
-// Non-local means in two forms that give the same bits: a pixel by itself for a
-// GPU, a band of rows, offset by offset, for a CPU. The image repeats its
-// border.
+// Non-local means in two forms that give the same bits: one pixel per thread
+// for a GPU, a band of rows, offset by offset, for a CPU. Border pixels are
+// repeated outside the image.
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
@@ -34,8 +34,8 @@ struct Denoising {
   TSAR_HD int Column(int x) const { return Clamp(x, gray.width); }
   TSAR_HD int Row(int y) const { return Clamp(y, gray.height); }
 
-  // In whole numbers, half a grey level each: their squared differences sum up
-  // without rounding, so that the order of these sums does not matter.
+  // The gray level rounded to an integer number of half levels: sums of squared
+  // differences of integers are exact and do not depend on the order.
   TSAR_HD float HalfLevels(int x, int y) const {
     return static_cast<float>(
         static_cast<int>(2.f * gray(Column(x), Row(y)) + 0.5f));
@@ -44,8 +44,8 @@ struct Denoising {
     return (a - b) * (a - b);
   }
 
-  // Turns the squared differences of two patches into variances of the noise
-  // per pixel, in units of strength.
+  // The factor from the summed squared differences of two patches to variances
+  // of the noise per pixel, in units of strength.
   TSAR_HD float Scale(int x, int y) const {
     constexpr int kSide = 2 * kPatchRadius + 1;
     return 1.f / (static_cast<float>(4 * kSide * kSide) * options.strength *
@@ -53,15 +53,15 @@ struct Denoising {
   }
   // Two samples of noise differ by twice its variance: patches that differ by
   // no more are alike, those that differ by strength variances more are not.
-  // Not exp(), which the devices round differently.
+  // exp() is avoided, since the devices round it differently.
   TSAR_HD static float Weight(float differences, float scale, float expected) {
     const float unlikeness = Positive(differences * scale - expected);
     const float likeness = Positive(1.f - unlikeness);
     return likeness * likeness;
   }
   TSAR_HD float Expected() const { return 2.f / options.strength; }
-  // max(value, 0), exactly; of two comparisons in a row, the compiler makes
-  // jumps instead of vector instructions.
+  // max(value, 0), exactly; from two comparisons in a row, the compiler would
+  // make jumps instead of vector instructions.
   TSAR_HD static float Positive(float value) {
     return 0.5f * (value + fabsf(value));
   }
@@ -104,11 +104,11 @@ struct DenoisePixelKernel : Denoising {
   }
 };
 
-// The compiler makes vector instructions of the loops over a row.
+// Denoises a band of rows. The compiler vectorizes the loops over a row.
 class DenoiseBandKernel : Denoising {
  public:
-  // For bands of at most this many rows: what is read and written for each
-  // offset stays in the cache.
+  // The largest number of rows of a band, so that the data read and written for
+  // each offset stay in the cache.
   static constexpr int kMaxRows = 16;
 
   explicit DenoiseBandKernel(const Denoising& denoising)
@@ -178,8 +178,8 @@ class DenoiseBandKernel : Denoising {
     }
   }
 
-  // Sums up the differences over the height of a patch, from those of the row
-  // above.
+  // Sums the squared differences over the height of a patch, by updating the
+  // sums of the row above.
   void SumColumns(int row, int u, int v) {
     if (row == 0) {
       std::fill(columns_.begin(), columns_.end(), 0.f);
@@ -215,7 +215,7 @@ class DenoiseBandKernel : Denoising {
                 &weight_sum_(0, row));
   }
 
-  // The pixel of a padded band that is this far from the band's first one.
+  // The pixel of a padded band at this offset from the band's first pixel.
   const float* At(const Image<float>& padded, int row, int column) const {
     return &padded(margin_ + column, margin_ + row);
   }
@@ -266,12 +266,12 @@ class DenoiseBandKernel : Denoising {
   }
 
   const int margin_;
-  // With a margin around the band.
+  // Rasters with a margin around the band.
   Image<float> levels_;
   Image<float> red_;
   Image<float> green_;
   Image<float> blue_;
-  // Of the band.
+  // Rasters of the size of the band.
   Image<float> scale_;
   Image<float> columns_;
   Image<float> red_sum_;

@@ -11,11 +11,11 @@ namespace tsar {
 namespace {
 
 constexpr int kBlock = 8;
-// A plane of three parameters is taken out of each.
+// A plane of three parameters is subtracted from each block.
 constexpr int kDegreesOfFreedom = kBlock * kBlock - 3;
-// Variance of a block over that which mixed second differences show: 1 of white
-// noise, 9 of noise averaged over 3 x 3 pixels, 100 or more of
-// waves of ten pixels, which are texture.
+// Largest ratio of a block's variance to that estimated from mixed second
+// differences: 1 for white noise, 9 for noise averaged over 3 x 3 pixels, 100
+// or more for waves of ten pixels, which are texture.
 constexpr float kMaxSmoothness = 12.f;
 
 struct BlockKernel {
@@ -27,8 +27,8 @@ struct BlockKernel {
     constexpr float kMeanSquare = (kBlock * kBlock - 1) / 12.f;
     const int x0 = column * kBlock;
     const int y0 = row * kBlock;
-    // Relative to one pixel, which keeps the digits in which flat blocks
-    // differ.
+    // Levels are taken relative to one pixel, which keeps the digits in which
+    // flat blocks differ.
     const float base = gray(x0, y0);
     float sum = 0.f;
     float squares = 0.f;

@@ -11,10 +11,11 @@
 
 namespace tsar {
 
-// The noise of a gray image (0-255), from its flattest blocks of 8 x 8 pixels.
-// Compression and resizing correlate the noise of adjacent pixels, which
-// differences between them would not show: the variance of blocks does. Only
-// where it exceeds that of differences by far, it is that of a smooth texture.
+// Estimates the noise of a gray image (0-255) from its flattest blocks of 8 x 8
+// pixels. Compression and resizing correlate the noise of adjacent pixels,
+// which the variance of blocks shows and differences between adjacent pixels do
+// not. A block whose variance exceeds that of differences by far holds smooth
+// texture.
 NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device);
 
 }  // namespace tsar

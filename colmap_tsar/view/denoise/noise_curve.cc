@@ -10,20 +10,20 @@
 namespace tsar {
 namespace {
 
-// Rounding to whole levels.
+// Variance of rounding to integer levels.
 constexpr double kQuantizationVariance = 1.0 / 12.0;
-// Grey levels outside of these may be clipped.
+// Gray levels outside of these may be clipped.
 constexpr float kMinLevel = 8.f;
 constexpr float kMaxLevel = 247.f;
 // Blocks are compared with those of about the same brightness.
 constexpr int kNumBins = 16;
 constexpr size_t kMinBlocksOfBin = 20;
-// The share of a bin's blocks that is taken to be flat. Its largest variance
-// lies below the noise's, as far as that of normal noise scatters.
+// The share of a bin's blocks that is assumed flat. Its largest variance lies
+// below the noise's by this quantile of the dispersion of normal noise.
 constexpr double kFlatShare = 0.1;
 constexpr double kFlatQuantile = -1.2816;
-// What a bin above the curve costs, against 1 - this below it: in some bins no
-// block is flat.
+// The cost of a bin above the curve; one below it costs 1 minus this, since in
+// some bins no block is flat.
 constexpr double kCostAbove = 0.2;
 
 struct Bin {
@@ -72,7 +72,7 @@ std::vector<Bin> FlattestOfEachBin(const std::vector<BlockStatistics>& blocks,
   return bins;
 }
 
-// How badly a curve runs below the bins. Ratios count, since the variances of
+// The cost of a curve (an asymmetric loss of log ratios): the variances of
 // textured bins exceed the noise's by orders of magnitude.
 double Cost(const std::vector<Bin>& bins, double constant, double per_level) {
   double cost = 0.0;

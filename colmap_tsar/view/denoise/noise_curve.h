@@ -9,10 +9,10 @@
 
 namespace tsar {
 
-// How noisy an image is: the variance of the noise at a grey level, both on
-// 0-255. Photons make it grow with the light, the sensor and 8-bit levels
-// give it a floor: sigma^2(I) = constant + per_level I (Foi et al., Practical
-// Poissonian-Gaussian noise modeling and fitting, IEEE TIP 2008).
+// The noise of an image: its variance at a gray level on 0-255. Photon noise
+// grows with the level; the sensor and 8-bit levels add a constant: sigma^2(I)
+// = constant + per_level I (Foi et al., Practical Poissonian-Gaussian noise
+// modeling and fitting, IEEE TIP 2008).
 struct NoiseCurve {
   float constant = 0.f;
   float per_level = 0.f;
@@ -22,17 +22,17 @@ struct NoiseCurve {
   }
 };
 
-// Mean and variance of a small block of an image, the variance without what a
-// linear gradient causes.
+// Mean and variance of a small block of an image, the latter after a linear
+// gradient is subtracted.
 struct BlockStatistics {
   float mean = 0.f;
   float variance = 0.f;
 };
 
-// The curve below the variances of most blocks: those of the flattest blocks of
-// every brightness, which hold noise alone. Blocks of dark or burnt areas,
-// where levels are clipped, do not count. Without any others, the noise of
-// rounding to 8 bits. degrees_of_freedom: of each block's variance.
+// Fits the curve to the variances of the flattest blocks of every brightness,
+// which hold noise alone. Blocks of underexposed or overexposed areas, where
+// levels are clipped, are ignored. Without any others, the result is the noise
+// of rounding to 8 bits. degrees_of_freedom: those of each block's variance.
 NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks,
                          int degrees_of_freedom);
 

@@ -5,13 +5,13 @@
 
 namespace tsar {
 
-// A pixel's own texture is the variance of the grey levels, of 0-255, in the
-// 5 x 5 pixels around it. Matching windows are wider: without texture of its
-// own a pixel takes the depth of whatever edge lies in its window.
+// A pixel's own texture is the variance of the gray levels, of 0-255, in the 5
+// x 5 pixels around it. Matching windows are wider: without texture of its own
+// a pixel takes the depth of any edge in its window.
 constexpr int kOwnTextureRadius = 2;
 
-// From here on texture is distinct. With less, noise and the texture nearby
-// move a depth by up to 2 % even where other views agree with it.
+// The least variance of distinct texture. With less, noise and the texture
+// nearby move a depth by up to 2 % even where other views agree with it.
 constexpr float kDistinctTexture = 64.f;
 
 }  // namespace tsar

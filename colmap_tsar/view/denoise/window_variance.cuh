@@ -9,8 +9,9 @@
 
 namespace tsar {
 
-// The variance of the grey levels in the window of this radius around a pixel,
-// as far as it lies in the image. Rounding can make it slightly negative.
+// The variance of the gray levels in the part of the window of this radius
+// around a pixel that lies in the image. Rounding can make it slightly
+// negative.
 TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
                                     int x,
                                     int y,
@@ -22,8 +23,8 @@ TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
   for (int v = y - radius; v <= y + radius; ++v) {
     for (int u = x - radius; u <= x + radius; ++u) {
       if (gray.Contains(u, v)) {
-        // Relative to the middle: the squares of grey levels as such would take
-        // away the digits in which flat windows differ.
+        // Levels are taken relative to the center: their plain squares would
+        // lose the digits in which flat windows differ.
         const float difference = gray(u, v) - middle;
         ++count;
         sum += difference;
@@ -35,7 +36,7 @@ TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
   return squares / count - mean * mean;
 }
 
-// See own_texture.h.
+// The own texture of a pixel (own_texture.h).
 TSAR_HD inline float OwnTexture(const ImageView<const float>& gray,
                                 int x,
                                 int y) {

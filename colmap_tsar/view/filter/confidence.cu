@@ -27,11 +27,11 @@ struct ConfidenceKernel {
     const float second = second_cost(x, y);
     if (options.use_ratio && second != kUndefinedCost) {
       ++num_terms;
-      // Two perfect views have no quotient; they are equal.
+      // Two costs of 0 have no quotient; their ratio counts as 1.
       sum += second > 0.f ? min / second : 1.f;
     }
-    // Undefined where the costs were read from a file and the windows of this
-    // program carry no evidence.
+    // The LRD is undefined where the costs were read from a file and the
+    // windows of this program lack contrast.
     const float difference = left_right_difference(x, y);
     if (options.use_left_right_difference && difference != kUndefinedCost) {
       ++num_terms;

@@ -15,23 +15,23 @@ namespace tsar {
 // Whether other views confirm the depth of a pixel.
 enum class Confirmation : uint8_t {
   kNone = 0,
-  kWeak = 1,      // They do, but the pixel's own texture is weak.
-  kDistinct = 2,  // They do, and the pixel's own texture is distinct.
+  kWeak = 1,      // Confirmed; the pixel's own texture is weak.
+  kDistinct = 2,  // Confirmed; the pixel's own texture is distinct.
 };
 
 struct ConfirmationOptions {
-  // The own texture of a pixel whose depth counts as measured, in variances of
-  // the noise. Without any, it takes the depth of an edge nearby, and so it
-  // does in the other views, which then agree on a wrong depth.
+  // The least own texture of a pixel whose depth counts as measured, in
+  // variances of the noise. A pixel without texture takes the depth of an edge
+  // nearby in all views, which then agree on a wrong depth.
   float min_texture = 2.f;
-  // In squared grey levels.
+  // The least own texture of kDistinct, in squared gray levels.
   float min_distinct_texture = kDistinctTexture;
 };
 
 // The Confirmation of each pixel: other views agree with its depth, and the
-// pixel itself has texture.
-// gray: 0-255, of the map's size. agreement: how many other views agree.
-// is_candidate: 0 where a depth cannot be confirmed; empty: nowhere.
+// pixel itself has texture. gray: 0-255, of the map's size. agreement: number
+// of agreeing views. is_candidate: 0 where a depth cannot be confirmed; empty:
+// all are candidates.
 DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
                                    ImageView<const uint8_t> agreement,
                                    ImageView<const uint8_t> is_candidate,

@@ -11,8 +11,8 @@
 namespace tsar {
 namespace {
 
-// One layer: the valid pixel nearest to the middle of each block. An average
-// would invent disparities between the two sides of an edge.
+// Computes one layer: the valid pixel nearest to the center of each block. An
+// average would invent disparities between the two sides of an edge.
 struct ReduceDisparityKernel {
   ImageView<const float> depth;
   DisparityScale scale;
@@ -69,8 +69,8 @@ struct AddLayerKernel {
     if (!(z > 0.f)) {
       return;
     }
-    // A block stands for one surface only; where the pixel lies on another one,
-    // next to an edge, the verdict of a neighbouring block on it counts.
+    // A block represents one surface only; a pixel on another one, next to an
+    // edge, uses the result of a neighboring block.
     const float own = scale.ToDisparity(z);
     for (int row = y / block - 1; row <= y / block + 1; ++row) {
       for (int column = x / block - 1; column <= x / block + 1; ++column) {

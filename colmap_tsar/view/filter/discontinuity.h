@@ -13,7 +13,7 @@ namespace tsar {
 struct DiscontinuityOptions {
   // Layers k = 1 ... num_layers, each half as wide as the one before.
   int num_layers = 3;
-  // t_d = max_step * 2^k: neighbours closer in disparity are connected (paper
+  // t_d = max_step * 2^k: neighbors closer in disparity are connected (paper
   // pixels).
   float max_step = 3.f;
   // t_n = min_size * 2^k: components with more pixels of their layer are kept.

@@ -18,17 +18,17 @@ constexpr int kNumSteps = 6;
 // A support whose width is below this share of its length is a line, about
 // which a plane could turn.
 constexpr double kMinRelativeWidth = 0.01;
-// The same for sums of squares.
+// The ratio kMinRelativeWidth of sums of squares.
 constexpr double kMinSquareRatio = kMinRelativeWidth * kMinRelativeWidth;
 
-// What a step of a fit makes of a block.
+// The terms of a block in one step of a fit.
 struct TermBlock {
   static constexpr int kSize = FitSamples::Block::kSize;
   double weight[kSize];
-  double height[kSize];  // Over the plane.
-  // Residuals grow along the ray. That the slope changes with the normal is the
-  // same as that the plane turns under the ray's foot, not under the measured
-  // point.
+  double height[kSize];  // Height over the plane.
+  // Residuals are measured along the ray. The derivative of the slope with
+  // respect to the normal is included by rotating the plane about the ray's
+  // foot instead of the measured point.
   double foot_x[kSize];
   double foot_y[kSize];
   double foot_z[kSize];
@@ -60,8 +60,8 @@ struct TermBlock {
   }
 };
 
-// The terms of all samples and their weighted means, which are not numbers
-// where nothing has a weight.
+// The terms of all samples and their weighted means, which are NaN if all
+// weights are 0.
 struct Terms {
   std::vector<TermBlock> blocks;
   double weights = 0.0;
@@ -83,8 +83,8 @@ struct Terms {
   }
 };
 
-// One step of Gauss-Newton towards the least loss of the normalized
-// residuals. Nothing where the observations do not determine a plane.
+// One Gauss-Newton step that reduces the loss of the normalized residuals.
+// Returns nullopt if the observations do not determine a plane.
 std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
                                     const FitSamples& samples,
                                     double loss_scale) {
@@ -107,7 +107,7 @@ std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
     }
   }
   const double determinant = xx * yy - xy * xy;
-  // Also where something is not a number.
+  // The negated comparison also holds for NaN.
   if (!(determinant > kMinSquareRatio * (xx + yy) * (xx + yy))) {
     return std::nullopt;
   }
@@ -121,14 +121,14 @@ std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
   return WorldPlane{normal / length, offset / length};
 }
 
-// What a step of a joint fit needs of one plane. A small rotation w changes a
+// The terms of one plane in a step of a joint fit. A small rotation w changes a
 // point's height over the plane by w . (normal x position), where the position
 // is that of the point's foot relative to the middle, about which the plane
 // turns.
 struct TurnTerms {
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   Eigen::Vector3d heights = Eigen::Vector3d::Zero();
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // Of the moved plane.
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // After the move.
 };
 
 TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
@@ -152,7 +152,7 @@ TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
   return result;
 }
 
-// The turn of least angle; only about directions which the planes determine.
+// The rotation of least angle, about directions that the planes determine.
 Eigen::Vector3d SolveTurn(const std::optional<Eigen::Vector3d>& axis,
                           const Eigen::Matrix3d& products,
                           const Eigen::Vector3d& heights) {

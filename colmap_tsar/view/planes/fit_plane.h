@@ -13,11 +13,11 @@
 
 namespace tsar {
 
-// The observations that a plane is fitted to, side by side so that vector units
-// work on several at once.
+// The observations that a plane is fitted to, in blocks for vector
+// instructions.
 class FitSamples {
  public:
-  // Unused ones weigh nothing.
+  // Unused entries have weight 0.
   struct Block {
     static constexpr int kSize = 8;
     double x[kSize] = {};  // The points.
@@ -33,7 +33,7 @@ class FitSamples {
 
   void Add(const DepthObservation& observation);
   const std::vector<Block>& Blocks() const { return blocks_; }
-  // The medians of the points' coordinates; zero without any.
+  // The medians of the points' coordinates; zero without points.
   Eigen::Vector3d Middle() const;
 
  private:
@@ -41,12 +41,12 @@ class FitSamples {
   std::vector<Block> blocks_;
 };
 
-// The plane that fits the depths best, from the initial one on: a few steps of
-// Gauss-Newton towards the least weighted sum of Cauchy's loss of the
-// NormalizedResidual. loss_scale: where that turns from squares to logarithms,
-// in expected errors. Observations off the plane are told by the loss alone, so
-// the initial plane has to be nearer to the wanted plane than to others. The
-// initial plane where the observations do not determine one.
+// Fits a plane to the depths: a few Gauss-Newton steps from the initial plane
+// that reduce the weighted sum of the Cauchy loss of the NormalizedResidual.
+// loss_scale: the scale of that loss, in expected errors. Only the loss
+// suppresses outliers, so the initial plane must be nearer to the wanted plane
+// than to others. Returns the initial plane if the observations do not
+// determine one.
 WorldPlane FitPlane(const WorldPlane& initial,
                     const FitSamples& samples,
                     double loss_scale);
@@ -56,12 +56,12 @@ struct JointPlane {
   const FitSamples* samples = nullptr;  // Not null; may be empty.
 };
 
-// Fits planes that turn together, by one rotation, while each moves along its
-// normal by itself; otherwise like FitPlane. axis: where they may only turn
-// about this one, a unit vector. They do not turn about what their samples
-// leave open, such as a line on which all of these lie. One without samples
-// turns about its point that is nearest to the origin. Returns the rotation
-// from the old normals to the new ones.
+// Fits planes that share one rotation while each moves along its normal
+// independently; otherwise like FitPlane. axis: a unit vector, the only axis of
+// rotation if given. Rotations that the samples do not determine, such as about
+// a line that holds all of them, stay 0. A plane without samples turns about
+// its point nearest to the origin. Returns the rotation from the old normals to
+// the new ones.
 Eigen::Matrix3d FitTogether(const std::optional<Eigen::Vector3d>& axis,
                             double loss_scale,
                             std::vector<JointPlane>* planes);

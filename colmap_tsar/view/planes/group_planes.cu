@@ -15,8 +15,8 @@ namespace {
 constexpr int kNumRefits = 4;
 // The scale of the Cauchy weights as a share of the inliers' tolerance.
 constexpr double kCauchyShare = 0.5;
-// A sample on a hypothesis counts up to this: sums of integers do not depend on
-// the order of the terms.
+// The largest score of a sample; scores are integers, whose sums do not depend
+// on the order of the terms.
 constexpr float kScoreUnit = 65536.f;
 
 // A group's samples: measured pixels in raster order.
@@ -80,8 +80,8 @@ TSAR_HD inline Plane DrawHypothesis(const SampleList& list,
   return Plane::FromPoints(ToPoint(a), ToPoint(b), ToPoint(c));
 }
 
-// How well each hypothesis explains the samples: each counts 1 - (distance /
-// tolerance)^2, so that the middle of a noisy surface scores best (MSAC).
+// The score of each hypothesis: each sample adds 1 - (distance / tolerance)^2,
+// so that the middle of a noisy surface scores best (MSAC).
 struct ScoreKernel {
   GroupedSamples groups;
   DepthResolution resolution;
@@ -121,7 +121,7 @@ struct ScoreKernel {
   }
 };
 
-// How the samples lie about a plane.
+// The distribution of the samples about a plane.
 struct PlaneSupport {
   int num_near = 0;
   int num_inliers = 0;
@@ -166,7 +166,7 @@ struct DepthRange {
   }
 };
 
-// Least squares from each group's best hypothesis on.
+// Refits each group's best hypothesis by least squares.
 struct RefitKernel {
   GroupedSamples groups;
   const int* scores;
@@ -189,9 +189,9 @@ struct RefitKernel {
       result.max_depth = range.max;
     }
     Plane plane = BestHypothesis(list, group);
-    // The plane of three noisy points tilts; least squares on its inliers finds
-    // those that it missed. Cauchy weights keep a second surface at the edge of
-    // the tolerance from pulling the plane over.
+    // The plane of three noisy points is tilted; least squares on its inliers
+    // recovers the inliers that it missed. Cauchy weights keep a second surface
+    // at the edge of the tolerance from pulling the plane over.
     for (int round = 0; round < kNumRefits && plane.Valid(); ++round) {
       const PlaneRegression regression =
           team.template Accumulate<PlaneRegression>(
@@ -218,7 +218,7 @@ struct RefitKernel {
     }
   }
 
-  // The first of those with the highest score.
+  // The first hypothesis of the highest score.
   TSAR_HD Plane BestHypothesis(const SampleList& list, int64_t group) const {
     const int* own_scores = scores + group * options.num_hypotheses;
     int best = -1;

@@ -17,10 +17,10 @@ namespace tsar {
 // fraction of its depth.
 struct PlaneTolerance {
   float relative = 1e-3f;
-  // Never below this share of the relative depth of one pixel of disparity: at
-  // the paper's image size that is what its 10^-3 amounts to.
+  // Lower bound, as a share of the relative depth of one pixel of disparity: it
+  // equals the paper's 10^-3 at the paper's image size.
   float pixels = 0.3f;
-  // Where above 0, this distance in the unit of the depths instead.
+  // If above 0, replaces both by this distance in the unit of the depths.
   float absolute = 0.f;
 
   TSAR_HD float At(float depth, const DepthResolution& resolution) const {
@@ -32,8 +32,8 @@ struct PlaneTolerance {
   }
 };
 
-// Where on the image the support of a plane lies, in ray coordinates (x / z,
-// y / z): beyond it the plane is extrapolated.
+// The mean and covariance of the support of a plane in ray coordinates (x / z,
+// y / z); outside of it the plane is extrapolated.
 struct SupportArea {
   float mean_x = 0.f;
   float mean_y = 0.f;
@@ -42,8 +42,7 @@ struct SupportArea {
   float inverse_xy = 0.f;
   float inverse_yy = 0.f;
 
-  // How far a ray is from the middle of the support, in standard deviations of
-  // the support in that direction; squared.
+  // The squared Mahalanobis distance of a ray from the mean of the support.
   TSAR_HD float SquaredDistance(const Vec3f& ray) const {
     const float x = ray.x - mean_x;
     const float y = ray.y - mean_y;
@@ -54,23 +53,24 @@ struct SupportArea {
 struct GroupPlaneOptions {
   PlaneTolerance tolerance;
   int num_hypotheses = 48;
-  // Larger groups score their hypotheses on this many evenly spaced samples.
+  // The number of evenly spaced samples on which larger groups score their
+  // hypotheses.
   int max_scored_samples = 2048;
-  // Key the random numbers, together with the group's number.
+  // Keys of the random numbers, together with the group's index.
   uint32_t image_id = 0;
   uint32_t iteration = 0;
   uint32_t seed = 0;
 };
 
-// What RANSAC found for one group of pixels.
+// The result of RANSAC for one group of pixels.
 struct GroupPlane {
   Plane plane;            // Invalid where no three samples span one.
-  int num_pixels = 0;     // Of the group.
+  int num_pixels = 0;     // Pixels of the group.
   int num_samples = 0;    // Pixels with a measured depth.
   int num_inliers = 0;    // Samples on the plane.
   int num_near = 0;       // Samples within three times the tolerance.
-  SupportArea support;    // Of the inliers.
-  float min_depth = 0.f;  // Of the samples.
+  SupportArea support;    // Support of the inliers.
+  float min_depth = 0.f;  // Least depth of the samples.
   float max_depth = 0.f;
 };
 

@@ -11,11 +11,11 @@
 namespace tsar {
 namespace {
 
-// Observations that are apart by less than this share of their distance from
-// the cameras are at one place: what is left of rounding.
+// Observations closer than this share of their distance from the cameras
+// coincide up to rounding.
 constexpr double kSamePlace = 1e-6;
 
-// Of the height, in units of one over its variance.
+// The information on the height, one over its variance.
 double Information(const WorldPlane& plane,
                    const DepthObservation& observation) {
   const double sigma = observation.sigma * RaySlope(plane, observation);

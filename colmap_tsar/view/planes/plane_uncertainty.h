@@ -13,23 +13,22 @@
 
 namespace tsar {
 
-// How far a plane that was fitted to observations may lie beside the true one,
-// as the observations' expected errors tell. It grows with the distance from
-// them.
+// The uncertainty of a plane fitted to observations, propagated from their
+// expected errors. It grows with the distance from them.
 struct PlaneUncertainty {
-  // The middle of the support, where the plane is known best.
+  // The center of the support, where the variance is least.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   // The unit directions along the plane in which the support is longest and
   // shortest; the errors of the three estimates are independent of each other.
   Eigen::Matrix<double, 3, 2> axes = Eigen::Matrix<double, 3, 2>::Zero();
-  // Variance at the centre; infinite without observations.
+  // Variance at the center; infinite without observations.
   double height_variance = std::numeric_limits<double>::infinity();
   // Variances of the slope along each axis; infinite where no two
   // observations lie apart in that direction.
   Eigen::Vector2d slope_variance =
       Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  // Within this distance of the centre along an axis of infinite variance,
-  // points count as being at the centre.
+  // Points within this distance of the center along an axis of infinite
+  // variance are treated as at the center.
   double position_tolerance = 0.0;
 
   // Standard deviation of the plane's height, along its normal, at a point on
@@ -37,14 +36,14 @@ struct PlaneUncertainty {
   double Sigma(const Eigen::Vector3d& point) const;
 };
 
-// To first order, with errors that are independent of each other and normally
-// distributed: neighbouring pixels err together, so callers pass one
-// observation for all of them. An observation of weight w counts for w of them.
-// All must be of the plane; outliers have to be left out.
+// First-order propagation of independent, normally distributed errors. Errors
+// of neighboring pixels are correlated, so callers pass one observation for all
+// of them. An observation of weight w counts w times. All must be inliers of
+// the plane.
 //
-// It is what least squares attains. Planes at the minimum of FitPlane's loss
-// spread more widely, since it uses less of what each observation tells: 1.37
-// times as widely with a loss_scale of 0.5.
+// This is the uncertainty of least squares. The standard deviation at the
+// minimum of FitPlane's Cauchy loss, which is less efficient, is larger: 1.37
+// times with a loss_scale of 0.5.
 PlaneUncertainty ComputeUncertainty(
     const WorldPlane& plane, const std::vector<DepthObservation>& observations);
 

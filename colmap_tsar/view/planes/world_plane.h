@@ -12,8 +12,8 @@ namespace tsar {
 
 // The plane normal . X + offset = 0 in the world frame, in the units of the
 // sparse model. The normal has unit length; either of its two directions stands
-// for the same plane, since several cameras may see it from both sides. In
-// double precision for the same reason as Camera.
+// for the same plane, since several cameras may see it from both sides. Double
+// precision for the same reason as Camera.
 struct WorldPlane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double offset = 0.0;
@@ -24,10 +24,11 @@ struct WorldPlane {
   }
 };
 
-// The same plane in another frame; plane must be valid.
+// Transforms a plane, which must be valid, from the camera to the world frame.
 WorldPlane ToWorldPlane(const Plane& plane, const Camera& camera);
 
-// Faces the camera; invalid where the plane holds the camera's centre.
+// Transforms a plane to the camera frame. The result faces the camera; it is
+// invalid if the plane holds the camera's center.
 Plane ToCameraPlane(const WorldPlane& plane, const Camera& camera);
 
 }  // namespace tsar

@@ -15,7 +15,7 @@ struct BlockVotes {
 };
 
 constexpr int kBlockSize = 4;
-// How far votes reach, in blocks, and the distance at which they count a
+// The radius of votes, in blocks, and the distance at which their weight is a
 // quarter.
 constexpr int kVoteRadius = 32;
 constexpr float kVoteScale = 4.f;
@@ -127,7 +127,8 @@ struct AssignKernel {
     }
   }
 
-  // That of the pixel's block, or of a neighbouring one of the same region.
+  // The plane elected in the pixel's block, or in a neighboring block of the
+  // same region.
   TSAR_HD int Slot(int label, int column, int row) const {
     if (blocks(column, row).region == label) {
       return slots(column, row);

@@ -9,9 +9,9 @@
 
 namespace tsar {
 
-// The plane of each pixel of a region: where the region has several, the one
-// whose samples are nearest and most; none (invalid) further from the plane's
-// support than max_extrapolation, and outside the regions.
+// The plane of each pixel of a region: of several planes, the one with most
+// samples nearby. Invalid further from the plane's support than
+// max_extrapolation, and outside the regions.
 DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                                       const RegionPlanes& planes,
                                       ImageView<const RayDepth> samples,

@@ -19,7 +19,7 @@ constexpr int kNumAngles = 180;
 constexpr int kThreadsPerAngle = 2048;
 constexpr double kPi = 3.14159265358979323846;
 
-// A vector of length 1.
+// A unit vector.
 struct Direction {
   float x;
   float y;
@@ -65,13 +65,14 @@ struct Accumulator {
   const Direction* normals;
   ImageView<int> votes;
 
-  // The greatest distance of a width x height image takes the last column.
+  // The number of distances: the last column is the greatest distance of a
+  // width x height image.
   static int NumDistances(int width, int height) {
     return 2 * (static_cast<int>(std::hypot(width, height)) + 1) + 1;
   }
   TSAR_HD int Index(int angle, const Pixel& pixel) const {
     const Direction normal = normals[angle];
-    // Nothing is negative after the shift, so that cutting off rounds.
+    // The shifted value is not negative, so that truncation rounds.
     const float shift = votes.width / 2 + 0.5f;
     return angle * votes.width +
            static_cast<int>(pixel.x * normal.x + pixel.y * normal.y + shift);
@@ -120,8 +121,8 @@ class LineWalk {
   float step_y_;
 };
 
-// The line of each edge pixel, as an index into the votes: the one with most of
-// them, or -1 where these are too few.
+// The line of each edge pixel as an index into the votes: the one with most
+// votes, or -1 if it has too few.
 struct ElectKernel {
   const Pixel* pixels;
   Accumulator accumulator;
@@ -158,14 +159,14 @@ struct DrawKernel {
     if (line < 0) {
       return;
     }
-    // The line runs at a right angle to its normal.
+    // The line is perpendicular to its normal.
     const Direction normal =
         accumulator.normals[line / accumulator.votes.width];
     const LineWalk walk(pixel, {-normal.y, normal.x});
     const Pixel before = walk.At(-1);
     if (edges.Contains(before.x, before.y) && edges(before.x, before.y) != 0 &&
         lines(before.x, before.y) == line) {
-      return;  // That one draws the segment.
+      return;  // The other pixel draws the segment.
     }
     int forward = Follow(walk, 1, 0, 0);
     const int backward = Follow(walk, -1, 0, forward);
@@ -184,9 +185,9 @@ struct DrawKernel {
     }
   }
 
-  // How many pixels, counted from the start, a walk may reach with pieces no
-  // further apart than allowed. reached: how many it has reached already;
-  // behind: the segment's length on the other side.
+  // The number of pixels from the start that a walk reaches over allowed gaps.
+  // reached: the number reached so far; behind: the segment's length on the
+  // other side.
   TSAR_HD int Follow(const LineWalk& walk,
                      int direction,
                      int reached,
@@ -235,7 +236,7 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
       device, Accumulator::NumDistances(edges.width, edges.height), kNumAngles);
   Fill(device, votes.View().data, votes.View().NumPixels(), 0);
   const Accumulator accumulator{normals.Data(), votes.View()};
-  // The CPU has threads enough in the angles.
+  // On the CPU, the angles alone occupy all threads.
   const int num_threads = device.IsCuda() ? kThreadsPerAngle : 1;
   ParallelFor(device,
               num_threads,

@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-// Surfaces that differ by less than 10 degrees pass as parallel.
+// The cosine of 10 degrees; surfaces within it count as parallel.
 constexpr float kCosMaxAlignment = 0.985f;
 constexpr uint32_t kFirstStream = 1000;
 constexpr int kNumAlignmentRounds = 5;
@@ -32,12 +32,13 @@ struct RimKernel {
   }
 };
 
-// What gave a region its first plane, and what its further ones must match.
+// The samples that support a region's first plane; further planes must have the
+// same.
 enum class Carrier { kNone, kCore, kRim };
 
 struct RegionState {
   Carrier carrier = Carrier::kNone;
-  int num_inliers = 0;  // Of the first plane.
+  int num_inliers = 0;  // Inliers of the first plane.
 };
 
 struct ChooseKernel {
@@ -60,7 +61,7 @@ struct ChooseKernel {
     const bool is_first = slot == 0;
     const RegionState state = is_first ? RegionState{} : states[k];
     const float min_inliers = options.min_further_share * state.num_inliers;
-    // Where nothing carried the plane before, later rounds do not try.
+    // Without support of the previous plane, later rounds find none.
     RegionState next;
     SupportedPlane result;
     if ((is_first || state.carrier == Carrier::kCore) &&
@@ -93,9 +94,10 @@ struct ChooseKernel {
            fit.num_inliers >= options.min_rim_share * fit.num_samples;
   }
 
-  // What hangs on a wall is parallel to it, and textured: its many good samples
-  // tell the direction of the wall better than the few of the core, which tell
-  // how far behind it lies. Kept where the core's samples agree.
+  // The plane with the normal of the rim and the offset of the core: objects on
+  // a wall are parallel to it and textured, so that their many samples
+  // determine the normal better than the few of the core. Kept if the core's
+  // samples agree.
   template <typename Team>
   TSAR_HD Plane AlignedWithRim(const Team& team,
                                const GroupPlane& core,
@@ -133,7 +135,8 @@ struct ChooseKernel {
                                                               : core.plane;
   }
 
-  // Infinite where there is no sample.
+  // The distance of a sample from the plane in tolerances; infinite without a
+  // sample.
   TSAR_HD float DistanceInTolerances(const Plane& plane,
                                      const RayDepth& sample) const {
     return sample.z > 0.f
@@ -161,7 +164,7 @@ struct ChooseKernel {
   }
 };
 
-// Takes the samples of the plane just found out of the search for the next.
+// Removes the inliers of the plane just found before the next is sought.
 struct RemoveInliersKernel {
   ImageView<const int> grown;
   const SupportedPlane* planes;

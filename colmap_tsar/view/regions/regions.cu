@@ -47,8 +47,8 @@ struct IsLargeKernel {
   }
 };
 
-// names: how many large areas there are before each pixel; a root's own number
-// and the next one's differ where its area is large.
+// names: the number of large areas before each pixel; the value of a root
+// differs from the next one's if its area is large.
 struct RenameKernel {
   const int* names;
   ImageView<int> labels;
@@ -97,7 +97,7 @@ struct ShrinkKernel {
   }
 };
 
-// Kernel{labels before, labels after}, num_steps times.
+// Applies Kernel{labels before, labels after} num_steps times.
 template <typename Kernel>
 DeviceImage<int> Repeat(ImageView<const int> labels,
                         int num_steps,
@@ -115,8 +115,8 @@ DeviceImage<int> Repeat(ImageView<const int> labels,
   return result;
 }
 
-// Numbers the components with more than min_size pixels. labels: a pixel of its
-// component for each pixel, or -1.
+// Labels the components of more than min_size pixels. labels: for each pixel,
+// the representative pixel of its component, or -1.
 Regions NumberLarge(DeviceImage<int> labels, int min_size, Device& device) {
   Regions regions;
   regions.labels = std::move(labels);

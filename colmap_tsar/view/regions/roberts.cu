@@ -12,7 +12,7 @@ namespace {
 
 struct RobertsKernel {
   ImageView<const Rgb> color;
-  float min_gradient;  // The squared differences must exceed it.
+  float min_gradient;  // Threshold of the squared differences.
   bool takes_roots;
   ImageView<uint8_t> edges;
 

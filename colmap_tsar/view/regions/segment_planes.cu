@@ -13,7 +13,7 @@
 namespace tsar {
 namespace {
 
-// Of each segment, the samples on planes less those off them.
+// For each segment, the number of samples on planes minus those off them.
 struct CountSamplesKernel {
   const int* segments;
   const RayDepth* samples;

@@ -11,13 +11,13 @@
 namespace tsar {
 
 // Corrects the planes of the regions between edges by those of segments. In a
-// segment, planes of one kind are contradicted where more of the samples that
-// have one are further from it than max_gap, as a fraction of their depth, than
-// nearer, and confirmed where fewer are. Where those of the regions are
-// contradicted and those of the segment confirmed, the pixels of the segment
-// take these, as far as they reach. All else stays: where edges suffice, a
-// segmentation has no say, and a wrong one no effect.
-// segments: of FindSegments(), with their planes. samples: z = 0 for none.
+// segment, either kind of plane is contradicted if more of its samples are
+// further from it than max_gap, as a fraction of their depth, than nearer, and
+// confirmed if fewer are. If the regions' planes are contradicted and the
+// segment's confirmed, the pixels of the segment take the latter where valid.
+// Else nothing changes: a segmentation has no effect where edges suffice, or if
+// it is wrong. segments: result of FindSegments(), with their planes. samples:
+// z = 0 for none.
 void TakePlanesOfSegments(const Regions& segments,
                           ImageView<const RayDepth> samples,
                           ImageView<const Plane> segment_planes,

@@ -7,7 +7,7 @@
 
 namespace tsar {
 
-// What a team adds up to a weighted mean.
+// The sums of a weighted mean, reduced over a team.
 struct WeightedSum {
   double value = 0.0;
   double weight = 0.0;

@@ -22,17 +22,17 @@ constexpr int kNumTaps = kTapSide * kTapSide;
 // Taps that weigh less than this do not count.
 constexpr float kMinTapWeight = 1e-3f;
 
-// 11 x 11 taps, `stride` pixels apart, as a kernel sees them.
+// The weights of 11 x 11 taps, `stride` pixels apart, for use in a kernel.
 struct BilateralKernel {
   int stride = 1;
   // exp(-distance / alpha^2) by the distance in columns and rows.
   float spatial[kTapRadius + 1][kTapRadius + 1];
-  // exp(-difference / beta^2) by the squared difference of colours, up to where
-  // it falls under kMinTapWeight.
+  // exp(-difference / beta^2) by the squared difference of colors, as long as
+  // it is at least kMinTapWeight.
   const float* color = nullptr;
   int num_colors = 0;
 
-  // 0 where the colours differ too much to count. column and row in
+  // 0 where the colors differ too much to count. column and row in
   // [-kTapRadius, kTapRadius].
   TSAR_HD float Weight(int column, int row, const Rgb& a, const Rgb& b) const {
     const int dr = a.r - b.r;
@@ -49,7 +49,7 @@ struct BilateralKernel {
   }
 };
 
-// Holds the table of colours that the taps refer to.
+// Holds the table of colors that the taps refer to.
 class BilateralKernelTable {
  public:
   BilateralKernelTable(const WeightedMedianOptions& options, Device& device)

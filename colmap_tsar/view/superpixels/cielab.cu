@@ -8,7 +8,7 @@
 namespace tsar {
 namespace {
 
-// Below this share of the white, lightness is linear in the light.
+// Below this share of the white point, lightness is linear.
 constexpr float kLinearPart = 0.008856f;
 
 // The linear light of each of the 256 levels of sRGB. x^2.4 is x^2 times the
@@ -55,7 +55,7 @@ struct LabKernel {
     const float r = light[pixel.r];
     const float g = light[pixel.g];
     const float b = light[pixel.b];
-    // Shares of the white's X, Y and Z.
+    // X, Y and Z as shares of the white point's.
     const float x =
         (0.412453f * r + 0.357580f * g + 0.180423f * b) * (1.f / 0.950456f);
     const float y = 0.212671f * r + 0.715160f * g + 0.072169f * b;

@@ -9,9 +9,9 @@
 
 namespace tsar {
 
-// CIELAB of sRGB colours under the white of D65: x = L in [0, 100], y = a and
-// z = b around 0, in which distances are about those that the eye sees. The
-// same bits on every device.
+// Converts sRGB to CIELAB (white point D65), in which distances are about
+// perceptual: x = L in [0, 100], y = a and z = b around 0. The result is
+// bit-identical on every device.
 DeviceImage<Vec3f> ConvertToLab(ImageView<const Rgb> color, Device& device);
 
 }  // namespace tsar

@@ -66,7 +66,7 @@ WeightedMedianOptions SigmasOf(const CorrelationOptions& options) {
   return filter;
 }
 
-// F_A in this round, for a map of this size.
+// The options of F_A in this round, for a map of this size.
 WeightedMedianOptions FilterOfRound(const CorrelationOptions& options,
                                     int round,
                                     int width,

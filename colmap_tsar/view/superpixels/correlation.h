@@ -19,12 +19,12 @@ struct CorrelationOptions {
   float disparity_tolerance = 24.f;  // mu, in the paper's pixels
   float spatial_sigma = 2.f;         // alpha
   float color_sigma = 3.f;           // beta
-  // Whether pixels that were not reliable may come to be trusted. The paper's
-  // gate lifts a weak mask by it; a strong one loses (docs/ablation.md).
+  // Whether pixels that were not reliable may become trusted, as by the paper's
+  // gate. It improves a weak mask and degrades a strong one (docs/ablation.md).
   bool readmit_filtered = false;
   // Whether pixels that pass the gate take the depth of the filter, for the
-  // next rounds and the result, as in the paper. Then a score of 0 leaves the
-  // gate open.
+  // next rounds and the result, as in the paper. Then pixels of score 0 always
+  // pass.
   bool spread_medians = false;
   // Whether F_A has windows of delta 2^(N_t - N_c), as printed, instead of
   // twice that.
@@ -37,24 +37,24 @@ struct CorrelationOptions {
   SuperpixelPlaneOptions planes;
 };
 
-// What R1 decides: whom to trust, and the planes of the trusted.
+// The result of R1: the trusted pixels, and the planes fitted to them.
 struct CorrelationResult {
-  // Other than 0 where the own depth stands, or with spread_medians that of
-  // `spread`.
+  // Nonzero where the pixel's own depth is trusted, or with spread_medians that
+  // of `spread`.
   DeviceImage<uint8_t> trusted;
-  Buffer<Plane> planes;  // Of the superpixels; invalid where there is none.
+  Buffer<Plane> planes;  // One per superpixel; may be invalid.
   // With spread_medians, the depths of the trusted pixels, 0 elsewhere; else
   // empty.
   DepthNormalImages spread;
 };
 
 // R1 of the paper's iterative correlation refinement. Each round fits the
-// superpixels' planes to the trusted pixels, lays them over the map, spreads
-// the result by the filter F_A with a window that halves from round to round,
-// and trusts the pixels whose own disparity is within mu / (n_aggr N_c) of it
-// (Eq. 9). Trusted pixels keep their own depth, unless medians are spread.
-// own: the measured hypotheses; score: n_aggr; reliable: the first to be
-// trusted; all of the map's size. Superpixels live on raster.
+// superpixels' planes to the trusted pixels, replaces the map's depths by them,
+// filters the result by F_A with a window that halves from round to round, and
+// trusts the pixels whose own disparity is within mu / (n_aggr N_c) of it (Eq.
+// 9). Trusted pixels keep their own depth, except with spread_medians. own: the
+// measured hypotheses; score: n_aggr; reliable: the pixels trusted initially;
+// all of the map's size. Superpixels live on raster.
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                                       ImageView<const float> score,
                                       DeviceImage<uint8_t> reliable,

@@ -20,19 +20,20 @@ struct SameLabel {
   TSAR_HD bool Connected(int i, int j) const { return labels[i] == labels[j]; }
 };
 
-// A segment is named by its first pixel, its root.
+// Segments, each identified by its first pixel, its root.
 struct Segments {
   ImageView<int> roots;  // Each pixel's segment.
   int* sizes;            // In pixels; 0 for pixels that are no roots.
-  // The neighbour that a fragment will join, packed so that the one with the
-  // greatest number is wanted; 0 where none is known.
+  // The neighbor that a fragment will join, packed so that the greatest value
+  // is chosen; 0 if none is known.
   uint64_t* choices;
   int min_size;
 
   TSAR_HD bool IsFragment(int root) const {
     return sizes[root] > 0 && sizes[root] < min_size;
   }
-  // The larger, or among equals the one whose root comes first.
+  // A key that is greater for larger segments and, among equals, for earlier
+  // roots.
   TSAR_HD uint64_t Pack(int root) const {
     return static_cast<uint64_t>(sizes[root]) << 32 |
            (UINT32_MAX - static_cast<uint32_t>(root));
@@ -80,7 +81,7 @@ struct JoinKernel {
   }
 };
 
-// Moves the pixels of roots that are none any more to their new ones.
+// Adds the sizes of merged roots to their new roots.
 struct AddSizesKernel {
   Segments segments;
   TSAR_HD void operator()(int64_t i) const {

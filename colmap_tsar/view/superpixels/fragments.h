@@ -9,11 +9,10 @@
 
 namespace tsar {
 
-// Turns a labelling (no label negative) into one whose segments are 4-connected
-// and not smaller than min_size pixels: in each round, every smaller one joins
-// the largest segment that adjoins it, among equals the one whose first pixel
-// comes first. Labels become 0 ... count - 1 in the order of their first pixel.
-// Returns the count.
+// Turns nonnegative labels into ones whose segments are 4-connected and have at
+// least min_size pixels: in each round, every smaller one joins its largest
+// adjacent segment, among equals the one whose first pixel comes first. Labels
+// become 0 ... count - 1 in the order of their first pixel. Returns the count.
 int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
 
 }  // namespace tsar

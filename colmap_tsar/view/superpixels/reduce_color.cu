@@ -8,11 +8,11 @@
 namespace tsar {
 namespace {
 
-// The pixels under a reduced one along one axis. In units of which a pixel is
-// `size` long, a reduced one is `full_size` long, so that all overlaps are
-// whole numbers.
+// The pixels under a reduced pixel along one axis. Units are such that a pixel
+// is `size` and a reduced pixel `full_size` long, so that all overlaps are
+// integers.
 struct Span {
-  int64_t begin;  // In those units.
+  int64_t begin;  // Start in those units.
   int64_t end;
   int size;
 

@@ -16,7 +16,7 @@ struct SampleKernel {
   ReducedRaster raster;
   ImageView<RayDepth> samples;
 
-  // The first pixel of the map whose centre falls into reduced pixel i.
+  // The first pixel of the map whose center falls into reduced pixel i.
   TSAR_HD static int First(int i, int map_size, int size) {
     int first =
         static_cast<int>(static_cast<float>(i) * map_size / size - 0.5f);

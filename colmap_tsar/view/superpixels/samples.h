@@ -14,8 +14,8 @@
 
 namespace tsar {
 
-// The raster on which superpixels and regions live: the map's own, or a smaller
-// one of the same shape.
+// The raster of superpixels and regions: that of the map, or a smaller one of
+// the same aspect ratio.
 struct ReducedRaster {
   int width = 0;
   int height = 0;
@@ -27,9 +27,8 @@ struct ReducedRaster {
 };
 
 // The best reliable measurement under each pixel of the reduced raster, with
-// its own ray, so that nothing is averaged and nothing shifts; z = 0 where
-// there is none.
-// reliable: other than 0 where a pixel may be used; score: the higher the
+// its own ray, so that nothing is averaged or shifted; z = 0 where there is
+// none. reliable: nonzero where a pixel may be used; score: the higher the
 // better.
 DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
                                          ImageView<const float> score,
@@ -38,13 +37,12 @@ DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
                                          const ReducedRaster& raster,
                                          Device& device);
 
-// The value of the map's pixel under the middle of each reduced pixel.
+// The value of the map's pixel at the center of each reduced pixel.
 DeviceImage<float> ReduceNearest(ImageView<const float> map,
                                  const ReducedRaster& raster,
                                  Device& device);
 
-// Each pixel's plane: that of its label, or an invalid one where the label is
-// negative.
+// The plane of each pixel's label; invalid if the label is negative.
 DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device);
@@ -52,15 +50,15 @@ DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device);
 
-// The planes of a reduced raster as the pixels of the map see them.
+// The planes of a reduced raster, accessed by pixels of the map.
 struct PlaneRaster {
   ImageView<const Plane> planes;  // May be empty.
-  Intrinsics intrinsics;          // Of the map.
+  Intrinsics intrinsics;          // Those of the map.
   int map_width = 0;
   int map_height = 0;
 
-  // The plane of the map's pixel (x, y); invalid where there is none, or none
-  // that this pixel's ray meets.
+  // The plane of the map's pixel (x, y); invalid if there is none or this
+  // pixel's ray does not meet it.
   TSAR_HD Plane At(int x, int y) const {
     if (planes.Empty()) {
       return {};

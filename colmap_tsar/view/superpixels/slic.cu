@@ -21,8 +21,8 @@ struct Cluster {
   float mean_score;
 };
 
-// Clusters start on a regular grid and stay within their cell's
-// neighbourhood, so that a pixel needs to look at nine of them only.
+// Clusters start on a regular grid and stay within their cell's neighborhood,
+// so that a pixel compares only nine of them.
 struct ClusterGrid {
   int columns;
   int rows;
@@ -45,7 +45,7 @@ struct InitClusterKernel {
   ImageView<const float> score;
   Cluster* clusters;
 
-  // The position of least colour gradient around the middle of the cell, so
+  // Sets the position of least color gradient around the center of the cell, so
   // that no cluster starts on an edge.
   TSAR_HD void operator()(int column, int row) const {
     const int middle_x = static_cast<int>((column + 0.5f) * grid.cell_width);
@@ -110,11 +110,11 @@ struct AssignKernel {
   }
 };
 
-// Colours and scores are summed in units of 1 / kFixedPoint: sums of whole
-// numbers do not depend on their order.
+// Colors and scores are summed in units of 1 / kFixedPoint: sums of integers do
+// not depend on their order.
 constexpr float kFixedPoint = 65536.f;
 
-// What the pixels of a cluster add up to.
+// The sums over the pixels of a cluster.
 struct ClusterSum {
   int64_t count;
   int64_t x;
@@ -125,8 +125,8 @@ struct ClusterSum {
   int64_t score;
 };
 
-// How many pixels of a row are summed up before they are added to their
-// clusters, so that threads seldom meet there.
+// The number of pixels of a row that are summed before they are added to their
+// clusters, which reduces contention.
 constexpr int kPieceWidth = 16;
 
 struct SumKernel {
@@ -191,7 +191,8 @@ struct UpdateKernel {
   }
 };
 
-// No smaller, so that 16 bits number the superpixels of the largest raster.
+// Lower bound of a superpixel's size, so that 16 bits index the superpixels of
+// the largest raster.
 constexpr int kMinSize = 10;
 
 // The least number of pixels of a superpixel.

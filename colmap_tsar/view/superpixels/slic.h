@@ -14,7 +14,7 @@ struct SlicOptions {
   // S_sp: pixels per superpixel.
   int superpixel_size = 400;
   int num_iterations = 8;
-  // The divisors of the colour (CIELAB) and the spatial distance in Eq. 3.
+  // The divisors of the color (CIELAB) and the spatial distance in Eq. 3.
   float color_scale = 10.f;
   float spatial_scale = 20.f;
 };

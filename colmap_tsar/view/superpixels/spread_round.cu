@@ -11,7 +11,7 @@
 namespace tsar {
 namespace {
 
-// The superpixel's plane where there is one, else what is trusted.
+// The superpixel's plane if valid, else the trusted depth.
 struct LayPlanesKernel {
   PlaneRaster planes;
   DepthNormalViews map;

@@ -14,12 +14,12 @@ namespace tsar {
 
 DepthNormalImages CopyMap(const DepthNormalViews& map, Device& device);
 
-// A round of R1 that spreads depths, as in the paper: lays the planes of the
-// superpixels over the map, smooths the result by the filter F_A, keeps it
-// where the pixel's first disparity passes the gate around it (Eq. 9), and
-// empties the others. A pixel without a score passes: mu / 0 is no bound.
-// planes: on the map's pixels; filter: null for none; map: the depths of the
-// round before, where trusted; all of the map's size. Changes map and trusted.
+// A round of R1 that propagates depths, as in the paper: replaces depths by the
+// planes of the superpixels, filters the result by F_A, keeps it where the
+// pixel's original disparity passes the gate around it (Eq. 9), and clears the
+// others. A pixel of score 0 passes: mu / 0 is no bound. planes: on the map's
+// pixels; filter: null for none; map: the trusted depths of the previous round;
+// all of the map's size. Changes map and trusted.
 void SpreadRound(const PlaneRaster& planes,
                  ImageView<const Rgb> color,
                  const WeightedMedianOptions* filter,

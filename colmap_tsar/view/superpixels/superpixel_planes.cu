@@ -26,7 +26,8 @@ struct AcceptKernel {
   Intrinsics intrinsics;
   float min_support;
   float min_inlier_share;
-  const Plane* earlier;  // May be null; without one there, none is accepted.
+  // May be null; else planes without an earlier one are rejected.
+  const Plane* earlier;
   Plane* planes;
 
   template <typename Team>
@@ -42,7 +43,7 @@ struct AcceptKernel {
     }
   }
 
-  // Whether the plane's depth at the centre is one that the samples have.
+  // Whether the plane's depth at the center is in the range of the samples.
   template <typename Team>
   TSAR_HD bool IsInRange(const Team& team,
                          const GroupPlane& fit,

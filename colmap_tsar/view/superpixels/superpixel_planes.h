@@ -14,20 +14,20 @@ struct SuperpixelPlaneOptions {
   // sigma: the least share of a superpixel's pixels that must be reliable, and
   // of its reliable pixels that must lie on the plane.
   float min_support = 0.3f;
-  // Eq. 5 as printed: where above 0, planes are first sought with this
-  // tolerance, in the unit of the depths. Those of the superpixels in S (Eq. 4)
-  // are sought again with 10^-3 of the depth, and no share of samples needs to
-  // lie on them; the others are dropped.
+  // If above 0, planes are first fitted with this tolerance in the unit of the
+  // depths (Eq. 5 as printed). Those of the superpixels in S (Eq. 4) are
+  // refitted with 10^-3 of the depth and need no share of inliers; the others
+  // are dropped.
   float loose_tolerance = 0.f;
-  // t_k of Eq. 5, the tolerance of the inliers, and how RANSAC looks for them.
+  // The tolerance of the inliers, t_k of Eq. 5, and the options of RANSAC.
   GroupPlaneOptions ransac;
 };
 
 // The plane of each superpixel from its reliable samples; invalid where a
 // superpixel has too little support or its plane leaves [0.8 D_min, 1.2 D_max]
-// at the superpixel's centre (Eq. 4; the bounds as printed enclose nothing).
+// at the superpixel's center (Eq. 4; the bounds as printed enclose nothing).
 // superpixels: the pixels of each; samples: reliable measurements on their
-// raster, z = 0 elsewhere; intrinsics: of that raster.
+// raster, z = 0 elsewhere; intrinsics: those of that raster.
 Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                   ImageView<const RayDepth> samples,
                                   const Intrinsics& intrinsics,

@@ -9,14 +9,15 @@
 namespace tsar {
 namespace {
 
-// A pixel's gate: multiplied by `factor`, the difference of two inverse depths
-// is one of disparities, times n_aggr.
+// The gate of a pixel: `factor` turns the difference of two inverse depths into
+// one of disparities, times n_aggr.
 struct PixelGate {
   float inverse_depth;
   float factor;
   float tolerance;
 
-  // Beyond the gate on the camera's side, or on the far one.
+  // Whether an inverse depth is outside the gate on the near or on the far
+  // side.
   TSAR_HD bool IsNearer(float inverse) const {
     return (inverse - inverse_depth) * factor >= tolerance;
   }
@@ -25,8 +26,8 @@ struct PixelGate {
   }
 };
 
-// Whether a pixel comes to the gate at all. One with no score would pass any
-// gate, so it must have been trusted before.
+// Whether a pixel is tested at all. One of score 0 would pass any gate, so it
+// must have been trusted before.
 TSAR_HD inline bool MayPass(const TrustGate& gate,
                             int x,
                             int y,

@@ -53,10 +53,10 @@ void GateByPlanes(ImageView<const InverseDepthPlane> estimate,
                   ImageView<uint8_t> trusted,
                   Device& device);
 
-// The same with the estimate smoothed by the filter F_A, the weighted median of
-// WeightedMedianFilter. Whether a median lies inside an interval is known from
-// the weights on both sides of it, so that no median is searched for.
-// options: min_support has no say.
+// GateByPlanes() with the estimate filtered by F_A, the weighted median of
+// WeightedMedianFilter. The weights on both sides of an interval tell whether
+// it holds the median, so that no median is computed. options: min_support is
+// ignored.
 void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                           ImageView<const Rgb> color,
                           const Intrinsics& intrinsics,

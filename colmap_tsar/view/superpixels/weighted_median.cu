@@ -32,7 +32,7 @@ struct WeightedMedianKernel {
     if (where.data != nullptr && where(x, y) == 0) {
       return;
     }
-    // Most holes are found to be too wide by this alone.
+    // This test alone rejects most holes that are too wide.
     if (!IsSupported(x, y)) {
       return;
     }
@@ -108,7 +108,7 @@ struct WeightedMedianKernel {
       float* depths, float* weights, uint8_t* indices, int count, float total) {
     int low = 0;
     int high = count - 1;
-    float below = 0.f;  // Weight of what lies before low.
+    float below = 0.f;  // Weight of the elements before low.
     while (low < high) {
       const float a = depths[low];
       const float b = depths[(low + high) / 2];
@@ -131,7 +131,7 @@ struct WeightedMedianKernel {
           --j;
         }
       }
-      // Now [low, j] <= pivot <= [i, high], and what is between equals it.
+      // Now [low, j] <= pivot <= [i, high], and elements between equal it.
       float left = below;
       for (int k = low; k <= j; ++k) {
         left += weights[k];

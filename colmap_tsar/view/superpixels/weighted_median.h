@@ -30,15 +30,15 @@ struct DepthNormalImages {
 };
 
 struct WeightedMedianOptions {
-  // Half the window's side in pixels of the map; 11 x 11 taps are spread over
-  // it.
+  // Half the window's side in pixels of the map; 11 x 11 taps are distributed
+  // over it.
   float radius = 10.f;
   // alpha and beta of Eq. 6: the weight of a tap is
-  // exp(-distance / alpha^2 - |colour difference| / beta^2), with the distance
-  // in units of the spacing of the taps and colours 0-255.
+  // exp(-distance / alpha^2 - |color difference| / beta^2), with the distance
+  // in units of the spacing of the taps and colors 0-255.
   float spatial_sigma = 2.f;
   float color_sigma = 3.f;
-  // Where above 0, distances are in units of this many pixels of the map.
+  // If above 0, distances are in units of this many pixels of the map.
   float distance_unit = 0.f;
   // The least share of the taps inside the image that must hold a depth.
   float min_support = 0.f;
@@ -50,12 +50,11 @@ inline float ScaledRadius(float radius, int width, int height) {
 }
 
 // The edge-preserving filters F_A and F_B. Each tap is a plane; its depth on
-// the pixel's own ray counts, so that slanted planes stay what they are. The
-// result is the weighted median of these depths (by disparity, whose order is
-// the reverse of depth's) and the weighted mean normal of the taps that agree
-// with it; 0 where too few taps hold a depth. where: only pixels with a value
-// other than 0 are computed, all others get 0; all of them when the view is
-// empty.
+// the pixel's own ray is used, which preserves slanted planes. The result is
+// the weighted median of these depths (by disparity, whose order is the reverse
+// of depth's) and the weighted mean normal of the taps that agree with it; 0
+// where too few taps hold a depth. where: nonzero at pixels to compute, all
+// others get 0; empty: all pixels.
 DepthNormalImages WeightedMedianFilter(const DepthNormalViews& input,
                                        ImageView<const Rgb> color,
                                        ImageView<const uint8_t> where,
