@@ -31,7 +31,7 @@ RelativePose ComputeRelativePose(const Camera& reference,
                                  const Camera& source) {
   const Eigen::Matrix3d rotation =
       source.rotation * reference.rotation.transpose();
-  // Through the centre rather than t_src - R t_ref: the difference of centres
+  // Through the center rather than t_src - R t_ref: the difference of centers
   // keeps its digits when both are far from the world's origin.
   const Eigen::Vector3d translation =
       source.rotation * (reference.Center() - source.Center());

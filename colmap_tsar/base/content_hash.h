@@ -16,7 +16,7 @@ namespace tsar {
 // them: those of another function are not comparable.
 inline constexpr const char* kContentHashName = "xxh3";
 
-// A 64-bit fingerprint of a sequence of bytes (XXH3), to recognise files that
+// A 64-bit fingerprint of a sequence of bytes (XXH3), to recognize files that
 // this program wrote. Not for use against an adversary. The value depends only
 // on the bytes, not on how they were split over the calls of Update().
 class ContentHash {

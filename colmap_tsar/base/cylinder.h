@@ -22,7 +22,7 @@ struct Cylinder {
     Vec3f normal;        // A unit vector that points to the camera.
   };
 
-  // The first intersection of a ray with z = 1 from the camera's centre with
+  // The first intersection of a ray with z = 1 from the camera's center with
   // the outside. False where there is none, or where the ray runs along the
   // axis.
   TSAR_HD bool Intersect(const Vec3f& ray, Intersection* intersection) const {

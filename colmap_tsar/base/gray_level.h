@@ -8,7 +8,7 @@
 
 namespace tsar {
 
-// The luminance of a colour, 0 to 255, with the weights of Rec. 601.
+// The luminance of a color, 0 to 255, with the weights of Rec. 601.
 TSAR_HD inline float GrayLevel(const Rgb& color) {
   return 0.299f * color.r + 0.587f * color.g + 0.114f * color.b;
 }

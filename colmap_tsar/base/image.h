@@ -13,7 +13,7 @@
 
 namespace tsar {
 
-// Colour of one pixel, 0-255 per channel.
+// Color of one pixel, 0-255 per channel.
 struct Rgb {
   uint8_t r = 0;
   uint8_t g = 0;

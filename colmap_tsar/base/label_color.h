@@ -7,7 +7,7 @@
 
 namespace tsar {
 
-// A colour for each label, always the same one; black for negative labels.
+// A color for each label, always the same one; black for negative labels.
 Rgb LabelColor(int label);
 
 }  // namespace tsar

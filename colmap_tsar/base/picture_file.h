@@ -17,7 +17,7 @@ class Mat;
 
 namespace tsar {
 
-// Writes pixels (of colours BGR) into a file in a picture format that OpenCV
+// Writes pixels (of colors BGR) into a file in a picture format that OpenCV
 // has: ".png", ".jpg". parameters: as cv::imencode() has them. Throws kIo,
 // which names the path, where OpenCV was built without the format, and
 // std::bad_alloc.

@@ -10,7 +10,7 @@ namespace tsar {
 
 // The plane normal . X + offset = 0 in a camera frame. The normal is a unit
 // vector that points to the camera, so offset is the plane's distance from the
-// camera's centre. normal = 0 stands for 'no plane'.
+// camera's center. normal = 0 stands for 'no plane'.
 struct Plane {
   Vec3f normal;
   float offset = 0.f;
@@ -32,7 +32,7 @@ struct Plane {
   }
 
   // The plane through three points, facing the camera; invalid when they lie on
-  // a line or the plane holds the camera's centre.
+  // a line or the plane holds the camera's center.
   TSAR_HD static Plane FromPoints(const Vec3f& a,
                                   const Vec3f& b,
                                   const Vec3f& c) {

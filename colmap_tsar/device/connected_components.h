@@ -160,7 +160,7 @@ inline void FlattenTrees(Device& device, ImageView<int> parents) {
 // Labels every pixel with the smallest pixel index of its component, or with -1
 // where the pixel takes no part. Relation has two TSAR_HD members:
 //   bool Contains(int i) const            whether pixel i takes part,
-//   bool Connected(int i, int j) const    whether neighbours i < j are joined.
+//   bool Connected(int i, int j) const    whether neighbors i < j are joined.
 template <typename Relation>
 void LabelComponents(Device& device,
                      const Relation& relation,

@@ -35,8 +35,8 @@ class Device {
   static int NumCudaDevices();
 
   // Has the driver prepare these GPUs for this program, side by side: for each
-  // it takes a good part of a second, which the first CreateCuda would wait for.
-  // Says nothing of GPUs that fail; CreateCuda will.
+  // it takes a good part of a second, which the first CreateCuda would wait
+  // for. Says nothing of GPUs that fail; CreateCuda will.
   static void PrepareCudaDevices(const std::vector<int>& gpu_indices);
 
   bool IsCuda() const { return kind_ == DeviceKind::kCuda; }
@@ -45,7 +45,7 @@ class Device {
   // Where a CPU's loops run; of a GPU only the calling thread.
   ThreadPool& Threads() { return threads_; }
 
-  // Memory that this device's loops can read and write, not initialised.
+  // Memory that this device's loops can read and write, not initialized.
   virtual void* Allocate(size_t num_bytes) = 0;
   // The memory is free once all work is done that was asked of this device
   // before. May be called from any thread; where other devices of the GPU used

@@ -47,11 +47,11 @@ struct Dmap {
 // views), uint8 padding, uint32 width and height of the image and of the map,
 // float32 smallest and largest depth; uint16 length and the image's name;
 // uint32 number of ids and these (the first is the image, the others its
-// neighbours); float64 K, R (world to camera), C (centre), row by row; then
+// neighbors); float64 K, R (world to camera), C (center), row by row; then
 // float32 depths, 3 x float32 normals, float32 confidences and 4 x uint8 views
 // as far as the content says.
 //
-// OpenMVS takes a pixel's integer coordinates for its centre, as COLMAP's dense
+// OpenMVS takes a pixel's integer coordinates for its center, as COLMAP's dense
 // stage does. Since October 2023 its importer moves COLMAP's principal point by
 // half a pixel to that end, which COLMAP's dense stage does not: its rays are
 // half a pixel off those of OpenMVS. The map's pixels show the same things in

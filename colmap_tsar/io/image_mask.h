@@ -17,7 +17,7 @@ namespace tsar {
 // Masks as COLMAP's mask_path takes them: that of the image sub/a.jpg is
 // sub/a.jpg.png in the folder of masks. Where an image is called sub/a.png and
 // there is no sub/a.png.png, its mask may have its own name. Pixels of value 0
-// (black) are masked, all others are not; colours are brought to gray. Images
+// (black) are masked, all others are not; colors are brought to gray. Images
 // without a mask are used as a whole.
 
 // The files of the masks of these images; empty for those without one. option:

@@ -12,14 +12,14 @@
 namespace tsar {
 
 // JPEG, decoded by libjpeg, since OpenCV takes no notice of its warnings: where
-// the data break off the rest of the picture would be grey, and nobody told.
+// the data break off the rest of the picture would be gray, and nobody told.
 // Here whatever libjpeg says about the compressed data is an error: that they
 // end too early or too late, that a code is wrong, that markers are missing.
 // What it says about metadata (the version of JFIF, Adobe's transform) is not.
 //
 // A file that is cut off anywhere is refused, since the marker of its end is
 // missing. Other damage is noticed only where the decoder stumbles: JPEG has no
-// checksums, and a single wrong bit may give other colours and nothing else.
+// checksums, and a single wrong bit may give other colors and nothing else.
 //
 // All functions take the bytes of a file and its name, for messages. They throw
 // Error: kCorrupt (damaged, or nothing that libjpeg can decode) and

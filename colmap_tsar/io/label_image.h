@@ -33,7 +33,7 @@ std::vector<std::filesystem::path> FindLabelImages(
 // The segments, reduced to kMaxLabelImageSide by taking the pixel under the
 // middle of each. image: the size of the undistorted image. Throws Error,
 // naming the file: kNotFound (no such file), kIo (it cannot be read), kCorrupt
-// (it is no PNG file, or damaged), kUnsupported (it has colours), kMismatch (it
+// (it is no PNG file, or damaged), kUnsupported (it has colors), kMismatch (it
 // is not of the image's shape).
 Image<uint16_t> ReadLabelImage(const std::filesystem::path& path,
                                const RasterSize& image);

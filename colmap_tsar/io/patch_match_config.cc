@@ -38,7 +38,7 @@ bool HasAngle(const Eigen::Vector3d& center_a,
   const Eigen::Vector3d ray_b = point - center_b;
   const double sine = ray_a.cross(ray_b).norm();
   const double cosine = std::abs(ray_a.dot(ray_b));
-  // A point in a camera's centre, where both are 0, has no angle.
+  // A point in a camera's center, where both are 0, has no angle.
   return sine >= min_tangent * cosine && (sine > 0.0 || min_tangent <= 0.0);
 }
 

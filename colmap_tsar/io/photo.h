@@ -27,7 +27,7 @@ namespace tsar {
 
 Image<Rgb> ReadPhoto(const std::filesystem::path& path);
 
-// Grey as OpenCV decodes it, which is not that of the colours for all formats.
+// Gray as OpenCV decodes it, which is not that of the colors for all formats.
 Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path);
 
 // Whether a PNG file says that it has an alpha channel, which is not read.

@@ -17,7 +17,7 @@ namespace tsar {
 
 // PNG, decoded by libpng without a line on the standard error. Whatever libpng
 // says about the pixels is an error: checksums, data that end too early or too
-// late, chunks that make no sense. What it says about the rest, such as colour
+// late, chunks that make no sense. What it says about the rest, such as color
 // profiles and texts, is not: that is skipped, and so is transparency.
 
 struct PngHeader {

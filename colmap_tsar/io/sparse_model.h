@@ -50,7 +50,7 @@ std::array<std::filesystem::path, 3> FindSparseModelFiles(
     const std::filesystem::path& sparse_folder);
 
 // Reads these files; the format is the same in all versions of COLMAP from 3.7
-// on; images of rigs have their own poses, too. Quaternions are normalised.
+// on; images of rigs have their own poses, too. Quaternions are normalized.
 //
 // Throws Error: what FindSparseModelFiles() throws, kUnsupported (a camera
 // model other than PINHOLE and SIMPLE_PINHOLE), kCorrupt (anything that breaks

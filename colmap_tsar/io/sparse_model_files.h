@@ -102,7 +102,7 @@ void ReadPose(Reader* reader, SparseModelFiles::FileImage* image) {
   image->camera_id = reader->template Read<uint32_t>();
 }
 
-// All of a point but its colour, error and track.
+// All of a point but its color, error and track.
 template <typename Reader>
 void ReadPosition(Reader* reader, SparseModelFiles::FilePoint* point) {
   point->id = reader->template Read<uint64_t>();

@@ -120,7 +120,7 @@ void ReadPoints(SparseModelFiles* files) {
     SparseModelFiles::FilePoint point;
     ReadPosition(&reader, &point);
     for (int i = 0; i < 4; ++i) {
-      reader.Word();  // Colour and error.
+      reader.Word();  // Color and error.
     }
     point.track_begin = files->track_image_ids.size();
     while (!reader.AtEndOfLine()) {

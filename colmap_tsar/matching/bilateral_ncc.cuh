@@ -24,16 +24,16 @@ constexpr int kPatchSide = 6;
 constexpr int kPatchSize = kPatchSide * kPatchSide;
 
 // Widths of the bilateral weights, those of COLMAP: the window's radius in
-// pixels, and 0.2 of the range of grey levels.
+// pixels, and 0.2 of the range of gray levels.
 constexpr float kPatchSpatialSigma = 5.f;
 constexpr float kPatchColorSigma = 51.f;
 
-// Windows whose weighted variance (grey levels squared) is lower have no
+// Windows whose weighted variance (gray levels squared) is lower have no
 // texture; below it, 8-bit quantisation is all there is.
 constexpr float kMinPatchVariance = 0.65f;
 
 // The reference's window with its bilateral weights, gathered once and compared
-// with every source. Values are relative to the centre, which keeps the sums of
+// with every source. Values are relative to the center, which keeps the sums of
 // squares small; values and weights have 16 bits each, so that a GPU keeps a
 // sample in one word: threads wait for their windows otherwise.
 class ReferencePatch {
@@ -93,7 +93,7 @@ class ReferencePatch {
     variance = sum_squares * inverse_sum_weights - mean * mean;
   }
 
-  // From the centre, in pixels.
+  // From the center, in pixels.
   TSAR_HD float OffsetX(int i) const { return Offset(i % kPatchSide); }
   TSAR_HD float OffsetY(int i) const { return Offset(i / kPatchSide); }
   TSAR_HD float Offset(int column_or_row) const {
@@ -101,7 +101,7 @@ class ReferencePatch {
   }
 
   struct Sample {
-    float value;   // In kValueUnit, relative to the centre.
+    float value;   // In kValueUnit, relative to the center.
     float weight;  // Up to kMaxWeight.
   };
   TSAR_HD Sample At(int i) const {
@@ -209,11 +209,11 @@ struct PlaneHomography {
   }
 };
 
-// The homography about the centre of a window: it maps the position at (dx, dy)
-// from the centre to
+// The homography about the center of a window: it maps the position at (dx, dy)
+// from the center to
 //   x + (x_dx dx + x_dy dy) / (1 + z_dx dx + z_dy dy), and y likewise,
 // where the denominator is the depth in the second camera, relative to that of
-// the centre.
+// the center.
 struct WindowHomography {
   float x = -1.f;
   float y = -1.f;
@@ -223,7 +223,7 @@ struct WindowHomography {
   float y_dy = 0.f;
   float z_dx = 0.f;
   float z_dy = 0.f;
-  // The centre lies before the second camera, and so does the window, in which
+  // The center lies before the second camera, and so does the window, in which
   // depth changes by less than a half: beyond that, planes are seen along their
   // surface.
   bool is_seen = false;
@@ -258,7 +258,7 @@ struct WindowHomography {
 };
 
 // What is added up over the samples of a patch in another image, whose values
-// are relative to the centre there.
+// are relative to the center there.
 struct PatchSums {
   float values = 0.f;
   float squares = 0.f;

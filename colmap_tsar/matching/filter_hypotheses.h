@@ -20,7 +20,7 @@ struct HypothesisFilterOptions {
   float geom_consistency_max_cost = 1.f;  // Pixels of reprojection error.
   float window_radius = 5.f;              // Pixels.
   // How far a depth may lie off its prior, as a share of it, and its pixel's
-  // own texture, in squared grey levels, from which it has to match
+  // own texture, in squared gray levels, from which it has to match
   // nevertheless.
   float prior_tolerance = 0.01f;
   float min_distinct_texture = kDistinctTexture;

@@ -13,8 +13,8 @@
 namespace tsar {
 
 // An element of a gray image in the form in which it is interpolated: the gray
-// levels of a pixel and of its right neighbour, so that a bilinear sample takes
-// two loads instead of four. The last pixel of a row is its own neighbour.
+// levels of a pixel and of its right neighbor, so that a bilinear sample takes
+// two loads instead of four. The last pixel of a row is its own neighbor.
 struct GrayPair {
   uint32_t word = 0;  // The pixel's own level in the low half.
 };

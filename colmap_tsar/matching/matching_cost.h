@@ -8,7 +8,7 @@
 
 namespace tsar {
 
-// The cost of a window that carries no evidence: its centre leaves the source
+// The cost of a window that carries no evidence: its center leaves the source
 // image, or one of the two windows has no texture. That is not bad evidence.
 constexpr float kUndefinedCost = -1.f;
 // What stands for it in files of costs, as COLMAP writes them.

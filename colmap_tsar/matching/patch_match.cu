@@ -94,7 +94,7 @@ struct FirstCostKernel {
   }
 };
 
-// Updates the pixels of one colour of the checkerboard.
+// Updates the pixels of one color of the checkerboard.
 struct SweepKernel {
   // 64 registers for each thread.
   static constexpr int kMinBlocks = 8;
@@ -152,7 +152,7 @@ struct SweepKernel {
     costs(x, y) = best_cost;
   }
 
-  // The best of the pixel's own plane, those of its neighbours and the prior.
+  // The best of the pixel's own plane, those of its neighbors and the prior.
   TSAR_HD void Propagate(int x,
                          int y,
                          const PixelCosts& pixel,

@@ -18,7 +18,7 @@ namespace tsar {
 
 struct PatchMatchOptions {
   int num_iterations =
-      4;  // Each updates all pixels, one colour after the other.
+      4;  // Each updates all pixels, one color after the other.
   // How often the planes were updated before: changes get smaller from one
   // iteration to the next.
   int num_past_iterations = 0;

@@ -10,7 +10,7 @@ namespace tsar {
 
 // The eight areas from which a pixel may take a plane over: in each of the four
 // directions a near one, which opens like a V, and a far one, a strip. All of
-// their pixels have the other colour of the checkerboard, so that none of them
+// their pixels have the other color of the checkerboard, so that none of them
 // changes meanwhile.
 constexpr int kNumPropagationAreas = 8;
 constexpr int kNearAreaSize = 7;

@@ -11,7 +11,7 @@ namespace tsar {
 
 struct SmoothNormalsOptions {
   int radius = 2;  // Of the window, in pixels.
-  // Neighbours whose depth lies farther from the pixel's plane, as a fraction
+  // Neighbors whose depth lies farther from the pixel's plane, as a fraction
   // of depth, or whose normal is more than acos(min_cos_angle) off, belong to
   // another surface.
   float max_depth_error = 0.01f;

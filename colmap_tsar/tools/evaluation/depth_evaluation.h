@@ -12,7 +12,7 @@
 
 namespace tsar {
 
-// The pixel among `to` pixels that covers the centre of pixel i among `from`:
+// The pixel among `to` pixels that covers the center of pixel i among `from`:
 // where ground truth is looked up that is of another size than the map.
 int NearestPixel(int i, int from, int to);
 
@@ -65,7 +65,7 @@ struct DepthEvaluation {
 };
 
 // Scores the depth maps of a COLMAP workspace on all pixels and on those in
-// textureless areas, where the standard deviation of grey in a window of 11 x
+// textureless areas, where the standard deviation of gray in a window of 11 x
 // 11 pixels is below 4 of 255 levels. Where map and ground truth differ in
 // size, the ground truth is looked up at the map's pixels. Throws Error:
 // kNotFound (no ground truth, or no maps), kMismatch (a map or an image is not

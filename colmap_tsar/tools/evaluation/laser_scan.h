@@ -29,7 +29,7 @@ std::vector<double> VoxelMeans(const std::vector<Eigen::Vector3d>& points,
                                double voxel_size);
 
 // The laser beam: a cone around the ray from the scanner. The defaults are
-// ETH3D's, for a Faro X 330 and points in metres.
+// ETH3D's, for a Faro X 330 and points in meters.
 struct LaserBeam {
   double start_radius = 0.001125;     // At the scanner, units of the points.
   double divergence_degrees = 0.011;  // Half the opening angle.

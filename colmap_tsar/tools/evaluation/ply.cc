@@ -244,7 +244,7 @@ class PlyFile {
   }
 
   // The places of x, y and z, and of red, green and blue, among the element's
-  // properties; the colours are -1 unless all three are bytes.
+  // properties; the colors are -1 unless all three are bytes.
   std::array<int, 6> FindPlaces(const Element& element) const {
     static const std::array<std::string, 6> names = {
         "x", "y", "z", "red", "green", "blue"};

@@ -27,7 +27,7 @@ struct PlyCloud {
   uint64_t num_points_read = 0;  // All that the file has.
 };
 
-// The same with colours (red, green and blue of 8 bits). Of more points than
+// The same with colors (red, green and blue of 8 bits). Of more points than
 // max_num_points, so many are taken, evenly spread over the file.
 PlyCloud ReadPlyCloud(const std::filesystem::path& path,
                       uint64_t max_num_points);

@@ -20,7 +20,7 @@ nlohmann::ordered_json MatrixJson(const Eigen::Matrix4d& matrix);
 
 // World to camera: x right, y down, z forward.
 Eigen::Matrix4d WorldToCamera(const Camera& camera);
-// Its inverse, in which the translation is the camera's centre.
+// Its inverse, in which the translation is the camera's center.
 Eigen::Matrix4d CameraToWorld(const Camera& camera);
 // The same for a camera's frame as OpenGL has it: x right, y up, z backward.
 Eigen::Matrix4d OpenGlCameraToWorld(const Camera& camera);

@@ -24,7 +24,7 @@ const SparseModel::ModelImage& ImageOf(const SparseModel& model, int image) {
   return model.images[static_cast<size_t>(image)];
 }
 
-// The length of the diagonal of the box around all centres.
+// The length of the diagonal of the box around all centers.
 double Extent(const SparseModel& model) {
   Eigen::AlignedBox3d box;
   for (const SparseModel::ModelImage& image : model.images) {

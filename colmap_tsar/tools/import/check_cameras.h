@@ -18,8 +18,8 @@ struct AssignedCamera {
 
 // Makes sure that the cameras of another program are those of the images that
 // its maps are taken for: the most likely mistake is another order of the
-// images. A camera fits when its rotation is within 1 degree, its centre times
-// `scale` within 1 % of the extent of all camera centres, and its ratios of
+// images. A camera fits when its rotation is within 1 degree, its center times
+// `scale` within 1 % of the extent of all camera centers, and its ratios of
 // principal point and focal lengths, which do not depend on the image's size,
 // within 2 %. Where images stand closer than that, none may fit ten times as
 // well as the one that is meant.

@@ -63,7 +63,7 @@ struct ConvertOptions {
 };
 
 // Brings maps into the workspace's units and frames. Normals of unit length in
-// the camera frame keep every bit; others are rotated, normalised and turned
+// the camera frame keep every bit; others are rotated, normalized and turned
 // towards the camera. Depths without a normal get one from the depths around
 // (see NormalsFromDepth). Costs outside [0, 2] become 2, and so does the second
 // smallest cost, which no other program tells.

@@ -10,7 +10,7 @@
 namespace tsar {
 namespace {
 
-// Inverse depth at the neighbour minus that at the pixel, where the two may be
+// Inverse depth at the neighbor minus that at the pixel, where the two may be
 // parts of one surface.
 std::optional<float> Difference(
     const Image<float>& depth, int x, int y, int step_x, int step_y) {

@@ -24,7 +24,7 @@ struct Crease {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // Of unit length.
   double begin = 0.0;
   double end = 0.0;
-  int64_t num_pixels = 0;  // Pairs of neighbours, one of each plane.
+  int64_t num_pixels = 0;  // Pairs of neighbors, one of each plane.
 };
 
 // The same in the coordinates of one of its planes.

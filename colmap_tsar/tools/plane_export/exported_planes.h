@@ -40,7 +40,7 @@ Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
 // Floor and ceiling: the normal within 15 degrees of the vertical, and most of
 // the cameras that see it above or below. Wall: the normal within 15 degrees of
 // horizontal. All else, and all where there is no vertical, is other.
-// point: of the plane; cameras: the centres of those that see it.
+// point: of the plane; cameras: the centers of those that see it.
 PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& point,
                          const std::vector<Eigen::Vector3d>& cameras,

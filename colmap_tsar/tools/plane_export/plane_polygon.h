@@ -28,7 +28,7 @@ struct PlaneCoordinates {
 };
 
 // With the plane's own normal and its first axis, about the point of the plane
-// that is nearest to its centre.
+// that is nearest to its center.
 PlaneCoordinates CoordinatesOf(const ModelPlane& plane);
 
 // Where the pixels of a view hit a plane.
@@ -84,7 +84,7 @@ double SignedArea(const Ring& ring);
 double Area(const PlanePolygon& polygon);
 
 // Whether every ring has at least three points and no two edges of the polygon
-// meet, but for neighbours at the point that they share.
+// meet, but for neighbors at the point that they share.
 bool IsSimple(const PlanePolygon& polygon);
 
 }  // namespace tsar

@@ -18,7 +18,7 @@ namespace tsar {
 struct PlaneSighting {
   int image = 0;  // Index into the sparse model's images.
   int64_t num_pixels = 0;
-  bool is_on_normal_side = false;  // The camera's centre.
+  bool is_on_normal_side = false;  // The camera's center.
 };
 
 // What all views show of a plane, before anything is drawn.

@@ -41,7 +41,7 @@ void AddCoverage(const PlaneView& view,
                  std::vector<SupportGrid>* grids);
 
 // Which cells belong to the support of a plane: 255, the others 0. Those that
-// views cover at least half as much as their neighbours, and a tenth as much as
+// views cover at least half as much as their neighbors, and a tenth as much as
 // the median; without gaps, holes and islands of a few cells, and without what
 // lies beyond creases on whose other side nearly all of it lies. Cells that
 // touch in a corner alone do not occur.

@@ -44,7 +44,7 @@ Contour WithCorners(const Contour& contour, const cv::Mat& nodes) {
 }
 
 // In nodes, of which a cell has three along each side, the outer two shared
-// with its neighbours: so a contour, which runs through the outermost points
+// with its neighbors: so a contour, which runs through the outermost points
 // that are inside, follows the cells' borders.
 std::vector<Contours> FindContours(const Image<uint8_t>& support) {
   cv::Mat nodes = cv::Mat::zeros(
@@ -113,7 +113,7 @@ Eigen::Vector2d PutOntoCreases(const Eigen::Vector2d& point,
   return near[0]->point + near[0]->Along(point) * near[0]->direction;
 }
 
-// Those that lie on the line between their neighbours, or on one of them.
+// Those that lie on the line between their neighbors, or on one of them.
 void RemoveStraightCorners(double max_distance, Ring* ring) {
   bool has_changed = true;
   while (has_changed && ring->size() >= 3) {

@@ -20,7 +20,7 @@
 namespace tsar {
 namespace {
 
-// A layer has the name of its class, and one of the colours that all programs
+// A layer has the name of its class, and one of the colors that all programs
 // number alike.
 struct Layer {
   PlaneClass plane_class;

@@ -15,7 +15,7 @@ namespace tsar {
 // docs/planes.md describes the files.
 enum class PlaneFormat {
   kJson,  // All that is known.
-  kPly,   // ASCII: triangles, a colour for each plane, the plane of each face.
+  kPly,   // ASCII: triangles, a color for each plane, the plane of each face.
   kObj,   // Triangles in groups, plane_ID_CLASS.
   kDxf,  // R12 ASCII: triangles (3DFACE) and outlines (POLYLINE) in a layer for
          // each class.

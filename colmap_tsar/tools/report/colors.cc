@@ -140,8 +140,8 @@ Image<Rgb> ColorizeValues(const Image<float>& values,
 }
 
 const std::vector<ProvenanceKind>& ProvenanceKinds() {
-  // Colours that also people with colour blindness tell apart (after Okabe and
-  // Ito); what was there before stays grey.
+  // Colors that also people with color blindness tell apart (after Okabe and
+  // Ito); what was there before stays gray.
   static const std::vector<ProvenanceKind> kinds = {
       {"none", {0, 0, 0}},
       {"measured", {190, 190, 190}},

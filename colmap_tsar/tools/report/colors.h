@@ -12,7 +12,7 @@
 
 namespace tsar {
 
-// The depths, in the units of the maps, that the two ends of the colour scale
+// The depths, in the units of the maps, that the two ends of the color scale
 // stand for; 0 < nearest < farthest.
 struct DepthRange {
   float nearest = 0.f;
@@ -21,16 +21,16 @@ struct DepthRange {
 
 // The range that holds the depths of both maps but for the smallest and the
 // largest 2 %: wrong depths may be thousands of times too large, and would
-// leave one colour for everything else. Pixels that are 0 (no depth) do not
+// leave one color for everything else. Pixels that are 0 (no depth) do not
 // count. Any range, where neither map has a depth.
 DepthRange RobustDepthRange(const Image<float>& before,
                             const Image<float>& after);
 
 // Near is red, far is blue, 0 is black. Depths outside of the range have the
-// colour of its end.
+// color of its end.
 Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range);
 
-// A colour for each label, always the same one; negative labels are black.
+// A color for each label, always the same one; negative labels are black.
 Image<Rgb> ColorizeLabels(const Image<int>& labels);
 
 // The image with a bright line along the borders between labels. Both have the

@@ -30,7 +30,7 @@ constexpr int kComparisonColumnWidth = 360;
 // Draws a row per view: image, depth before and after, normals before and
 // after, and where each depth of the result comes from, with the share of
 // pixels that have a depth, and a legend. Both depth maps of a row have the
-// same colour scale. Throws Error kMismatch (no rows, an empty raster, maps of
+// same color scale. Throws Error kMismatch (no rows, an empty raster, maps of
 // different sizes) and what ColorizeProvenance throws.
 Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows);
 

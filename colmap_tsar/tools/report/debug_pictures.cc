@@ -89,7 +89,7 @@ Image<Rgb> ColorizeMask(const Image<uint8_t>& mask) {
   return colors;
 }
 
-// In the colours that provenance has for the same.
+// In the colors that provenance has for the same.
 Image<Rgb> ColorizeEvidence(const Image<uint8_t>& evidence) {
   Image<uint8_t> kinds(evidence.Width(), evidence.Height());
   std::transform(

@@ -71,7 +71,7 @@ Image<float> ReadRelativeSigma(const fs::path& path,
   return sigma;
 }
 
-// A colour for each plane of the scene; black where there is none.
+// A color for each plane of the scene; black where there is none.
 Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
   const Image<uint16_t> numbers =
       RequireSizeOf(depth, "the depth map", path, ReadGray16Png(path));

@@ -26,7 +26,7 @@ struct ImagePage {
   int height = 0;
   int picture_width = 0;  // Of the pictures.
   int picture_height = 0;
-  DepthRange range;        // Of the colours of depth.
+  DepthRange range;        // Of the colors of depth.
   int64_t num_before = 0;  // Pixels with a depth.
   int64_t num_after = 0;
   std::vector<int64_t> num_by_provenance;  // As ProvenanceKinds().

@@ -15,7 +15,7 @@
 namespace tsar {
 
 // What the page shows of the planes of the scene; its pictures and tsar_planes
-// have the same colour for each, LabelColor() of its id.
+// have the same color for each, LabelColor() of its id.
 struct PlanePage {
   struct Plane {
     int id = 0;

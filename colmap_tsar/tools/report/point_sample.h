@@ -27,8 +27,8 @@ struct PointSample {
   void Append(const PointSample& other);
 };
 
-// At most max_num_points of a PLY file, evenly spread over it; grey where it
-// has no colours. Throws what ReadPlyCloud throws.
+// At most max_num_points of a PLY file, evenly spread over it; gray where it
+// has no colors. Throws what ReadPlyCloud throws.
 PointSample SampleCloud(const std::filesystem::path& path,
                         const Eigen::Vector3d& origin,
                         int64_t max_num_points);
@@ -47,7 +47,7 @@ PointSample SampleMap(const Image<float>& depth,
 
 // What a page loads as a script, since it may not read files: a call
 // tsarPoints("NAME", "BASE64") with the positions as float32, little-endian,
-// followed by the colours as bytes.
+// followed by the colors as bytes.
 std::string PointScript(const std::string& name, const PointSample& sample);
 
 }  // namespace tsar

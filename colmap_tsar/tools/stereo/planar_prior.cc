@@ -78,7 +78,7 @@ std::vector<cv::Point2f> SelectVertices(const Image<float>& depth) {
 
 using Triangle = std::array<Pixel, 3>;
 
-// Twice the signed area of the triangle a, b, c; exact, so that neighbouring
+// Twice the signed area of the triangle a, b, c; exact, so that neighboring
 // triangles leave no pixel out between them.
 int64_t SignedArea(const Pixel& a, const Pixel& b, const Pixel& c) {
   return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{c.x - a.x} * (b.y - a.y);
