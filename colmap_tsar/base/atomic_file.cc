@@ -31,7 +31,7 @@ std::string TemporaryOf(const std::string& name) {
 
 constexpr mode_t kPermissions = 0777;
 
-// Other programs may leave what they write to the system's memory.
+// Flushes a file that another program may have left in the system's cache.
 void FlushFile(const Folder& folder, const std::string& name) {
   const int descriptor =
       openat(folder.Descriptor(),
@@ -91,7 +91,8 @@ class DescriptorBuffer : public std::streambuf {
 
   int sync() override { return Flush() ? 0 : -1; }
 
-  // So that what is known at the end alone can be written at the beginning.
+  // Seeking lets a value that is only known at the end be written at the
+  // beginning.
   pos_type seekpos(pos_type position, std::ios_base::openmode) override {
     if (!Flush()) {
       return pos_type(off_type(-1));
@@ -153,7 +154,8 @@ struct AtomicFile::State {
         S_ISREG(state.st_mode)) {
       replaced = state;
     }
-    // What a killed program left may be a link to a file that must not change.
+    // The temporary of a killed program may be a link to a file that must not
+    // change.
     RemoveTemporary();
     const int opened =
         openat(folder.Descriptor(),
@@ -166,7 +168,7 @@ struct AtomicFile::State {
     return opened;
   }
 
-  // Not all file systems know owners and permissions.
+  // Failures are ignored: not all file systems have owners and permissions.
   void SetAttributes() {
     if (replaced) {
       if (fchown(descriptor, replaced->st_uid, replaced->st_gid) != 0) {
@@ -194,8 +196,8 @@ struct AtomicFile::State {
   Folder folder;
   std::string name;
   std::string temporary;
-  std::optional<struct stat> replaced;  // Whose attributes it gets.
-  std::optional<timespec> time;         // Of the last change, if not now.
+  std::optional<struct stat> replaced;  // Source of the attributes.
+  std::optional<timespec> time;         // Modification time, if not now.
   int descriptor;
   bool committed = false;
   DescriptorBuffer buffer;
@@ -217,8 +219,7 @@ void AtomicFile::Prepare() {
   state_->stream.flush();
   int error = state_->buffer.SystemErrorNumber();
   if (error == 0 && !state_->stream) {
-    // The stream itself had no memory for what it writes, which it tells nobody
-    // but by this.
+    // The stream ran out of memory, which it reports by this flag alone.
     throw std::bad_alloc();
   }
   state_->SetAttributes();
@@ -305,7 +306,7 @@ void CopyFile(const std::filesystem::path& source,
   if (keeps_time) {
     copy.state_->time = state.st_mtim;
   }
-  // By operator<<, a disk that fails would look like the end of the file.
+  // With operator<<, a failing disk would look like the end of the file.
   std::vector<char> block(size_t{1} << 16);
   do {
     input.read(block.data(), static_cast<std::streamsize>(block.size()));
@@ -331,10 +332,11 @@ void RenameFile(const ContainedPath& from, const ContainedPath& to) {
     if (errno != EXDEV) {
       ThrowSystemError(to.Path(), "cannot be replaced by " + from_name, errno);
     }
-    // The copy is complete and on the disk before the first one goes.
+    // The copy is complete and flushed to the disk before the source is
+    // removed.
     CopyFile(from.Path(), to, true);
   }
-  // Between two names of one file, a rename does nothing.
+  // rename() does nothing if both names are links to one file.
   unlinkat(from_folder.Descriptor(), from_name.c_str(), 0);
   to_folder.Flush();
 }

@@ -12,38 +12,39 @@
 
 namespace tsar {
 
-// Writes a file so that its name always stands for a complete file, the old one
-// or the new one: the content goes to a temporary name in the same folder, is
-// flushed to the disk, and is renamed. Without Commit() the destructor removes
-// the temporary and leaves the old file alone. The new file has the permissions
-// of the old one and, where that is permitted, its owner.
+// Writes a file so that its name always refers to a complete file, old or new:
+// the content goes to a temporary name in the same folder, is flushed to the
+// disk, and is renamed. Without Commit() the destructor removes the temporary
+// and leaves the old file alone. The new file has the permissions of the old
+// one and, where that is permitted, its owner.
 //
-// Every failure is an Error kIo that names the file and the system's reason,
-// and removes the temporary. One program at a time may write a given file.
+// Every failure throws Error kIo with the file and the system's reason, and
+// removes the temporary. One program at a time may write a given file.
 class AtomicFile {
  public:
-  // What the temporary names end in. A killed program leaves them behind; the
-  // next write of the same file takes their place.
+  // Suffix of the temporary names. A killed program leaves its temporary
+  // behind; the next write of the same file replaces it.
   static constexpr const char* kTemporarySuffix = ".tsar_tmp";
 
-  // The folder must exist; see folder.h for what else may be wrong with it.
+  // The folder must exist; see folder.h for other errors.
   explicit AtomicFile(const ContainedPath& path);
   ~AtomicFile();
   AtomicFile(AtomicFile&&) noexcept;
   AtomicFile& operator=(AtomicFile&&) = delete;
 
-  // Binary; seekp(position) goes back to what was written. Failed writes are
-  // reported by Prepare() and Commit().
+  // The binary stream of the content; seekp(position) may go back. Failed
+  // writes are reported by Prepare() and Commit().
   std::ostream& Stream();
 
-  // Flushes to the disk and closes. Several files can be made ready before the
-  // first is renamed. Nothing may be written afterwards.
+  // Flushes to the disk and closes, so that several files can be complete
+  // before the first is renamed. Nothing may be written afterwards.
   void Prepare();
 
-  // That of the new file's last change, in nanoseconds; after Prepare().
+  // The modification time of the new file in nanoseconds; valid after
+  // Prepare().
   int64_t Time() const;
 
-  // Gives the file its name, after Prepare() where that was not called.
+  // Renames the file to its final name; calls Prepare() first if needed.
   void Commit();
 
  private:
@@ -54,46 +55,45 @@ class AtomicFile {
   std::unique_ptr<State> state_;
 };
 
-// Creates a folder and those above it, and flushes the new names to the disk;
-// Error kIo with the system's reason.
+// Creates a folder and its parents, and flushes the new names to the disk.
+// Throws Error kIo with the system's reason.
 void CreateFolders(const ContainedPath& path);
 
-// Gives `path` the content of `source` in one step: as a hard link where the
-// file system can, otherwise as a copy of the same time. Replaces an existing
-// file; creates the folder.
+// Gives `path` the content of `source` atomically: as a hard link if the file
+// system supports it, otherwise as a copy with the same time. Replaces an
+// existing file; creates the folder.
 void LinkOrCopyFile(const std::filesystem::path& source,
                     const ContainedPath& path);
 
-// Replaces `path` by a copy with the permissions of the source, in one step;
-// Error kIo. keeps_time: the copy gets the time of the last change, too, where
-// the file system can.
+// Replaces `path` atomically by a copy with the permissions of the source.
+// Throws Error kIo. keeps_time: whether the copy gets the modification time,
+// too, if the file system supports it.
 void CopyFile(const std::filesystem::path& source,
               const ContainedPath& path,
               bool keeps_time = false);
 
-// Renames and flushes the folder; Error kIo. Creates no folder. Between file
-// systems, files are copied and the former name is removed then.
+// Renames a file and flushes the folder. Throws Error kIo. Creates no folder.
+// Between file systems, the file is copied and the former name removed.
 void RenameFile(const ContainedPath& from, const ContainedPath& to);
 
-// Exchanges what two names stand for, in one step, and flushes the folders;
-// false where the file system cannot, and nothing has changed. Error kIo.
+// Exchanges two names atomically and flushes the folders. Returns false, with
+// nothing changed, if the file system does not support it. Throws Error kIo.
 bool ExchangeFiles(const ContainedPath& first, const ContainedPath& second);
 
-// Removes a file or link where there is one; Error kIo.
+// Removes a file or link if it exists. Throws Error kIo.
 void RemoveFile(const ContainedPath& path);
 
-// Removes a folder where nothing is in it; whether it did.
+// Removes a folder if it is empty; returns whether it did.
 bool RemoveFolderIfEmpty(const ContainedPath& path);
 
-// Removes the folders below this one, and this one, in which nothing is.
+// Removes this folder and those below it as far as they are empty.
 void RemoveEmptyFolders(const ContainedPath& folder);
 
-// Removes a folder with all that is in it, links themselves and not what they
-// lead to; Error kIo.
+// Removes a folder and its content without following links. Throws Error kIo.
 void RemoveTree(const ContainedPath& folder);
 
 // Removes the temporaries of AtomicFile that killed programs left behind, in a
-// folder and all below it; Error kIo. Folders of such names stay.
+// folder and all below it, but no folders of such names. Throws Error kIo.
 void RemoveTemporaries(const ContainedPath& folder);
 
 }  // namespace tsar

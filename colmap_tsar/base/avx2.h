@@ -3,11 +3,10 @@
 
 #pragma once
 
-// Code for processors with AVX2 beside the code for all, chosen when the
-// program runs, so that what is built on one machine runs on every other.
-// Vectors hold eight numbers there instead of four, and are loaded from eight
-// places at once. Multiplications and additions stay apart (-ffp-contract=off),
-// and so both give the same bits.
+// Dispatch at run time between code for AVX2 and portable code, so that a build
+// runs on every machine. AVX2 has vectors of eight floats instead of four, and
+// gather loads. Multiplications and additions are not fused
+// (-ffp-contract=off), so that both give the same bits.
 
 // Marks a function that is called only where HasAvx2(): it is compiled for
 // AVX2, and so is a copy of everything that it calls.
@@ -19,7 +18,7 @@
 
 namespace tsar {
 
-// Of this machine's processor; false where it is no x86-64.
+// Whether this machine's processor has AVX2; false if it is no x86-64.
 bool HasAvx2();
 
 }  // namespace tsar

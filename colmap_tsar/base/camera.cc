@@ -31,8 +31,8 @@ RelativePose ComputeRelativePose(const Camera& reference,
                                  const Camera& source) {
   const Eigen::Matrix3d rotation =
       source.rotation * reference.rotation.transpose();
-  // Through the center rather than t_src - R t_ref: the difference of centers
-  // keeps its digits when both are far from the world's origin.
+  // The centers are used rather than t_src - R t_ref: their difference keeps
+  // its digits when both are far from the world's origin.
   const Eigen::Vector3d translation =
       source.rotation * (reference.Center() - source.Center());
   RelativePose pose;

@@ -31,7 +31,7 @@ struct Intrinsics {
 };
 
 // A calibrated image: x_cam = rotation * x_world + translation, in the units of
-// the sparse model; x right, y down, z forward. Kept in double precision, since
+// the sparse model; x right, y down, z forward. Double precision is used, since
 // georeferenced models have coordinates with seven digits before the point.
 struct Camera {
   int width = 0;
@@ -45,7 +45,7 @@ struct Camera {
 
   Eigen::Vector3d Center() const { return -rotation.transpose() * translation; }
 
-  // The same camera for an image of another size. Depth maps may be smaller
+  // Returns the camera for an image of another size. Depth maps may be smaller
   // than their images; COLMAP scales every intrinsic by the ratio of the sizes.
   Camera Resized(int new_width, int new_height) const;
 

@@ -9,10 +9,10 @@
 namespace tsar {
 
 // The path of a file or folder that is written to or removed, in two parts: the
-// folder that the user named, in whose path links are followed, and the way
-// from there, in which no link may lead out of it (see folder.h). Whatever
-// changes a workspace takes such paths, so that links which were put in the
-// place of its folders cannot lead a write elsewhere.
+// root folder that the user named, in whose path links are followed, and the
+// relative path from there, in which no link may lead out of the root (see
+// folder.h). All functions that change a workspace take such paths, so that
+// links in place of its folders cannot redirect a write.
 class ContainedPath {
  public:
   ContainedPath() = default;
@@ -23,16 +23,16 @@ class ContainedPath {
         path_(relative.empty() ? root : root / relative) {}
 
   const std::filesystem::path& Root() const { return root_; }
-  // Empty for the root itself.
+  // The path relative to the root; empty for the root itself.
   const std::filesystem::path& Relative() const { return relative_; }
 
-  // The whole, for messages and readers.
+  // The full path, for messages and readers.
   operator const std::filesystem::path&() const { return path_; }
   const std::filesystem::path& Path() const { return path_; }
   std::string string() const { return path_.string(); }
 
   std::filesystem::path Filename() const { return relative_.filename(); }
-  // The folder that it is in; of a root, the root.
+  // The parent folder; the root is its own parent.
   ContainedPath Parent() const {
     return relative_.has_parent_path()
                ? ContainedPath(root_, relative_.parent_path())
@@ -48,8 +48,8 @@ class ContainedPath {
   std::filesystem::path path_;
 };
 
-// A file or folder outside of workspaces, all of whose path the user named:
-// only its own name may not be that of a link to a folder.
+// A file or folder outside of workspaces whose full path the user named: only
+// its last component may not be a link to a folder.
 inline ContainedPath UserPath(const std::filesystem::path& path) {
   return ContainedPath(
       path.has_parent_path() ? path.parent_path() : std::filesystem::path("."),

@@ -27,7 +27,7 @@ ContentHash::ContentHash() : state_(XXH3_createState()) {
 ContentHash::~ContentHash() = default;
 
 void ContentHash::Update(const void* data, size_t num_bytes) {
-  // An empty array may have no address, which some versions refuse.
+  // An empty array may have a null address, which some versions reject.
   if (num_bytes > 0) {
     XXH3_64bits_update(state_.get(), data, num_bytes);
   }

@@ -12,13 +12,13 @@ struct XXH3_state_s;
 
 namespace tsar {
 
-// Names the function by which fingerprints are computed, in files that hold
-// them: those of another function are not comparable.
+// The name of the hash function in files that hold hashes: those of another
+// function are not comparable.
 inline constexpr const char* kContentHashName = "xxh3";
 
-// A 64-bit fingerprint of a sequence of bytes (XXH3), to recognize files that
-// this program wrote. Not for use against an adversary. The value depends only
-// on the bytes, not on how they were split over the calls of Update().
+// A 64-bit hash of a sequence of bytes (XXH3), to recognize files that this
+// program wrote. It is not cryptographic. The value depends only on the bytes,
+// not on how they were split over the calls of Update().
 class ContentHash {
  public:
   ContentHash();
@@ -37,8 +37,7 @@ class ContentHash {
   std::unique_ptr<XXH3_state_s, Free> state_;
 };
 
-// The fingerprint of a file's content; kNotFound or kIo where it cannot be
-// read.
+// The hash of a file's content. Throws kNotFound or kIo if it cannot be read.
 uint64_t HashFile(const std::filesystem::path& path);
 
 }  // namespace tsar

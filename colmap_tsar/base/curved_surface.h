@@ -22,8 +22,8 @@ struct CurvedSurface {
   float extent = 1.f;  // > 0
   float coefficients[6] = {};
 
-  // The plane that touches the surface where the ray meets it: it has the
-  // surface's depth and normal there. Invalid where the ray does not meet it.
+  // The tangent plane at the ray's intersection, which has the surface's depth
+  // and normal there. Invalid if the ray does not meet the surface.
   TSAR_HD Plane TangentAt(const Vec3f& ray) const {
     const float* c = coefficients;
     const float u = (ray.x - middle_x) / extent;
@@ -33,8 +33,8 @@ struct CurvedSurface {
     if (!(inverse_depth > 0.f)) {
       return {};
     }
-    // A plane's inverse depth is linear in the ray, so that the linear part
-    // about the ray is the plane.
+    // The inverse depth of a plane is linear in the ray, so that the linear
+    // expansion about the ray is the tangent plane.
     const float a = (c[1] + 2.f * c[3] * u + c[4] * v) / extent;
     const float b = (c[2] + c[4] * u + 2.f * c[5] * v) / extent;
     const Vec3f gradient = {a, b, inverse_depth - a * ray.x - b * ray.y};

@@ -12,7 +12,7 @@ namespace tsar {
 
 // A straight circular cylinder in a camera frame.
 struct Cylinder {
-  Vec3f point;  // On its axis: where heights begin.
+  Vec3f point;  // On the axis, at height 0.
   Vec3f axis;   // A unit vector.
   float radius = 0.f;
 
@@ -22,9 +22,9 @@ struct Cylinder {
     Vec3f normal;        // A unit vector that points to the camera.
   };
 
-  // The first intersection of a ray with z = 1 from the camera's center with
-  // the outside. False where there is none, or where the ray runs along the
-  // axis.
+  // Computes the first intersection of a ray with z = 1 from the camera's
+  // center with the outer side. Returns false if there is none or the ray is
+  // parallel to the axis.
   TSAR_HD bool Intersect(const Vec3f& ray, Intersection* intersection) const {
     const Vec3f across = ray - axis * Dot(ray, axis);
     const Vec3f center = point - axis * Dot(point, axis);

@@ -9,7 +9,8 @@
 namespace tsar {
 namespace {
 
-// Shorter baselines, as a share of the longest, are rounding.
+// The least baseline as a share of the longest; shorter ones are due to
+// rounding.
 constexpr double kMinBaselineShare = 1e-3;
 
 }  // namespace
@@ -29,8 +30,8 @@ DisparityScale ComputeDisparityScale(const Camera& reference,
   if (baselines.empty()) {
     return {};
   }
-  // The nearest sources carry most matches; the mean of all baselines would
-  // make the tolerances several times too tight.
+  // The nearest sources contribute most matches; the mean of all baselines
+  // would make the tolerances several times too tight.
   std::sort(baselines.begin(), baselines.end());
   baselines.resize(std::min<size_t>(baselines.size(), 4));
   const double baseline =

@@ -10,12 +10,12 @@
 
 namespace tsar {
 
-// The long side of the paper's images of ETH3D, for which its pixel numbers are
-// taken to hold.
+// The long side of the paper's ETH3D images, to which its values in pixels
+// refer.
 constexpr int kPaperSize = 3110;
 
-// How precise depths of a map can be: one pixel of disparity bounds the
-// precision of matching.
+// The resolution of the depths of a map: one pixel of disparity, which bounds
+// the precision of matching.
 struct DepthResolution {
   float error_per_depth = 0.f;  // 1 / (f b), f in pixels of the map itself
 
@@ -37,8 +37,8 @@ struct DisparityScale : DepthResolution {
 };
 
 // The scale for a reference camera of the map's size. The baseline is the mean
-// of the four shortest ones to the sources, not counting views from the same
-// place, such as the faces of a panorama; without any the factor is 0.
+// of the four shortest ones to the sources, without views of the same center,
+// such as the faces of a panorama; the factor is 0 if there are none.
 DisparityScale ComputeDisparityScale(const Camera& reference,
                                      const std::vector<Camera>& sources);
 

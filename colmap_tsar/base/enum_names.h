@@ -28,7 +28,7 @@ std::string EnumName(const EnumNames<Enum, kNumValues>& names, Enum value) {
   throw std::invalid_argument("a value of an enum without a name");
 }
 
-// Nothing for a text that is no name.
+// Returns nullopt for a text that is no name.
 template <typename Enum, size_t kNumValues>
 std::optional<Enum> FindEnumValue(const EnumNames<Enum, kNumValues>& names,
                                   std::string_view text) {

@@ -8,8 +8,8 @@
 
 namespace tsar {
 
-// What went wrong, for callers that react to it. The command line prints the
-// message and ends with exit code 1, whatever the cause.
+// The kind of an error, for callers that react to it. The command line prints
+// the message and exits with code 1 for every kind.
 enum class ErrorCode {
   kNotFound,     // A file, folder or named thing does not exist.
   kCorrupt,      // A file's content breaks its format.
@@ -29,7 +29,7 @@ class Error : public std::runtime_error {
   Error(ErrorCode code, const std::string& message)
       : std::runtime_error(message), code_(code) {}
 
-  // The form that all errors about a file take: "PATH: WHAT; ADVICE".
+  // The common form of errors about a file: "PATH: WHAT; ADVICE".
   static Error File(ErrorCode code,
                     const std::string& path,
                     const std::string& what,

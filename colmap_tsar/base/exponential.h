@@ -11,14 +11,13 @@
 
 namespace tsar {
 
-// e^x for x <= 0, to 3e-7 of its value; 0 below -85. The libraries of CPU and
-// GPU each round their own expf; this one consists of additions and
-// multiplications alone, so that both get the same bits, and compilers turn
-// loops of it into vector instructions.
+// e^x for x <= 0 with a relative error of 3e-7; 0 below -85. The expf of CPU
+// and GPU round differently; this one consists of additions and multiplications
+// alone, so that both give the same bits and compilers vectorize loops of it.
 TSAR_HD inline float ExpOfNegative(float x) {
   constexpr float kLowest = -85.f;
   constexpr float kLog2E = 1.44269504f;
-  // ln 2 in two parts, of which the first has few bits: n times it is exact.
+  // ln 2 in two parts; n times the first, which has few bits, is exact.
   constexpr float kLn2High = 0.693359375f;
   constexpr float kLn2Low = -2.12194440e-4f;
   const float bounded = x > kLowest ? x : kLowest;

@@ -8,16 +8,16 @@
 
 namespace tsar {
 
-// For the user where memory ran out; in a form that takes none.
+// The user's message for exhausted memory; it needs no allocation.
 inline constexpr char kOutOfMemory[] =
     "out of memory; close other programs or work on smaller images";
 
-// Whether an exception, also one of OpenCV, says that memory ran out.
+// Whether an exception, also one of OpenCV, reports exhausted memory.
 bool IsOutOfMemory(const std::exception_ptr& failure);
 
-// An exception as a line for the user: errors of this project as they are, all
-// others with what can be said about them. Not null. Throws std::bad_alloc
-// where there is no memory for the text.
+// The message of an exception (not null) as one line for the user: errors of
+// this project unchanged, others with an explanation. Throws std::bad_alloc if
+// there is no memory for the text.
 std::string FailureText(const std::exception_ptr& failure);
 
 }  // namespace tsar

@@ -9,7 +9,7 @@
 
 namespace tsar {
 
-// The time of a file's last change, in nanoseconds; 0 where there is none.
+// The modification time of a file in nanoseconds; 0 if there is no file.
 int64_t TimeOf(const std::filesystem::path& path);
 int64_t ToNanoseconds(const timespec& time);
 

@@ -5,8 +5,8 @@
 
 namespace tsar {
 
-// Neither NaN nor infinite. Without branches, so that loops over maps become
-// vector instructions: what is not finite differs from itself by more than 0.
+// Whether a value is neither NaN nor infinite: x - x is 0 for finite values
+// alone. There are no branches, so that loops over maps are vectorized.
 inline bool IsFinite(float value) { return value - value == 0.f; }
 
 }  // namespace tsar

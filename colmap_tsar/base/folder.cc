@@ -46,13 +46,13 @@ class OwnedDescriptor {
   int value_;
 };
 
-// For search alone, which may be all that is permitted.
+// O_PATH needs the permission to search alone.
 constexpr int kOnTheWay = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 constexpr int kAtTheEnd = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 
 int OpenEnd(int parent, const char* name) {
   const int descriptor = openat(parent, name, kAtTheEnd);
-  // Without the right to list it, files in it can still be written.
+  // Files can be written in a folder that may not be listed.
   return descriptor < 0 && errno == EACCES ? openat(parent, name, kOnTheWay)
                                            : descriptor;
 }
@@ -67,7 +67,7 @@ struct Walk {
   OwnedDescriptor folder{-1};
   int error = 0;
   bool met_link = false;
-  fs::path at;  // How far it got.
+  fs::path at;  // The current folder.
 };
 
 Walk WalkDown(const fs::path& root, const fs::path& relative, bool creates) {
@@ -84,7 +84,7 @@ Walk WalkDown(const fs::path& root, const fs::path& relative, bool creates) {
     }
   }
   walk.at = root;
-  // In the user's own part of the path links are followed.
+  // Links are followed in the root, which the user named.
   const int from_root = names.empty() ? kAtTheEnd : kOnTheWay;
   walk.folder = OwnedDescriptor(open(root.c_str(), from_root & ~O_NOFOLLOW));
   if (walk.folder.Get() < 0) {
@@ -101,7 +101,7 @@ Walk WalkDown(const fs::path& root, const fs::path& relative, bool creates) {
     int next = step();
     if (next < 0 && errno == ENOENT && creates) {
       if (mkdirat(walk.folder.Get(), name, 0777) == 0) {
-        // By a descriptor that can be flushed.
+        // O_PATH descriptors cannot be flushed.
         const OwnedDescriptor parent(openat(walk.folder.Get(), ".", kAtTheEnd));
         if (parent.Get() >= 0) {
           fsync(parent.Get());
@@ -123,8 +123,8 @@ Walk WalkDown(const fs::path& root, const fs::path& relative, bool creates) {
   return walk;
 }
 
-// The way from `root`, which is canonical, to the folder that a link in
-// `path.Relative()` leads to, or where it is to be made.
+// The path relative to `root`, which is canonical, of the folder that
+// `path.Relative()` resolves to, which need not exist.
 fs::path ResolveInside(const fs::path& root,
                        const ContainedPath& path,
                        const fs::path& link) {
@@ -196,7 +196,7 @@ std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
 Folder Folder::Create(const ContainedPath& path) {
   Walk walk = OpenChain(path, true);
   if (walk.error == ENOENT && walk.at == path.Root()) {
-    // The user's own part of the path.
+    // The root, which the user named.
     const fs::path root = fs::absolute(path.Root()).lexically_normal();
     if (root.has_relative_path()) {
       Create(UserPath(root.has_filename() ? root : root.parent_path()));
@@ -228,7 +228,7 @@ Folder& Folder::operator=(Folder&& other) noexcept {
 void Folder::Flush() const { fsync(descriptor_); }
 
 std::vector<Folder::Entry> Folder::List() const {
-  // Of its own, since a listing moves the position of a descriptor.
+  // A separate descriptor is used, since listing moves its position.
   OwnedDescriptor descriptor(openat(descriptor_, ".", kAtTheEnd));
   const auto close_list = [](DIR* list) { closedir(list); };
   std::unique_ptr<DIR, decltype(close_list)> list(
@@ -267,15 +267,15 @@ std::vector<Folder::Entry> Folder::List() const {
 
 std::vector<TreeEntry> ListTree(const ContainedPath& folder) {
   std::vector<TreeEntry> tree;
-  // Each folder is closed before those below it are opened: however deep the
-  // tree is, it takes two descriptors.
+  // Each folder is closed before those below it are opened: two descriptors
+  // suffice for a tree of any depth.
   std::vector<ContainedPath> todo = {folder};
   while (!todo.empty()) {
     const ContainedPath path = std::move(todo.back());
     todo.pop_back();
     const std::optional<Folder> open = Folder::OpenIfThere(path);
     if (!open) {
-      continue;  // Gone meanwhile, or never there.
+      continue;  // Removed meanwhile, or never there.
     }
     for (const Folder::Entry& entry : open->List()) {
       if (entry.name == kSystemFolder) {

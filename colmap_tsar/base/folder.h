@@ -13,20 +13,20 @@
 
 namespace tsar {
 
-// A folder, open as long as this object lives. What is done in it by its
-// descriptor is done in this very folder, whatever becomes of its name.
+// A folder, open as long as this object lives. Operations through its
+// descriptor affect this very folder, even if it is renamed.
 //
-// A folder is opened one name after the other, from the root of its path on,
-// and at none of them a link is followed (O_NOFOLLOW). Links to folders that
-// lead to another place below the root are resolved first. Throws Error:
-// kNotFound (no such folder), kUnsupported (a link leads out of the root), kIo.
+// The components of the path are opened one by one from the root without
+// following links (O_NOFOLLOW). Links to other folders below the root are
+// resolved first. Throws Error: kNotFound (no such folder), kUnsupported (a
+// link leads out of the root), kIo.
 class Folder {
  public:
   explicit Folder(const ContainedPath& path);
-  // Nothing where there is no such folder.
+  // Returns nullopt if there is no such folder.
   static std::optional<Folder> OpenIfThere(const ContainedPath& path);
-  // Makes it, and those above it, where they are missing. The new names are
-  // flushed to the disk, the outermost first.
+  // Creates the folder and its parents if missing. The new names are flushed to
+  // the disk, the outermost first.
   static Folder Create(const ContainedPath& path);
 
   ~Folder();
@@ -36,16 +36,16 @@ class Folder {
   int Descriptor() const { return descriptor_; }
   const ContainedPath& Path() const { return path_; }
 
-  // Makes changes of names durable. Not all file systems can; those that cannot
+  // Flushes changes of names to the disk. File systems without support for it
   // have nothing to flush.
   void Flush() const;
 
   struct Entry {
     std::string name;
-    bool is_folder = false;  // Not a link to one.
+    bool is_folder = false;  // False for a link.
     bool is_link = false;
   };
-  // What is in it, by name.
+  // The entries, sorted by name.
   std::vector<Entry> List() const;
 
  private:
@@ -56,10 +56,10 @@ class Folder {
   int descriptor_ = -1;
 };
 
-// What is in a folder and all below it; each folder stands before what is in
-// it. Links are not followed. Empty where there is no such folder. A folder
-// that cannot be listed is an error, since what is in it would count as not
-// there; but "lost+found", which is the system's, is passed over.
+// The entries of a folder and of all below it, each folder before its content.
+// Links are not followed. Empty if there is no such folder. A folder that
+// cannot be listed is an error, since its content would count as missing; the
+// system's "lost+found" is skipped.
 struct TreeEntry {
   ContainedPath path;
   bool is_folder = false;
@@ -67,12 +67,12 @@ struct TreeEntry {
 };
 std::vector<TreeEntry> ListTree(const ContainedPath& folder);
 
-// The paths of the files below a folder, relative to it, whose names end in
-// this suffix, without the suffix.
+// The paths, relative to the folder and without the suffix, of the files below
+// it whose names end in the suffix.
 std::set<std::string> ListFileNames(const ContainedPath& folder,
                                     const std::string& suffix);
 
-// Error kIo that names the path and the system's reason.
+// Throws Error kIo with the path and the system's reason.
 [[noreturn]] void ThrowSystemError(const std::filesystem::path& path,
                                    const std::string& what,
                                    int error);

@@ -10,18 +10,18 @@
 
 namespace tsar {
 
-// Floating-point numbers of 16 bits (binary16 of IEEE 754), as their bits. Both
-// devices compute the same ones.
+// Half-precision floats (IEEE 754 binary16) as bits. CPU and GPU give the same
+// bits.
 
 constexpr float kMinHalf = 1.f / 16777216.f;  // 2^-24.
 constexpr float kMaxHalf = 65504.f;
 
-// The nearest half to a number above 0. What no half can hold becomes the
-// smallest or the largest one.
+// The nearest half to a number above 0, clamped to the smallest and the largest
+// half.
 TSAR_HD inline uint16_t ToPositiveHalf(float value) {
   const float bounded = fminf(fmaxf(value, kMinHalf), kMaxHalf);
-  // Between a power of two and the next there are 1024 halves, and as many
-  // below the smallest of these powers, one unit apart.
+  // Between two powers of two there are 1024 halves, and as many below the
+  // smallest normal one, all one unit apart.
   constexpr int kNumFractions = 1024;
   float unit = kMinHalf;
   int exponent = 1;

@@ -20,8 +20,8 @@ struct Rgb {
   uint8_t b = 0;
 };
 
-// A row-major raster that somebody else owns, in host or in device memory.
-// Pixel (x, y) is column x, row y. Copied by value into kernels.
+// A view of a row-major raster owned elsewhere, in host or device memory. Pixel
+// (x, y) is column x, row y. Views are copied by value into kernels.
 template <typename T>
 struct ImageView {
   T* data = nullptr;
@@ -60,7 +60,7 @@ class Image {
         data_(static_cast<size_t>(width) * static_cast<size_t>(height), value) {
   }
 
-  // For those who set every pixel: leaves them undefined.
+  // An image of undefined pixels, for callers that set every pixel.
   static Image Uninitialized(int width, int height) {
     Image image;
     image.width_ = width;

@@ -8,8 +8,8 @@
 
 namespace tsar {
 
-// Keys the random numbers of an image by its name alone, so that they depend
-// neither on the other images nor on their order: 32-bit FNV-1a.
+// The 32-bit FNV-1a hash of an image's name, which keys its random numbers, so
+// that they depend neither on the other images nor on their order.
 uint32_t HashImageName(const std::string& name);
 
 }  // namespace tsar

@@ -25,7 +25,7 @@ const char* KindText(mode_t mode) {
                           : "it is a device, not a regular file";
 }
 
-// Calls a function of the library's, whose exceptions name no file.
+// Calls a function of the standard library, whose exceptions name no file.
 template <typename Function>
 auto Reading(const std::filesystem::path& path, const Function& function) {
   try {
@@ -58,7 +58,7 @@ class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
 
 }  // namespace
 
-// Some readers ask for the buffer of a failed stream, too.
+// A buffer is always set, since some readers access that of a failed stream.
 InputFile::InputFile()
     : std::istream(nullptr), buffer_(std::make_unique<std::stringbuf>()) {
   rdbuf(buffer_.get());
@@ -75,12 +75,12 @@ void InputFile::Open(const std::filesystem::path& path) {
   std::unique_ptr<std::streambuf> buffer = std::make_unique<std::stringbuf>();
   size_ = 0;
   reason_.clear();
-  // A terminal must not become that of this program, either.
+  // O_NOCTTY: a terminal must not become the controlling one.
   const int descriptor =
       open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   const int error = descriptor < 0 ? errno : 0;
   struct stat state = {};
-  // Sockets, and devices that are not there, cannot be opened.
+  // Sockets and absent devices cannot be opened.
   const bool has_state = descriptor < 0 ? stat(path.c_str(), &state) == 0
                                         : fstat(descriptor, &state) == 0;
   is_missing_ = error == ENOENT || error == ENOTDIR;
@@ -98,7 +98,7 @@ void InputFile::Open(const std::filesystem::path& path) {
     size_ = static_cast<uintmax_t>(state.st_size);
     buffer = std::make_unique<FileBuffer>(path, descriptor);
   }
-  rdbuf(buffer.get());  // Clears the state, too.
+  rdbuf(buffer.get());  // Also clears the state.
   buffer_ = std::move(buffer);
   if (!reason_.empty()) {
     setstate(std::ios::failbit);

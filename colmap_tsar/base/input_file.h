@@ -11,9 +11,9 @@
 
 namespace tsar {
 
-// A regular file open for reading, in binary. Unlike std::ifstream it never
-// waits: what stands under the name of a model, map or photo may be a FIFO or a
-// device, the opening of which would hang, and a device has no end.
+// A regular file open for binary reading. Unlike std::ifstream it never blocks:
+// the name of a model, map or photo may be that of a FIFO or a device, which
+// could hang when opened, and a device has no end.
 //
 // As with std::ifstream, a file that cannot be opened leaves the stream in a
 // failed state; Reason() then says why. A disk that fails while the file is
@@ -25,17 +25,17 @@ class InputFile : public std::istream {
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile() override;
 
-  // Takes the place of the file that was open before. Links are followed.
+  // Opens a file and closes the one open before. Links are followed.
   void Open(const std::filesystem::path& path);
 
-  // In bytes, when it was opened.
+  // The size in bytes when the file was opened.
   uintmax_t Size() const { return size_; }
 
   // Why the file could not be opened, such as "Permission denied" or "it is a
-  // FIFO, not a regular file"; empty where it was.
+  // FIFO, not a regular file"; empty if it was opened.
   const std::string& Reason() const { return reason_; }
-  // Whether the reason is that there is no such file, or that what has its name
-  // is none.
+  // Whether the reason is that there is no such file, or that it is not a
+  // regular file.
   bool IsMissing() const { return is_missing_; }
   bool IsNoFile() const { return is_no_file_; }
 

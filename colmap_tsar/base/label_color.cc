@@ -10,7 +10,7 @@
 namespace tsar {
 namespace {
 
-// For a hue in turns.
+// One channel of an HSV color; the hue is in turns.
 uint8_t Channel(double hue, double saturation, double brightness) {
   const double distance = std::abs(hue - std::floor(hue) - 0.5) * 6.0;
   const double share = std::clamp(distance - 1.0, 0.0, 1.0);
@@ -26,7 +26,8 @@ Rgb LabelColor(int label) {
   }
   // The golden ratio spreads the hues of any first labels evenly.
   const double hue = label * 0.6180339887498949;
-  // Labels of nearly the same hue, 5, 8 or 13 further, differ in these.
+  // Labels that differ by 5, 8 or 13 have nearly the same hue and differ in
+  // these.
   const double saturation = label % 3 == 0 ? 0.7 : label % 3 == 1 ? 0.45 : 0.85;
   const double brightness = label % 4 < 2 ? 240.0 : 165.0;
   return {Channel(hue, saturation, brightness),

@@ -7,7 +7,7 @@
 
 namespace tsar {
 
-// A color for each label, always the same one; black for negative labels.
+// The fixed color of a label; black for negative labels.
 Rgb LabelColor(int label);
 
 }  // namespace tsar

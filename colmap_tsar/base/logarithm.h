@@ -10,9 +10,9 @@
 
 namespace tsar {
 
-// ln(x) for normal x > 0, right to 3e-7 (1 + |ln(x)|). As in exponential.h,
-// additions and multiplications (and one division) alone, so that CPU and GPU
-// get the same bits.
+// ln(x) for normal x > 0, with an error of at most 3e-7 (1 + |ln(x)|). As in
+// exponential.h, only additions, multiplications and one division are used, so
+// that CPU and GPU give the same bits.
 TSAR_HD inline float NaturalLogarithm(float x) {
   // x = 2^n m with m in [sqrt(1/2), sqrt(2)).
   constexpr int32_t kSqrtHalf = 0x3f3504f3;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-// Marks a function that runs on the host and, where the file is compiled by
-// nvcc, on the GPU too. Per-pixel arithmetic is written once, with this mark.
+// Marks a function that runs on the host and, if compiled by nvcc, on the GPU
+// too. Per-pixel arithmetic is written once, with this mark.
 #ifdef __CUDACC__
 #define TSAR_HD __host__ __device__
 #else

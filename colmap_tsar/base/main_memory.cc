@@ -23,15 +23,15 @@ int64_t MachineMemory(const std::filesystem::path& root) {
   return INT64_MAX;
 }
 
-// Of a control group's file; "max", and no file, are no limit.
+// The limit in a control group's file; "max" or no file means no limit.
 int64_t LimitIn(const std::filesystem::path& path) {
   std::ifstream file(path);
   int64_t limit = 0;
   return file >> limit && limit > 0 ? limit : INT64_MAX;
 }
 
-// Of a group and of those around it. Inside a container the group's own folder
-// may not be there, only that of the container at the root.
+// The least limit of a group and its parents. Inside a container the group's
+// own folder may be missing; only that of the container at the root exists.
 int64_t GroupLimit(const std::filesystem::path& hierarchy,
                    const std::string& group,
                    const char* file_name) {
@@ -51,7 +51,7 @@ int64_t MainMemoryBytes(const std::filesystem::path& root) {
   int64_t bytes = MachineMemory(root);
   const std::filesystem::path groups = root / "sys/fs/cgroup";
   std::ifstream file(root / "proc/self/cgroup");
-  // NUMBER:CONTROLLERS:GROUP, in the second version without controllers.
+  // Lines are ID:CONTROLLERS:GROUP, in version 2 without controllers.
   for (std::string line; std::getline(file, line);) {
     const size_t first = line.find(':');
     const size_t second = line.find(':', first + 1);

@@ -8,10 +8,10 @@
 
 namespace tsar {
 
-// The main memory that this process may use at most, in bytes: what the machine
-// has without its swap space, or less where a control group bounds it, as in
-// containers and in jobs of a cluster. INT64_MAX where the system does not
-// tell. root: where /proc and /sys are, for tests.
+// The limit of main memory of this process in bytes: the machine's memory
+// without swap, or the lower limit of a control group, as in containers and
+// cluster jobs. INT64_MAX if unknown. root: the folder of /proc and /sys, for
+// tests.
 int64_t MainMemoryBytes(const std::filesystem::path& root = "/");
 
 }  // namespace tsar

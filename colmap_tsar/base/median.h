@@ -9,8 +9,7 @@
 
 namespace tsar {
 
-// The median of some values, the upper one of two. Leaves them in another
-// order.
+// The (upper) median of some values, which are reordered.
 template <typename T>
 T UpperMedian(std::vector<T>* values) {
   const auto middle =

@@ -7,11 +7,10 @@
 
 namespace tsar {
 
-// While one of these lives, OpenCV uses no threads of its own: images are
-// worked on side by side, and its threads would only compete with them; and
-// where the system starts no more threads, the library that it has them from
-// cannot say so well. The number is the whole process's, so that the last one
-// puts it back.
+// Disables OpenCV's own threads while an object lives: images are processed in
+// parallel, with which these would compete, and OpenCV reports a failure to
+// start threads badly. The setting is global, so that the last object restores
+// it.
 class OpenCvWithoutThreads {
  public:
   OpenCvWithoutThreads();

@@ -8,13 +8,13 @@
 
 namespace tsar {
 
-// What the option with this key, the name of a member such as "device", is
-// called by whoever reads the messages: "device" where a program calls the
-// library, "--TsarStereo.device" where somebody typed tsar_stereo.
+// The name of the option with this key (the name of a member such as "device")
+// in messages: "device" if a program calls the library, "--TsarStereo.device"
+// on the command line.
 std::string OptionName(const std::string& key);
 
-// Has OptionName() ask this function, for a command line; an empty one: keys as
-// they are. Not while other threads work.
+// Sets the function that OptionName() calls, for a command line; if empty, keys
+// are unchanged. Must not be called while other threads work.
 void SetOptionNamer(std::function<std::string(const std::string&)> namer);
 
 }  // namespace tsar

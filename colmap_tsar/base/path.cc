@@ -13,14 +13,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the system says, or throws where it says nothing.
+// Returns the status, or throws if it is unknown.
 fs::file_status Known(const fs::file_status& status,
                       const fs::path& path,
                       const std::error_code& error) {
   if (status.type() != fs::file_type::none) {
     return status;
   }
-  // No file system holds it.
+  // No file can have such a name.
   if (error == std::errc::filename_too_long) {
     return fs::file_status(fs::file_type::not_found);
   }

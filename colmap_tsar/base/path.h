@@ -8,12 +8,11 @@
 
 namespace tsar {
 
-// Whether there is something under this name. Links are followed; one that
-// leads nowhere is nothing. Error kIo where the system does not tell: what may
-// not be looked at is not missing.
+// Whether a path exists. Links are followed; a dangling one does not exist.
+// Throws Error kIo if unknown: an inaccessible path is not a missing one.
 bool Exists(const std::filesystem::path& path);
 
-// Whether there is a regular file under this name, as Exists().
+// Whether a path is a regular file; links and errors as Exists().
 bool IsFile(const std::filesystem::path& path);
 
 // In lower case, as far as it is ASCII.
@@ -28,7 +27,7 @@ std::string AdviceForMissing(const std::filesystem::path& path,
 // What stands under this name itself, be it a link; errors as Exists().
 std::filesystem::file_status SymlinkStatus(const std::filesystem::path& path);
 
-// Whether a path is this folder or lies in it, by their names alone.
+// Whether a path is this folder or lies in it; compares names only.
 bool IsWithin(const std::filesystem::path& path,
               const std::filesystem::path& folder);
 

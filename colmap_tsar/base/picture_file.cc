@@ -33,7 +33,7 @@ void PutPicture(const cv::Mat& pixels,
                 const std::vector<int>& parameters) {
   std::vector<uint8_t> bytes;
   if (!Encode(pixels, extension, parameters, &bytes)) {
-    // Of pixels that can be encoded, the encoders have no other failure.
+    // Encoders have no other failure for valid pixels.
     if (cv::haveImageWriter(extension)) {
       throw std::bad_alloc();
     }
@@ -47,7 +47,7 @@ void PutPicture(const cv::Mat& pixels,
 }
 
 cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
-  // Decoding only reads.
+  // The matrix needs a mutable pointer, but decoding only reads.
   const cv::Mat buffer(1,
                        static_cast<int>(bytes.size()),
                        CV_8UC1,

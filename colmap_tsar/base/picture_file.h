@@ -17,17 +17,16 @@ class Mat;
 
 namespace tsar {
 
-// Writes pixels (of colors BGR) into a file in a picture format that OpenCV
-// has: ".png", ".jpg". parameters: as cv::imencode() has them. Throws kIo,
-// which names the path, where OpenCV was built without the format, and
-// std::bad_alloc.
+// Writes pixels (colors as BGR) to a file in a format of OpenCV: ".png",
+// ".jpg". parameters: those of cv::imencode(). Throws kIo with the path if
+// OpenCV was built without the format, and std::bad_alloc.
 void PutPicture(const cv::Mat& pixels,
                 const std::string& extension,
                 const std::filesystem::path& path,
                 AtomicFile* file,
                 const std::vector<int>& parameters = {});
 
-// The pixels of a file, as cv::imdecode() has them in this mode; empty where
+// The pixels of a file as cv::imdecode() returns them in this mode; empty if
 // OpenCV cannot decode it. Throws std::bad_alloc.
 cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode);
 

@@ -17,8 +17,8 @@ struct Plane {
 
   TSAR_HD bool Valid() const { return offset > 0.f; }
 
-  // Depth (z) at which a ray with z = 1 meets the plane, or 0 where it meets it
-  // behind the camera, from behind or nearly along it.
+  // Depth (z) at which a ray with z = 1 meets the plane, or 0 if it meets it
+  // behind the camera, from behind or nearly parallel to it.
   TSAR_HD float Depth(const Vec3f& ray) const {
     const float slope = -Dot(normal, ray);
     return slope > 1e-4f * Norm(ray) ? offset / slope : 0.f;
@@ -40,7 +40,8 @@ struct Plane {
     const Vec3f ac = c - a;
     const Vec3f cross = Cross(ab, ac);
     const float area = Norm(cross);
-    // Relative to the sides: thin triangles give no usable direction.
+    // The area is compared with the sides: thin triangles give no usable
+    // normal.
     if (!(area > 1e-3f * Norm(ab) * Norm(ac))) {
       return {};
     }

@@ -26,8 +26,8 @@ TSAR_HD inline float RelativeDistance(const Plane& plane,
                plane.offset / sample.z);
 }
 
-// Least squares of inverse depth, 1 / z = a x / z + b y / z + c, which is linear
-// in the unknowns and has the noise of stereo: constant in disparity.
+// Least squares of inverse depth, 1 / z = a x / z + b y / z + c, which is
+// linear in the unknowns and suits the noise of stereo, constant in disparity.
 class PlaneRegression {
  public:
   TSAR_HD void Add(const RayDepth& sample, double weight) {
@@ -58,7 +58,8 @@ class PlaneRegression {
     return *this;
   }
 
-  // Invalid where the points lie on a line, or the plane behind the camera.
+  // Returns an invalid plane if the points are collinear or the plane lies
+  // behind the camera.
   TSAR_HD Plane Solve() const {
     if (!(w_ > 0.0)) {
       return {};

@@ -12,11 +12,11 @@ namespace {
 
 struct Character {
   uint32_t code = 0;
-  size_t num_bytes = 0;  // 0: the text does not begin with UTF-8.
+  size_t num_bytes = 0;  // 0 if the text does not begin with UTF-8.
 };
 
-// The first character of a text that is not empty. Only the shortest form of a
-// code counts, and no half of a surrogate pair, as Unicode wants it.
+// The first character of a nonempty text. As in Unicode, overlong forms and
+// surrogates are invalid.
 Character FirstOf(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
   if (first < 0x80) {
@@ -51,7 +51,7 @@ bool IsControl(uint32_t code) {
   return code < 0x20 || (code >= 0x7F && code < 0xA0);
 }
 
-// Also of those that end a line.
+// Whether a character is white space, including line ends.
 bool IsControlledSpace(uint32_t code) {
   constexpr uint32_t kNextLine = 0x85;
   constexpr uint32_t kLineSeparator = 0x2028;
@@ -60,8 +60,8 @@ bool IsControlledSpace(uint32_t code) {
          code == kLineSeparator || code == kParagraphSeparator;
 }
 
-// Embeddings, overrides and isolates: the letters behind them show in another
-// order than they are stored in.
+// Whether a character is a bidirectional control (embedding, override or
+// isolate), which changes the displayed order of text.
 bool TurnsDirection(uint32_t code) {
   return (code >= 0x202A && code <= 0x202E) ||
          (code >= 0x2066 && code <= 0x2069);
@@ -117,7 +117,7 @@ std::string ShellWord(const std::string& text) {
   }
   std::string word = "'";
   for (const char c : text) {
-    // A quotation mark ends the quotation and stands behind a backslash.
+    // A quotation mark ends the quotation and is escaped by a backslash.
     word += c == '\'' ? "'\\''" : std::string(1, c);
   }
   return word + "'";

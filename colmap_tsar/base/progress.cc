@@ -47,7 +47,7 @@ std::string ProgressText(int num_done,
   text << "[" << num_done << "/" << num_total << "]";
   if (num_worked > 0 && seconds > 0.0) {
     const double speed = num_worked / seconds;
-    // Slow work reads better the other way round.
+    // Slow work is shown as seconds per image instead.
     text << " " << std::fixed << std::setprecision(1);
     if (speed >= 1.0) {
       text << speed << " images/s";
@@ -88,7 +88,7 @@ void Progress::BeginPass(bool has_parts) {
   const double now = clock_();
   if (is_in_pass_ && !costs_.empty()) {
     if (was_work_) {
-      // Images that had been done before took no time.
+      // Images that were done before took no time.
       const double share =
           has_parts_ ? 1.0 : static_cast<double>(num_worked_) / num_total_;
       past_cost_ += share * costs_.front();
@@ -152,7 +152,7 @@ double Progress::LaterSeconds(double now) const {
       std::accumulate(std::next(costs_.begin()), costs_.end(), 0.0);
   const double seconds_of_all = (now - start_) * num_total_ / num_worked_;
   if (!has_parts_) {
-    // By the pass itself, which knows best what this scene and machine take.
+    // The current pass is the best measure for this scene and machine.
     return later_cost / costs_.front() * seconds_of_all;
   }
   if (past_cost_ == 0.0) {

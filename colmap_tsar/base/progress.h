@@ -12,10 +12,10 @@
 
 namespace tsar {
 
-// How a state of work reads: "[12/500] 3.1 images/s, 2 min left". num_worked of
-// the num_done images took the seconds; the others needed no work. Where more
-// work is expected after these images, it goes on: "(about 6 min of all
-// passes)"; later_seconds: what that takes.
+// The text of a state of progress: "[12/500] 3.1 images/s, 2 min left".
+// num_worked of the num_done images took the seconds; the others needed no
+// work. later_seconds: the expected time after these images; if above 0,
+// "(about 6 min of all passes)" is appended.
 std::string ProgressText(int num_done,
                          int num_worked,
                          int num_total,
@@ -28,38 +28,38 @@ std::string ProgressText(int num_done,
 // need no work it tells only what takes time.
 class Progress {
  public:
-  // Seconds since some fixed moment.
+  // A clock in seconds since a fixed moment.
   using Clock = std::function<double()>;
 
-  // The pass, how many of its images are done, and how many it has.
+  // A callback with the pass, the number of its images done, and their total.
   using Listener =
       std::function<void(const std::string& pass, int num_done, int num_total)>;
 
-  // out must outlive this object. Without a clock, the system's is used.
+  // out must outlive this object. clock: null for the system's.
   Progress(std::ostream& out, bool is_terminal, Clock clock = nullptr);
 
-  // Has the listener told of each start and of each image, one at a time, by
-  // the thread that reports it. To be called before the work begins.
+  // Sets a listener that is called at each start and for each image, one call
+  // at a time, by the reporting thread. Must be called before the work begins.
   void SetListener(Listener listener);
 
-  // For a run of several passes, so that the time left of all can be told.
-  // costs: about what each pass takes, relative to the others.
+  // Announces the passes of a run, so that the time left of all is estimated.
+  // costs: the relative durations of the passes.
   void PlanPasses(std::vector<double> costs);
-  // The next of the planned passes begins. has_parts: whether Start is called
-  // for parts of it that nobody has planned.
+  // Begins the next planned pass. has_parts: whether Start is called for
+  // several unplanned parts of it.
   void BeginPass(bool has_parts = false);
 
-  // pass: what the line begins with, such as "Pass 1 of 2:"; may be empty.
+  // pass: the prefix of the line, such as "Pass 1 of 2:"; may be empty.
   void Start(int num_total, const std::string& pass = "");
-  // One more image is done. was_work: whether it says something about the
-  // speed; false for those that had been done before.
+  // Counts one more image. was_work: whether it counts for the speed; false for
+  // images done before.
   void Advance(bool was_work);
-  // Ends the terminal's line, so that other output begins on its own.
+  // Ends the terminal's line, so that other output begins on a new one.
   void Finish();
 
  private:
   void Print(double now);
-  // What the run is expected to take after the images of the last Start.
+  // The expected time of the run after the images of the last Start.
   double LaterSeconds(double now) const;
 
   std::ostream& out_;
@@ -75,13 +75,13 @@ class Progress {
   double last_print_ = 0.0;
   size_t line_length_ = 0;
 
-  // The passes that are to come, the one at work first.
+  // The costs of the current and the remaining passes.
   std::deque<double> costs_;
   bool is_in_pass_ = false;
   bool has_parts_ = false;
-  bool was_work_ = false;  // In this pass.
+  bool was_work_ = false;  // Whether this pass had any work.
   double pass_start_ = 0.0;
-  // Of the passes that are done and had something to do.
+  // Sums over the finished passes that had work.
   double past_cost_ = 0.0;
   double past_seconds_ = 0.0;
 };

@@ -26,8 +26,8 @@ class Philox {
         counter1_(region),
         counter2_(iteration) {}
 
-  // Goes on with the given block of four numbers of the stream, so that many
-  // threads can draw from one stream, each its own blocks.
+  // Continues with the given block of four numbers of the stream, so that many
+  // threads can draw separate blocks from one stream.
   TSAR_HD void SkipToBlock(uint32_t block) {
     counter0_ = block;
     used_ = 4;

@@ -13,7 +13,7 @@ namespace tsar {
 namespace {
 
 constexpr size_t kHugePage = size_t{2} << 20;
-// Of smaller blocks too much would be lost by rounding up.
+// Rounding up smaller blocks would waste too much.
 constexpr size_t kMinHugeBlock = 2 * kHugePage;
 
 size_t RoundedUp(size_t num_bytes) {
@@ -23,14 +23,14 @@ size_t RoundedUp(size_t num_bytes) {
 void* AllocateHugeBlock(size_t num_bytes) noexcept {
   void* memory = std::aligned_alloc(kHugePage, num_bytes);
   if (memory != nullptr) {
-    // A wish, which may not be heard.
+    // This is a hint, which the system may ignore.
     madvise(memory, num_bytes, MADV_HUGEPAGE);
   }
   return memory;
 }
 
-// The large blocks of the process. The list of the free ones, the latest first,
-// lies in these themselves, so that giving one back needs no memory.
+// The large blocks of the process. The list of free blocks, latest first, is
+// stored in the blocks themselves, so that freeing needs no memory.
 class HugeBlocks {
  public:
   void* Allocate(size_t num_bytes) noexcept {
@@ -89,8 +89,8 @@ class HugeBlocks {
     return block;
   }
 
-  // Gives the longest unused ones to the system until what is left, with those
-  // in use, takes no more than this.
+  // Returns the longest unused blocks to the system until the rest, with those
+  // in use, takes at most num_bytes.
   void FreeDownTo(size_t num_bytes) noexcept {
     while (first_ != nullptr &&
            num_bytes_in_use_ + num_free_bytes_ > num_bytes) {
@@ -109,7 +109,7 @@ class HugeBlocks {
   size_t max_num_bytes_ = 0;
 };
 
-// Never destroyed: rasters of static objects may outlive any order.
+// The object is never destroyed, since static rasters may be freed later.
 HugeBlocks& Blocks() noexcept {
   alignas(HugeBlocks) static unsigned char storage[sizeof(HugeBlocks)];
   static HugeBlocks* const blocks = ::new (storage) HugeBlocks;

@@ -8,19 +8,18 @@
 
 namespace tsar {
 
-// Memory that FreeRasterMemory() gives back. Large blocks lie on huge pages
-// where the system has them: a map of 100 MB then costs 50 page faults and not
-// 25,000, which would take longer than to copy it. Throws std::bad_alloc. Both
-// can be called from any thread.
+// Allocates memory to be freed by FreeRasterMemory(). Large blocks use huge
+// pages if available: a map of 100 MB then costs 50 page faults and not 25,000,
+// which would take longer than copying it. Throws std::bad_alloc. Both
+// functions are thread-safe.
 void* AllocateRasterMemory(size_t num_bytes);
-// num_bytes: as it was allocated.
+// num_bytes: the allocated size.
 void FreeRasterMemory(void* memory, size_t num_bytes) noexcept;
 
-// As long as one of these lives, large blocks that are given back stay with the
-// process for the next ones of their size: the system clears all pages that it
-// gives, which takes as long as to fill them. The most that such blocks and
-// those in use together take is max_num_bytes; nothing stays beyond that. There
-// may be one at a time in a process.
+// While an object lives, freed large blocks are kept for the next allocations
+// of their size: the system clears new pages, which takes as long as filling
+// them. Such blocks and those in use take at most max_num_bytes together. Only
+// one object may exist at a time.
 class RasterMemoryReuse {
  public:
   explicit RasterMemoryReuse(size_t max_num_bytes) noexcept;
@@ -28,12 +27,12 @@ class RasterMemoryReuse {
   RasterMemoryReuse(const RasterMemoryReuse&) = delete;
   RasterMemoryReuse& operator=(const RasterMemoryReuse&) = delete;
 
-  // What stays with the process, unused.
+  // Bytes of unused blocks that are kept.
   static size_t NumFreeBytes() noexcept;
 };
 
-// Takes the memory of a vector from there, and leaves elements as they are that
-// are created without a value.
+// A vector's allocator of raster memory, which leaves elements without a value
+// uninitialized.
 template <typename T>
 struct RasterAllocator {
   using value_type = T;

@@ -10,13 +10,14 @@
 
 namespace tsar {
 
-// Of a side that is reduced to `to` pixels from `from`, the one under the
-// middle of pixel i.
+// For a side of `from` pixels resized to `to`, the pixel at the center of pixel
+// i.
 inline int NearestPixel(int64_t i, int64_t from, int64_t to) {
   return static_cast<int>((2 * i + 1) * from / (2 * to));
 }
 
-// The length of a side once the longer one is at most max_side; at least 1.
+// The length of a side after the longer one is reduced to at most max_side; at
+// least 1.
 inline int ReducedLength(int length, int longer_side, int max_side) {
   if (longer_side <= max_side) {
     return length;
@@ -26,9 +27,8 @@ inline int ReducedLength(int length, int longer_side, int max_side) {
   return std::max(1, static_cast<int>(rounded));
 }
 
-// The image at another size: each pixel is the one under its middle, so that
-// values that must not be averaged, such as labels, stay what they are. To: the
-// type of the result's pixels.
+// Nearest-neighbor resizing, for values that must not be averaged, such as
+// labels. To: the type of the result's pixels.
 template <typename To, typename From>
 Image<To> ResizeNearest(const Image<From>& image, int width, int height) {
   Image<To> resized = Image<To>::Uninitialized(width, height);

@@ -10,8 +10,8 @@
 
 namespace tsar {
 
-// 1.5 * 2^23: numbers of this size have no bits for fractions, so that adding
-// it rounds to the nearest integer (the even one of two). For |x| <= 2^22.
+// 1.5 * 2^23: floats of this size have no fractional bits, so that adding it
+// rounds x to the nearest integer, ties to even, for |x| <= 2^22.
 constexpr float kRounder = 12582912.f;
 
 TSAR_HD inline float RoundToNearest(float x) {
@@ -24,8 +24,8 @@ TSAR_HD inline int32_t BitsOf(float x) {
   return bits;
 }
 
-// The integer n of the sum n + kRounder: where conversions are slow, as on
-// GPUs, an addition and a subtraction take their place.
+// The integer n of the sum n + kRounder: replaces a conversion, which is slow
+// on GPUs, by an addition and a subtraction.
 TSAR_HD inline int32_t IntegerBesideRounder(float sum) {
   constexpr int32_t kBitsOfRounder = 0x4B400000;
   return BitsOf(sum) - kBitsOfRounder;

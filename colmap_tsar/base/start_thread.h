@@ -11,12 +11,12 @@
 
 namespace tsar {
 
-// That the system starts no more threads, and what to do about it.
+// The error for a failure to start a thread, with advice.
 Error NoMoreThreads(const std::system_error& error);
 
-// Starts a thread. Throws kOutOfMemory where the system allows no more, or has
-// no memory for it. Whoever starts several must see to it that those that run
-// come to their end then: the vector that holds them joins them.
+// Starts a thread. Throws kOutOfMemory if the system allows no more or has no
+// memory for it. The caller must make sure that other running threads end then:
+// the vector that holds them joins them.
 template <typename Function>
 std::jthread StartThread(Function&& function) {
   try {

@@ -7,7 +7,7 @@
 
 namespace tsar {
 
-// Measures the time on the wall since it was made, on a clock that nobody sets.
+// Measures the wall time since its construction by a monotonic clock.
 class Stopwatch {
  public:
   double Seconds() const {

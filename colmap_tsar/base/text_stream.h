@@ -7,9 +7,8 @@
 
 namespace tsar {
 
-// Composes text. Throws std::bad_alloc where memory runs out; a stream of the
-// standard library leaves parts of the text out then, and only those who ask
-// are told.
+// A string stream that throws std::bad_alloc if memory runs out; a standard
+// stream silently drops parts of the text then.
 class TextStream : public std::ostringstream {
  public:
   TextStream() { exceptions(std::ios::badbit); }

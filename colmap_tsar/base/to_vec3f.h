@@ -9,7 +9,7 @@
 
 namespace tsar {
 
-// Rounded to floats.
+// The vector rounded to floats.
 inline Vec3f ToVec3f(const Eigen::Vector3d& vector) {
   return {static_cast<float>(vector.x()),
           static_cast<float>(vector.y()),

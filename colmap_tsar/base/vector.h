@@ -10,8 +10,7 @@
 namespace tsar {
 
 // Three floats with the arithmetic that kernels need. Host code that solves
-// systems uses Eigen; this type exists because its operations have one fixed
-// order of rounding on the CPU and on the GPU.
+// systems uses Eigen; this type has a fixed order of rounding on CPU and GPU.
 struct Vec3f {
   float x = 0.f;
   float y = 0.f;

@@ -7,14 +7,13 @@
 
 namespace tsar {
 
-// Logs one line for the user about something that is no error, as Printable()
-// gives it. The one place that writes to the log; from any thread.
+// Logs a warning for the user as one line, by way of Printable(). This is the
+// only function that writes to the log; it is thread-safe.
 void Warn(const std::string& message);
 
-// Has warnings go to standard error, without time or place. Called once, before
-// the first; does nothing where the process uses glog already, as a program may
-// that took over the commands. program: its
-// name, which has to stay where it is.
+// Sends warnings to standard error, without time or location. Must be called
+// once, before the first; does nothing if the process uses glog already, as a
+// host program of the commands may. program: its name, which must stay valid.
 void PrepareWarnings(const char* program);
 
 }  // namespace tsar
