@@ -18,7 +18,7 @@ bool IsSpace(uint8_t c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
-// The next word; takes one byte of white space after it.
+// Reads the next word and one byte of white space after it.
 std::string ReadWord(ByteReader* reader) {
   constexpr size_t kMaxLength = 40;
   std::string word;
@@ -53,8 +53,8 @@ Error Unsupported(const std::string& name,
   return Error::File(ErrorCode::kUnsupported, name, what, advice);
 }
 
-// The header is a dictionary in Python's notation. Returns what follows a key,
-// from its first character on.
+// Returns the text after a key of the header, a Python dictionary, from the
+// first character of its value.
 std::string_view ValueOf(std::string_view header,
                          const std::string& key,
                          const ByteReader& reader) {
@@ -69,7 +69,7 @@ std::string_view ValueOf(std::string_view header,
   return header.substr(position);
 }
 
-// "<f4" of "'<f4', ...".
+// Reads the type, such as "<f4" from "'<f4', ...".
 std::string ReadType(std::string_view header, const ByteReader& reader) {
   const std::string_view value = ValueOf(header, "descr", reader);
   const size_t end = value.find('\'', 1);
@@ -79,7 +79,7 @@ std::string ReadType(std::string_view header, const ByteReader& reader) {
   return std::string(value.substr(1, end - 1));
 }
 
-// The numbers of "(480, 640), ...".
+// Reads the shape from "(480, 640), ...".
 std::vector<int64_t> ReadShape(std::string_view header,
                                const ByteReader& reader) {
   const std::string_view value = ValueOf(header, "shape", reader);

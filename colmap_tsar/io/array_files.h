@@ -14,7 +14,7 @@ namespace tsar {
 // Reads a portable float map: "Pf" (one channel) or "PF" (three), width,
 // height, scale, each followed by white space, the last by one byte of it; then
 // float32 from the bottom row up, little-endian where the scale is negative.
-// The scale's amount is ignored, as all programs that write depth expect.
+// The scale's magnitude is ignored, as all programs that write depth expect.
 //
 // name: the file, for messages. Throws Error kCorrupt where the header is not
 // of this form or the length is not exactly what it says.

@@ -11,11 +11,11 @@
 namespace tsar {
 namespace {
 
-// OpenCV's numbers for a matrix of one and of three floats per element.
+// OpenCV's type codes of matrices of one and of three floats per element.
 constexpr int32_t kOneFloat = 5;
 constexpr int32_t kThreeFloats = 21;
 
-// Which of these formats a file has, its name does not tell.
+// The advice of errors: the name of a file does not identify its format.
 std::string Advice() {
   return "check " + OptionName("format") + ", or make the file again";
 }
@@ -27,7 +27,8 @@ struct MatrixHeader {
   int channels = 0;
 };
 
-// The header with or without a version, where the file has its length.
+// Reads the header with or without a version; nullopt if the file's length does
+// not match it.
 std::optional<MatrixHeader> ReadHeader(std::span<const uint8_t> bytes,
                                        bool has_version) {
   MatrixHeader header;
@@ -168,7 +169,7 @@ Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name) {
   SetCalibration(k, &dmap.camera);
 
   const bool has_normals = (header.content & kHasNormals) != 0;
-  // In units of four bytes per pixel.
+  // The size in words of four bytes per pixel.
   const int num_words = 1 + (has_normals ? 3 : 0) +
                         ((header.content & kHasConfidence) != 0 ? 1 : 0) +
                         ((header.content & kHasViews) != 0 ? 1 : 0);

@@ -26,16 +26,15 @@ FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name);
 
 // Reads a .dmb or .bin file of APD and its successors: an OpenCV matrix as
 // int32 version, rows, columns, OpenCV type (5 = one float, 21 = three), then
-// the rows. Some versions leave the first word out; which it is, the file's
-// length tells. Depth and normals are as in ParseDmb.
+// the rows. Some versions omit the first word, which the file's length reveals.
+// Depth and normals are as in ParseDmb.
 //
 // name: the file, for messages. Throws Error kCorrupt where neither form, or
 // both, have exactly the file's length, or the matrix is not of floats.
 FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name);
 
-// What a .dmap file of OpenMVS holds. Its confidences are left out: what they
-// mean has changed between its versions, and after its filter they are not
-// bounded.
+// The content of a .dmap file of OpenMVS without its confidences, whose meaning
+// has changed between versions, and which are unbounded after its filter.
 struct Dmap {
   std::string image_name;  // As stored: absolute, or relative to its project.
   StoredCamera camera;
@@ -54,15 +53,16 @@ struct Dmap {
 // OpenMVS takes a pixel's integer coordinates for its center, as COLMAP's dense
 // stage does. Since October 2023 its importer moves COLMAP's principal point by
 // half a pixel to that end, which COLMAP's dense stage does not: its rays are
-// half a pixel off those of OpenMVS. The map's pixels show the same things in
-// both, so depths are taken pixel by pixel and nothing is resampled.
+// half a pixel off those of OpenMVS. The map's pixels show the same points in
+// both, so depths are copied pixel by pixel without resampling.
 //
 // name: the file, for messages. Throws Error kCorrupt where the file has not
 // this form or not exactly the length that it says, and kUnsupported where it
 // has no depth.
 Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name);
 
-// The name of the image alone, from the first kMaxDmapNameEnd bytes or more.
+// Reads only the name of the image, from the first kMaxDmapNameEnd bytes or
+// more.
 constexpr size_t kMaxDmapNameEnd = 30 + 65535;
 std::string ParseDmapImageName(std::span<const uint8_t> bytes,
                                const std::string& name);

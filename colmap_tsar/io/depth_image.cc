@@ -36,7 +36,7 @@ bool HasThreeEqualChannels(const FloatMap& map) {
     return false;
   }
   for (size_t i = 0; i < map.values.size(); i += 3) {
-    // NaN, too, is the same as NaN.
+    // NaN equals NaN here.
     const auto same = [](float a, float b) {
       return a == b || (a != a && b != b);
     };
@@ -84,7 +84,7 @@ DepthImage ParsePng(std::span<const uint8_t> bytes, const std::string& name) {
   return image;
 }
 
-// TIFF and EXR, with the channels in OpenCV's order.
+// Decodes TIFF and EXR, with the channels in OpenCV's order.
 cv::Mat DecodeChecked(std::span<const uint8_t> bytes,
                       const std::string& extension,
                       const std::string& name) {
@@ -96,7 +96,7 @@ cv::Mat DecodeChecked(std::span<const uint8_t> bytes,
   }
   if (extension == ".exr") {
     CheckExr(bytes, name);
-    // Builds of OpenCV that hold OpenEXR may still ask for leave.
+    // Builds of OpenCV with OpenEXR may still require this variable.
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   } else {
     if (const std::string defect = FindTiffDefect(bytes); !defect.empty()) {
@@ -117,7 +117,7 @@ cv::Mat DecodeChecked(std::span<const uint8_t> bytes,
   return pixels;
 }
 
-// Values as they are, of one channel or of three.
+// Converts one or three channels with unchanged values.
 FloatMap ToFloatMap(const cv::Mat& pixels) {
   FloatMap map;
   map.width = pixels.cols;
@@ -154,7 +154,7 @@ DepthImage ParsePicture(std::span<const uint8_t> bytes,
   return image;
 }
 
-// A normal map; where its values are integers, they reach up to max_value.
+// A normal map; integer values reach up to max_value.
 struct StoredNormals {
   FloatMap map;
   std::optional<float> max_value;
@@ -217,8 +217,8 @@ StoredNormals ParseStoredNormals(std::span<const uint8_t> bytes,
   }
 }
 
-// Integers from 0 on stand for -1 to 1. What is far from a unit vector then,
-// such as black, is none.
+// Maps integers from [0, max_value] to [-1, 1]. A result far from a unit
+// vector, such as that of black, becomes 0.
 void DecodeIntegers(float max_value, std::vector<float>* values) {
   constexpr float kMinNorm = 0.5f;
   constexpr float kMaxNorm = 1.5f;

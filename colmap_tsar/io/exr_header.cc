@@ -28,7 +28,7 @@ void RequirePossibleSize(const ByteReader& reader,
   }
 }
 
-// Text up to a byte of 0.
+// Reads a null-terminated text.
 std::string ReadText(ByteReader* reader) {
   std::string text;
   for (char c = reader->Read<char>(); c != '\0'; c = reader->Read<char>()) {
@@ -37,7 +37,7 @@ std::string ReadText(ByteReader* reader) {
   return text;
 }
 
-// The types of EXR's attributes that always have the same number of bytes.
+// The types of EXR attributes of fixed size, with their bytes.
 constexpr std::pair<std::string_view, size_t> kExrSizes[] = {
     {"box2i", 16},   {"box2f", 16},    {"chromaticities", 32},
     {"double", 8},   {"envmap", 1},    {"compression", 1},
@@ -48,10 +48,10 @@ constexpr std::pair<std::string_view, size_t> kExrSizes[] = {
     {"v2i", 8},      {"v2f", 8},       {"v2d", 16},
     {"v3i", 12},     {"v3f", 12},      {"v3d", 24}};
 
-// Goes through a value of EXR as OpenEXR does, which takes memory for the
-// counts in it, and reads as many bytes as the type has, whatever the header
-// says: from there on it would find other attributes than CheckExr. The rest is
-// left in the reader.
+// Reads an attribute's value as OpenEXR does, which allocates memory by the
+// counts in it and reads the size of its type whatever the header says: after a
+// different size it would find other attributes than CheckExr. The rest is left
+// in the reader.
 void TakeExrValue(const std::string& type, ByteReader* reader) {
   for (const auto& [known, size] : kExrSizes) {
     if (type == known) {
@@ -94,7 +94,8 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
   constexpr uint32_t kHasParts = 0x1000;
   const bool has_parts = (reader.Read<uint32_t>() & kHasParts) != 0;
   bool has_size = false;
-  // A header ends in an empty name; those of several parts end in an empty one.
+  // A header ends in an empty name; the headers of several parts end in an
+  // empty header.
   for (bool at_start = true;;) {
     const std::string attribute = ReadText(&reader);
     if (attribute.empty()) {

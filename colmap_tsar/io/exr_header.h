@@ -9,9 +9,9 @@
 
 namespace tsar {
 
-// Looks at the header of an OpenEXR file before OpenCV decodes it, so that a
-// header that says more than the file can hold costs no memory: a pixel takes
-// at least 1/2048 byte. Throws Error kCorrupt, naming the file.
+// Checks the header of an OpenEXR file before OpenCV decodes it, so that a
+// declared size beyond what the file can hold allocates no memory: a pixel
+// takes at least 1/2048 byte. Throws Error kCorrupt with the file.
 void CheckExr(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace tsar

@@ -72,7 +72,8 @@ size_t RequireExactLength(const ByteReader& reader,
                           int64_t height,
                           int64_t channels,
                           size_t num_value_bytes) {
-  // As large as an image of a sparse model can be; the products below fit.
+  // The largest side of an image of a sparse model; the products below do not
+  // overflow.
   constexpr int64_t kMaxSide = int64_t{1} << 24;
   constexpr int64_t kMaxChannels = 16;
   const std::string size = std::to_string(width) + " x " +

@@ -22,13 +22,13 @@ namespace tsar {
 std::vector<uint8_t> ReadFileBytes(const std::filesystem::path& path,
                                    size_t max_num_bytes = SIZE_MAX);
 
-// Reads the little-endian values of a file of another program one after the
-// other and knows how many bytes are left, so that no count is believed that
-// the file cannot hold. All errors are kCorrupt and name the file.
+// Reads the little-endian values of a file of another program in sequence and
+// checks every count against the bytes left. All errors are kCorrupt and name
+// the file.
 class ByteReader {
  public:
-  // name: the file, for messages; advice: what to do where its content breaks
-  // the format. The bytes must outlive the reader.
+  // name: the file, for messages; advice: appended if its content violates the
+  // format. The bytes must outlive the reader.
   ByteReader(std::span<const uint8_t> bytes,
              const std::string& name,
              const std::string& advice = "make the file again")
@@ -43,10 +43,10 @@ class ByteReader {
     return value;
   }
 
-  // The next num_bytes bytes.
+  // Reads the next num_bytes bytes.
   std::span<const uint8_t> Take(size_t num_bytes);
 
-  // Fills `values`.
+  // Reads all of `values`.
   template <typename T>
   void ReadAll(std::span<T> values) {
     if (!values.empty()) {
@@ -55,7 +55,7 @@ class ByteReader {
     }
   }
 
-  // The error that the file's content breaks its format.
+  // The error for content that violates the format.
   Error Corrupt(const std::string& what) const;
 
  private:
@@ -64,8 +64,8 @@ class ByteReader {
   std::string advice_;
 };
 
-// A raster as other programs store it: row by row, the channels of a pixel side
-// by side. Values are as in the file, also those that are not finite.
+// A raster with interleaved channels, row by row. Values are as in the file,
+// including those that are not finite.
 struct FloatMap {
   int width = 0;
   int height = 0;
@@ -73,21 +73,23 @@ struct FloatMap {
   std::vector<float> values;  // [(y * width + x) * channels + c]
 };
 
-// The number of values of a raster whose header says width x height x
-// channels, each of num_value_bytes, after making sure that `reader` holds
-// exactly that many; Error kCorrupt otherwise.
+// Returns the number of values of a raster declared as width x height x
+// channels, each of num_value_bytes. Throws Error kCorrupt unless `reader`
+// holds exactly that many.
 size_t RequireExactLength(const ByteReader& reader,
                           int64_t width,
                           int64_t height,
                           int64_t channels,
                           size_t num_value_bytes);
 
-// A map of one channel. Values that are negative, NaN or infinite become 0,
-// which is "no depth". Error kCorrupt, naming the file, for more channels.
+// Converts a map of one channel. Values that are negative, NaN or infinite
+// become 0, which is "no depth". Throws Error kCorrupt with the file for more
+// channels.
 Image<float> ToDepth(const FloatMap& map, const std::string& name);
 
-// A map of three channels as it is. Normals with an element that is NaN or
-// infinite become (0, 0, 0). Error kCorrupt for another number of channels.
+// Converts a map of three channels. Normals with an element that is NaN or
+// infinite become (0, 0, 0). Throws Error kCorrupt for another number of
+// channels.
 Image<Vec3f> ToNormals(const FloatMap& map, const std::string& name);
 
 }  // namespace tsar

@@ -15,8 +15,7 @@
 namespace tsar {
 namespace {
 
-// The content of a gray picture of so many bits, and the error for any other
-// file.
+// The content of a gray picture of num_bits; throws for any other file.
 struct GrayFile {
   GrayFile(const std::filesystem::path& path, int num_bits) {
     if (!Exists(path)) {

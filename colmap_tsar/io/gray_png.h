@@ -10,9 +10,9 @@
 
 namespace tsar {
 
-// Read a picture with one channel of 8 or of 16 bits: the confidence,
-// provenance and plane maps of a refined workspace. Throw Error kNotFound, and
-// kCorrupt for anything else than such a picture.
+// These functions read a picture of one channel of 8 or 16 bits: the
+// confidence, provenance and plane maps of a refined workspace. They throw
+// Error kNotFound, and kCorrupt for anything but such a picture.
 Image<uint8_t> ReadGrayPng(const std::filesystem::path& path);
 Image<uint16_t> ReadGray16Png(const std::filesystem::path& path);
 

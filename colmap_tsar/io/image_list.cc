@@ -10,9 +10,9 @@
 namespace tsar {
 namespace {
 
-// No name of a file is as long.
+// Upper bound of the length of file names.
 constexpr size_t kMaxNameLength = 4096;
-// What some editors begin a text with.
+// The byte order mark that some editors write at the beginning of a text.
 constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string Trimmed(const std::string& text) {

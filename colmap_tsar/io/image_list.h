@@ -12,15 +12,15 @@
 namespace tsar {
 
 struct ListedImage {
-  int image = 0;  // In SparseModel::images.
-  int line = 0;   // From 1 on.
+  int image = 0;  // Index into SparseModel::images.
+  int line = 0;   // Counted from 1.
 };
 
 // Reads a text file with one image name per line, as COLMAP's image_list_path.
-// Blank lines, blanks around names and the ends of lines of any system do not
-// count. option: what the file was given with. Throws Error: kNotFound (it
-// cannot be read), kCorrupt (a line is no text), kMismatch (a line names no
-// image of the model, or none does), with the number of the line.
+// Blank lines, blanks around names and line ends of any system are ignored.
+// option: the option that names the file. Throws Error: kNotFound (it cannot be
+// read), kCorrupt (a line is no text), kMismatch (a line names no image of the
+// model, or none does), with the number of the line.
 std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
                                        const SparseModel& model,
                                        const std::string& option);

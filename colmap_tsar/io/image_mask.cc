@@ -54,8 +54,7 @@ class MaskFile {
                "the mask is damaged: ",
                kAdvice}) {}
 
-  // Throws where the header tells that it is no mask for an image of these
-  // sizes.
+  // Throws if, by its header, the file is no mask for an image of these sizes.
   void RequireFit(const MaskSizes& sizes) {
     const PngHeader header = file_.ReadHeader();
     if (header.bits_per_channel > 8) {
@@ -132,7 +131,7 @@ void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
   MaskFile file(path);
   file.RequireFit(sizes);
   if (!file.EndsAsWhole()) {
-    // Something may have been added behind the end.
+    // Data may have been appended after the end.
     file.Decode();
   }
 }
@@ -141,8 +140,7 @@ Image<uint8_t> ResizeMask(const Image<uint8_t>& mask, const RasterSize& size) {
   if (mask.Width() == size.width && mask.Height() == size.height) {
     return mask;
   }
-  // The pixels that pixel i of `to` covers among `from` are those from the
-  // first one on to before the second one.
+  // The half-open range of pixels of `from` that pixel i of `to` covers.
   const auto covered = [](int64_t i, int64_t from, int64_t to) {
     return std::pair(static_cast<int>(i * from / to),
                      static_cast<int>(((i + 1) * from + to - 1) / to));

@@ -11,21 +11,21 @@
 #include <vector>
 
 #include <jpeglib.h>
-// After it.
+// jerror.h requires jpeglib.h.
 #include <jerror.h>
 
 namespace tsar {
 namespace {
 
-// Nothing of these is about the compressed data.
+// Whether a warning concerns metadata rather than the compressed data.
 bool IsAboutMetadata(int warning) {
   return warning == JWRN_ADOBE_XFORM || warning == JWRN_JFIF_MAJOR ||
          warning == JWRN_NOT_SEQUENTIAL;
 }
 
-// One file. Where something is wrong libjpeg leaves it by a jump to Guard(),
-// over its own frames and that of the function that Guard() called: that one
-// must not hold an object with a destructor.
+// Decodes one file. On an error libjpeg jumps back to Guard() over its own
+// frames and that of the function that Guard() called, which must therefore
+// hold no object with a destructor.
 class JpegDecoder {
  public:
   JpegDecoder(std::span<const uint8_t> bytes, const std::string& name)
@@ -47,8 +47,8 @@ class JpegDecoder {
             info_.num_components == 4};
   }
 
-  // Fills one row after the other, each row_step bytes behind the last one: 0
-  // where only the decoder's opinion is wanted.
+  // Decodes row by row, each row_step bytes after the previous one; 0 if the
+  // file is only checked.
   void Decode(J_COLOR_SPACE color_space, uint8_t* first_row, size_t row_step) {
     Guard([&] {
       info_.out_color_space = color_space;
@@ -58,14 +58,13 @@ class JpegDecoder {
         jpeg_read_scanlines(&info_, &row, 1);
         row += row_step;
       }
-      // Reads on to the marker of the end.
+      // Reads up to the end marker.
       jpeg_finish_decompress(&info_);
     });
   }
 
  private:
-  // Where the other constructor, which calls this one, throws, the destructor
-  // is called.
+  // The destructor runs if the delegating constructor throws.
   explicit JpegDecoder(const std::string& name) : name_(name) {
     info_.err = jpeg_std_error(&manager_);
     manager_.error_exit = &OnError;
@@ -96,7 +95,7 @@ class JpegDecoder {
     std::longjmp(static_cast<JpegDecoder*>(info->client_data)->escape_, 1);
   }
 
-  // Warnings have a level below 0.
+  // Warnings have a negative level.
   static void OnMessage(j_common_ptr info, int level) {
     if (level < 0 && !IsAboutMetadata(info->err->msg_code)) {
       static_cast<JpegDecoder*>(info->client_data)->is_damaged_ = true;

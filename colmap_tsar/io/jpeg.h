@@ -11,15 +11,15 @@
 
 namespace tsar {
 
-// JPEG, decoded by libjpeg, since OpenCV takes no notice of its warnings: where
-// the data break off the rest of the picture would be gray, and nobody told.
-// Here whatever libjpeg says about the compressed data is an error: that they
-// end too early or too late, that a code is wrong, that markers are missing.
-// What it says about metadata (the version of JFIF, Adobe's transform) is not.
+// Decoding of JPEG by libjpeg, since OpenCV ignores its warnings: the rest of
+// truncated data would silently be gray. Here every warning about the
+// compressed data is an error: a premature or late end, a wrong code, missing
+// markers. Warnings about metadata (the version of JFIF, Adobe's transform) are
+// not.
 //
-// A file that is cut off anywhere is refused, since the marker of its end is
-// missing. Other damage is noticed only where the decoder stumbles: JPEG has no
-// checksums, and a single wrong bit may give other colors and nothing else.
+// A truncated file is rejected, since its end marker is missing. Other damage
+// is found only if the decoder fails: JPEG has no checksums, and a wrong bit
+// may only change colors.
 //
 // All functions take the bytes of a file and its name, for messages. They throw
 // Error: kCorrupt (damaged, or nothing that libjpeg can decode) and
@@ -28,19 +28,19 @@ namespace tsar {
 struct JpegKind {
   int width = 0;
   int height = 0;
-  bool is_cmyk = false;  // In four inks, as printers use them.
+  bool is_cmyk = false;  // Four inks, as for printing.
 };
 
-// Reads no further than to the first pixel.
+// Reads only the header.
 JpegKind ReadJpegKind(std::span<const uint8_t> bytes, const std::string& name);
 
-// The pixels that cv::imdecode gives, for pictures that are not in CMYK. The
-// orientation that a camera noted is ignored.
+// Decodes the pixels as cv::imdecode does, for pictures that are not in CMYK.
+// The EXIF orientation is ignored.
 Image<Rgb> DecodeJpeg(std::span<const uint8_t> bytes, const std::string& name);
 Image<uint8_t> DecodeGrayJpeg(std::span<const uint8_t> bytes,
                               const std::string& name);
 
-// Decodes a picture of any kind to look for damage alone.
+// Decodes a picture of any kind only to find damage.
 void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace tsar

@@ -22,8 +22,8 @@ using Bytes = std::vector<uint8_t>;
 constexpr const char* kAdvice =
     "write it as a PNG file of one channel with 8 or 16 bits, a number for "
     "each segment and 0 for none";
-// Of the longer side to the shorter one: programs for segmentation scale images
-// to sizes of their own.
+// The largest relative error of the aspect ratio: segmentation programs scale
+// images to sizes of their own.
 constexpr double kMaxAspectError = 0.02;
 
 fs::path FindLabelImage(const fs::path& folder, const std::string& name) {
@@ -60,7 +60,7 @@ class LabelFile {
                "the label image is damaged: ",
                kAdvice}) {}
 
-  // Throws where the header tells that it holds no segments of an image of this
+  // Throws if, by its header, the file holds no segments of an image of this
   // size.
   PngHeader RequireFit(const RasterSize& image) {
     const PngHeader header = file_.ReadHeader();
@@ -126,7 +126,7 @@ int64_t CheckLabelImage(const fs::path& path, const RasterSize& image) {
   LabelFile file(path);
   const PngHeader header = file.RequireFit(image);
   if (!file.EndsAsWhole()) {
-    // Something may have been added behind the end.
+    // Data may have been appended after the end.
     file.Decode(header);
   }
   return int64_t{header.width} * int64_t{header.height};

@@ -22,7 +22,7 @@ void SetCount(int64_t* target, int64_t count) {
   }
 }
 
-// Writes one map and fingerprints it on the way.
+// Writes one map and hashes it on the way.
 class MapWriter {
  public:
   MapWriter(int width, int height, int channels, AtomicFile* file)
@@ -58,7 +58,7 @@ class MapWriter {
     }
   }
 
-  // Of all that was written; the file's time is not known yet.
+  // The description of the written map; the file's time is not known yet.
   WrittenMap Written() {
     written_.hash = hash_.Value();
     return std::move(written_);

@@ -36,29 +36,28 @@ struct PlanarMap {
 // Reads only the header, and checks the file's length.
 MapSize ReadMapSize(const std::filesystem::path& path);
 
-// Depths that are negative, NaN or infinite become 0; num_not_finite, where
-// given, receives the number of the last two.
+// Depths that are negative, NaN or infinite become 0; num_not_finite, if given,
+// receives the number of the last two.
 Image<float> ReadDepthMap(const std::filesystem::path& path,
                           int64_t* num_not_finite = nullptr);
 
 // Normals with an element that is NaN or infinite become (0, 0, 0);
-// num_not_finite, where given, receives their number.
+// num_not_finite, if given, receives their number.
 Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
                            int64_t* num_not_finite = nullptr);
 
-// A map with any number of channels (cost maps: 2), with
-// its values as they are in the file.
+// Reads a map of any number of channels (cost maps: 2) with unchanged values.
 PlanarMap ReadPlanarMap(const std::filesystem::path& path);
 
-// The writers replace the file in one step (see AtomicFile). They refuse, with
-// kMismatch, what COLMAP's fusion cannot stand: empty maps and values that are
+// The writers replace the file atomically (see AtomicFile). They reject, with
+// kMismatch, maps that break COLMAP's fusion: empty maps and values that are
 // not finite.
 void WriteDepthMap(const ContainedPath& path, const Image<float>& depth);
 void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal);
 void WritePlanarMap(const ContainedPath& path, const PlanarMap& map);
 
-// The same, into a file that the caller commits. They return what to remember
-// of it, but for its time.
+// Writers to a file that the caller commits. They return its description
+// without the time.
 WrittenMap PutDepthMap(const Image<float>& depth, AtomicFile* file);
 WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
 WrittenMap PutPlanarMap(const PlanarMap& map, AtomicFile* file);

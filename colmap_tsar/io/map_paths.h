@@ -16,7 +16,7 @@ enum class MapType { kPhotometric, kGeometric };
 // "photometric" or "geometric", as in the names of the files.
 std::string ToString(MapType type);
 
-// Where everything about one image's maps of one type lies.
+// The paths of one image's maps of one type.
 struct MapPaths {
   ContainedPath depth;
   ContainedPath normal;
@@ -24,7 +24,7 @@ struct MapPaths {
   ContainedPath confidence;
   ContainedPath sigma;
   ContainedPath provenance;
-  ContainedPath planes;  // Which plane of the scene a pixel lies on.
+  ContainedPath planes;  // The scene plane of each pixel.
   ContainedPath original_depth;
   ContainedPath original_normal;
   ContainedPath record;
@@ -39,9 +39,8 @@ MapPaths GetMapPaths(const std::filesystem::path& root,
 // stereo/tsar: the folder that belongs to this program alone.
 ContainedPath GetTsarFolder(const std::filesystem::path& root);
 
-// What stood where an original was put back, or an original in whose place a
-// newer one came; its folders are those of stereo. Never removed by this
-// program.
+// Files replaced when an original was restored, and originals replaced by newer
+// ones; the subfolders are those of stereo. Never removed by this program.
 ContainedPath GetSupersededFolder(const std::filesystem::path& root);
 
 }  // namespace tsar

@@ -97,7 +97,8 @@ void MapReader::ReadHeader(uintmax_t num_bytes) {
   header_size_ = static_cast<size_t>(file_->tellg());
   const uintmax_t num_values = (num_bytes - header_size_) / sizeof(float);
   const auto num_pixels = uintmax_t{size_.NumPixels()};
-  // Divisions, since the product of three hostile numbers overflows.
+  // Divisions are used, since the product of three untrusted numbers may
+  // overflow.
   const bool fits =
       num_values / num_pixels == static_cast<uintmax_t>(size_.channels) &&
       num_values % num_pixels == 0 &&

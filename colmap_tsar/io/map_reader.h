@@ -27,19 +27,18 @@ struct MapSize {
 };
 
 // An open map (see map_io.h), of which any part can be read: maps of hundreds
-// of megabytes then pass through the processor's cache instead of through
-// memory. Pixels are counted row by row. The file stays the same one when
-// another takes its name.
+// of megabytes then pass through the processor's cache instead of memory.
+// Pixels are indexed row by row. The file stays open if its name is replaced.
 class MapReader {
  public:
-  // Throws what the readers of map_io.h throw.
+  // Throws the errors of the readers of map_io.h.
   explicit MapReader(const std::filesystem::path& path);
 
   const MapSize& Size() const { return size_; }
   // Throws kCorrupt. kind: for the message, as "a depth map".
   void RequireChannels(int channels, const char* kind) const;
 
-  // Values of one channel from the given pixel on. Throws kCorrupt where the
+  // Reads values of one channel from first_pixel on. Throws kCorrupt if the
   // file has become shorter.
   void Read(int channel, size_t first_pixel, std::span<float> values);
 
@@ -52,14 +51,14 @@ class MapReader {
   size_t header_size_ = 0;
 };
 
-// A MapReader that makes of depths that are negative, NaN or infinite 0.
+// A MapReader that replaces depths that are negative, NaN or infinite by 0.
 class DepthMapReader {
  public:
   explicit DepthMapReader(const std::filesystem::path& path);
 
   const MapSize& Size() const { return reader_.Size(); }
   void Read(size_t first_pixel, std::span<float> depths);
-  // NaN and infinite values among those that were read.
+  // The number of NaN and infinite values read.
   int64_t NumNotFinite() const { return num_not_finite_; }
 
  private:
@@ -67,15 +66,15 @@ class DepthMapReader {
   int64_t num_not_finite_ = 0;
 };
 
-// A MapReader that makes of normals with an element that is NaN or infinite
-// (0, 0, 0).
+// A MapReader that replaces normals with a NaN or infinite element by (0, 0,
+// 0).
 class NormalMapReader {
  public:
   explicit NormalMapReader(const std::filesystem::path& path);
 
   const MapSize& Size() const { return reader_.Size(); }
   void Read(size_t first_pixel, std::span<Vec3f> normals);
-  // Normals that were not finite among those that were read.
+  // The number of normals read that were not finite.
   int64_t NumNotFinite() const { return num_not_finite_; }
 
  private:
@@ -85,7 +84,7 @@ class NormalMapReader {
 };
 
 // Calls function(first, count) for consecutive pieces of [0, num_pixels) that
-// stay in the processor's cache.
+// fit into the processor's cache.
 template <typename Function>
 void ForEachPiece(size_t num_pixels, const Function& function) {
   constexpr size_t kPiece = size_t{1} << 13;

@@ -14,7 +14,7 @@ std::string ToString(const RasterSize& size) {
 bool HasShapeOf(const RasterSize& size, const RasterSize& whole) {
   const double width = whole.width;
   const double height = whole.height;
-  // What each side should be by the scale of the other one.
+  // The error of each side relative to the scale of the other one.
   const double error_x = std::abs(size.width - size.height / height * width);
   const double error_y = std::abs(size.height - size.width / width * height);
   return error_x <= 1.0 + width / height || error_y <= 1.0 + height / width;

@@ -11,8 +11,9 @@
 
 namespace tsar {
 
-// The map as it is. Throws Error kMismatch, naming its file, where it is not of
-// the size of another map of the image. other_name: such as "the depth map".
+// Returns the map unchanged. Throws Error kMismatch with its file if its size
+// differs from that of another map of the image. other_name: such as "the depth
+// map".
 template <typename T>
 Image<T> RequireSizeOf(const Image<float>& other,
                        const std::string& other_name,
@@ -27,7 +28,7 @@ Image<T> RequireSizeOf(const Image<float>& other,
   return map;
 }
 
-// In pixels; both sides are positive.
+// A size in pixels; both sides are positive.
 struct RasterSize {
   int width = 0;
   int height = 0;
@@ -36,13 +37,13 @@ struct RasterSize {
 // "640 x 480", for messages.
 std::string ToString(const RasterSize& size);
 
-// Whether a raster of this size can show what a whole of that size shows.
-// Maps may be smaller or larger than their images, since max_image_size scales
-// them, but not of another shape: rounding each side costs less than a pixel.
+// Whether two sizes have the same aspect ratio up to rounding of each side by
+// less than a pixel. Maps may be smaller or larger than their images, since
+// max_image_size scales them.
 bool HasShapeOf(const RasterSize& size, const RasterSize& whole);
 
-// Throws Error kMismatch, naming the file and both sizes, where the file's size
-// is not of that shape. whole_name: such as "the image v0.png".
+// Throws Error kMismatch with the file and both sizes unless HasShapeOf()
+// holds. whole_name: such as "the image v0.png".
 void RequireShape(const std::filesystem::path& path,
                   const RasterSize& size,
                   const RasterSize& whole,

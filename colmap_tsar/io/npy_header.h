@@ -12,14 +12,14 @@ namespace tsar {
 static_assert(std::endian::native == std::endian::little,
               "arrays are little-endian and written as they are");
 
-// Bytes before the values.
+// Size of the header in bytes.
 inline constexpr size_t kNpyHeaderSize = 128;
 
-// What an array in NumPy's format (.npy, version 1.0) begins with, whose values
+// The header of an array in NumPy's format (.npy, version 1.0), whose values
 // follow row by row: magic, version, the length of the text, and the text,
-// which is padded so that the values begin at a multiple of 64 bytes.
+// padded so that the values begin at a multiple of 64 bytes.
 //
-// type: as NumPy writes it, such as "<f4". shape: such as "480, 640".
+// type: NumPy's notation, such as "<f4". shape: such as "480, 640".
 inline std::string NpyHeader(const std::string& type,
                              const std::string& shape) {
   constexpr size_t kTextBegin = 10;

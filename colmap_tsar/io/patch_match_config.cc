@@ -23,13 +23,14 @@ namespace {
 
 constexpr double kAnglePercentile = 0.75;
 
-// Sources closer together than this show the same: it is about the two pixels
-// of parallax, in maps 640 pixels wide, by which views still agree.
+// Sources within this triangulation angle of each other show the same: it is
+// about the two pixels of parallax, in maps 640 pixels wide, within which views
+// agree.
 constexpr double kSamePlaceDegrees = 0.2;
 
-// Whether two cameras see a point under at least an angle of this tangent.
-// Beyond a right angle its supplement counts, since rays that meet head-on
-// locate a point no better than parallel ones.
+// Whether the triangulation angle of a point reaches the angle of this tangent.
+// Beyond a right angle its supplement is used, since opposite rays locate a
+// point no better than parallel ones.
 bool HasAngle(const Eigen::Vector3d& center_a,
               const Eigen::Vector3d& center_b,
               const Eigen::Vector3d& point,
@@ -38,12 +39,12 @@ bool HasAngle(const Eigen::Vector3d& center_a,
   const Eigen::Vector3d ray_b = point - center_b;
   const double sine = ray_a.cross(ray_b).norm();
   const double cosine = std::abs(ray_a.dot(ray_b));
-  // A point in a camera's center, where both are 0, has no angle.
+  // A point in a camera's center (both are 0) has no angle.
   return sine >= min_tangent * cosine && (sine > 0.0 || min_tangent <= 0.0);
 }
 
-// Whether the percentile of some angles is large enough, of which some are too
-// small: no more than its rank.
+// Whether the percentile of the angles reaches the minimum: at most its rank of
+// them are too small.
 bool ReachesPercentile(int64_t num_small, int64_t num_angles) {
   const auto rank = static_cast<int64_t>(
       std::round(kAnglePercentile * static_cast<double>(num_angles - 1)));
@@ -96,7 +97,7 @@ std::vector<ConfigLine> ReadConfigLines(const std::filesystem::path& path) {
   return lines;
 }
 
-// COLMAP separates names by commas or semicolons.
+// Splits a list of names, which COLMAP separates by commas or semicolons.
 std::vector<std::string> SplitNames(const std::string& text) {
   std::vector<std::string> names;
   for (size_t begin = 0; begin <= text.size();) {
@@ -246,7 +247,7 @@ class ConfigParser {
   const SparseModel& model_;
   const SourceSelector selector_;
   std::unordered_set<int> references_;
-  size_t num_named_ = 0;  // Sources, by the file.
+  size_t num_named_ = 0;  // Number of sources that the file names.
   size_t num_dependent_ = 0;
 };
 

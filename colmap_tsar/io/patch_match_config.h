@@ -12,28 +12,29 @@
 
 namespace tsar {
 
-// Chooses the source images of a reference, which are to be independent
-// witnesses of its depths. What two images see from one place agrees whatever
-// the depth is: two viewpoints count as different where the 75th percentile of
-// the angles between their rays to sparse points reaches a minimum.
+// Selects the source images of a reference, which must confirm its depths
+// independently. Images from one viewpoint agree at any depth: two viewpoints
+// are independent if the 75th percentile of the triangulation angles of sparse
+// points reaches a minimum.
 class SourceSelector {
  public:
   // The model must outlive the selector.
   SourceSelector(const SparseModel& model,
                  double min_triangulation_angle_degrees);
 
-  // As COLMAP's `__auto__` does: those that share most sparse points with the
-  // reference, among the images whose angles over the shared points reach the
-  // minimum; here they do so towards the chosen ones before them, too. COLMAP
-  // leaves the order of equal counts open; here the lower index goes first.
+  // Selects sources as COLMAP's `__auto__` does: those that share most sparse
+  // points with the reference, among the images whose triangulation angles of
+  // shared points reach the minimum; here also relative to the sources selected
+  // before. COLMAP leaves the order of equal counts open; here the lower index
+  // goes first.
   //
   // Time: the reference's observations times the length of their tracks, and
   // once through the observations of each image that is considered.
   std::vector<int> SelectSources(int reference, int max_num_sources) const;
 
-  // Of the given images, those whose viewpoint is another than the reference's
-  // and that of each chosen one before them. All, where the reference sees no
-  // sparse point.
+  // The given images whose viewpoints are independent of the reference's and of
+  // each one selected before. All of them if the reference sees no sparse
+  // point.
   std::vector<int> SelectIndependent(int reference,
                                      const std::vector<int>& images) const;
 
@@ -41,7 +42,7 @@ class SourceSelector {
   bool HasOverlap(int reference) const;
 
  private:
-  // Up to this many of the points of a reference stand for all.
+  // The number of points of a reference that are sampled.
   static constexpr size_t kMaxNumPoints = 64;
 
   std::vector<Eigen::Vector3d> PointsOf(int reference) const;
@@ -62,20 +63,20 @@ class SourceSelector {
   std::vector<int> track_images_;
 };
 
-// One depth map to work on: indices into SparseModel::images.
+// One depth map to estimate: indices into SparseModel::images.
 struct StereoProblem {
   int reference = -1;
-  // In the file's order, or by falling number of shared points. May be empty:
-  // without_sources says why.
+  // Sources in the file's order, or by descending number of shared points. May
+  // be empty for the reason without_sources.
   std::vector<int> sources;
   std::string without_sources;
 };
 
 // Reads stereo/patch-match.cfg: pairs of lines, the reference image and its
 // sources: `__all__`, `__auto__, N` (see SelectSources) or a list of names.
-// Blank lines and lines that begin with '#' are skipped. Sources that are no
-// independent witnesses (see SourceSelector) are left out, with one warning
-// where the file names them.
+// Blank lines and lines that begin with '#' are skipped. Sources that are not
+// independent (see SourceSelector) are left out, with one warning if the file
+// names them.
 //
 // Throws Error: kNotFound (no such file), kMismatch (an image that the sparse
 // model does not hold), kCorrupt (a reference without sources, twice, or among

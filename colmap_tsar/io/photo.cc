@@ -44,8 +44,8 @@ PhotoFormat RequireFormat(const std::string& name,
   return *format;
 }
 
-// Throws where it is known that the file is not whole; OpenCV would go on, or
-// print an error of its own.
+// Throws if the file is known to be incomplete; OpenCV would continue or print
+// its own error.
 void RequireWhole(PhotoFormat format,
                   const Bytes& bytes,
                   const std::string& name) {
@@ -87,7 +87,7 @@ PngError Damaged(const std::string& name) {
 struct Content {
   Bytes bytes;
   PhotoFormat format;
-  // Of the formats that this library decodes itself.
+  // The kind, among the formats that this library decodes itself.
   bool is_plain_jpeg;
 };
 
@@ -148,7 +148,7 @@ bool HasAlpha(const std::filesystem::path& path) {
 }
 
 void CheckPhotoFile(const std::filesystem::path& path) {
-  // The header of every format fits in, unless there are long comments.
+  // The head holds the header of every format, unless it has long comments.
   constexpr uint64_t kHeadBytes = 4096;
   constexpr uint64_t kTailBytes = 16;
   PictureInput file = OpenPhoto(path);
@@ -156,7 +156,7 @@ void CheckPhotoFile(const std::filesystem::path& path) {
   const PhotoFormat format = RequireFormat(file.Name(), head);
   if (DeclaredSize(format, head) > file.Size() ||
       !EndsInMarker(format, file.ReadTail(kTailBytes))) {
-    // Cameras may add something behind the end.
+    // Cameras may append data after the end.
     ReadPhoto(path);
   }
 }

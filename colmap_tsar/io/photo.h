@@ -10,16 +10,15 @@
 
 namespace tsar {
 
-// Photos: JPEG, PNG, TIFF, WebP, BMP, PGM, PPM and JPEG 2000, told apart by
-// their first bytes; of 8 bits, or brought to these. The pixels are those that
-// OpenCV decodes; the orientation that a camera noted is ignored, as COLMAP
-// does.
+// Photos: JPEG, PNG, TIFF, WebP, BMP, PGM, PPM and JPEG 2000, identified by
+// their first bytes and converted to 8 bits. The pixels are those that OpenCV
+// decodes; the EXIF orientation is ignored, as in COLMAP.
 //
-// A file that is cut off is refused, unless all pixels are there. Damage inside
-// is refused where the format shows it: PNG and TIFF with Deflate have
-// checksums; JPEG and TIFF with other compression are refused where the decoder
-// stumbles, which it mostly does. WebP, JPEG 2000 and formats without
-// compression (BMP, PGM, PPM, such TIFF) can only be checked for their length.
+// A truncated file is rejected, unless it has all pixels. Damage inside is
+// found as far as the format allows: PNG and TIFF with Deflate have checksums;
+// the decoders of JPEG and of TIFF with other compression mostly fail. WebP,
+// JPEG 2000 and formats without compression (BMP, PGM, PPM, such TIFF) can only
+// be checked for their length.
 //
 // All functions follow links and throw Error, naming the file: kNotFound (no
 // such file), kIo (it cannot be read, or is no regular file), kCorrupt (empty,
@@ -27,7 +26,8 @@ namespace tsar {
 
 Image<Rgb> ReadPhoto(const std::filesystem::path& path);
 
-// Gray as OpenCV decodes it, which is not that of the colors for all formats.
+// Reads gray as OpenCV decodes it, which for some formats is not that of the
+// colors.
 Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path);
 
 // Whether a PNG file says that it has an alpha channel, which is not read.

@@ -23,7 +23,8 @@ Error UnreadablePhoto(const std::string& name, const std::string& what) {
 void RequirePossibleSize(const std::string& name,
                          int64_t width,
                          int64_t height) {
-  // By division, since the product of two hostile numbers overflows.
+  // A division is used, since the product of two untrusted numbers may
+  // overflow.
   if (width > 0 && height > kMaxNumPixels / width) {
     throw Error::File(ErrorCode::kUnsupported,
                       name,

@@ -26,7 +26,7 @@ bool IsSpace(char c) {
          c == '\f';
 }
 
-// A little-endian number, or 0 where the bytes do not reach that far.
+// Reads a little-endian number; 0 beyond the end of the bytes.
 template <typename T>
 T ReadAt(std::span<const uint8_t> bytes, size_t offset) {
   T value = 0;
@@ -36,8 +36,7 @@ T ReadAt(std::span<const uint8_t> bytes, size_t offset) {
   return value;
 }
 
-// The size of an image without compression. Sides of hostile headers may be of
-// any size.
+// The size of an uncompressed image, clamped: headers are untrusted.
 uint64_t RasterBytes(uint64_t row_bytes, uint64_t num_rows) {
   constexpr uint64_t kTooMuch = UINT64_MAX / 2;
   return num_rows != 0 && row_bytes > kTooMuch / num_rows
@@ -60,7 +59,7 @@ uint64_t DeclaredBmpSize(std::span<const uint8_t> head) {
   uint64_t num_bits = ReadAt<uint16_t>(head, 24);
   if (header_size != kOldHeaderSize) {
     width = ReadAt<uint32_t>(head, 18);
-    // Negative where the first row is the top one.
+    // The height is negative if the first row is the top one.
     height =
         static_cast<uint64_t>(std::abs(int64_t{ReadAt<int32_t>(head, 22)}));
     num_bits = ReadAt<uint16_t>(head, 28);
@@ -69,18 +68,18 @@ uint64_t DeclaredBmpSize(std::span<const uint8_t> head) {
       return begin + ReadAt<uint32_t>(head, 34);
     }
   }
-  // Rows begin at multiples of 4 bytes.
+  // Rows are padded to multiples of 4 bytes.
   return begin + RasterBytes((width * num_bits + 31) / 32 * 4, height);
 }
 
-// Reads the numbers of PNM, between which there are spaces and comments.
+// Reads the numbers of PNM, which spaces and comments separate.
 class PnmReader {
  public:
   explicit PnmReader(std::span<const uint8_t> bytes) : text_(TextOf(bytes)) {
-    Skip(2);  // Such as "P6".
+    Skip(2);  // Magic, such as "P6".
   }
 
-  // -1 where there is no number with something behind it.
+  // Returns -1 unless there is a number followed by another byte.
   int64_t ReadNumber() {
     constexpr size_t kMaxDigits = 10;
     SkipSpace();
@@ -172,7 +171,7 @@ std::optional<PhotoFormat> FormatOf(std::span<const uint8_t> head) {
   if (text.starts_with("\x89PNG\r\n\x1a\n"sv)) {
     return PhotoFormat::kPng;
   }
-  // 42 for TIFF, 43 for BigTIFF; in either byte order.
+  // The version is 42 for TIFF, 43 for BigTIFF, in either byte order.
   if (text.starts_with("II*\0"sv) || text.starts_with("MM\0*"sv) ||
       text.starts_with("II+\0"sv) || text.starts_with("MM\0+"sv)) {
     return PhotoFormat::kTiff;
@@ -244,11 +243,12 @@ bool HasJpeg2000End(std::span<const uint8_t> bytes) {
   if (!text.starts_with(kJp2Signature)) {
     return text.ends_with(kJpegEnd);
   }
-  // Boxes, each with its length and type before its content.
+  // The file consists of boxes: length, type and content.
   std::span<const uint8_t> left = bytes;
   while (left.size() >= 8) {
     const auto short_length = __builtin_bswap32(ReadAt<uint32_t>(left, 0));
-    // 0: up to the end of the file; 1: the length stands behind the type.
+    // 0: the box extends to the end of the file; 1: the length follows the
+    // type.
     const uint64_t length = short_length == 0 ? left.size()
                             : short_length == 1
                                 ? __builtin_bswap64(ReadAt<uint64_t>(left, 8))

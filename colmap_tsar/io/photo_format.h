@@ -9,8 +9,8 @@
 
 namespace tsar {
 
-// The formats of photos, of which it is known how to tell whether a file is
-// whole. OpenCV decodes others too, which nobody's photos have.
+// The supported formats of photos, whose files can be checked for completeness.
+// OpenCV decodes others, which photos do not use.
 enum class PhotoFormat {
   kJpeg,
   kPng,
@@ -21,23 +21,23 @@ enum class PhotoFormat {
   kJpeg2000,
 };
 
-// By the first bytes of a file, whatever its name.
+// Detects the format by the first bytes of a file, whatever its name.
 std::optional<PhotoFormat> FormatOf(std::span<const uint8_t> head);
 
-// How many bytes a file has at least, by its header: BMP, PNM in binary form,
-// and WebP tell that; TIFF tells where its directory begins, which mostly is at
-// the end. 0 where the header does not tell or is not all there.
+// The least size of a file in bytes by its header: known for BMP, binary PNM
+// and WebP; for TIFF the offset of the directory, which is mostly at the end. 0
+// if the header does not tell it or is incomplete.
 uint64_t DeclaredSize(PhotoFormat format, std::span<const uint8_t> head);
 
-// Whether a PGM or PPM in the form of text has as many numbers as its header
-// says, the last one with something behind it; true for the binary form.
+// Whether a text PGM or PPM has as many numbers as its header declares, the
+// last one followed by another byte; true for the binary form.
 bool HasAllNumbers(std::span<const uint8_t> bytes);
 
 // Whether the last bytes of a file are the marker that ends JPEG, PNG and JPEG
-// 2000, with nothing behind it; true for other formats.
+// 2000, with nothing after it; true for other formats.
 bool EndsInMarker(PhotoFormat format, std::span<const uint8_t> tail);
 
-// Whether the data of JPEG 2000 reach their end: other boxes may stand behind.
+// Whether the data of JPEG 2000 are complete; other boxes may follow.
 bool HasJpeg2000End(std::span<const uint8_t> bytes);
 
 }  // namespace tsar

@@ -43,7 +43,7 @@ std::vector<uint8_t> PictureInput::ReadTail(uint64_t count) {
 }
 
 std::vector<uint8_t> PictureInput::ReadAll() {
-  // OpenCV counts bytes by an int.
+  // OpenCV indexes bytes by an int.
   constexpr uint64_t kMaxBytes = uint64_t{1} << 31;
   if (Size() >= kMaxBytes) {
     throw Error::File(ErrorCode::kUnsupported,

@@ -12,11 +12,11 @@
 
 namespace tsar {
 
-// What messages about a picture say.
+// The texts of messages about a picture.
 struct PictureWords {
-  std::string noun;                 // Such as "mask".
-  std::string advice;               // Where it is missing or empty.
-  std::string advice_if_too_large;  // Where its file is.
+  std::string noun;                 // A noun such as "mask".
+  std::string advice;               // For a missing or empty file.
+  std::string advice_if_too_large;  // For a too large file.
 };
 
 // An open file of a picture, of at least one byte. All functions throw Error,
@@ -29,7 +29,7 @@ class PictureInput {
   const std::string& Name() const { return name_; }
   uint64_t Size() const { return file_.Size(); }
 
-  // The first bytes, or the last ones; fewer where there are no more.
+  // Read the first or the last `count` bytes, or fewer if the file is shorter.
   std::vector<uint8_t> ReadHead(uint64_t count);
   std::vector<uint8_t> ReadTail(uint64_t count);
   std::vector<uint8_t> ReadAll();

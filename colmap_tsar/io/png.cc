@@ -23,16 +23,16 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "numbers of 16 bits are turned around");
 
-// Deflate makes data no smaller than by 1032.
+// An upper bound of the compression ratio: Deflate attains at most 1032.
 constexpr uint64_t kMaxRatio = 1100;
 
 uint32_t ReadBigEndian(std::span<const uint8_t> bytes) {
   return png_get_uint_32(bytes.data());
 }
 
-// One file. Where something is wrong libpng leaves it by a jump to Guard(),
-// over its own frames and that of the function that Guard() called: that one
-// must not hold an object with a destructor.
+// Decodes one file. On an error libpng jumps back to Guard() over its own
+// frames and that of the function that Guard() called, which must therefore
+// hold no object with a destructor.
 class PngDecoder {
  public:
   PngDecoder(std::span<const uint8_t> bytes, const PngError& error)
@@ -60,7 +60,7 @@ class PngDecoder {
   PngDecoder(const PngDecoder&) = delete;
   PngDecoder& operator=(const PngDecoder&) = delete;
 
-  // T: the pixels that are wanted.
+  // T: the pixel type of the result.
   template <typename T>
   Image<T> Decode() {
     constexpr bool kIsRgb = std::is_same_v<T, Rgb> || std::is_same_v<T, Rgb16>;
@@ -101,15 +101,14 @@ class PngDecoder {
               png_, reinterpret_cast<png_bytep>(&image(0, y)), nullptr);
         }
       }
-      // Reads on to the last chunk.
+      // Reads up to the last chunk.
       png_read_end(png_, info_);
     });
     return image;
   }
 
  private:
-  // Where the other constructor, which calls this one, throws, the destructor
-  // is called.
+  // The destructor runs if the delegating constructor throws.
   PngDecoder(const PngError& error, std::span<const uint8_t> bytes)
       : error_(error), left_(bytes) {
     png_ = png_create_read_struct(
@@ -127,7 +126,7 @@ class PngDecoder {
       function();
       return;
     }
-    // libpng's and zlib's words where there is none.
+    // The words of libpng and zlib for exhausted memory.
     const std::string defect = defect_.data();
     if (defect.find("memory") != std::string::npos) {
       throw std::bad_alloc();
@@ -151,7 +150,7 @@ class PngDecoder {
     std::longjmp(decoder->escape_, 1);
   }
 
-  // Names the chunk in front.
+  // Messages begin with the name of the chunk.
   static void OnWarning(png_structp png, const char* message) {
     const std::string_view text = message;
     if (text.starts_with("IHDR:") || text.starts_with("IDAT:") ||

@@ -15,35 +15,35 @@
 
 namespace tsar {
 
-// PNG, decoded by libpng without a line on the standard error. Whatever libpng
-// says about the pixels is an error: checksums, data that end too early or too
-// late, chunks that make no sense. What it says about the rest, such as color
-// profiles and texts, is not: that is skipped, and so is transparency.
+// Decoding of PNG by libpng without output to standard error. Every warning
+// about the pixels is an error: checksums, a premature or late end of data,
+// invalid chunks. Other chunks, such as color profiles and texts, and
+// transparency are ignored.
 
 struct PngHeader {
   uint32_t width = 0;
   uint32_t height = 0;
   int bits_per_channel = 0;
-  bool is_gray = false;  // Without transparency.
+  bool is_gray = false;  // Gray without transparency.
   bool has_colors = false;
 };
 
-// Of a file that begins with these bytes, of which there should be at least
-// kPngHeadSize; nothing where it is no PNG file or its header is damaged.
+// The header of a file that begins with these bytes, at least kPngHeadSize;
+// nullopt if it is no PNG file or its header is damaged.
 constexpr size_t kPngHeadSize = 33;
 std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head);
 
-// The error to throw for a file; defect: what is wrong with it.
+// Makes the error to throw for a file with this defect.
 using PngError = std::function<Error(const std::string& defect)>;
 
-// The pixels of any PNG file, of 8 bits, as cv::imdecode() gives them. A header
-// that says more than the file can hold costs no memory. Throw what `error`
-// makes, and std::bad_alloc.
+// Decode any PNG file to 8 bits, as cv::imdecode() does. A declared size beyond
+// what the file can hold allocates no memory. Throw the result of `error`, and
+// std::bad_alloc.
 Image<Rgb> DecodePng(std::span<const uint8_t> bytes, const PngError& error);
 Image<uint8_t> DecodeGrayPng(std::span<const uint8_t> bytes,
                              const PngError& error);
 
-// The same of a gray picture of 16 bits.
+// Decodes a gray picture of 16 bits.
 Image<uint16_t> DecodeGray16Png(std::span<const uint8_t> bytes,
                                 const PngError& error);
 
@@ -53,7 +53,7 @@ struct Rgb16 {
   uint16_t b = 0;
 };
 
-// The pixels of any PNG file, of 16 bits: 255 of 8 bits becomes 65535.
+// Decodes any PNG file to 16 bits: 255 of 8 bits becomes 65535.
 Image<Rgb16> DecodePng16(std::span<const uint8_t> bytes, const PngError& error);
 
 }  // namespace tsar

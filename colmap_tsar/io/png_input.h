@@ -14,31 +14,31 @@
 
 namespace tsar {
 
-// What messages about a PNG file say. Whole, so that a search for a message
-// finds it.
+// The texts of messages about a PNG file, unabridged, so that a search finds
+// them.
 struct PngWords {
-  std::string noun;     // Such as "mask".
-  std::string no_png;   // Where it is something else.
-  std::string damaged;  // Before how.
+  std::string noun;     // A noun such as "mask".
+  std::string no_png;   // For another format.
+  std::string damaged;  // Precedes the defect.
   std::string advice;   // How to write one.
 };
 
-// An open file that has to be a PNG file; see PictureInput.
+// An open PNG file; see PictureInput.
 class PngInput {
  public:
   PngInput(const std::filesystem::path& path, const PngWords& words);
 
   const std::string& Name() const { return file_.Name(); }
 
-  // Throws Error kCorrupt where it is no PNG file or its header is not whole.
+  // Throws Error kCorrupt if it is no PNG file or its header is incomplete.
   PngHeader ReadHeader();
 
-  // Whether the end of the file is that of a whole one.
+  // Whether the end of the file is that of a complete one.
   bool EndsAsWhole();
 
   std::vector<uint8_t> ReadAll() { return file_.ReadAll(); }
 
-  // kCorrupt: that the file is damaged, and how.
+  // The error kCorrupt for a damaged file. how: the defect.
   Error Damaged(const std::string& how) const;
 
  private:

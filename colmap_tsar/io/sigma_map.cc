@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// Of the larger halves, the first that is not finite.
+// The bits of positive infinity, the first half that is not finite.
 constexpr uint16_t kFirstNotFinite = 0x7c00;
 
 std::string HeaderOf(int width, int height) {
@@ -69,7 +69,8 @@ Image<float> ReadSigmaMap(const std::filesystem::path& path) {
   }
   const uintmax_t num_values =
       (file.Size() - kNpyHeaderSize) / sizeof(uint16_t);
-  // A division, since the product of two hostile numbers may overflow.
+  // A division is used, since the product of two untrusted numbers may
+  // overflow.
   if ((file.Size() - kNpyHeaderSize) % sizeof(uint16_t) != 0 ||
       num_values / static_cast<uintmax_t>(width) !=
           static_cast<uintmax_t>(height) ||

@@ -20,8 +20,8 @@ namespace tsar {
 // value, see half.h.
 void PutSigmaMap(const Image<uint16_t>& halves, AtomicFile* file);
 
-// Throws Error: kNotFound where there is no such file; kCorrupt where it is not
-// exactly such an array, or a value is negative or not finite.
+// Reads a map. Throws Error: kNotFound (no such file), kCorrupt (not exactly
+// such an array, or a value is negative or not finite).
 Image<float> ReadSigmaMap(const std::filesystem::path& path);
 
 }  // namespace tsar

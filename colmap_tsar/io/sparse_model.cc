@@ -45,7 +45,8 @@ Camera MakeCamera(const SparseModelFiles& files, uint32_t id) {
     throw CorruptModel(files.cameras_path,
                        name + " has a focal length that is not positive");
   }
-  // Of a field of view of 179 degrees, which no image without distortion has.
+  // The least focal length relative to the size, that of a field of view of 179
+  // degrees.
   constexpr double kMinFocalLength = 0.01;
   const double least =
       kMinFocalLength * static_cast<double>(std::max(in.width, in.height));
@@ -126,7 +127,7 @@ void AddImages(SparseModelFiles* files, SparseModel* model) {
           "the name " + model->images[i].name + " is there more than once");
     }
   }
-  // "./a.png" and "a.png" differ, but not their maps.
+  // "./a.png" and "a.png" are different names of the same maps.
   std::unordered_set<std::string> paths;
   for (const SparseModel::ModelImage& image : model->images) {
     const std::filesystem::path path(image.name);
@@ -178,7 +179,7 @@ int NumCameraParams(const std::filesystem::path& path,
   if (model == "SIMPLE_PINHOLE") {
     return 3;
   }
-  // image_undistorter leaves these as they are.
+  // image_undistorter does not undistort these.
   if (model == "EQUIRECTANGULAR") {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),

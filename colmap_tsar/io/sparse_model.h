@@ -21,8 +21,8 @@ class SparseModel {
   struct ModelImage {
     std::string name;  // Relative to images/, with '/' between folders.
     Camera camera;
-    // How many images come before it in the file: files with the points that
-    // COLMAP fused call images by that.
+    // The number of images before it in the file, by which COLMAP's visibility
+    // files of fused points refer to images.
     int place_in_file = 0;
     // Indices into `points`, ascending, one per observation: a point that the
     // image sees twice is listed twice.
@@ -32,11 +32,11 @@ class SparseModel {
   std::vector<ModelImage> images;       // By ascending COLMAP image id.
   std::vector<Eigen::Vector3d> points;  // World frame.
 
-  // The image of this name, or nullptr, or -1.
+  // The image of this name, or nullptr or -1 if there is none.
   const ModelImage* Find(const std::string& name) const;
   int IndexOf(const std::string& name) const;
 
-  // To be called after `images` was filled or changed.
+  // Must be called after `images` was changed.
   void IndexNames();
 
  private:
@@ -44,18 +44,18 @@ class SparseModel {
 };
 
 // The files of cameras, images and points3D in a folder, in this order: binary
-// ones where all three .bin files are there, otherwise text. Throws Error
-// kNotFound where there is no folder, or files are missing.
+// if all three .bin files exist, otherwise text. Throws Error kNotFound if the
+// folder or files are missing.
 std::array<std::filesystem::path, 3> FindSparseModelFiles(
     const std::filesystem::path& sparse_folder);
 
 // Reads these files; the format is the same in all versions of COLMAP from 3.7
 // on; images of rigs have their own poses, too. Quaternions are normalized.
 //
-// Throws Error: what FindSparseModelFiles() throws, kUnsupported (a camera
-// model other than PINHOLE and SIMPLE_PINHOLE), kCorrupt (anything that breaks
-// the format: truncated files, counts larger than the file, ids that do not
-// exist, duplicates, focal lengths that are not positive, NaN).
+// Throws Error: those of FindSparseModelFiles(), kUnsupported (a camera model
+// other than PINHOLE and SIMPLE_PINHOLE), kCorrupt (anything that breaks the
+// format: truncated files, counts larger than the file, ids that do not exist,
+// duplicates, focal lengths that are not positive, NaN).
 SparseModel ReadSparseModel(const std::filesystem::path& sparse_folder);
 
 }  // namespace tsar

@@ -16,8 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "the files are little-endian and read as they are");
 
-// Reads values one after the other and knows how many bytes are left, so that
-// no count is believed that the file cannot hold.
+// Reads values in sequence and checks every count against the bytes left.
 class BinaryReader {
  public:
   explicit BinaryReader(const std::filesystem::path& path)
@@ -50,7 +49,7 @@ class BinaryReader {
     return name;
   }
 
-  // A number of records, each of at least min_bytes.
+  // Reads a number of records, each of at least min_bytes.
   uint64_t ReadCount(uint64_t min_bytes) {
     const uint64_t count = Read<uint64_t>();
     if (count > num_left_ / min_bytes) {
@@ -59,7 +58,7 @@ class BinaryReader {
     return count;
   }
 
-  // For long stretches: seeking drops what the stream has read ahead.
+  // Seeks, for long ranges; seeking drops the stream's read-ahead.
   void Skip(uint64_t num_bytes) {
     Take(num_bytes);
     file_.seekg(static_cast<std::streamoff>(num_bytes), std::ios::cur);
@@ -85,7 +84,7 @@ class BinaryReader {
   uint64_t num_left_ = 0;
 };
 
-// By COLMAP's model id, as far as it is of use in a message.
+// The name of COLMAP's camera model of this id, for messages.
 std::string CameraModelName(int id) {
   static const char* const kNames[] = {"SIMPLE_PINHOLE",
                                        "PINHOLE",
@@ -112,7 +111,8 @@ std::string CameraModelName(int id) {
 
 void ReadCameras(SparseModelFiles* files) {
   BinaryReader reader(files->cameras_path);
-  // Without parameters: a model that cannot be used may have fewer than these.
+  // The bytes of a camera without parameters, whose number depends on the
+  // model.
   const uint64_t count = reader.ReadCount(24);
   for (uint64_t i = 0; i < count; ++i) {
     const uint32_t id = reader.Read<uint32_t>();

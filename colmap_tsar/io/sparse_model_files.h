@@ -17,7 +17,7 @@
 
 namespace tsar {
 
-// What the files of a sparse model say, before ids are resolved and values
+// The content of the files of a sparse model before ids are resolved and values
 // checked. Shared by the two formats.
 struct SparseModelFiles {
   struct FileCamera {
@@ -32,12 +32,12 @@ struct SparseModelFiles {
     double translation[3] = {};
     uint32_t camera_id = 0;
     std::string name;
-    int place = 0;  // In the file.
+    int place = 0;  // Index in the file.
   };
   struct FilePoint {
     uint64_t id = 0;
     Eigen::Vector3d position;
-    // [begin, end) in track_image_ids.
+    // The range [begin, end) in track_image_ids.
     size_t track_begin = 0;
     size_t track_end = 0;
   };
@@ -52,7 +52,8 @@ struct SparseModelFiles {
   std::vector<uint32_t> track_image_ids;
 };
 
-// The paths must be set. Throw Error kCorrupt, kUnsupported or kIo.
+// Read the files at the paths, which must be set. Throw Error kCorrupt,
+// kUnsupported or kIo.
 void ReadSparseModelBinary(SparseModelFiles* files);
 void ReadSparseModelText(SparseModelFiles* files);
 
@@ -61,10 +62,10 @@ void ReadSparseModelText(SparseModelFiles* files);
 int NumCameraParams(const std::filesystem::path& path,
                     const std::string& model);
 
-// Throws Error kIo where the file at the path could not be opened.
+// Throws Error kIo if the file at the path could not be opened.
 void RequireOpened(const std::filesystem::path& path, const InputFile& file);
 
-// Adds a camera; Error kCorrupt where the id is taken.
+// Adds a camera. Throws Error kCorrupt if the id is taken.
 void AddCamera(uint32_t id,
                SparseModelFiles::FileCamera camera,
                SparseModelFiles* files);
@@ -89,7 +90,7 @@ void ReadCamera(uint32_t id,
   AddCamera(id, std::move(camera), files);
 }
 
-// All of an image but its name.
+// Reads all fields of an image except its name.
 template <typename Reader>
 void ReadPose(Reader* reader, SparseModelFiles::FileImage* image) {
   image->id = reader->template Read<uint32_t>();
@@ -102,7 +103,7 @@ void ReadPose(Reader* reader, SparseModelFiles::FileImage* image) {
   image->camera_id = reader->template Read<uint32_t>();
 }
 
-// All of a point but its color, error and track.
+// Reads the fields of a point except its color, error and track.
 template <typename Reader>
 void ReadPosition(Reader* reader, SparseModelFiles::FilePoint* point) {
   point->id = reader->template Read<uint64_t>();

@@ -30,7 +30,7 @@ class TextReader {
     return true;
   }
 
-  // The next line that is neither blank nor a comment.
+  // Moves to the next line that is neither blank nor a comment.
   bool NextRecord() {
     while (NextLine()) {
       const size_t first = line_.find_first_not_of(kBlank);
@@ -71,7 +71,7 @@ class TextReader {
     return value;
   }
 
-  // What is left of the line, without blanks around it.
+  // The rest of the line, without blanks around it.
   std::string Rest() {
     AtEndOfLine();
     const size_t end = line_.find_last_not_of(kBlank) + 1;
@@ -109,7 +109,7 @@ void ReadImages(SparseModelFiles* files) {
     ReadPose(&reader, &image);
     image.name = reader.Rest();
     files->images.push_back(std::move(image));
-    // The keypoints have a line of their own, which may be blank.
+    // The keypoints have a separate line, which may be blank.
     reader.NextLine();
   }
 }

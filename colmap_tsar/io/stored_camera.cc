@@ -20,7 +20,7 @@ Error CorruptCamera(const std::string& name, const std::string& what) {
                      "make the file again, or take it away to go without it");
 }
 
-// The numbers that follow a word.
+// Reads the matrix that follows a word.
 template <typename Matrix>
 Matrix ReadMatrix(std::istringstream* text,
                   const std::string& word,

@@ -11,13 +11,13 @@
 
 namespace tsar {
 
-// The calibration that another program kept beside a map, in its own units:
+// The calibration that another program stored with a map, in its own units:
 // x_cam = rotation * (x_world - center).
 struct StoredCamera {
   std::string file;  // For messages.
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  // Of an image of a size that need not be known.
+  // Intrinsics of an image whose size may be unknown.
   double fx = 1.0;
   double fy = 1.0;
   double cx = 0.0;
@@ -26,13 +26,13 @@ struct StoredCamera {
 
 // Sets `camera` from a calibration matrix and checks it. Throws Error kCorrupt,
 // naming camera.file, where a value is not finite, a focal length is not
-// positive, or the rotation is none.
+// positive, or the rotation is invalid.
 void SetCalibration(const Eigen::Matrix3d& k, StoredCamera* camera);
 
-// Reads a cams/%08d_cam.txt as MVSNet and the programs after it have: the word
-// "extrinsic", 4 x 4 numbers [R t; 0 1] with x_cam = R x + t, the word
-// "intrinsic", 3 x 3 numbers K; what follows is about depth ranges and ignored.
-// name: the file, for messages. Throws Error kCorrupt.
+// Reads a cams/%08d_cam.txt of MVSNet and its successors: the word "extrinsic",
+// 4 x 4 numbers [R t; 0 1] with x_cam = R x + t, the word "intrinsic", 3 x 3
+// numbers K; the depth ranges that follow are ignored. name: the file, for
+// messages. Throws Error kCorrupt.
 StoredCamera ParseCamFile(std::span<const uint8_t> bytes,
                           const std::string& name);
 

@@ -16,11 +16,11 @@
 namespace tsar {
 namespace {
 
-// No compression makes a photo smaller than that. A header that says more than
-// the file can hold costs no memory.
+// An upper bound of the compression ratio of photos, so that a declared size
+// beyond what the file can hold allocates no memory.
 constexpr double kMaxRatio = 4096.0;
 
-// The file in memory as libtiff reads it, and the first thing it complains of.
+// The file in memory as libtiff reads it, and libtiff's first complaint.
 struct Source {
   std::span<const uint8_t> bytes;
   uint64_t position = 0;
@@ -56,7 +56,7 @@ int Close(thandle_t) { return 0; }
 
 toff_t Size(thandle_t handle) { return Of(handle).bytes.size(); }
 
-// The rest of the line, such as the number of a row, is of no use to users.
+// Notes the first complaint; the rest of the line, such as the row, is dropped.
 void NoteComplaint(void* user_data, const char* format, va_list arguments) {
   std::string& complaint = static_cast<Source*>(user_data)->complaint;
   if (complaint.empty()) {
@@ -66,7 +66,7 @@ void NoteComplaint(void* user_data, const char* format, va_list arguments) {
   }
 }
 
-// A result other than 0 keeps libtiff from printing.
+// A nonzero result keeps libtiff from printing.
 int OnError(TIFF*,
             void* user_data,
             const char*,
@@ -76,7 +76,7 @@ int OnError(TIFF*,
   return 1;
 }
 
-// Most warnings are about tags. Those of a JPEG decoder are about pixels.
+// Most warnings concern tags, but those of a JPEG decoder concern pixels.
 int OnWarning(TIFF*,
               void* user_data,
               const char* module,
@@ -95,7 +95,7 @@ Tiff Open(Source* source) {
       options(TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), &OnError, source);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), &OnWarning, source);
-  // No mapping into memory: the bytes are there.
+  // Mode "m" disables memory mapping: the bytes are in memory.
   return Tiff(TIFFClientOpenExt("TIFF",
                                 "rm",
                                 source,
@@ -129,7 +129,7 @@ class Strips {
   }
 
   uint32_t Num() const { return num_; }
-  // Of one, decoded; 0 where the header makes no sense.
+  // Bytes of one decoded strip; 0 if the header is invalid.
   uint64_t NumBytes() const { return num_bytes_; }
 
   bool Decode(uint32_t index, std::vector<uint8_t>* target) const {
@@ -139,9 +139,9 @@ class Strips {
                             tiff_, index, target->data(), size)) >= 0;
   }
 
-  // Whether all that Deflate has for a strip is right, and how much that is;
-  // true for other compressions. libtiff stops where it has enough pixels,
-  // before the checksum.
+  // Whether the Deflate data of a strip are valid, and their decoded size; true
+  // for other compressions. libtiff stops when it has enough pixels, before the
+  // checksum.
   bool Inflate(uint32_t index,
                std::span<const uint8_t> file,
                std::vector<uint8_t>* target,
@@ -190,7 +190,7 @@ std::string FindTiffDefect(std::span<const uint8_t> bytes) {
     if (!strips.Inflate(i, bytes, &target, &num_decoded)) {
       return "a checksum is wrong";
     }
-    // The last strip may be shorter, as libtiff knows.
+    // The last strip may be shorter; libtiff knows its size.
     const bool is_whole =
         num_decoded == target.size() || strips.Decode(i, &target);
     if (!source.complaint.empty()) {

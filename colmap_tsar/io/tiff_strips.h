@@ -9,13 +9,12 @@
 
 namespace tsar {
 
-// What is wrong with the strips or tiles of a TIFF file's first picture, or
-// nothing. All of them are decoded for it, since OpenCV goes on in silence
-// where one of them cannot be.
+// The defect of the strips or tiles of a TIFF file's first picture, or empty.
+// All of them are decoded, since OpenCV silently ignores failures.
 //
-// A file that is cut off within the pixels is always noticed, damage between
-// them only where the compression shows it: Deflate by its checksum, others
-// where the decoder stumbles, data that are not compressed never.
+// Truncated pixels are always found, damage only as far as the compression
+// allows: Deflate by its checksum, others if the decoder fails, never in
+// uncompressed data.
 std::string FindTiffDefect(std::span<const uint8_t> bytes);
 
 }  // namespace tsar

@@ -32,8 +32,8 @@ std::string Joined(const std::vector<std::string>& names) {
   return joined;
 }
 
-// Throws where there are some files of a model and others are missing: another
-// folder's model need not be the same.
+// Throws if only some files of a model exist: another folder's model may be a
+// different one.
 bool HoldsModel(const std::filesystem::path& folder) {
   const std::vector<std::string> binary = MissingFiles(folder, ".bin");
   const std::vector<std::string> text = MissingFiles(folder, ".txt");
@@ -53,7 +53,8 @@ bool HoldsModel(const std::filesystem::path& folder) {
                     "image_undistorter");
 }
 
-// Every path of an image is made from its name, so a name must not lead out.
+// Every path of an image is derived from its name, so a name must not leave the
+// workspace.
 void RequireSafeName(const std::filesystem::path& folder,
                      const std::string& name) {
   const std::filesystem::path path(name);

@@ -11,13 +11,13 @@ namespace tsar {
 
 // The folder that holds the sparse model of a dense workspace: `sparse`, where
 // image_undistorter writes it, or `sparse/0`, where programs that train on
-// undistorted images keep it. The first wins where any file of a model is in
-// it. Throws Error: kNotFound (no folder `sparse`, no model in either, or only
-// some of its files).
+// undistorted images keep it. The first is used if it has any file of a model.
+// Throws Error: kNotFound (no folder `sparse`, no model in either, or only some
+// of its files).
 std::filesystem::path FindModelFolder(const std::filesystem::path& root);
 
-// The model in that folder. Throws Error: kUnsupported (an image's name leads
-// out of the workspace), and what ReadSparseModel throws.
+// Reads the model in that folder. Throws Error: kUnsupported (an image's name
+// leaves the workspace), and those of ReadSparseModel.
 SparseModel ReadWorkspaceModel(const std::filesystem::path& model_folder);
 
 }  // namespace tsar

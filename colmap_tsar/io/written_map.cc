@@ -20,7 +20,7 @@
 namespace tsar {
 namespace {
 
-constexpr size_t kDigits = 8;  // Of a sample.
+constexpr size_t kDigits = 8;  // Hexadecimal digits of a sample.
 
 template <typename T>
 T FromDigits(const std::string& text, int base) {
@@ -33,8 +33,8 @@ T FromDigits(const std::string& text, int base) {
   return value;
 }
 
-// Only together do both tell: an edit changes the time, and may leave all
-// samples as they are.
+// Both are needed: an edit changes the time but may leave all samples
+// unchanged.
 bool HasTimeAndSamples(const std::filesystem::path& path,
                        const WrittenMap& map) {
   if (map.time == 0 || TimeOf(path) != map.time) {
@@ -108,7 +108,7 @@ WrittenMap DescribeMap(const std::filesystem::path& path) {
 bool IsAnyOf(const std::filesystem::path& path,
              const std::vector<WrittenMap>& maps,
              Scrutiny scrutiny) {
-  // Hashing reads the whole file.
+  // The hash is computed lazily, since it reads the full file.
   std::optional<uint64_t> hash;
   return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
     if (scrutiny == Scrutiny::kTimeAndSamples && HasTimeAndSamples(path, map)) {

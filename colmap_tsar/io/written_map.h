@@ -11,49 +11,49 @@
 
 namespace tsar {
 
-// What is remembered of a map or another file of this program, so that it is
-// known again: as it is, and a map also where somebody edited it.
+// The description by which a map or another file of this program is recognized;
+// a map also after edits.
 struct WrittenMap {
-  uint64_t hash = 0;  // See content_hash.h.
-  // Time of the file's last change, see file_time.h; 0: not known.
+  uint64_t hash = 0;  // Content hash, see content_hash.h.
+  // Modification time, see file_time.h; 0: unknown.
   int64_t time = 0;
-  // The bits of some values, see SamplePosition(); empty for other files than
-  // maps. A mask or a threshold that is laid over a map leaves most of those as
-  // they were, and no other program comes to the same ones.
+  // The bits of some values, see SamplePosition(); empty for other files.
+  // Applying a mask or a threshold to a map leaves most of them unchanged, and
+  // no other program produces the same ones.
   std::vector<uint32_t> samples;
 };
 
-// As one word for records; the inverse throws std::invalid_argument or
-// std::out_of_range for other texts.
+// The description as one word for records; the inverse throws
+// std::invalid_argument or std::out_of_range for other texts.
 std::string ToText(const WrittenMap& map);
 WrittenMap WrittenMapFromText(const std::string& text);
 
 constexpr size_t kNumSamples = 128;
 
-// Which of the values in a file the i-th sample is: they are spread evenly.
+// The index of the i-th sample among the values of a file; samples are evenly
+// spaced.
 constexpr size_t SamplePosition(size_t i, size_t num_values) {
   return (2 * i + 1) * num_values / (2 * kNumSamples);
 }
 
-// The samples of a map in a file; throws what ReadMapSize() throws.
+// Reads the samples of a map; throws the errors of ReadMapSize().
 std::vector<uint32_t> ReadSamples(const std::filesystem::path& path);
 
-// What is remembered of the map in a file; throws what ReadMapSize() and
-// HashFile() throw.
+// The description of the map in a file; throws the errors of ReadMapSize() and
+// HashFile().
 WrittenMap DescribeMap(const std::filesystem::path& path);
 
-// How a file is compared with what was written.
+// The way in which a file is compared with its description.
 enum class Scrutiny {
-  // All of it is read: before anything is deleted or written over.
+  // The full content is hashed, before files are deleted or overwritten.
   kContent,
-  // A file of the same time and samples, or of the same time where there are
-  // none, counts as the same, and only others are read: to find out what is to
-  // be done, of hundreds of gigabytes.
+  // A file of the same time and samples (if any) counts as the same, and only
+  // others are hashed: for planning work on hundreds of gigabytes.
   kTimeAndSamples,
 };
 
-// Whether a file is one of these as it was written. Throws what HashFile()
-// throws.
+// Whether a file is an unmodified one of these. Throws the errors of
+// HashFile().
 bool IsAnyOf(const std::filesystem::path& path,
              const std::vector<WrittenMap>& maps,
              Scrutiny scrutiny = Scrutiny::kContent);
