@@ -9,9 +9,9 @@
 
 namespace tsar {
 
-// Stores min(*address, value) and returns what was there before. Safe between
-// the threads of the CPU and between those of one GPU; the outcome does not
-// depend on their order.
+// Stores min(*address, value) and returns the old value. Safe between the
+// threads of the CPU and between those of one GPU; the result does not depend
+// on their order.
 TSAR_HD inline int AtomicMin(int* address, int value) {
 #ifdef __CUDA_ARCH__
   return atomicMin(address, value);
@@ -26,7 +26,7 @@ TSAR_HD inline int AtomicMin(int* address, int value) {
 #endif
 }
 
-// Adds to *address and returns what was there before.
+// Adds to *address and returns the old value.
 TSAR_HD inline int AtomicAdd(int* address, int value) {
 #ifdef __CUDA_ARCH__
   return atomicAdd(address, value);
@@ -37,7 +37,7 @@ TSAR_HD inline int AtomicAdd(int* address, int value) {
 
 TSAR_HD inline int64_t AtomicAdd(int64_t* address, int64_t value) {
 #ifdef __CUDA_ARCH__
-  // Two's complement: the sum of the unsigned numbers has the same bits.
+  // In two's complement the sum of the unsigned numbers has the same bits.
   return static_cast<int64_t>(
       atomicAdd(reinterpret_cast<unsigned long long*>(address),
                 static_cast<unsigned long long>(value)));
@@ -46,7 +46,7 @@ TSAR_HD inline int64_t AtomicAdd(int64_t* address, int64_t value) {
 #endif
 }
 
-// Stores max(*address, value) and returns what was there before.
+// Stores max(*address, value) and returns the old value.
 TSAR_HD inline uint64_t AtomicMax(uint64_t* address, uint64_t value) {
 #ifdef __CUDA_ARCH__
   return atomicMax(reinterpret_cast<unsigned long long*>(address),

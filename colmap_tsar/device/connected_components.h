@@ -3,8 +3,8 @@
 
 #pragma once
 
-// Connected components by a union-find that all pixels build at once. Included
-// by .cu files only.
+// Connected components by a union-find that all pixels build in parallel.
+// Included by .cu files only.
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/atomic.h"
@@ -25,8 +25,8 @@ TSAR_HD inline int FindRoot(const int* parents, int i) {
   return i;
 }
 
-// Joins two trees under the smaller root. Another thread may move a root
-// between looking and writing; then the loop goes on from what it found.
+// Joins two trees under the smaller root. If another thread moves a root
+// between reading and writing, the loop continues from the new one.
 TSAR_HD inline void UniteRoots(int* parents, int a, int b) {
   while (true) {
     a = FindRoot(parents, a);
@@ -47,12 +47,12 @@ TSAR_HD inline void UniteRoots(int* parents, int a, int b) {
 
 namespace internal {
 
-// Trees start as the pieces of rows, so that few links between pixels are left
-// to be made by atomic operations.
+// Length of the pieces of rows that are the initial trees, so that few links
+// between pixels need atomic operations.
 constexpr int kRowPiece = 32;
 
-// Gives each pixel the first one of its run as parent: the pixels to its left
-// in the same piece of the row that are joined one by one.
+// Sets the parent of each pixel to the first pixel of its run, the sequence of
+// joined pixels in its piece of the row.
 template <typename Relation>
 struct JoinRowPieces {
   ImageView<int> labels;
@@ -74,8 +74,8 @@ struct JoinRowPieces {
   }
 };
 
-// Joins what lies in different rows or pieces. A link between two pixels is
-// left out where three others around the same corner make it.
+// Joins pixels of different rows or pieces. A link is omitted if three others
+// around the same corner imply it.
 template <typename Relation>
 struct UniteNeighbours {
   ImageView<int> labels;
@@ -129,8 +129,8 @@ struct FlattenKernel {
   ImageView<int> parents;
   TSAR_HD void operator()(int64_t i) const {
     if (AtomicLoad(parents.data + i) >= 0) {
-      // Roots never change here, so threads that write and threads that read
-      // agree on the outcome.
+      // Roots never change here, so the result does not depend on the order of
+      // reads and writes.
       const int root = FindRoot(parents.data, static_cast<int>(i));
       AtomicMin(parents.data + i, root);
     }
@@ -149,8 +149,8 @@ struct CountComponents {
 
 }  // namespace internal
 
-// Gives every element of a union-find its root as parent. Negative elements
-// take no part.
+// Sets the parent of every element of a union-find to its root. Negative
+// elements are skipped.
 inline void FlattenTrees(Device& device, ImageView<int> parents) {
   ParallelFor(device,
               static_cast<int64_t>(parents.NumPixels()),

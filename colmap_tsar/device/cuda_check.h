@@ -12,8 +12,8 @@
 
 namespace tsar {
 
-// Forgets the thread's last error; otherwise its next kernel would be blamed
-// for it.
+// Clears the thread's last error, which would otherwise be attributed to its
+// next kernel.
 inline void ForgetCudaError() { cudaGetLastError(); }
 
 // Turns the result of a CUDA call into an exception: kOutOfMemory for a failed

@@ -50,7 +50,7 @@ CudaDevice::CudaDevice(int gpu_index)
   CheckCuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking),
             "creating a stream");
   stream_.reset(stream);
-  // The pool keeps what is freed, so that the images after the first one
+  // The pool keeps freed memory, so that the images after the first one
   // allocate nothing from the driver.
   CheckCuda(cudaDeviceGetDefaultMemPool(&pool_, gpu_index),
             "opening the memory pool");
@@ -96,7 +96,7 @@ size_t CudaDevice::FreeMemory() {
   size_t num_free = 0;
   size_t num_total = 0;
   CheckCuda(cudaMemGetInfo(&num_free, &num_total), "asking for free memory");
-  // What the pool keeps for later is free for us.
+  // Unused memory of the pool counts as free.
   return num_free + PoolBytes(cudaMemPoolAttrReservedMemCurrent) -
          PoolBytes(cudaMemPoolAttrUsedMemCurrent);
 }

@@ -16,7 +16,7 @@
 namespace tsar {
 
 // One stream of a GPU, on which all work of this device is queued. Memory comes
-// from the GPU's pool, which its devices share. Only files of this folder name
+// from the GPU's pool, which its devices share. Only files of this folder use
 // this type.
 class CudaDevice : public Device {
  public:
@@ -43,7 +43,7 @@ class CudaDevice : public Device {
     }
   };
 
-  // 0 where the GPU does not answer.
+  // An attribute of the pool in bytes; 0 if the GPU does not respond.
   size_t PoolBytes(cudaMemPoolAttr attribute) const noexcept;
 
   int gpu_index_;

@@ -65,7 +65,7 @@ void CudaStaging::Upload(void* target,
   for (size_t begin = 0, i = 0; begin < size; begin += kChunkSize, ++i) {
     Chunk& chunk = chunks_[i % chunks_.size()];
     const size_t part = std::min(kChunkSize, size - begin);
-    // An event that was never recorded counts as reached.
+    // An event that was never recorded counts as completed.
     CheckCuda(cudaEventSynchronize(chunk.copied), "an upload");
     std::memcpy(chunk.memory, static_cast<const char*>(source) + begin, part);
     CheckCuda(cudaMemcpyAsync(static_cast<char*>(target) + begin,
@@ -86,7 +86,7 @@ void CudaStaging::Download(void* target,
   const auto part_size = [&](size_t i) {
     return std::min(kChunkSize, size - i * kChunkSize);
   };
-  // Part i is asked for before part i - 1 is taken out.
+  // The copy of part i is queued before part i - 1 is read.
   for (size_t i = 0; i <= num_parts; ++i) {
     if (i < num_parts) {
       Chunk& chunk = chunks_[i % chunks_.size()];

@@ -13,21 +13,21 @@ namespace tsar {
 // Copies between ordinary host memory and a GPU through two small pinned
 // buffers: while the GPU copies one, the host fills or empties the other.
 // Pinning the images themselves would cost more than copying them. Belongs to
-// the GPU that is current at its making; used by one thread at a time.
+// the GPU that is current at its construction; used by one thread at a time.
 class CudaStaging {
  public:
-  // Of each buffer: large enough that starting a copy costs nothing beside the
-  // copy, small enough to stay in the processor's cache.
+  // The size of each buffer: large enough that the launch of a copy is
+  // negligible, small enough to fit into the processor's cache.
   static constexpr size_t kChunkSize = size_t{4} << 20;
 
-  // Throws kOutOfMemory where the buffers cannot be pinned, and kDevice.
+  // Throws kOutOfMemory if the buffers cannot be pinned, and kDevice.
   CudaStaging();
   ~CudaStaging();
   CudaStaging(const CudaStaging&) = delete;
   CudaStaging& operator=(const CudaStaging&) = delete;
 
-  // Returns when the source may be changed; the last part may still be on its
-  // way, ahead of all work that is queued on the stream later.
+  // Returns when the source may be changed; the last part may still be in
+  // transfer, before all work that is queued on the stream later.
   void Upload(void* target,
               const void* source,
               size_t size,

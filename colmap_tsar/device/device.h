@@ -14,11 +14,11 @@ namespace tsar {
 
 enum class DeviceKind { kCpu, kCuda };
 
-// Where the loops of the stages run: the threads of the CPU, or one GPU with
-// one stream. Work on one device is done in the order in which it was asked
-// for. A device is used by one thread at a time; several devices may be used
-// side by side, also several of one GPU, which share its memory: what one of
-// them has made and waited for (Synchronize), the others can read.
+// The device on which the loops of the stages run: the threads of the CPU, or
+// one stream of a GPU. Work on one device is done in the order of the calls. A
+// device is used by one thread at a time; several devices may be used in
+// parallel, also several of one GPU, which share its memory: after
+// Synchronize(), the others can read the results of one of them.
 class Device {
  public:
   virtual ~Device() = default;
@@ -26,37 +26,37 @@ class Device {
   // num_threads < 1 means one thread per core.
   static std::unique_ptr<Device> CreateCpu(int num_threads);
 
-  // The GPU with this index in CUDA's order. Throws kDevice when the program
-  // was built without CUDA, there is no such GPU, or the program holds no code
-  // for it; kOutOfMemory when the GPU or main memory has not enough left.
+  // The GPU of this index in CUDA's order. Throws kDevice if the program was
+  // built without CUDA, there is no such GPU, or the program has no code for
+  // it; kOutOfMemory if GPU or main memory does not suffice.
   static std::unique_ptr<Device> CreateCuda(int gpu_index);
 
-  // How many GPUs the driver reports: 0 without CUDA or without a driver.
+  // The number of GPUs that the driver reports; 0 without CUDA or a driver.
   static int NumCudaDevices();
 
-  // Has the driver prepare these GPUs for this program, side by side: for each
-  // it takes a good part of a second, which the first CreateCuda would wait
-  // for. Says nothing of GPUs that fail; CreateCuda will.
+  // Initializes these GPUs in parallel, which takes a good part of a second
+  // each and would delay the first CreateCuda. Ignores GPUs that fail;
+  // CreateCuda reports them.
   static void PrepareCudaDevices(const std::vector<int>& gpu_indices);
 
   bool IsCuda() const { return kind_ == DeviceKind::kCuda; }
   virtual std::string Name() const = 0;
 
-  // Where a CPU's loops run; of a GPU only the calling thread.
+  // The threads that run a CPU's loops; for a GPU only the calling thread.
   ThreadPool& Threads() { return threads_; }
 
-  // Memory that this device's loops can read and write, not initialized.
+  // Allocates uninitialized memory that this device's loops can access.
   virtual void* Allocate(size_t num_bytes) = 0;
-  // The memory is free once all work is done that was asked of this device
-  // before. May be called from any thread; where other devices of the GPU used
-  // the memory, they must have been waited for.
+  // Frees memory after all earlier work of this device. May be called from any
+  // thread; other devices of the GPU that used the memory must have been
+  // synchronized.
   virtual void Free(void* memory) noexcept = 0;
 
-  // How many bytes can still be allocated; for CPUs no limit is known, and it
-  // is the largest number.
+  // The number of bytes that can still be allocated; the largest number for
+  // CPUs.
   virtual size_t FreeMemory() = 0;
-  // The most bytes that all devices of this GPU together have held at a time;
-  // 0 for CPUs, where nobody counts, and for a GPU that does not answer.
+  // The peak number of bytes that all devices of this GPU have held together; 0
+  // for CPUs and for a GPU that does not respond.
   virtual size_t PeakMemory() = 0;
 
   // Stream-ordered copies between memory of the host and of this device: after
@@ -65,8 +65,7 @@ class Device {
   virtual void CopyToDevice(void* target, const void* source, size_t size) = 0;
   virtual void CopyToHost(void* target, const void* source, size_t size) = 0;
 
-  // Returns when all work that was asked for is done. Throws kDevice when any
-  // of it failed.
+  // Waits for all queued work. Throws kDevice if any of it failed.
   virtual void Synchronize() = 0;
 
  protected:

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What the CUDA part answers in a program that was built without it.
+// Replacements of the CUDA functions in a build without CUDA.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"

@@ -3,11 +3,10 @@
 
 #pragma once
 
-// Runs a kernel object over a range on whichever device it is given. A kernel
-// is a small struct of views and numbers with a const TSAR_HD call operator:
-// the one place where its arithmetic is written. Included by .cu files only:
-// nvcc compiles them for both devices, and without CUDA the host compiler
-// compiles them for the CPU.
+// Runs a kernel object over a range on a device. A kernel is a small struct of
+// views and numbers with a const TSAR_HD call operator, the single definition
+// of its arithmetic. Included by .cu files only: nvcc compiles them for both
+// devices, and without CUDA the host compiler compiles them for the CPU.
 
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/device.h"
@@ -24,9 +23,8 @@ namespace tsar {
 #ifdef __CUDACC__
 namespace internal {
 
-// How many blocks of a multiprocessor's share of registers a kernel asks for,
-// by a constant kMinBlocks of its own: fewer registers for each thread, but
-// more threads at a time.
+// The least number of blocks per multiprocessor of a kernel, its constant
+// kMinBlocks if it has one: more blocks leave fewer registers for each thread.
 template <typename Kernel>
 constexpr int MinBlocks() {
   if constexpr (requires { Kernel::kMinBlocks; }) {
@@ -59,7 +57,7 @@ __global__ void Launch2D(int width, int height, Kernel kernel) {
 }  // namespace internal
 #endif
 
-// kernel(i) for every i in [0, count); i is an int64_t.
+// Calls kernel(i) for every i in [0, count); i is an int64_t.
 template <typename Kernel>
 void ParallelFor(Device& device, int64_t count, const Kernel& kernel) {
   if (count <= 0) {
@@ -86,7 +84,7 @@ void ParallelFor(Device& device, int64_t count, const Kernel& kernel) {
   });
 }
 
-// kernel(x, y) for every pixel of a width x height raster.
+// Calls kernel(x, y) for every pixel of a width x height raster.
 template <typename Kernel>
 void ParallelFor(Device& device, int width, int height, const Kernel& kernel) {
   if (width <= 0 || height <= 0) {

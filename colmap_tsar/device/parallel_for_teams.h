@@ -3,31 +3,31 @@
 
 #pragma once
 
-// Runs a kernel object over items that are each worth several threads: groups
-// of pixels to be summed up, hypotheses to be scored. Included by .cu files
-// only, see parallel_for.h.
+// Runs a kernel object over items that take several threads each, such as sums
+// over groups of pixels or scores of hypotheses. Included by .cu files only,
+// see parallel_for.h.
 
 #include "colmap_tsar/device/parallel_for.h"
 
 namespace tsar {
 
-// kSize lanes that work on one item together: a block of threads on a GPU, one
-// thread that plays all of them on the CPU. Sums go through the same additions
-// in the same order on both, so that they are equal to the last bit. All lanes
-// of a team must make the same calls.
+// kSize lanes that process one item together: a block of threads on a GPU, one
+// thread that emulates all lanes on the CPU. Sums take the same additions in
+// the same order on both, so that they are bit-identical. All lanes of a team
+// must make the same calls.
 template <int kSize>
 class Team {
   static_assert(kSize >= 32 && (kSize & (kSize - 1)) == 0);
 
  public:
-  // The sum of what body(i, &sum) adds for all i in [0, count); given to all
-  // lanes. Lane k adds up i = k, k + kSize, ...; then the upper half of the
-  // lanes is added to the lower one until one is left. Sum is a type whose
-  // default value is zero, with operator +=.
+  // The sum of body(i, &sum) over all i in [0, count), returned to all lanes.
+  // Lane k adds up i = k, k + kSize, ...; then the upper half of the lanes is
+  // added to the lower one until one is left. Sum is a type whose default value
+  // is zero, with operator +=.
   template <typename Sum, typename Body>
   TSAR_HD Sum Accumulate(int count, const Body& body) const {
 #ifdef __CUDA_ARCH__
-    // Raw memory, because shared variables cannot have constructors.
+    // Shared variables cannot have constructors, hence raw memory.
     __shared__ alignas(Sum) unsigned char memory[kSize * sizeof(Sum)];
     Sum* sums = reinterpret_cast<Sum*>(memory);
     const int lane = static_cast<int>(threadIdx.x);
@@ -44,7 +44,7 @@ class Team {
       __syncthreads();
     }
     const Sum total = sums[0];
-    __syncthreads();  // The memory serves the next call.
+    __syncthreads();  // The next call reuses the memory.
     return total;
 #else
     Sum sums[kSize] = {};
@@ -63,7 +63,7 @@ class Team {
 #endif
   }
 
-  // Whether the calling thread is the one that writes the team's result.
+  // Whether the calling thread writes the team's result.
   TSAR_HD bool IsLeader() const {
 #ifdef __CUDA_ARCH__
     return threadIdx.x == 0;
@@ -84,7 +84,7 @@ __global__ void __launch_bounds__(kSize) LaunchTeams(Kernel kernel) {
 }  // namespace internal
 #endif
 
-// kernel(team, i) for every i in [0, count), by a team of kSize lanes each.
+// Calls kernel(team, i) for every i in [0, count) by a team of kSize lanes.
 template <int kSize, typename Kernel>
 void ParallelForTeams(Device& device, int64_t count, const Kernel& kernel) {
   if (count <= 0) {

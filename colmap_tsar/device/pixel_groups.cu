@@ -17,7 +17,7 @@
 namespace tsar {
 namespace {
 
-// A sort by counting: pixels of no group count as one more label.
+// A counting sort; pixels of no group form one more label.
 PixelGroups GroupPixelsOnCpu(ImageView<const int> labels,
                              int num_labels,
                              Device& device) {
@@ -54,8 +54,8 @@ struct InitSortKernel {
   }
 };
 
-// Offsets are where the sorted keys change; labels without pixels get the
-// offset of the next one that has some.
+// Finds the offsets where the sorted keys change; labels without pixels get the
+// offset of the next label that has some.
 struct FindBeginsKernel {
   const uint32_t* sorted_keys;
   int64_t count;

@@ -11,7 +11,7 @@
 
 namespace tsar {
 
-// PixelGroups as a kernel reads them.
+// A view of PixelGroups for kernels.
 struct PixelGroupsView {
   const int* begin = nullptr;
   const int* pixels = nullptr;

@@ -14,8 +14,8 @@ namespace {
 
 #ifdef __CUDACC__
 
-// The inclusive sums, one element further on, so that no value is read beyond
-// the last.
+// Computes inclusive sums shifted by one element, so that no value is read
+// beyond the last.
 Buffer<int> ExclusiveSumOnGpu(const int* values, size_t count, Device& device) {
   CudaDevice& cuda = static_cast<CudaDevice&>(device);
   Buffer<int> sums(device, count + 1);

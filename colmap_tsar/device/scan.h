@@ -10,9 +10,8 @@
 
 namespace tsar {
 
-// The sums of the values before each one: element i of the result is
-// values[0] + ... + values[i - 1]. It has count + 1 elements, so that the last
-// one is the sum of all.
+// The exclusive prefix sums: element i of the result is values[0] + ... +
+// values[i - 1]. It has count + 1 elements, the last of which is the total.
 // values: count elements in the device's memory.
 Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device);
 

@@ -8,8 +8,9 @@
 
 namespace tsar {
 
-// Waits for the device at the end of a scope, also where an error leaves it:
-// what the device still reads and another device may free outlives the scope.
+// Synchronizes the device at the end of a scope, also after an error, so that
+// memory that the device still reads and another device may free outlives the
+// scope's work.
 class ScopedSynchronization {
  public:
   explicit ScopedSynchronization(Device& device) : device_(device) {}
@@ -17,7 +18,7 @@ class ScopedSynchronization {
     try {
       device_.Synchronize();
     } catch (const Error&) {
-      // Whoever asks the device for more will hear of it.
+      // The next use of the device reports the error.
     }
   }
   ScopedSynchronization(const ScopedSynchronization&) = delete;

@@ -48,7 +48,7 @@ void ThreadPool::Run(int64_t count,
     std::lock_guard<std::mutex> lock(mutex_);
     body_ = &body;
     count_ = count;
-    // Several pieces per thread even out iterations of unequal cost.
+    // Several pieces per thread balance iterations of unequal cost.
     piece_ = std::max<int64_t>(1, count / (8 * NumThreads()));
     next_ = 0;
     exception_ = nullptr;

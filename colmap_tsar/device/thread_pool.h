@@ -18,8 +18,8 @@ namespace tsar {
 // the number of threads.
 class ThreadPool {
  public:
-  // num_threads < 1 means one per core. Throws kOutOfMemory where the system
-  // does not start as many.
+  // num_threads < 1 means one per core. Throws kOutOfMemory if the system does
+  // not start as many.
   explicit ThreadPool(int num_threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
@@ -33,7 +33,7 @@ class ThreadPool {
   void Run(int64_t count, const std::function<void(int64_t, int64_t)>& body);
 
  private:
-  // Has the workers come to their end.
+  // Ends the workers.
   void Stop();
   void WorkerLoop();
   void WorkOnPieces();
@@ -49,7 +49,7 @@ class ThreadPool {
   uint64_t generation_ = 0;
   bool stop_ = false;
   std::exception_ptr exception_;
-  // Last, so that they end before what they use does.
+  // The last member, so that the workers end before the members they use.
   std::vector<std::jthread> workers_;
 };
 

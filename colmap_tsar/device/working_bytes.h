@@ -7,7 +7,7 @@
 
 namespace tsar {
 
-// A Buffer or DeviceImage of this many elements.
+// Bytes of a Buffer or DeviceImage of this many elements.
 template <typename T>
 constexpr int64_t BytesOf(int64_t num_elements) {
   return num_elements * static_cast<int64_t>(sizeof(T));

@@ -16,9 +16,8 @@
 
 namespace tsar {
 
-// A window of 11 x 11 pixels of which every second row and column is sampled.
-// Windows of another radius have as many samples, closer together or farther
-// apart.
+// Windows have 11 x 11 pixels, of which every second row and column is sampled.
+// Windows of another radius have as many samples with another spacing.
 constexpr float kPatchRadius = 5.f;
 constexpr int kPatchSide = 6;
 constexpr int kPatchSize = kPatchSide * kPatchSide;
@@ -28,17 +27,17 @@ constexpr int kPatchSize = kPatchSide * kPatchSide;
 constexpr float kPatchSpatialSigma = 5.f;
 constexpr float kPatchColorSigma = 51.f;
 
-// Windows whose weighted variance (gray levels squared) is lower have no
-// texture; below it, 8-bit quantisation is all there is.
+// The least weighted variance of a textured window, in squared gray levels;
+// below it, only 8-bit quantization noise remains.
 constexpr float kMinPatchVariance = 0.65f;
 
 // The reference's window with its bilateral weights, gathered once and compared
 // with every source. Values are relative to the center, which keeps the sums of
 // squares small; values and weights have 16 bits each, so that a GPU keeps a
-// sample in one word: threads wait for their windows otherwise.
+// sample in one word, which avoids stalls on loads.
 class ReferencePatch {
  public:
-  // Gray levels that 1 stands for in values.
+  // The unit of values, in gray levels.
   static constexpr float kValueUnit = 1.f / 64.f;
 
   template <typename Element>
@@ -52,7 +51,7 @@ class ReferencePatch {
         half_step(window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
     const float center = SampleBilinear(gray, x, y);
-    // On a CPU each step is a loop of its own, as in AddUpBySteps.
+    // On a CPU each step is a separate loop, as in AddUpBySteps.
 #ifdef __CUDA_ARCH__
     for (int i = 0; i < kPatchSize; ++i) {
       const float value =
@@ -93,7 +92,7 @@ class ReferencePatch {
     variance = sum_squares * inverse_sum_weights - mean * mean;
   }
 
-  // From the center, in pixels.
+  // Offset of a sample from the center, in pixels.
   TSAR_HD float OffsetX(int i) const { return Offset(i % kPatchSide); }
   TSAR_HD float OffsetY(int i) const { return Offset(i / kPatchSide); }
   TSAR_HD float Offset(int column_or_row) const {
@@ -122,7 +121,7 @@ class ReferencePatch {
   float center_x;
   float center_y;
   float radius;
-  float half_step;  // Half the distance of two samples.
+  float half_step;  // Half the spacing of the samples.
   float inverse_sum_weights;
   float mean;      // In kValueUnit.
   float variance;  // In kValueUnit squared.
@@ -139,7 +138,7 @@ class ReferencePatch {
     return fminf(fmaxf(rounded, -kMaxValue), kMaxValue);
   }
 
-  // Bilateral.
+  // The bilateral weight of a sample.
   template <typename Element>
   TSAR_HD float Weight(int i, float value, float spatial_sigma) const {
     const float dx = OffsetX(i);
@@ -196,7 +195,7 @@ struct PlaneHomography {
     set_row(2, c);
   }
 
-  // Maps (x, y); false where the point lies behind the second camera.
+  // Maps (x, y); returns false if the point lies behind the second camera.
   TSAR_HD bool Map(float x, float y, float* mapped_x, float* mapped_y) const {
     const float z = h[6] * x + h[7] * y + h[8];
     if (!(z > 0.f)) {
@@ -223,9 +222,8 @@ struct WindowHomography {
   float y_dy = 0.f;
   float z_dx = 0.f;
   float z_dy = 0.f;
-  // The center lies before the second camera, and so does the window, in which
-  // depth changes by less than a half: beyond that, planes are seen along their
-  // surface.
+  // Whether center and window lie before the second camera, the depth changing
+  // by less than a half in the window: beyond that, the view is grazing.
   bool is_seen = false;
 
   TSAR_HD WindowHomography(const PlaneHomography& homography,
@@ -250,19 +248,19 @@ struct WindowHomography {
     is_seen = (fabsf(z_dx) + fabsf(z_dy)) * radius <= kMaxChange;
   }
 
-  // 1 / (1 + change), by its series: to 4e-4 where planes are seen at up to 80
-  // degrees, and 6e-2 at the largest change.
+  // 1 / (1 + change) by its series, with an error of 4e-4 for planes seen at up
+  // to 80 degrees, and 6e-2 at the largest change.
   TSAR_HD static float Reciprocal(float change) {
     return 1.f - change * (1.f - change * (1.f - change));
   }
 };
 
-// What is added up over the samples of a patch in another image, whose values
-// are relative to the center there.
+// The sums over the samples of a patch in another image, whose values are
+// relative to the center there.
 struct PatchSums {
   float values = 0.f;
   float squares = 0.f;
-  float products = 0.f;  // With the patch's own values.
+  float products = 0.f;  // Products with the patch's values.
 
   TSAR_HD void Add(float weighted, float square, float product) {
     values += weighted;
@@ -271,15 +269,15 @@ struct PatchSums {
   }
 };
 
-// Adds up one sample after the other: the form for a GPU, where each thread has
-// a patch and keeps a sample in registers.
+// Sums sample by sample: the form for a GPU, where each thread has a patch and
+// keeps a sample in registers.
 template <typename Element>
 TSAR_HD inline void AddUpBySamples(const ReferencePatch& patch,
                                    const WindowHomography& window,
                                    const ImageView<const Element>& other,
                                    float center,
                                    PatchSums* sums) {
-  // Rows are not unrolled: they do not fit into a GPU's cache of instructions.
+  // Rows are not unrolled, since they would exceed a GPU's instruction cache.
 #ifdef __CUDA_ARCH__
 #pragma unroll 1
 #endif
@@ -299,9 +297,9 @@ TSAR_HD inline void AddUpBySamples(const ReferencePatch& patch,
   }
 }
 
-// The same by one step after the other, each for all samples: the form for a
-// CPU, whose compiler makes vector instructions of the loops. The arithmetic of
-// each sample and the order of the sums are the same, and so is every bit.
+// AddUpBySamples() step by step, each for all samples: the form for a CPU,
+// whose compiler vectorizes the loops. The arithmetic of each sample and the
+// order of the sums are the same, so that results are bit-identical.
 template <typename Element>
 void AddUpBySteps(const ReferencePatch& patch,
                   const WindowHomography& window,
@@ -335,7 +333,7 @@ void AddUpBySteps(const ReferencePatch& patch,
   }
 }
 
-// The same, to be called only where HasAvx2().
+// AddUpBySteps() for AVX2; must be called only if HasAvx2().
 template <typename Element>
 TSAR_FOR_AVX2 void AddUpByStepsForAvx2(const ReferencePatch& patch,
                                        const WindowHomography& window,
@@ -345,7 +343,7 @@ TSAR_FOR_AVX2 void AddUpByStepsForAvx2(const ReferencePatch& patch,
   AddUpBySteps(patch, window, other, center, sums);
 }
 
-// 1 - NCC of the patch and of what the homography maps it to, in [0, 2], or
+// 1 - NCC of the patch and its image under the homography, in [0, 2], or
 // kUndefinedCost.
 template <typename Element>
 TSAR_HD inline float PatchCost(const ReferencePatch& patch,
@@ -356,16 +354,16 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
   }
   const WindowHomography window(
       homography, patch.center_x, patch.center_y, patch.radius);
-  // Half a pixel of grace: a pixel on the border that is mapped forth and back
-  // may come out a rounding error beside itself.
+  // A tolerance of half a pixel: a pixel on the border that is mapped forth and
+  // back may be off by a rounding error.
   if (!window.is_seen || !(window.x >= -0.5f) || !(window.y >= -0.5f) ||
       !(window.x <= other.width - 0.5f) || !(window.y <= other.height - 0.5f)) {
     return kUndefinedCost;
   }
   const float center = SampleBilinear(other, window.x, window.y);
   PatchSums sums;
-// The sanitizer looks at each access to the steps' arrays, which would be most
-// of the time of all tests.
+// The sanitizer checks each access to the steps' arrays, which would dominate
+// the time of all tests.
 #if defined(__CUDA_ARCH__) || defined(__SANITIZE_ADDRESS__)
   AddUpBySamples(patch, window, other, center, &sums);
 #else

@@ -11,12 +11,12 @@
 #include <cstdint>
 #include <cstring>
 
-// Gray levels at positions between pixels, in units of kGrayUnit. Positions
-// outside take the border's; those that are no numbers count as 0.
+// Bilinear interpolation of gray levels, in units of kGrayUnit. Positions
+// outside are clamped to the border; NaN counts as 0.
 namespace tsar {
 
-// A column or row within an image of so many; a GPU has an instruction for
-// either bound, while to a CPU they are calls if not written as comparisons.
+// Clamps a column or row to [0, count - 1]; fmin and fmax are instructions on a
+// GPU but calls on a CPU, where comparisons are used.
 TSAR_HD inline float ClampPosition(float position, int count) {
   const float last = static_cast<float>(count - 1);
 #ifdef __CUDA_ARCH__
@@ -51,8 +51,8 @@ struct Halves {
 
 TSAR_HD inline Halves SplitWord(uint32_t word) {
 #ifdef __CUDA_ARCH__
-  // As the last bits of 2^23: a permutation and a subtraction are faster than a
-  // conversion.
+  // The halves become the last bits of 2^23: a permutation and a subtraction
+  // are faster than a conversion.
   const float low = __uint_as_float(__byte_perm(word, 0x4B000000u, 0x7410));
   const float high = __uint_as_float(__byte_perm(word, 0x4B000000u, 0x7432));
   return {low - 8388608.f, high - low};
@@ -68,8 +68,9 @@ TSAR_HD inline float SampleBilinear(const ImageView<const GrayPair>& image,
                                     float y) {
   x = ClampPosition(x, image.width);
   y = ClampPosition(y, image.height);
-  // The pixel up to one to the left, and the row up to one above, with another
-  // one below it. On a pixel, it may be either, with the weight 0 or 1.
+  // The pixel at most one to the left, and the row at most one above that has a
+  // row below. For integer positions either neighbor may result, with weight 0
+  // or 1.
   const int last_row = image.height > 1 ? image.height - 2 : 0;
   const float left = (x - 0.5f) + kRounder;
   const float above =
@@ -87,9 +88,8 @@ TSAR_HD inline float SampleBilinear(const ImageView<const GrayPair>& image,
   return t + fy * (b - t);
 }
 
-// The same for many positions at once, to the last bit, on the CPU: each step
-// is taken for all positions before the next one, in loops that compilers turn
-// into vector instructions.
+// Bit-identical sampling of many positions on the CPU: each step is done for
+// all positions before the next one, in loops that compilers vectorize.
 template <int kCount>
 void SampleBilinearBySteps(const ImageView<const float>& image,
                            const float (&x)[kCount],
@@ -101,7 +101,7 @@ void SampleBilinearBySteps(const ImageView<const float>& image,
   int y0[kCount];
   float fx[kCount];
   float fy[kCount];
-  // Negative as soon as a position lies in the last column or row.
+  // Negative if any position lies in the last column or row.
   int room = 0;
   for (int i = 0; i < kCount; ++i) {
     const float inside_x = ClampPosition(x[i], image.width);

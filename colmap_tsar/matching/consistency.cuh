@@ -8,9 +8,9 @@
 
 namespace tsar {
 
-// Whether the source's depth map leads the point, which pixel (x, y) sees, back
-// to within max_error pixels of it, and the rays from the point to both cameras
-// meet at an angle of at most this cosine.
+// Whether the point that pixel (x, y) sees has a reprojection error of at most
+// max_error pixels through the source's depth map, and a triangulation angle
+// whose cosine is at most this.
 TSAR_HD inline bool IsConsistentWith(const Intrinsics& reference,
                                      const SourceView& source,
                                      int x,
@@ -27,7 +27,7 @@ TSAR_HD inline bool IsConsistentWith(const Intrinsics& reference,
   if (!(dx * dx + dy * dy <= max_error * max_error)) {
     return false;
   }
-  // From the point to the cameras.
+  // Directions from the point to the cameras.
   const RelativePose& pose = source.from_reference;
   const Vec3f to_source =
       -TransposeTimes(pose.rotation, pose.translation) - point;

@@ -47,8 +47,8 @@ struct DistinctMatchKernel {
     if (cost == kUndefinedCost || !(cost <= 1.f - options.min_ncc)) {
       return false;
     }
-    constexpr int kNumSteps = 2;  // To either side.
-    constexpr float kStep = 2.f;  // Pixels.
+    constexpr int kNumSteps = 2;  // Steps to either side.
+    constexpr float kStep = 2.f;  // Pixels per step.
     const float change = ChangePerPixel(ray, depth);
     for (int step = -kNumSteps; step <= kNumSteps; ++step) {
       const float factor = 1.f + static_cast<float>(step) * kStep * change;
@@ -77,7 +77,7 @@ struct DistinctMatchKernel {
                          : kUndefinedCost;
   }
 
-  // The share by which inverse depth grows when the point moves by one pixel in
+  // The relative change of inverse depth that moves the point by one pixel in
   // the source.
   TSAR_HD float ChangePerPixel(const Vec3f& ray, float depth) const {
     constexpr float kChange = 0.01f;
@@ -91,7 +91,7 @@ struct DistinctMatchKernel {
         pose * (ray * (depth / (1.f + kChange))), &moved_x, &moved_y);
     const float dx = moved_x - x;
     const float dy = moved_y - y;
-    // Rays that meet at an angle tell depth: they move.
+    // The clamp avoids a division by 0 for a zero triangulation angle.
     return kChange / fmaxf(sqrtf(dx * dx + dy * dy), kChange);
   }
 };

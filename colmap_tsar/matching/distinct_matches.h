@@ -10,13 +10,13 @@
 
 namespace tsar {
 
-// Adds one at each pixel whose depth the source confirms as FilterHypotheses
-// does and, beyond that, matches better than the depths that lie two and four
-// pixels beside it in the source. On shading, every depth matches well, and on
-// bare surfaces, any; so a depth that views agree on by a prior that they share
-// passes that filter, but not this test.
+// Adds one at each pixel whose depth the source confirms as in FilterHypotheses
+// and that also matches better than the depths two and four pixels beside it in
+// the source. On shading and on textureless surfaces any depth matches well; so
+// a depth on which views agree due to a common prior passes that filter, but
+// not this test.
 //
-// Passes over pixels that have options.min_num_consistent already.
+// Skips pixels that have options.min_num_consistent already.
 void AddDistinctMatches(const ReferenceView& reference,
                         const SourceView& source,
                         const HypothesisFilterOptions& options,

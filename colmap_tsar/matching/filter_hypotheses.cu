@@ -56,7 +56,7 @@ struct FilterKernel {
     return AreEnoughConsistent(x, y, point, plane, &patch);
   }
 
-  // patch: what the sources have to match as well; null: nothing.
+  // patch: the window that the sources must match as well; may be null.
   TSAR_HD bool AreEnoughConsistent(int x,
                                    int y,
                                    const Vec3f& point,

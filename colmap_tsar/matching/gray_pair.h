@@ -12,20 +12,20 @@
 
 namespace tsar {
 
-// An element of a gray image in the form in which it is interpolated: the gray
-// levels of a pixel and of its right neighbor, so that a bilinear sample takes
-// two loads instead of four. The last pixel of a row is its own neighbor.
+// An element of a gray image in the form for interpolation: the gray levels of
+// a pixel and of its right neighbor, so that a bilinear sample takes two loads
+// instead of four. The last pixel of a row is its own neighbor.
 struct GrayPair {
-  uint32_t word = 0;  // The pixel's own level in the low half.
+  uint32_t word = 0;  // The pixel's level is the low half.
 };
 
-// What 1 stands for in the samples of an image, in gray levels (0-255).
+// The unit of the samples of an image, in gray levels (0-255).
 template <typename Element>
 inline constexpr float kGrayUnit = 1.f;
 template <>
 inline constexpr float kGrayUnit<GrayPair> = 1.f / 256.f;
 
-// A gray level as an integer, within 0-255; what is no number becomes 0.
+// A gray level, clamped to 0-255, as an integer; NaN becomes 0.
 TSAR_HD inline uint32_t QuantizeGray(float gray) {
   constexpr float kPerLevel = 1.f / kGrayUnit<GrayPair>;
   return static_cast<uint32_t>(fminf(fmaxf(gray, 0.f), 255.f) * kPerLevel +
@@ -36,7 +36,7 @@ TSAR_HD inline GrayPair MakeGrayPair(float own, float right) {
   return {QuantizeGray(own) | QuantizeGray(right) << 16};
 }
 
-// The same image.
+// Converts an image to pairs.
 DeviceImage<GrayPair> PairGray(ImageView<const float> gray, Device& device);
 
 }  // namespace tsar

@@ -8,14 +8,14 @@
 
 namespace tsar {
 
-// The cost of a window that carries no evidence: its center leaves the source
-// image, or one of the two windows has no texture. That is not bad evidence.
+// The cost of a window without evidence: its center leaves the source image, or
+// one of the two windows is textureless. It is no evidence against the depth.
 constexpr float kUndefinedCost = -1.f;
-// What stands for it in files of costs, as COLMAP writes them.
+// Its value in cost maps, as COLMAP writes them.
 constexpr float kCostWithoutEvidence = 2.f;
 
-// How well each pixel's own plane explains the source images; kUndefinedCost
-// where nothing tells.
+// The matching costs of each pixel's own plane; kUndefinedCost without
+// evidence.
 struct MatchingCosts {
   DeviceImage<float> min_cost;     // c_min: smallest 1 - NCC over the sources
   DeviceImage<float> second_cost;  // c_sec: second smallest
@@ -26,7 +26,7 @@ struct MatchingCosts {
 
 // Evaluates each pixel's plane against every source by bilaterally weighted NCC
 // (an 11 x 11 window, every second row and column, weights of the reference).
-// Sources may be none; then everything is undefined.
+// Without sources everything is undefined.
 MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
                                    const Buffer<SourceView>& sources,
                                    Device& device);

@@ -16,8 +16,8 @@
 namespace tsar {
 namespace {
 
-// Draws of one pixel in one iteration never share a block of random numbers
-// with those of another.
+// The random numbers of a pixel in an iteration, whose blocks no other pixel or
+// iteration shares.
 TSAR_HD Philox PixelRandom(uint32_t stream, int64_t pixel, int iteration) {
   return Philox(
       stream, static_cast<uint32_t>(pixel), static_cast<uint32_t>(iteration));
@@ -28,8 +28,8 @@ TSAR_HD float PowerOfHalf(float exponent) {
   return ExpOfNegative(-0.693147181f * exponent);
 }
 
-// One number after the other, since compilers differ in which argument of a
-// call they evaluate first.
+// Numbers are drawn in separate statements, since compilers differ in the order
+// of evaluation of arguments.
 TSAR_HD Plane DrawPlane(const DepthBounds& bounds,
                         const Vec3f& ray,
                         Philox* random) {
@@ -56,8 +56,8 @@ TSAR_HD Plane PriorAt(const ImageView<const Plane>& prior, int x, int y) {
   return prior.Empty() ? Plane{} : prior(x, y);
 }
 
-// The cost of the pixels' own planes before views were selected: the mean of
-// the two sources where they are lowest.
+// The cost of the pixels' planes before view selection: the mean of the two
+// lowest costs of the sources.
 struct FirstCostKernel {
   ReferenceView reference;
   const SourceView* sources;
@@ -96,7 +96,7 @@ struct FirstCostKernel {
 
 // Updates the pixels of one color of the checkerboard.
 struct SweepKernel {
-  // 64 registers for each thread.
+  // Eight blocks leave 64 registers for each thread.
   static constexpr int kMinBlocks = 8;
 
   ReferenceView reference;
@@ -110,7 +110,7 @@ struct SweepKernel {
   ImageView<const uint8_t> keeps_plane;
   ImageView<Plane> planes;
   ImageView<float> costs;
-  // By view and pixel.
+  // View weights by view and pixel.
   uint8_t* weights;
 
   TSAR_HD void operator()(int64_t i) const {
@@ -137,7 +137,7 @@ struct SweepKernel {
                            PriorAt(prior, x, y)};
     Plane best = planes(x, y);
     if (!IsUsable(best, pixel.ray, options)) {
-      // None, or one that another pixel had at a smaller size.
+      // The plane is invalid, or from another pixel at a smaller size.
       Philox random = PixelRandom(stream,
                                   static_cast<int64_t>(y) * planes.width + x,
                                   /*iteration=*/0);
@@ -152,7 +152,8 @@ struct SweepKernel {
     costs(x, y) = best_cost;
   }
 
-  // The best of the pixel's own plane, those of its neighbors and the prior.
+  // Takes the best of the pixel's own plane, those of its neighbors and the
+  // prior.
   TSAR_HD void Propagate(int x,
                          int y,
                          const PixelCosts& pixel,
@@ -193,7 +194,7 @@ struct SweepKernel {
       }
     }
     if (sum_weights == 0) {
-      // No view stands out; they all count the same.
+      // No view stands out; all get the same weight.
       for (int s = 0; s < num_sources; ++s) {
         Weight(s, x, y) = 1;
       }
@@ -210,7 +211,7 @@ struct SweepKernel {
     }
   }
 
-  // The best of the plane and of changed ones: a little, and altogether.
+  // Takes the best of the plane, perturbed planes and random planes.
   TSAR_HD void Refine(int x,
                       int y,
                       const PixelCosts& pixel,
@@ -227,7 +228,7 @@ struct SweepKernel {
     const Vec3f& ray = pixel.ray;
     constexpr int kNumTrials = 6;
     for (int trial = 0; trial < kNumTrials; ++trial) {
-      // Ever smaller changes, trial by trial and iteration by iteration.
+      // Perturbations decrease with each trial and iteration.
       const int round = options.num_past_iterations + iteration;
       const float share =
           0.1f * PowerOfHalf(static_cast<float>(round) + 0.5f * trial);
@@ -260,7 +261,7 @@ struct SweepKernel {
       if (!IsUsable(plane, ray, options)) {
         continue;
       }
-      // Added up and scaled as in Propagate: planes that cost the same in every
+      // The sum is computed as in Propagate: planes of equal costs in every
       // view, as without texture, must not win by rounding.
       float sum = 0.f;
       for (int s = 0; s < num_sources && scale * sum < *best_cost; ++s) {
@@ -319,7 +320,7 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               hypotheses.planes.View(),
                               hypotheses.costs.View()});
   if (num_sources == 0) {
-    return hypotheses;  // Nothing speaks for or against a plane.
+    return hypotheses;  // Without sources there are no costs.
   }
   Buffer<uint8_t> weights(device,
                           static_cast<size_t>(num_sources) *

@@ -16,7 +16,7 @@ namespace tsar {
 // The cost of a window that a view does not see, or sees without texture.
 constexpr float kMaxCost = 2.f;
 
-// What planes cost at one pixel.
+// The costs of planes at one pixel.
 struct PixelCosts {
   const ReferenceView& reference;
   const PatchMatchOptions& options;
@@ -36,7 +36,7 @@ struct PixelCosts {
     return cost == kUndefinedCost ? kMaxCost : cost;
   }
 
-  // The term by which the view's own depth map disagrees.
+  // The geometric term of the view's depth map.
   TSAR_HD float Geometric(const SourceView& source, const Plane& plane) const {
     if (source.depth.width == 0) {
       return 0.f;
@@ -52,7 +52,7 @@ struct PixelCosts {
     return options.geometric_weight * error;
   }
 
-  // The term by which the plane lies off the prior.
+  // The term for the plane's deviation from the prior.
   TSAR_HD float OffPrior(const Plane& plane) const {
     const float expected = prior.Valid() ? prior.Depth(ray) : 0.f;
     if (!(expected > 0.f)) {
@@ -64,7 +64,7 @@ struct PixelCosts {
   }
 };
 
-// Whether the plane gives the pixel a depth between the bounds.
+// Whether the plane's depth at the pixel lies between the bounds.
 TSAR_HD inline bool IsUsable(const Plane& plane,
                              const Vec3f& ray,
                              const PatchMatchOptions& options) {

@@ -10,8 +10,7 @@
 // Conversions between planes of pixels and maps of depths and normals.
 namespace tsar {
 
-// The depth and normal of the planes at their own pixels; 0 where there is
-// none.
+// The depth and normal of the planes at their pixels; 0 where there is none.
 struct PlaneMaps {
   DeviceImage<float> depth;
   DeviceImage<Vec3f> normal;
@@ -20,14 +19,14 @@ PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
                          ImageView<const Plane> planes,
                          Device& device);
 
-// For another size of the same image: each pixel takes the plane of the one
-// that lies at its place.
+// Resizes planes to another size of the same image by nearest-neighbor
+// sampling.
 DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
                                 int width,
                                 int height,
                                 Device& device);
 
-// Planes through the depths, for pixels that have one.
+// Makes planes from depths and normals, for pixels that have a depth.
 DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
                                   ImageView<const float> depth,
                                   ImageView<const Vec3f> normal,

@@ -11,7 +11,7 @@
 
 namespace tsar {
 
-// Bounds of depth, sampled evenly in inverse depth, as image positions are.
+// Bounds of depth, sampled uniformly in inverse depth, hence in image position.
 struct DepthBounds {
   float min;
   float max;
@@ -25,7 +25,7 @@ struct DepthBounds {
     return 1.f / ((1.f - t) / min + t / max);
   }
 
-  // Not farther from the given depth than `share` of the whole range.
+  // Draws a depth within `share` of the full range of the given depth.
   TSAR_HD float DrawAround(float depth, float share, Philox* random) const {
     const float range = 1.f / min - 1.f / max;
     const float inverse =
@@ -34,11 +34,10 @@ struct DepthBounds {
   }
 };
 
-// A direction evenly drawn from those that face a camera which sees the point
-// along the ray.
+// A random normal, uniform among those that face the camera on the ray.
 TSAR_HD inline Vec3f DrawNormal(const Vec3f& ray, Philox* random) {
-  // A point of the disc, spread over the sphere (Marsaglia, 1972): unlike sines
-  // and cosines, this gives a CPU and a GPU the same bits.
+  // A point of the disc is mapped to the sphere (Marsaglia, 1972): unlike sines
+  // and cosines, this is bit-identical on CPU and GPU.
   float x = 0.f;
   float y = 0.f;
   float squared = 0.f;
@@ -52,8 +51,8 @@ TSAR_HD inline Vec3f DrawNormal(const Vec3f& ray, Philox* random) {
   return Dot(normal, ray) > 0.f ? -normal : normal;
 }
 
-// The normal plus up to `turn` along each axis; itself where that would turn it
-// away from the camera.
+// The normal perturbed by up to `turn` along each axis; unchanged if the result
+// would face away from the camera.
 TSAR_HD inline Vec3f DrawNormalAround(const Vec3f& normal,
                                       float turn,
                                       const Vec3f& ray,

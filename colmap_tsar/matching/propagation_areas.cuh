@@ -8,10 +8,9 @@
 
 namespace tsar {
 
-// The eight areas from which a pixel may take a plane over: in each of the four
-// directions a near one, which opens like a V, and a far one, a strip. All of
-// their pixels have the other color of the checkerboard, so that none of them
-// changes meanwhile.
+// The eight areas from which a pixel may adopt a plane: in each of the four
+// directions a near one, V-shaped, and a far one, a strip. All of their pixels
+// have the other color of the checkerboard, so that none changes meanwhile.
 constexpr int kNumPropagationAreas = 8;
 constexpr int kNearAreaSize = 7;
 constexpr int kFarAreaSize = 11;
@@ -30,7 +29,7 @@ TSAR_HD inline PixelOffset NearAreaOffset(int i) {
 // Member i of the far area upwards: (0, -3), (0, -5), ... (0, -23).
 TSAR_HD inline PixelOffset FarAreaOffset(int i) { return {0, -3 - 2 * i}; }
 
-// Turned by quarter turns.
+// The offset rotated by quarter turns.
 TSAR_HD inline PixelOffset Turned(const PixelOffset& offset, int turns) {
   switch (turns) {
     case 0:
@@ -44,8 +43,8 @@ TSAR_HD inline PixelOffset Turned(const PixelOffset& offset, int turns) {
   }
 }
 
-// The pixel of the area whose cost is lowest, the first of several; false where
-// the area lies outside of the image.
+// The pixel of lowest cost in the area, the first of several; false if the area
+// lies outside of the image.
 TSAR_HD inline bool BestOfArea(const ImageView<const float>& costs,
                                int x,
                                int y,

@@ -7,8 +7,8 @@
 
 namespace tsar {
 
-// The pixel of a raster that a point in its camera's frame projects to. False
-// where the point is behind the camera or beside the raster, or is no number.
+// Finds the pixel of a raster that a point in its camera's frame projects to.
+// Returns false if the point is behind the camera, outside the raster or NaN.
 TSAR_HD inline bool FindPixel(const Intrinsics& intrinsics,
                               int width,
                               int height,
@@ -30,16 +30,15 @@ TSAR_HD inline bool FindPixel(const Intrinsics& intrinsics,
   return true;
 }
 
-// A point of the reference's frame, seen through the depth map of a source: the
-// surface point that the source has where it sees the given one, in the
-// reference's frame, with the pixel that it projects to there.
+// The surface point of a source at the projection of a given point, in the
+// reference's frame, with its pixel there.
 struct SeenThroughSource {
   Vec3f point;
   float x = 0.f;
   float y = 0.f;
 };
 
-// False where the source does not see the point, or has no depth there.
+// Returns false if the source does not see the point or has no depth there.
 TSAR_HD inline bool LookThroughSource(const Intrinsics& reference,
                                       const SourceView& source,
                                       const Vec3f& point,

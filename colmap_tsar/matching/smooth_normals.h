@@ -10,17 +10,16 @@
 namespace tsar {
 
 struct SmoothNormalsOptions {
-  int radius = 2;  // Of the window, in pixels.
-  // Neighbors whose depth lies farther from the pixel's plane, as a fraction
-  // of depth, or whose normal is more than acos(min_cos_angle) off, belong to
-  // another surface.
+  int radius = 2;  // Radius of the window, in pixels.
+  // The largest distance of a neighbor's depth from the pixel's plane, as a
+  // fraction of depth, and the least cosine between normals of one surface.
   float max_depth_error = 0.01f;
   float min_cos_angle = 0.7f;
 };
 
-// Each normal averaged with those of the same surface around it: stereo_fusion
-// drops views whose normals are more than 10 degrees apart, and windows of
-// little texture leave more noise than that. Pixels with depth 0 keep theirs.
+// Averages each normal with those of the same surface around it: stereo_fusion
+// drops views whose normals differ by more than 10 degrees, which the noise of
+// weakly textured windows exceeds. Pixels with depth 0 keep their normals.
 DeviceImage<Vec3f> SmoothNormals(const Intrinsics& intrinsics,
                                  ImageView<const float> depth,
                                  ImageView<const Vec3f> normal,

@@ -8,19 +8,18 @@
 
 namespace tsar {
 
-// How much a source view counts for a pixel: joint view selection from the
-// costs that the planes which the pixel tries have in that view (Xu and Tao,
-// CVPR 2019, section 3.3). A view that sees the surface has some low costs
-// among them and few high ones.
+// The weight of a source view at a pixel: joint view selection by the costs of
+// the pixel's candidate planes in that view (Xu and Tao, CVPR 2019, section
+// 3.3). A view that sees the surface has some low costs and few high ones.
 class ViewWeight {
  public:
-  // iteration counts from 0: what counts as a low cost falls.
+  // iteration counts from 0; the threshold of low costs decreases with it.
   TSAR_HD explicit ViewWeight(int iteration)
       : low_cost_(
             0.8f *
             ExpOfNegative(-static_cast<float>(iteration * iteration) / 90.f)) {}
 
-  // A cost of this view, in [0, 2].
+  // Adds a cost of this view, in [0, 2].
   TSAR_HD void Add(float cost) {
     if (cost < low_cost_) {
       ++num_low_;
@@ -30,7 +29,7 @@ class ViewWeight {
     }
   }
 
-  // In [0, 255], so that it can be kept for each pixel and view. 0: do not use.
+  // The weight in [0, 255], stored for each pixel and view; 0: not selected.
   TSAR_HD int Get() const {
     return num_low_ > 2 && num_high_ < 3
                ? static_cast<int>(255.f * sum_ / num_low_ + 0.5f)

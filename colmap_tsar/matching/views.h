@@ -10,8 +10,8 @@
 
 namespace tsar {
 
-// What matching knows of the image whose depth map is refined. All rasters have
-// the size of the depth map and lie in the device's memory.
+// The reference view of matching. All rasters have the size of its depth map
+// and are in the device's memory.
 struct ReferenceView {
   Intrinsics intrinsics;
   ImageView<const float> gray;    // 0-255
@@ -19,8 +19,8 @@ struct ReferenceView {
   ImageView<const Vec3f> normal;  // unit, camera frame, towards the camera
 };
 
-// What matching knows of an image that shows the same surfaces. Gray and depth
-// share one size, which may differ from the reference's.
+// A source view of matching. Gray and depth share one size, which may differ
+// from the reference's.
 struct SourceView {
   Intrinsics intrinsics;
   RelativePose from_reference;
