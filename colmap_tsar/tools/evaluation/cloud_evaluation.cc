@@ -47,7 +47,7 @@ std::vector<double> Accuracy(const std::vector<Eigen::Vector3d>& points,
                              const std::vector<PlacedScan>& scans,
                              const CloudEvaluationOptions& options) {
   const int num_tolerances = static_cast<int>(options.tolerances.size());
-  // One scanner's evidence is enough for either verdict.
+  // The evidence of one scanner suffices for either verdict.
   std::vector<PointVerdict> verdicts(points.size(), {num_tolerances, false});
   for (const PlacedScan& placed : scans) {
     const LaserScan scan(placed.points, options.beam);

@@ -12,8 +12,8 @@
 namespace tsar {
 
 struct CloudEvaluationOptions {
-  // Distances up to which a point counts as right, in units of the points;
-  // positive and rising.
+  // Largest distances of a correct point, in units of the points; positive and
+  // ascending.
   std::vector<double> tolerances = {0.01, 0.02, 0.05, 0.1};
 
   // Edge length of the voxels over which scores are averaged, in units of the
@@ -26,14 +26,14 @@ struct CloudEvaluationOptions {
   void Check() const;
 };
 
-// Shares in [0, 1].
+// Scores at one tolerance, shares in [0, 1].
 struct CloudScore {
   double tolerance = 0;
-  // Of the scanned surface, the part with a reconstructed point within the
+  // The share of the scanned surface with a reconstructed point within the
   // tolerance.
   double completeness = 0;
-  // Of the reconstructed points in space that the scanners saw, those within
-  // the tolerance of the surface. Where no scanner looked, nothing is counted.
+  // The share of the reconstructed points in observed space that are within the
+  // tolerance of the surface. Unobserved space is not counted.
   double accuracy = 0;
   double f1 = 0;  // The harmonic mean of both.
 };
@@ -44,22 +44,22 @@ struct CloudEvaluation {
   std::vector<CloudScore> scores;  // One per tolerance.
 };
 
-// A scan's points in the scanner's frame, and where the scanner stood.
+// A scan's points in the scanner's frame, and the scanner's pose.
 struct PlacedScan {
   std::vector<Eigen::Vector3d> points;
   Eigen::Matrix4d world_from_scan;  // A rigid motion.
 };
 
-// The measure of the ETH3D multi-view benchmark (Schoeps et al., "A Multi-View
-// Stereo Benchmark with High-Resolution Images and Multi-Camera Videos", CVPR
-// 2017). Cloud and scans in the same frame and units.
+// Evaluates a cloud as the ETH3D multi-view benchmark does (Schoeps et al., "A
+// Multi-View Stereo Benchmark with High-Resolution Images and Multi-Camera
+// Videos", CVPR 2017). Cloud and scans in the same frame and units.
 CloudEvaluation EvaluateCloud(const std::vector<Eigen::Vector3d>& points,
                               const std::vector<PlacedScan>& scans,
                               const CloudEvaluationOptions& options);
 
-// The same from files: a PLY file and a MeshLab project that lists the scans.
-// Throws what RequireNearestDistances, ReadPlyPoints and ReadMeshlabProject
-// throw, and kMismatch where the scans have no points.
+// Evaluates files: a PLY file and a MeshLab project that lists the scans.
+// Throws the errors of RequireNearestDistances, ReadPlyPoints and
+// ReadMeshlabProject, and kMismatch if the scans have no points.
 CloudEvaluation EvaluateCloudFile(const std::filesystem::path& cloud_path,
                                   const std::filesystem::path& project_path,
                                   const CloudEvaluationOptions& options);

@@ -51,7 +51,8 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
   return names;
 }
 
-// 1 where the image at this path, brought to this size, has no texture.
+// The mask (1) of textureless pixels of the image at this path, resized to this
+// size.
 Image<uint8_t> FindTextureless(const fs::path& path,
                                Image<uint8_t> photo,
                                int width,
@@ -80,8 +81,9 @@ Image<uint8_t> FindTextureless(const fs::path& path,
   return textureless;
 }
 
-// Adds one image's pixels to the scores of one area, all or that of the ground
-// truth's pixels that are not 0. mask: of the estimate; may be empty.
+// Adds one image's pixels to the scores of one area, which is all or the
+// nonzero pixels of a mask of the ground truth. mask: of the estimate; may be
+// empty.
 void AddPixels(const Image<float>& estimate,
                const Image<float>& truth,
                const Image<uint8_t>& mask,
@@ -105,8 +107,8 @@ void AddPixels(const Image<float>& estimate,
   }
 }
 
-// Of the named images. That none of these has a mask is no error, where others
-// of the workspace have.
+// Finds the masks of the named images. It is no error if only other images of
+// the workspace have masks.
 std::vector<fs::path> FindMasks(const fs::path& folder,
                                 const fs::path& images,
                                 std::vector<std::string> names) {

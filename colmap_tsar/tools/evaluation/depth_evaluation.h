@@ -12,12 +12,12 @@
 
 namespace tsar {
 
-// The pixel among `to` pixels that covers the center of pixel i among `from`:
-// where ground truth is looked up that is of another size than the map.
+// The pixel among `to` pixels that covers the center of pixel i among `from`,
+// for ground truth of another size than the map.
 int NearestPixel(int i, int from, int to);
 
-// Where the ground truth of a workspace lies: in the given folder, or, where
-// that is empty, in ground_truth/depth of the workspace.
+// The folder of the ground truth of a workspace: the given folder or, if empty,
+// ground_truth/depth of the workspace.
 std::filesystem::path GroundTruthFolder(
     const std::filesystem::path& workspace_path,
     const std::filesystem::path& given);
@@ -34,12 +34,12 @@ struct DepthEvaluationOptions {
   // none. Masked pixels are not scored.
   std::filesystem::path mask_path;
 
-  // Where the map of an image lies, by its name; if not set, in
-  // stereo/depth_maps of the workspace. There need not be a file.
+  // The path of an image's map by the image's name; if not set, in
+  // stereo/depth_maps of the workspace. The file need not exist.
   std::function<std::filesystem::path(const std::string& name)> find_map;
 
-  // A depth is right if it differs from the truth by less than this, in units
-  // of the model; positive and rising.
+  // Upper bounds of the error of a correct depth, in units of the model;
+  // positive and ascending.
   std::vector<double> tolerances = {0.02, 0.1};
 };
 
@@ -51,16 +51,16 @@ struct DepthScore {
   int64_t num_estimated = 0;
   int64_t num_known = 0;
 
-  double Precision() const;  // Right among estimated; 0 without any.
-  double Recall() const;     // Right among known; 0 without any.
+  double Precision() const;  // Correct / estimated; 0 if none.
+  double Recall() const;     // Correct / known; 0 if none.
   double F1() const;
 };
 
 struct DepthEvaluation {
   int num_images = 0;
-  int num_images_without_map = 0;  // They are left out of the scores.
+  int num_images_without_map = 0;  // Excluded from the scores.
   std::vector<DepthScore> scores;  // Per area, then per tolerance.
-  // Of num_images, those with a mask; nothing where no masks were given.
+  // The number of the num_images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks{};
 };
 
@@ -68,9 +68,9 @@ struct DepthEvaluation {
 // textureless areas, where the standard deviation of gray in a window of 11 x
 // 11 pixels is below 4 of 255 levels. Where map and ground truth differ in
 // size, the ground truth is looked up at the map's pixels. Throws Error:
-// kNotFound (no ground truth, or no maps), kMismatch (a map or an image is not
-// of the shape of its ground truth), kBadOption (tolerances), and what
-// ReadDepthMap, ReadGrayPhoto, FindImageMasks and ReadImageMask throw.
+// kNotFound (no ground truth, or no maps), kMismatch (the aspect ratio of a map
+// or an image is not that of its ground truth), kBadOption (tolerances), and
+// those of ReadDepthMap, ReadGrayPhoto, FindImageMasks and ReadImageMask.
 DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
                                   const DepthEvaluationOptions& options);
 

@@ -17,7 +17,7 @@ using Voxel = std::array<int64_t, 3>;
 using PointInVoxel = std::pair<Voxel, size_t>;
 
 Voxel VoxelOf(const Eigen::Vector3d& point, double shift, double voxel_size) {
-  // Further away, doubles are coarser than voxels anyway.
+  // At larger distances doubles are coarser than voxels.
   constexpr double kFurthest = 1e15;
   Voxel voxel;
   for (int axis = 0; axis < 3; ++axis) {
@@ -57,8 +57,8 @@ void AddVoxel(const PointInVoxel* begin,
 
 constexpr double kCellsPerUnit = 256;
 
-// Beyond this sine of the angle between point and beam, looking at all points
-// is cheaper than at all cells.
+// Beyond this sine of the angle between point and beam, testing all points is
+// cheaper than testing all cells.
 constexpr double kMaxSineForCells = 0.05;
 
 int CellCoordinate(double value) {

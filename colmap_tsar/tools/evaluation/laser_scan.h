@@ -10,8 +10,8 @@
 
 namespace tsar {
 
-// How one point fares at a list of rising tolerances: good from the tolerance
-// with index first_good on, and below that either bad or not counted at all.
+// The verdict on a point at a list of ascending tolerances: good from index
+// first_good on, and below that either bad or not counted.
 struct PointVerdict {
   int first_good = 0;
   bool bad_below = true;
@@ -21,8 +21,8 @@ struct PointVerdict {
 // the occupied voxels of edge length voxel_size, so that densely sampled
 // surfaces do not outweigh others. The mean is taken over two grids that are
 // shifted by half a voxel against each other. A voxel without counted points is
-// left out; without any such voxel the share is 0. Points and verdicts are of
-// the same number.
+// left out; without any such voxel the share is 0. points and verdicts have the
+// same size.
 std::vector<double> VoxelMeans(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<PointVerdict>& verdicts,
                                int num_tolerances,
@@ -35,18 +35,17 @@ struct LaserBeam {
   double divergence_degrees = 0.011;  // Half the opening angle.
 };
 
-// One laser scan as evidence about space: on the way from the scanner to each
-// scan point there is nothing, at the scan point there is a surface, and behind
-// it nothing is known.
+// One laser scan as evidence about space: free between the scanner and each
+// scan point, a surface at the scan point, unknown behind it.
 class LaserScan {
  public:
   // Points in the scanner's frame: the scanner is at (0, 0, 0).
   LaserScan(std::vector<Eigen::Vector3d> points, const LaserBeam& beam);
 
-  // What the beams that pass through this point say about it: good from the
-  // smallest of the rising tolerances that is not below its distance to the end
-  // of one of these beams; bad below that if one of them reaches beyond the
-  // point; otherwise not counted.
+  // The verdict of the beams through this point: good from the smallest of the
+  // ascending tolerances that is not below its distance to the end of one of
+  // these beams; bad below that if one of them reaches beyond the point;
+  // otherwise not counted.
   PointVerdict Judge(const Eigen::Vector3d& point,
                      const std::vector<double>& tolerances) const;
 

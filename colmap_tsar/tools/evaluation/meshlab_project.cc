@@ -20,8 +20,7 @@ namespace {
 
 namespace pt = boost::property_tree;
 
-// The XML parser calls itself for every level of nesting; this many levels fit
-// on the stack.
+// The XML parser is recursive; this many levels of nesting fit on the stack.
 constexpr std::ptrdiff_t kMaxNumTags = 4096;
 
 [[noreturn]] void Corrupt(const std::filesystem::path& path,

@@ -12,7 +12,7 @@ namespace tsar {
 
 // One mesh or scan of a MeshLab project.
 struct MeshlabScan {
-  std::filesystem::path path;       // Of its PLY file.
+  std::filesystem::path path;       // Path of the PLY file.
   Eigen::Matrix4d world_from_scan;  // A rigid motion, units of the points.
 };
 

@@ -13,7 +13,7 @@
 namespace tsar {
 namespace {
 
-// FLANN takes rows of numbers that it does not change, but not as constants.
+// FLANN requires a mutable matrix, although it does not change it.
 flann::Matrix<double> AsMatrix(const Eigen::Vector3d* points, size_t count) {
   static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
   return {const_cast<double*>(points->data()), count, 3};
@@ -36,8 +36,8 @@ std::vector<double> NearestDistances(
       AsMatrix(targets.data(), targets.size()),
       flann::KDTreeSingleIndexParams());
   index.buildIndex();
-  // FLANN leaves out what lies exactly at the radius, and takes it as a float;
-  // so it searches a little further.
+  // FLANN excludes points exactly at the radius, a float; so the radius is
+  // slightly enlarged.
   const float squared_radius =
       static_cast<float>(max_distance * max_distance) * 1.0001f;
   flann::SearchParams params;

@@ -9,12 +9,12 @@
 
 namespace tsar {
 
-// Before anything is read for them: throws Error kUnsupported where this program
-// was built without them (TSAR_CLOUD_EVALUATION).
+// Throws Error kUnsupported if the program was built without nearest distances
+// (TSAR_CLOUD_EVALUATION). To be called before inputs are read.
 void RequireNearestDistances();
 
-// For each query the distance to its nearest target, exactly, or infinity where
-// no target lies within max_distance. Works on all CPU cores. Errors as
+// For each query, the exact distance to its nearest target, or infinity if no
+// target lies within max_distance. Uses all CPU cores. Errors as
 // RequireNearestDistances().
 std::vector<double> NearestDistances(
     const std::vector<Eigen::Vector3d>& queries,

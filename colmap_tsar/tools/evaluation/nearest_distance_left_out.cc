@@ -1,8 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// In place of nearest_distance.cc where CMake was told
-// TSAR_CLOUD_EVALUATION=OFF.
+// This file replaces nearest_distance.cc with TSAR_CLOUD_EVALUATION=OFF.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/tools/evaluation/nearest_distance.h"

@@ -14,8 +14,8 @@
 namespace tsar {
 
 // Calls body(begin, end) for consecutive blocks that cover [0, count), on all
-// CPU cores at once, or fewer where the system starts no more threads, and
-// returns when all are done. An exception of a body is thrown on. The
+// CPU cores in parallel, or fewer if the system starts no more threads, and
+// returns when all are done. An exception of a body is rethrown. The
 // evaluation's loops run over points, not over images, and need no device.
 inline void ParallelBlocks(size_t count,
                            const std::function<void(size_t, size_t)>& body) {

@@ -218,8 +218,8 @@ class PlyFile {
     element.types.push_back(type->second);
   }
 
-  // Fails where what is left of the file cannot hold the element's items of at
-  // least this many bytes each.
+  // Throws if the rest of the file cannot hold the element's items of at least
+  // this many bytes each.
   void CheckSize(const Element& element, size_t bytes_per_item) const {
     if (bytes_per_item == 0) {
       if (element.count > 0) {
@@ -243,7 +243,7 @@ class PlyFile {
     }
   }
 
-  // The places of x, y and z, and of red, green and blue, among the element's
+  // The indices of x, y and z, and of red, green and blue, among the element's
   // properties; the colors are -1 unless all three are bytes.
   std::array<int, 6> FindPlaces(const Element& element) const {
     static const std::array<std::string, 6> names = {
@@ -266,7 +266,7 @@ class PlyFile {
     return places;
   }
 
-  // Whether this point is one of those wanted, which are spread evenly.
+  // Whether this point is in the evenly spaced sample.
   bool IsWanted(uint64_t index) const {
     const double step = static_cast<double>(cloud_.num_points_read) /
                         static_cast<double>(num_wanted_);
@@ -278,7 +278,7 @@ class PlyFile {
   void AddPoint(const std::array<double, 6>& values, bool has_color) {
     cloud_.points.emplace_back(values[0], values[1], values[2]);
     if (has_color) {
-      // A text may hold anything, and what is no number is black.
+      // A text may hold anything; NaN becomes 0.
       const auto byte = [](double value) {
         return static_cast<uint8_t>(value > 0.0 ? std::min(value, 255.0) : 0.0);
       };
@@ -308,7 +308,7 @@ class PlyFile {
 
   void ReadAscii(const Element& element) {
     const std::array<int, 6> places = FindPlaces(element);
-    // A number takes at least a digit.
+    // A number takes at least one digit.
     CheckSize(element, element.types.size());
     Reserve(places);
     std::vector<double> values(element.types.size());
@@ -345,8 +345,8 @@ class PlyFile {
     cloud_.colors.reserve(places[3] >= 0 ? num_wanted_ : 0);
   }
 
-  // Checks point number `index`, and adds it where it is wanted. value: of the
-  // property at a place.
+  // Checks point `index` and adds it if it is in the sample. value: returns the
+  // property at an index.
   template <typename Value>
   void Take(uint64_t index,
             const std::array<int, 6>& places,

@@ -23,12 +23,12 @@ std::vector<Eigen::Vector3d> ReadPlyPoints(const std::filesystem::path& path);
 
 struct PlyCloud {
   std::vector<Eigen::Vector3d> points;
-  std::vector<Rgb> colors;       // Empty where the file has none.
-  uint64_t num_points_read = 0;  // All that the file has.
+  std::vector<Rgb> colors;       // Empty if the file has none.
+  uint64_t num_points_read = 0;  // Points in the file.
 };
 
-// The same with colors (red, green and blue of 8 bits). Of more points than
-// max_num_points, so many are taken, evenly spread over the file.
+// Reads positions and colors (red, green and blue of 8 bits). Of more than
+// max_num_points points, as many are sampled, evenly spaced in the file.
 PlyCloud ReadPlyCloud(const std::filesystem::path& path,
                       uint64_t max_num_points);
 

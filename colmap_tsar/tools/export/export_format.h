@@ -8,21 +8,22 @@
 
 namespace tsar {
 
-// docs/export.md describes what each holds.
+// The formats, which docs/export.md describes.
 enum class ExportFormat {
   kNpy,                // Arrays of NumPy.
   kExr,                // OpenEXR pictures of floats.
   kPng16,              // Pictures of 16 bits.
-  kNerfstudio,         // A folder to train on by nerfstudio,
-  kGaussianSplatting,  // by the trainer of 3D Gaussian splatting.
+  kNerfstudio,         // A training folder of nerfstudio.
+  kGaussianSplatting,  // A training folder of 3D Gaussian splatting.
 };
 
-// "npy", "exr", "png16", "nerfstudio" and "3dgs", in the order of ExportFormat.
+// The names "npy", "exr", "png16", "nerfstudio" and "3dgs", in the order of
+// ExportFormat.
 const std::vector<std::string>& ExportFormatNames();
 
 std::string ToString(ExportFormat format);
 
-// Throws Error kBadOption, which lists the formats.
+// Parses a name. Throws Error kBadOption, which lists the formats.
 ExportFormat ParseExportFormat(const std::string& name);
 
 }  // namespace tsar

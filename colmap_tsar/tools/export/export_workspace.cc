@@ -32,9 +32,9 @@
 namespace tsar {
 namespace {
 
-// What an export's manifest.json holds (docs/export.md): conventions, maps as
-// the exporter describes them, and each image with its camera, of the size of
-// its maps, its pose and its files.
+// The content of an export's manifest.json (docs/export.md): conventions, the
+// exporter's description of maps, and each image with its camera at the size of
+// its maps, pose and files.
 nlohmann::ordered_json MakeExportManifest(
     const Workspace& workspace,
     ExportFormat format,
@@ -130,7 +130,7 @@ class ExportLoop {
         progress_(progress),
         should_stop_(should_stop) {}
 
-  // The results of function(image), in the order of the images.
+  // Returns the results of function(image), in the order of the images.
   template <typename Result>
   std::vector<Result> Run(const std::vector<int>& images,
                           const std::string& pass,
@@ -241,7 +241,7 @@ ExportSummary ExportWorkspace(Workspace workspace,
   workspace.UseMasks(options.mask_path);
   RequireOutsideInputs(
       workspace.Root(), options.output_path, OptionName("output_path"));
-  // So that the maps of an image belong together.
+  // The lock keeps the maps of an image consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   const std::vector<int> with_maps = FindImagesWithMaps(workspace);
   if (with_maps.empty()) {

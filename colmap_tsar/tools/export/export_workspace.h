@@ -23,36 +23,34 @@ struct ExportOptions {
   // none. Masked pixels are exported as if they had no depth.
   std::filesystem::path mask_path;
   bool overwrite = false;  // An earlier export alone may be replaced.
-  // Of kPng16: units of the sparse model per step of depth.
+  // For kPng16: units of the sparse model per step of depth.
   double depth_scale = kDefaultDepthScale;
   int num_threads = -1;  // -1: one for each core.
 };
 
 struct ExportSummary {
-  int num_images = 0;  // Exported, and those of them
+  int num_images = 0;  // Exported images, and those of them
   int num_with_depth = 0;
-  // Of the exported images, those with a mask; nothing where no masks were
-  // given.
+  // The number of exported images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks;
-  int64_t num_pixels = 0;  // Of their maps.
+  int64_t num_pixels = 0;  // Pixels of their maps.
   int64_t num_depths = 0;
 };
 
-// The workspace whose maps are to be exported. type: if not given, geometric
-// maps, or photometric ones where only those were refined or are there. Errors
-// as Workspace.
+// Opens the workspace to export. type: if not given, geometric maps, or
+// photometric ones if only those were refined or exist. Errors as Workspace.
 Workspace OpenWorkspaceToExport(const std::filesystem::path& root,
                                 std::optional<MapType> type);
 
-// Writes the maps of a dense workspace, refined or not, into a folder of its
-// own, with a manifest.json. It is there as a whole or not at all. The masks of
-// the options are used, whatever masks the workspace uses.
+// Writes the maps of a dense workspace, refined or not, and a manifest.json to
+// a new folder, which appears only when complete. The masks of the options are
+// used instead of the workspace's.
 //
 // Throws Error: kNotFound (no image has maps, or none a depth), kBadOption (a
 // depth_scale for another format), kInterrupted once should_stop returned true,
-// what Workspace::UseMasks, RequireOutsideInputs, WorkspaceLock (shared: a
-// program is changing the workspace), OutputFolder, the exporters and the
-// readers of the maps throw.
+// and those of Workspace::UseMasks, RequireOutsideInputs, WorkspaceLock
+// (shared: a program is changing the workspace), OutputFolder, the exporters
+// and the readers of the maps.
 ExportSummary ExportWorkspace(Workspace workspace,
                               const ExportOptions& options,
                               Progress& progress,

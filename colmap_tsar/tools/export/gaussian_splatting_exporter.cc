@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNumLevels = 65536.0;  // By which the trainer divides.
+constexpr double kNumLevels = 65536.0;  // The trainer's divisor.
 
 class GaussianSplattingExporter : public ImageExporter {
  public:
@@ -40,7 +40,7 @@ class GaussianSplattingExporter : public ImageExporter {
               const std::vector<ExportedImage>& exported) const override;
 
  private:
-  // Counts depths too near for the largest level.
+  // Converts depths to levels and counts depths too near for the largest level.
   Image<uint16_t> Levels(const Image<float>& depth,
                          int64_t* num_too_near) const;
 
@@ -123,7 +123,7 @@ void GaussianSplattingExporter::Finish(
         {"offset", 0.0}};
   }
   WriteOrderedJson(folder_ / "sparse" / "0" / "depth_params.json", params);
-  // A few near pixels are nothing to speak of.
+  // A few near pixels are no cause for a warning.
   if (num_too_near > num_depths / 1000) {
     TextStream text;
     text << ShareOfDepths(num_too_near, num_depths) << " are nearer than "
@@ -138,7 +138,7 @@ double InverseDepthScale(const DepthStatistics& depth) {
   constexpr double kMaxRatio = 16.0;
   const double nearest =
       std::max<double>(depth.nearest, depth.median / kMaxRatio);
-  // So that the nearest depth is the largest level.
+  // This scale gives the nearest depth the largest level.
   return kNumLevels / kMaxLevel / nearest;
 }
 

@@ -14,14 +14,14 @@
 
 namespace tsar {
 
-// What was written of one image.
+// The description of one exported image.
 struct ExportedImage {
-  int width = 0;  // Of its maps.
+  int width = 0;  // Size of its maps.
   int height = 0;
   DepthStatistics depth;  // As in the workspace.
-  // Depths that the format cannot hold as they are.
+  // The number of depths that the format cannot represent.
   int64_t num_out_of_range = 0;
-  // By kind of map, or "photo": the path in the export.
+  // The path in the export by kind of map or "photo".
   std::map<std::string, std::string> files;
 };
 
@@ -30,14 +30,14 @@ class ImageExporter {
  public:
   virtual ~ImageExporter() = default;
 
-  // Of each kind of map, what its files hold: goes into the manifest.
+  // Describes the files of each kind of map, for the manifest.
   virtual nlohmann::ordered_json DescribeMaps() const = 0;
 
-  // Writes the files of one image of the sparse model; from several threads.
+  // Writes the files of one image of the sparse model; thread-safe.
   virtual ExportedImage Export(int image) const = 0;
 
-  // Writes the files of the whole once all images are there, and warns of what
-  // users should know. images: what Export() was called with, and returned.
+  // Writes the files of the full export after all images, and warns users.
+  // images and exported: the arguments and results of Export().
   virtual void Finish(const std::vector<int>& images,
                       const std::vector<ExportedImage>& exported) const = 0;
 };

@@ -22,7 +22,7 @@ uint16_t ToLevel(double value) {
   return static_cast<uint16_t>(std::lround(value));
 }
 
-// The map in a file, or none where there is no such file.
+// Reads the map in a file; empty if there is no such file.
 template <typename Read>
 auto ReadIfThere(const Image<float>& depth,
                  const std::filesystem::path& path,
@@ -37,7 +37,7 @@ Image<uint8_t> MaskOf(const Workspace& workspace,
   return workspace.ReadMask(image, {depth.Width(), depth.Height()});
 }
 
-// Also where it is masked.
+// Reads a depth map including masked pixels.
 Image<float> ReadWholeDepth(const Workspace& workspace, int image) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const SparseModel::ModelImage& model_image =

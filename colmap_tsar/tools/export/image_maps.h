@@ -13,34 +13,32 @@
 
 namespace tsar {
 
-// Maps in whole numbers, for pictures. A value is scale times its level, plus
+// Conversion of maps to integer levels, for pictures: value = scale * level +
 // offset.
 
 constexpr int kMaxLevel = 65535;
 
-// Scale: step. 0 stands for no depth, and for depths that no level from 1 to
-// kMaxLevel is the nearest of, which are counted.
+// Levels of scale `step`. 0 stands for no depth, and for depths outside of the
+// levels 1 to kMaxLevel after rounding, which are counted.
 Image<uint16_t> DepthLevels(const Image<float>& depth,
                             double step,
                             int64_t* num_out_of_range);
 
-// Scale: step. 0 stands for no depth alone; what no level is the nearest of
-// becomes 1 or kMaxLevel.
+// Levels of scale `step`, clamped to [1, kMaxLevel]. 0 stands for no depth.
 Image<uint16_t> SigmaLevels(const Image<float>& sigma, double step);
 
 constexpr double kNormalScale = 1.0 / 32767.0;
 constexpr double kNormalOffset = -1.0;
 Image<Rgb16> NormalLevels(const Image<Vec3f>& normal);
 
-// Those of a confidence map.
+// The confidences of a confidence map's levels.
 Image<float> ConfidencesOf(const Image<uint8_t>& levels);
 
-// The smallest step of one digit at which a level holds this depth.
+// The smallest step of one significant digit at which this depth fits a level.
 double StepFor(double depth);
 
-// The maps of one image as they are in the workspace now, 0 where the image is
-// masked; all of one size.
-// Those below `normal` are empty where the image has none.
+// The current maps of one image, 0 where the image is masked; all of one size.
+// Those after `normal` are empty if the image has none.
 struct ImageMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
@@ -54,14 +52,14 @@ struct ImageMaps {
 // indices into its sparse model, ascending.
 std::vector<int> FindImagesWithMaps(const Workspace& workspace);
 
-// Throws Error: kMismatch (a map is not of the image's shape, or of another
-// size than the depth map), and what the readers and Workspace::ReadMask throw.
+// Throws Error: kMismatch (a map's aspect ratio is not the image's, or its size
+// not the depth map's), and those of the readers and Workspace::ReadMask.
 ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 
-// The depth map alone; errors as ReadImageMaps().
+// Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);
 
-// Of the pixels of a map that have a depth; 0 where there are none.
+// Statistics of the valid depths of a map; 0 if there are none.
 struct DepthStatistics {
   int64_t num_depths = 0;
   float nearest = 0.f;
@@ -71,7 +69,8 @@ struct DepthStatistics {
 
 DepthStatistics MeasureDepth(const Image<float>& depth);
 
-// Of all maps: nearest and farthest of all, the median of the medians.
+// Joins the statistics of maps: the nearest and farthest of all, the median of
+// the medians.
 DepthStatistics JoinStatistics(const std::vector<DepthStatistics>& maps);
 
 }  // namespace tsar

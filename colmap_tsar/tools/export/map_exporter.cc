@@ -24,7 +24,7 @@ using FilePaths = std::map<std::string, std::string>;
 
 constexpr double kSigmaStep = 0.01;  // In steps of depth.
 
-// A value is scale times what is stored, plus offset.
+// The description of a kind of map: value = scale * stored value + offset.
 Json MapJson(const std::string& meaning,
              const std::string& stored,
              double scale = 1.0,
@@ -59,7 +59,7 @@ class MapExporter : public ImageExporter {
 
  private:
   bool IsPng() const { return format_ == ExportFormat::kPng16; }
-  // Of floats.
+  // Description of a map of floats.
   template <typename T>
   void WriteFloats(const Image<T>& values,
                    const std::string& kind,
@@ -71,7 +71,7 @@ class MapExporter : public ImageExporter {
       WriteExrFile(NewFile(kind, name, ".exr", files), values);
     }
   }
-  // Of whole numbers.
+  // Description of a map of integers.
   template <typename T>
   void WriteLevels(const Image<T>& values,
                    const std::string& kind,
@@ -187,7 +187,8 @@ void MapExporter::Finish(const std::vector<int>& /*images*/,
     statistics.push_back(image.depth);
   }
   const DepthStatistics depth = JoinStatistics(statistics);
-  // Half a step off, at most.
+  // The largest rounding error, half a step, relative to depth, without a
+  // warning.
   constexpr double kCoarseStep = 0.005;
   const std::string option = OptionName("depth_scale");
   TextStream text;

@@ -12,12 +12,12 @@
 
 namespace tsar {
 
-// All maps of each image, in the formats kNpy, kExr and kPng16: in a folder for
-// each kind of map, named by the image with its extension. depth_scale: units
-// of the sparse model per step of a depth in 16 bits; depths that are no whole
-// number of steps from 1 to 65535 when rounded are left out. Sigmas have steps
-// of a hundredth of that, and those above the largest become it.
-// workspace must outlive the exporter. Errors as RequireExr().
+// Exporter of all maps of each image in the formats kNpy, kExr and kPng16: in a
+// folder for each kind of map, named by the image with its extension.
+// depth_scale: units of the sparse model per step of a depth in 16 bits; depths
+// that do not round to 1 to 65535 steps are left out. Sigmas have steps of a
+// hundredth of that and are clamped to the largest. workspace must outlive the
+// exporter. Errors as RequireExr().
 std::unique_ptr<ImageExporter> MakeMapExporter(const Workspace& workspace,
                                                const ContainedPath& folder,
                                                ExportFormat format,

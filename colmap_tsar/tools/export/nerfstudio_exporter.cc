@@ -112,8 +112,8 @@ class NerfstudioExporter : public ImageExporter {
     return false;
   }
 
-  // Of the photo's size, as it is required, also where there is no mask: of all
-  // images or of none.
+  // The mask at the photo's size, which is required for all images or none,
+  // also for images without a mask.
   Image<uint8_t> MaskLevels(int image, const RasterSize& maps) const {
     const Camera& camera =
         workspace_.Model().images.at(static_cast<size_t>(image)).camera;
@@ -122,7 +122,8 @@ class NerfstudioExporter : public ImageExporter {
     return levels;
   }
 
-  // What maps of the camera would have, for masks of images without any.
+  // The size that maps of the camera would have, for masks of images without
+  // maps.
   RasterSize MapSizeOfOthers(const Camera& camera) const {
     for (const int image : images_with_maps_) {
       const Camera& other =

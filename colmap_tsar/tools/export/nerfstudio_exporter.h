@@ -11,13 +11,13 @@
 
 namespace tsar {
 
-// What nerfstudio's own format holds: transforms.json with all images of the
-// sparse model, these in images/, and their depth in depths/, as arrays in
-// thousandths of a unit of the sparse model: nerfstudio takes stored depths for
-// millimeters. An image without maps has an array of zeros, since it requires
-// depth for all images or none; 0 is no depth. The cameras are those of the
-// images, with the frame of OpenGL, and the world is that of the sparse model.
-// workspace must outlive the exporter. Throws what RequireUtf8Names() throws.
+// Exporter for nerfstudio: transforms.json with all images of the sparse model,
+// these in images/, and their depth in depths/, as arrays in thousandths of a
+// unit of the sparse model: nerfstudio interprets stored depths as millimeters.
+// An image without maps gets an array of zeros, since nerfstudio requires depth
+// for all images or none; 0 is no depth. The cameras are those of the images,
+// with the frame of OpenGL, and the world is that of the sparse model.
+// workspace must outlive the exporter. Throws the errors of RequireUtf8Names().
 std::unique_ptr<ImageExporter> MakeNerfstudioExporter(
     const Workspace& workspace, const ContainedPath& folder);
 

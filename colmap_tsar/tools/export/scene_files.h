@@ -15,24 +15,24 @@
 
 namespace tsar {
 
-// 4 x 4, a list for each row.
+// A 4 x 4 matrix as a list of rows.
 nlohmann::ordered_json MatrixJson(const Eigen::Matrix4d& matrix);
 
-// World to camera: x right, y down, z forward.
+// The transform from world to camera: x right, y down, z forward.
 Eigen::Matrix4d WorldToCamera(const Camera& camera);
-// Its inverse, in which the translation is the camera's center.
+// The inverse transform, whose translation is the camera's center.
 Eigen::Matrix4d CameraToWorld(const Camera& camera);
-// The same for a camera's frame as OpenGL has it: x right, y up, z backward.
+// CameraToWorld() for OpenGL's camera frame: x right, y up, z backward.
 Eigen::Matrix4d OpenGlCameraToWorld(const Camera& camera);
 
-// "model" (PINHOLE), "width", "height", "fx", "fy", "cx" and "cy".
+// A camera as "model" (PINHOLE), "width", "height", "fx", "fy", "cx" and "cy".
 nlohmann::ordered_json IntrinsicsJson(const Camera& camera);
 
-// What the folders for trainers have in common: they hold all images of the
-// sparse model, under its names.
+// Functions common to the training folders, which hold all images of the sparse
+// model under its names.
 
-// Throws Error kUnsupported where the name of an image is not UTF-8: JSON could
-// not name its files.
+// Throws Error kUnsupported if the name of an image is not UTF-8, which JSON
+// requires.
 void RequireUtf8Names(const Workspace& workspace);
 
 // Copies an image to images/NAME in the folder, and returns "images/NAME".
@@ -41,13 +41,13 @@ std::string CopyPhoto(const Workspace& workspace,
                       int image,
                       const ContainedPath& folder);
 
-// The name of each image without what follows its last dot, by which a format
-// knows it: "left/b" for "left/b.png". Throws Error: kUnsupported where a name
-// has no dot, or two have the same, such as a.jpg and a.png.
+// The stem of each image's name, which identifies it in a format: "left/b" for
+// "left/b.png". Throws Error kUnsupported if a name has no dot or two stems are
+// equal, such as those of a.jpg and a.png.
 std::vector<std::string> UniqueStems(const Workspace& workspace);
 
-// Copies the files of cameras, images and points that were read (binary where
-// all three are there, otherwise text) into a folder.
+// Copies the files of cameras, images and points that were read (binary if all
+// three exist, otherwise text) to a folder.
 void CopySparseModel(const Workspace& workspace, const ContainedPath& folder);
 
 }  // namespace tsar

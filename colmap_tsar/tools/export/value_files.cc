@@ -57,14 +57,14 @@ Image<T> Reversed(const Image<T>& values) {
   return reversed;
 }
 
-// Over the image's own memory: encoding only reads.
+// Wraps the image's memory; encoding only reads it.
 template <typename T>
 cv::Mat AsMatrix(const Image<T>& values, int type) {
   return cv::Mat(
       values.Height(), values.Width(), type, const_cast<T*>(values.Data()));
 }
 
-// Empty where OpenCV cannot.
+// Encodes pixels; empty if OpenCV cannot.
 std::vector<uchar> EncodeExr(const cv::Mat& pixels) {
   std::vector<uchar> bytes;
   try {
@@ -91,8 +91,8 @@ void WritePng(const ContainedPath& path, const cv::Mat& pixels) {
   file.Commit();
 }
 
-// OpenCV encodes EXR by way of a temporary file, and does not tell of a disk on
-// which that found no room: what comes back tells.
+// OpenCV encodes EXR by way of a temporary file and does not report a full
+// disk; so the result is checked.
 void WriteExr(const ContainedPath& path, const cv::Mat& pixels) {
   const std::vector<uchar> bytes = EncodeExr(pixels);
   cv::Mat read;
@@ -157,7 +157,7 @@ void WriteExrFile(const ContainedPath& path, const Image<Vec3f>& values) {
 }
 
 void RequireExr() {
-  // Builds of OpenCV that hold OpenEXR may still ask for leave, once.
+  // Builds of OpenCV with OpenEXR may still require this variable.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   const Image<float> values(1, 1, 1.f);
   if (EncodeExr(AsMatrix(values, CV_32FC1)).empty()) {

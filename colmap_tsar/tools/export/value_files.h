@@ -12,28 +12,30 @@
 
 namespace tsar {
 
-// Write an array of NumPy's format (.npy, version 1.0), little-endian and row
+// Write an array in NumPy's format (.npy, version 1.0), little-endian and row
 // by row: float32, uint8 or uint16 of shape (height, width), or float32 of
-// (height, width, 3). In one step; create the folder. Errors as AtomicFile.
+// (height, width, 3). They write atomically and create the folder. Errors as
+// AtomicFile.
 void WriteArray(const ContainedPath& path, const Image<float>& values);
 void WriteArray(const ContainedPath& path, const Image<Vec3f>& values);
 void WriteArray(const ContainedPath& path, const Image<uint8_t>& values);
 void WriteArray(const ContainedPath& path, const Image<uint16_t>& values);
 
-// All write in one step and create the folder. Errors as AtomicFile, and kIo
-// where OpenCV cannot encode the picture.
+// All functions write atomically and create the folder. Errors as AtomicFile,
+// and kIo if OpenCV cannot encode the picture.
 
-// PNG: one channel of 8 or 16 bits, or red, green and blue of 16 bits.
+// Write PNG: one channel of 8 or 16 bits, or red, green and blue of 16 bits.
 void WritePngFile(const ContainedPath& path, const Image<uint8_t>& values);
 void WritePngFile(const ContainedPath& path, const Image<uint16_t>& values);
 void WritePngFile(const ContainedPath& path, const Image<Rgb16>& values);
 
-// OpenEXR of 32-bit floats, without loss: one channel Y, or x, y, z as R, G, B.
+// Write OpenEXR of 32-bit floats, losslessly: one channel Y, or x, y, z as R,
+// G, B.
 void WriteExrFile(const ContainedPath& path, const Image<float>& values);
 void WriteExrFile(const ContainedPath& path, const Image<Vec3f>& values);
 
-// Before threads write EXR: throws Error kUnsupported where this build of
-// OpenCV cannot.
+// Throws Error kUnsupported if this build of OpenCV cannot write EXR. Must be
+// called before threads write EXR.
 void RequireExr();
 
 }  // namespace tsar

@@ -24,7 +24,7 @@ const SparseModel::ModelImage& ImageOf(const SparseModel& model, int image) {
   return model.images[static_cast<size_t>(image)];
 }
 
-// The length of the diagonal of the box around all centers.
+// The diagonal of the bounding box of all camera centers.
 double Extent(const SparseModel& model) {
   Eigen::AlignedBox3d box;
   for (const SparseModel::ModelImage& image : model.images) {
@@ -38,7 +38,7 @@ double Degrees(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / M_PI;
 }
 
-// How far two poses are apart, each part as a share of what is allowed.
+// The difference of two poses, each component as a share of its tolerance.
 struct PoseError {
   double rotation = 0.0;
   double center = 0.0;
@@ -75,7 +75,7 @@ class CameraChecker {
     PoseError error;
     error.rotation = Degrees(stored.rotation, camera.rotation) / kMaxDegrees;
     const double distance = (scale * stored.center - camera.Center()).norm();
-    // Of a single position nothing tells what is far.
+    // A single center has no extent to compare with.
     if (extent_ > 0.0) {
       error.center = distance / (kMaxShareOfExtent * extent_);
     }
@@ -87,7 +87,7 @@ class CameraChecker {
     if (!own.Fits()) {
       return false;
     }
-    // What rounding in a file of text may cost.
+    // The tolerance of rounding in text files.
     constexpr double kExact = 0.2;
     return own.Sum() <= kExact ||
            Compare(assigned.camera, BestImage(assigned.camera), scale_).Sum() >=
@@ -108,7 +108,7 @@ class CameraChecker {
     return best;
   }
 
-  // Throws where all cameras would fit if the scene were larger or smaller.
+  // Throws if all cameras would match at another scale of the scene.
   void CheckUnits() const {
     Eigen::Vector3d mean_stored = Eigen::Vector3d::Zero();
     Eigen::Vector3d mean_model = Eigen::Vector3d::Zero();

@@ -9,7 +9,7 @@
 namespace tsar {
 namespace {
 
-// The value at a share of the sorted values; reorders them.
+// The quantile of the values at a share; reorders them.
 template <typename T>
 T Quantile(double share, std::vector<T>* values) {
   const size_t index = std::min(

@@ -49,8 +49,8 @@ void RequireSize(const std::filesystem::path& path,
   }
 }
 
-// The normal of a pixel in the camera frame, of unit length, towards the
-// camera; zero where it has no direction.
+// The unit normal of a pixel in the camera frame, towards the camera; zero if
+// it has no direction.
 Vec3f ConvertNormal(const Vec3f& stored,
                     const Eigen::Matrix3d* rotation,
                     const Vec3f& ray) {
@@ -86,7 +86,7 @@ PlanarMap ConvertCosts(const Image<float>& cost) {
   return map;
 }
 
-// As ToDepth, but for costs, of which all values say something.
+// As ToDepth, but for costs, of which all values are meaningful.
 Image<float> ToCosts(const FloatMap& map, const std::string& name) {
   if (map.channels != 1) {
     throw Error::File(ErrorCode::kCorrupt,

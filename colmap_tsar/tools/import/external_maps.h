@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// Whose maps they are.
+// The formats of maps by program.
 enum class ExternalFormat {
   kAcm,      // .dmb of Gipuma, ACMH, ACMM, ACMP, ACMMP.
   kApd,      // .dmb or .bin of APD and its successors.
@@ -22,8 +22,8 @@ enum class ExternalFormat {
   kDepth,    // Depth images and arrays of any program or sensor.
 };
 
-// The files that another program wrote for one image. All paths but the first
-// may be empty.
+// The files that another program wrote for one image. Only the first path is
+// required.
 struct ExternalFiles {
   int image = -1;  // Index into SparseModel::images.
   std::filesystem::path depth;
@@ -32,53 +32,53 @@ struct ExternalFiles {
   std::filesystem::path camera;
 };
 
-// What such files hold, as they say it.
+// The content of such files, unconverted.
 struct ExternalMaps {
   Image<float> depth;       // In the other program's units; 0 = none.
-  bool is_integer = false;  // The depth is stored in integers.
+  bool is_integer = false;  // Depth is stored in integers.
   Image<Vec3f> normal;      // Empty or of the size of the depth map.
   Image<float> cost;        // Empty or of the size of the depth map.
   std::optional<StoredCamera> camera;
 };
 
-// Reads the files. Throws what the readers of the formats throw, and Error
-// kMismatch where the maps of an image differ in size.
+// Reads the files. Throws the errors of the readers of the formats, and Error
+// kMismatch if the maps of an image differ in size.
 ExternalMaps ReadExternalMaps(const ExternalFiles& files,
                               ExternalFormat format);
 
-// What is written to the workspace; see map_io.h.
+// The maps to write to the workspace; see map_io.h.
 struct ImportedMaps {
   Image<float> depth;
   Image<Vec3f> normal;
   // Two channels, the smallest and the second smallest cost in [0, 2]; 2 is "no
-  // evidence". Empty where there are no costs.
+  // evidence". Empty without costs.
   PlanarMap cost;
 };
 
-// How to convert the maps of one image.
+// Options of the conversion of one image's maps.
 struct ConvertOptions {
   double scale = 1.0;             // Model units per stored unit of depth.
   bool normals_in_world = false;  // Otherwise in the camera frame.
   bool use_costs = false;
 };
 
-// Brings maps into the workspace's units and frames. Normals of unit length in
-// the camera frame keep every bit; others are rotated, normalized and turned
-// towards the camera. Depths without a normal get one from the depths around
-// (see NormalsFromDepth). Costs outside [0, 2] become 2, and so does the second
-// smallest cost, which no other program tells.
+// Converts maps to the workspace's units and frames. Unit normals in the camera
+// frame keep every bit; others are rotated, normalized and oriented towards the
+// camera. Depths without a normal get one from the depths around (see
+// NormalsFromDepth). Costs outside [0, 2] become 2, and so does the second
+// smallest cost, which no other program provides.
 //
-// camera: that of the image, of any size.
+// camera: that of the image at any size.
 ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
                          const ConvertOptions& options);
 
-// Depths times a scale; those that leave the range of numbers become 0.
+// Depths times a scale; those that overflow become 0.
 Image<float> ScaledDepth(const Image<float>& depth, double scale);
 
-// How many of the normals at pixels with depth look towards the camera, if they
-// are in the one frame or in the other. With the frame that is right it is all
-// of them, or none where they point into the surfaces.
+// The number of normals at pixels with depth that face the camera, assuming
+// either frame. With the correct frame it is all of them, or none if they point
+// into the surfaces.
 struct NormalFacing {
   int64_t num_normals = 0;
   int64_t num_facing_in_camera = 0;

@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// The images by their numbers, from a file.
+// Reads the images in the order of their indices from a file.
 std::vector<int> ReadNumberedImages(const std::filesystem::path& path,
                                     const SparseModel& model) {
   std::vector<int> images;

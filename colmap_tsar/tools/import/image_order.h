@@ -12,17 +12,17 @@
 
 namespace tsar {
 
-// The number that a name ends in: 12 for "2333_00000012".
+// The trailing number of a name: 12 for "2333_00000012".
 std::optional<int> TrailingNumber(const std::string& name);
 
 // The images 0, 1, 2, ... of another program as indices into
-// SparseModel::images. Throws Error: kNotFound (there is no list), kMismatch (a
-// line of it names no image of the model or one a second time; it is empty).
+// SparseModel::images. Throws Error: kNotFound (there is no list), kMismatch
+// (the list is empty, or a line names no image of the model or one twice).
 std::vector<int> OrderImages(const MatchOptions& options,
                              const SparseModel& model);
 
-// The image of this number; Error kMismatch, naming the path that has it, where
-// there are not as many.
+// The image at this index. Throws Error kMismatch with the path that has the
+// index if there are fewer images.
 int ImageOfNumber(const std::vector<int>& order,
                   int number,
                   const std::filesystem::path& path);

@@ -68,7 +68,7 @@ std::optional<ImportRecord> ReadImportRecord(
     return record;
   } catch (const nlohmann::json::exception&) {
   } catch (const std::logic_error&) {
-    // A map that is none.
+    // An unreadable map has no description.
   }
   throw Error::File(ErrorCode::kCorrupt,
                     path.string(),

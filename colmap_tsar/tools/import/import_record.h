@@ -16,33 +16,33 @@
 
 namespace tsar {
 
-// The three kinds of maps that an import writes, by the names of their folders.
+// The folders of the three kinds of maps that an import writes.
 inline constexpr std::array<const char*, 3> kImportFolders = {
     "depth_maps", "normal_maps", "cost_maps"};
 inline constexpr size_t kDepthMaps = 0;
 inline constexpr size_t kNormalMaps = 1;
 inline constexpr size_t kCostMaps = 2;
 
-// What is known of the imports of one image's maps of one type, kept as
+// The record of imports of one image's maps of one type, stored as
 // stereo/tsar_import/records/KEY.json.
 struct ImportRecord {
-  // The maps that they may have left under a name, for each of kImportFolders.
+  // The maps that imports may have written, for each of kImportFolders.
   std::array<std::vector<WrittenMap>, kImportFolders.size()> written;
-  // Whether undoing them has begun: what has no former map then may have been
-  // put back.
+  // Whether their undo has begun: a map without a former one may have been
+  // restored already.
   bool is_being_undone = false;
 };
 
-// stereo/tsar_import: the maps that imports have replaced, and a record of what
-// they wrote. Apart from stereo/tsar, since to tsar_refine imported maps are
-// originals as good as COLMAP's.
+// The folder stereo/tsar_import with the maps that imports replaced and records
+// of those they wrote. It is separate from stereo/tsar, since tsar_refine
+// treats imported maps as originals.
 ContainedPath GetImportFolder(const std::filesystem::path& root);
 
-// The image's name and the type, by which maps and records are named.
+// The image's name and the type, which name maps and records.
 std::string GetImportKey(const std::string& image_name, MapType type);
 
-// Where a map of one of kImportFolders lies, and where the one that an import
-// has replaced is kept.
+// The path of a map of one of kImportFolders, and that of the former map that
+// an import replaced.
 ContainedPath GetMapPath(const std::filesystem::path& root,
                          size_t kind,
                          const std::string& key);
@@ -54,10 +54,11 @@ ContainedPath GetImportRecordFolder(const std::filesystem::path& root);
 ContainedPath GetImportRecordPath(const std::filesystem::path& root,
                                   const std::string& key);
 
-// Nothing where there is no record; Error kCorrupt where the file is none.
+// Returns nullopt if there is no record. Throws Error kCorrupt if it is
+// invalid.
 std::optional<ImportRecord> ReadImportRecord(const std::filesystem::path& path);
 
-// In one step; creates the folder. Error kIo.
+// Writes a record atomically and creates the folder. Throws Error kIo.
 void WriteImportRecord(const ContainedPath& path, const ImportRecord& record);
 
 }  // namespace tsar

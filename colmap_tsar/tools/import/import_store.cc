@@ -24,7 +24,7 @@
 namespace tsar {
 namespace {
 
-// Whether a file is there that no import has written.
+// Whether a file exists that no import wrote.
 bool IsForeignMap(const std::filesystem::path& path,
                   const std::vector<WrittenMap>& ours) {
   return Exists(path) && !IsAnyOf(path, ours);
@@ -36,7 +36,7 @@ void SupersedeAndWarn(const ContainedPath& path, const ContainedPath& map) {
        moved.string());
 }
 
-// Nothing where there is no former map.
+// The state of the former map; nullopt if there is none.
 std::optional<MapState> InspectKept(const std::filesystem::path& root,
                                     const std::string& key,
                                     size_t kind,
@@ -48,8 +48,8 @@ std::optional<MapState> InspectKept(const std::filesystem::path& root,
              : std::nullopt;
 }
 
-// Keeps what an import is about to replace, unless it is of imports itself.
-// Throws kMismatch where nothing tells whose the maps are.
+// Keeps the maps that an import is about to replace, unless imports wrote them.
+// Throws kMismatch if their source is unknown.
 void KeepFormer(const std::filesystem::path& root,
                 const std::string& key,
                 const ImportRecord& record) {
@@ -69,8 +69,8 @@ void KeepFormer(const std::filesystem::path& root,
             OptionName("restore_conflicts") + " original or keep");
   }
   const bool is_replaced = has_former && owner == MapOwner::kOtherProgram;
-  // All former ones go before the first of today is kept, so that at no instant
-  // one of each is.
+  // All earlier former maps are removed before the first current one is kept,
+  // so that the two sets are never mixed.
   for (size_t kind = 0; is_replaced && kind < kImportFolders.size(); ++kind) {
     if (states[kind]) {
       SupersedeAndWarn(GetFormerPath(root, kind, key),
@@ -164,7 +164,7 @@ void WriteImported(const std::filesystem::path& root,
     file.Commit();
   }
   if (!has_cost) {
-    // It says how well other depths explain the photos.
+    // The cost map belongs to other depths.
     RemoveFile(GetMapPath(root, kCostMaps, key));
   }
 }

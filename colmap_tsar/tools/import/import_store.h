@@ -11,21 +11,20 @@
 
 namespace tsar {
 
-// Throws Error kUnsupported where tsar_refine has worked on this workspace
-// (what it keeps are the originals of other maps than those that an import
-// would leave), or where the workspace is the output of tsar_refine.
+// Throws Error kUnsupported if tsar_refine has refined this workspace (its
+// originals would not be those of the imported maps), or if the workspace is an
+// output of tsar_refine.
 void RequireUnrefined(const std::filesystem::path& root);
 
-// Throws Error kUnsupported where the image has a depth or normal map of this
-// type that an import has not written.
+// Throws Error kUnsupported if the image has a depth or normal map of this type
+// that no import wrote.
 void RequireNoForeignMaps(const std::filesystem::path& root,
                           const std::string& image_name,
                           MapType type);
 
-// Writes the maps of an image. Former maps of the same name, and a cost map
-// that belonged to them, are kept in stereo/tsar_import unless an import has
-// written them. At every instant each file is complete, and UndoImport finds
-// what it needs. Throws Error kIo.
+// Writes the maps of an image. Former maps of the same name and their cost map
+// are kept in stereo/tsar_import unless an import wrote them. Each file is
+// complete at any time, and UndoImport always works. Throws Error kIo.
 void WriteImported(const std::filesystem::path& root,
                    const std::string& image_name,
                    MapType type,

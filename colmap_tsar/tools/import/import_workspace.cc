@@ -30,7 +30,7 @@ std::string Text(const char* format, double value) {
   return text;
 }
 
-// Widens a range by another one; (0, 0) is none.
+// Extends a range by another one; (0, 0) is empty.
 void Widen(float near, float far, float* total_near, float* total_far) {
   if (far > 0.f) {
     *total_near = *total_far > 0.f ? std::min(*total_near, near) : near;
@@ -109,7 +109,7 @@ class Importer {
              options_.match.format == ExternalFormat::kApd));
   }
 
-  // Reads all files once and keeps what the decisions need.
+  // Reads all files once and keeps the data for the checks.
   void CheckFiles() {
     progress_.Start(static_cast<int>(matched_.files.size()), "Checking:");
     for (const ExternalFiles& files : matched_.files) {
@@ -138,7 +138,7 @@ class Importer {
     progress_.Finish();
   }
 
-  // tsar_refine takes the maps of both types together.
+  // tsar_refine uses the maps of both types together.
   void NoteOtherType(const ExternalFiles& files, const Image<float>& depth) {
     const MapType other = options_.match.type == MapType::kGeometric
                               ? MapType::kPhotometric
@@ -162,7 +162,7 @@ class Importer {
     if (facing_.num_normals == 0) {
       return;
     }
-    // Normals of one frame all look towards the camera, or all away from it.
+    // In the correct frame, all normals face the camera or all face away.
     const auto agreement = [&](int64_t num_facing) {
       const double share = static_cast<double>(num_facing) /
                            static_cast<double>(facing_.num_normals);

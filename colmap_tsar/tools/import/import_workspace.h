@@ -12,7 +12,7 @@
 
 namespace tsar {
 
-// In which frame another program's normals are.
+// The frame of another program's normals.
 enum class NormalFrame {
   kAuto,  // World for kAcm and kApd, camera for the others.
   kWorld,
@@ -21,39 +21,39 @@ enum class NormalFrame {
 
 struct ImportOptions {
   std::filesystem::path workspace_path;
-  // What to import; match.type is the type of maps to write, too.
+  // The files to import; match.type is also the type of the written maps.
   MatchOptions match;
   // Model units per stored unit of depth. 0: 0.001 for depth images of
   // integers, otherwise 1.
   double depth_scale = 0.0;
-  // Give each image a scale of its own, by its sparse points.
+  // Whether each image gets a separate scale from its sparse points.
   bool scale_to_sparse = false;
-  // Refuse depths that are in other units than the sparse points.
+  // Whether to reject depths in other units than the sparse points.
   bool check_scale = true;
   NormalFrame normal_frame = NormalFrame::kAuto;
-  // Take costs over, too. What other programs write is not what tsar_refine
-  // would compute: they may hold terms of geometry, and where the image has no
-  // texture they are noise.
+  // Whether to import costs. Costs of other programs differ from those of
+  // tsar_refine: they may include geometric terms, and are noise in textureless
+  // areas.
   bool import_costs = false;
-  // Replace maps that another program wrote; they are kept.
+  // Whether to replace maps that another program wrote, which are kept.
   bool overwrite = false;
 };
 
-// Imports the maps of another program into a dense workspace, which needs
-// images/ and sparse/ alone; the rest is made. Everything is read and checked
-// before the first file is written. The maps have their own size, which may
-// differ from the image's, as COLMAP's may.
+// Imports the maps of another program into a dense workspace, which needs only
+// images/ and sparse/; the rest is created. Everything is read and checked
+// before the first file is written. The maps' size may differ from the image's,
+// as COLMAP's may.
 //
-// Throws Error, with nothing written: what MatchImages, ReadExternalMaps,
+// Throws Error, with nothing written: those of MatchImages, ReadExternalMaps,
 // CheckCameras, RequireUnrefined, RequireNoForeignMaps, ReadSparseModel and
-// WorkspaceLock throw, and kMismatch where a map's shape is not that of its
-// image, where depths are in other units than the sparse points or normals in
-// another frame than said, or where an image has too few sparse points for
+// WorkspaceLock, and kMismatch if a map's aspect ratio is not that of its
+// image, depths are in other units than the sparse points, normals are in
+// another frame than stated, or an image has too few sparse points for
 // scale_to_sparse.
 //
-// should_stop: if given, asked before each image. Once it returns true,
-// kInterrupted is thrown; images that were imported stay so, and the same call
-// begins anew.
+// should_stop: if given, called before each image. Once it returns true,
+// kInterrupted is thrown; imported images remain, and the same call starts
+// over.
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,
                               const std::function<bool()>& should_stop = {});

@@ -18,7 +18,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-// -1 where no image fits.
+// The index of the image that matches a stored name, or -1.
 int FindStoredName(const SparseModel& model,
                    std::string stored,
                    const Path& path) {
@@ -64,7 +64,7 @@ int MatchDmaps(const MatchOptions& options,
   for (const Path& path : ListEntries(options.input_path)) {
     const std::string stem = path.stem().string();
     const std::optional<int> number = TrailingNumber(stem);
-    // Others, such as depth0012.geo.dmap, are of passes before the last.
+    // Others, such as depth0012.geo.dmap, are of earlier passes.
     if (path.extension() != ".dmap" || !number || !stem.starts_with("depth")) {
       continue;
     }

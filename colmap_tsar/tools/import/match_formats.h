@@ -14,7 +14,7 @@ namespace tsar {
 // The steps of MatchImages, each for some of the formats. The input path must
 // be an existing folder in normal form.
 
-// Collects the files of all images; each image may come once.
+// Collects the files of all images, each at most once.
 class MapCollector {
  public:
   // The model must outlive the collector.
@@ -23,7 +23,7 @@ class MapCollector {
   // Throws Error kMismatch for a second map of an image.
   void Add(int image, ExternalFiles files);
 
-  // By ascending image.
+  // The files by ascending image.
   const std::map<int, ExternalFiles>& Files() const { return files_; }
 
  private:
@@ -31,12 +31,13 @@ class MapCollector {
   std::map<int, ExternalFiles> files_;
 };
 
-// For kAcm and kApd.
+// Matches the files of kAcm and kApd.
 void MatchNumberedFolders(const MatchOptions& options,
                           const SparseModel& model,
                           MapCollector* collector);
 
-// These two return the number of maps of images that the model does not hold.
+// MatchDmaps() and MatchDepthImages() return the number of maps of images that
+// are not in the model.
 int MatchDmaps(const MatchOptions& options,
                const SparseModel& model,
                MapCollector* collector);
@@ -50,12 +51,12 @@ std::vector<std::filesystem::path> ListEntries(
 
 bool IsFolder(const std::filesystem::path& path);
 
-// Throws Error kUnsupported where what has the name of an image's map is no
-// file: a folder, a FIFO, a device, a link that leads nowhere. To pass it over
-// would count the image among those without a map.
+// Throws Error kUnsupported if the path of an image's map is no regular file
+// but a folder, a FIFO, a device or a dangling link. If skipped, the image
+// would count as one without a map.
 void RequireFile(const std::filesystem::path& path);
 
-// Error kNotFound that names the option where it is no folder.
+// Throws Error kNotFound with the option if it is no folder.
 void RequireFolder(const std::filesystem::path& folder,
                    const std::string& option);
 

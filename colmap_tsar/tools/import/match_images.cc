@@ -17,7 +17,7 @@
 namespace tsar {
 namespace {
 
-// Without "." and a slash at the end, so that it has a folder above.
+// The path without "." and a trailing slash, so that it has a parent.
 std::filesystem::path Normalized(const std::filesystem::path& path) {
   const std::filesystem::path normal =
       std::filesystem::absolute(path).lexically_normal();
@@ -29,7 +29,8 @@ std::filesystem::path Normalized(const std::filesystem::path& path) {
 std::vector<std::filesystem::path> ListEntries(
     const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> entries;
-  // What is none has no entries; one that cannot be listed is an error.
+  // A path that is no folder has no entries; a folder that cannot be listed is
+  // an error.
   if (IsFolder(folder)) {
     const Folder open({folder, {}});
     for (const Folder::Entry& entry : open.List()) {

@@ -26,7 +26,7 @@ bool HasFile(const Path& path) {
   return is_there;
 }
 
-// The first of the files that exists, with one of the extensions.
+// The first existing file of these names with one of the extensions.
 Path FindFile(const Path& folder, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     for (const char* extension : {".dmb", ".bin"}) {
@@ -64,7 +64,8 @@ std::vector<NumberedFolder> FindNumberedFolders(const Path& folder) {
   return found;
 }
 
-// In the folder itself, or in the one of its folders that has such.
+// Finds numbered folders in the folder itself, or in the subfolder that has
+// them.
 std::vector<NumberedFolder> FindProgramFolder(const Path& input) {
   std::vector<NumberedFolder> found = FindNumberedFolders(input);
   if (!found.empty()) {

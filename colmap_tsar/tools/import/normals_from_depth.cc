@@ -10,8 +10,8 @@
 namespace tsar {
 namespace {
 
-// Inverse depth at the neighbor minus that at the pixel, where the two may be
-// parts of one surface.
+// Inverse depth at the neighbor minus that at the pixel; nullopt unless both
+// may be on one surface.
 std::optional<float> Difference(
     const Image<float>& depth, int x, int y, int step_x, int step_y) {
   constexpr float kMaxJump = 0.05f;
@@ -30,7 +30,7 @@ std::optional<float> Difference(
 // The derivative of the inverse depth along an axis, per pixel.
 std::optional<float> Slope(
     const Image<float>& depth, int x, int y, int step_x, int step_y) {
-  // Of the inverse depth: what maps vary by on a surface.
+  // Relative noise of the inverse depth on a surface.
   constexpr float kNoise = 0.005f;
   const auto before = Difference(depth, x, y, -step_x, -step_y);
   const auto after = Difference(depth, x, y, step_x, step_y);
@@ -72,7 +72,7 @@ Image<Vec3f> NormalsFromDepth(const Image<float>& depth,
       Vec3f m = {intrinsics.fx * *slope_x, intrinsics.fy * *slope_y, 0.f};
       m.z = 1.f / depth(x, y) - m.x * ray.x - m.y * ray.y;
       const float norm = Norm(m);
-      // Infinite where a depth is so small that its inverse overflows.
+      // The norm is infinite if the inverse of a tiny depth overflows.
       if (norm > 0.f && std::isfinite(norm)) {
         normals(x, y) = -(m * (1.f / norm));
       }

@@ -9,16 +9,15 @@
 
 namespace tsar {
 
-// The normals of a depth map (z in the camera frame, 0 = none): unit vectors in
-// the camera frame, towards the camera, (0, 0, 0) where none can be told.
+// Computes the normals of a depth map (z in the camera frame, 0 = none): unit
+// vectors in the camera frame, towards the camera; (0, 0, 0) if undetermined.
 //
 // A plane's inverse depth is linear in the pixel's position, so its differences
-// give the normal without error. Along each axis both neighbors count, as a
-// central difference; one alone where the other one has no depth, lies over 5 %
-// of the depth away, or where the difference to it is more than twice the other
-// one's and not just noise, as at a crease or at the edge of a thing in front
-// of something. A pixel without a neighbor along one of the axes has no
-// normal.
+// give the exact normal. Central differences are used along each axis; a
+// one-sided difference if the other neighbor has no depth, differs by more than
+// 5 % of the depth, or has more than twice the other difference beyond noise,
+// as at creases and occlusion boundaries. A pixel without a neighbor along one
+// of the axes has no normal.
 Image<Vec3f> NormalsFromDepth(const Image<float>& depth,
                               const Intrinsics& intrinsics);
 

@@ -57,7 +57,7 @@ StereoFolder::~StereoFolder() {
     try {
       RemoveFolderIfEmpty(path_);
     } catch (const std::exception&) {
-      // It stays, empty.
+      // The empty folder remains.
     }
   }
 }

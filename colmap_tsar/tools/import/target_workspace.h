@@ -10,13 +10,13 @@
 
 namespace tsar {
 
-// The sparse model of a workspace to import into, of which nothing but images/
-// and sparse/ need exist. Throws Error: kNotFound (one of them is missing, or
-// there are no images), kUnsupported (an image's name leaves the folder), and
-// what ReadSparseModel throws.
+// Reads the sparse model of a target workspace, of which only images/ and
+// sparse/ need exist. Throws Error: kNotFound (one of them is missing, or there
+// are no images), kUnsupported (an image's name leaves the folder), and those
+// of ReadSparseModel.
 SparseModel ReadTargetModel(const std::filesystem::path& root);
 
-// The folder stereo, made where it is missing; goes again if nothing comes in.
+// Creates the folder stereo if missing; removes it again if it stays empty.
 class StereoFolder {
  public:
   explicit StereoFolder(const std::filesystem::path& root);
@@ -29,8 +29,8 @@ class StereoFolder {
   bool is_new_ = false;
 };
 
-// Writes patch-match.cfg and fusion.cfg where they are missing, as
-// image_undistorter does: all images, `__auto__, 20`.
+// Writes patch-match.cfg and fusion.cfg if missing, as image_undistorter does:
+// all images, `__auto__, 20`.
 void WriteMissingConfigs(const std::filesystem::path& root,
                          const SparseModel& model);
 

@@ -22,15 +22,15 @@
 namespace tsar {
 namespace {
 
-// Removes folders that hold nothing, from `folder` up to below `top`.
+// Removes empty folders, from `folder` up to below `top`.
 void RemoveEmptyFoldersUpTo(ContainedPath folder, const ContainedPath& top) {
   while (folder.Path() != top.Path() && RemoveFolderIfEmpty(folder)) {
     folder = folder.Parent();
   }
 }
 
-// Whether an import was killed while it wrote: before its first map is in
-// place, that is all it leaves.
+// Whether an import was killed during a write: its temporary is all that it
+// leaves before its first map.
 bool HasTemporaries(const std::filesystem::path& root) {
   return std::ranges::any_of(kImportFolders, [&](const char* folder) {
     return !ListFileNames({root, std::filesystem::path("stereo") / folder},
@@ -77,7 +77,7 @@ class ImageUndoer {
       RemoveEmptyFoldersUpTo(GetMapPath(root_, kCostMaps, key_).Parent(),
                              ContainedPath(root_, "stereo"));
       ++result_->num_images;
-      // Last: an interrupted undo still needs it.
+      // The record is removed last, since an interrupted undo still needs it.
       RemoveFile(GetImportRecordPath(root_, key_));
     } else if (owner == MapOwner::kOtherProgram ||
                conflicts_ == RestoreConflicts::kKeep) {
@@ -88,7 +88,7 @@ class ImageUndoer {
   }
 
  private:
-  // is_begun: whether what has no former map is none of an import's.
+  // is_begun: whether a map without a former one was not written by an import.
   void Undo(size_t kind, bool is_begun) {
     const ContainedPath current = GetMapPath(root_, kind, key_);
     const ContainedPath former = GetFormerPath(root_, kind, key_);
@@ -101,7 +101,7 @@ class ImageUndoer {
     const bool is_foreign = state != MapState::kMissing &&
                             state != MapState::kWritten &&
                             state != MapState::kOriginal;
-    // Costs that came since are none of an import's business.
+    // Cost maps written later do not belong to the import.
     if (is_foreign && (has_former || (kind != kCostMaps && !is_begun))) {
       result_->superseded.push_back(Supersede(current, current).Path());
     }
@@ -109,8 +109,8 @@ class ImageUndoer {
       return;
     }
     if (IsAnyOf(former, record_.written[kind])) {
-      // An import wrote the same bytes. Were the next step the last one, the
-      // map would then be taken for an imported one.
+      // An import wrote the same bytes. If the undo stopped after the next
+      // step, the map would be taken for an imported one.
       record_.written[kind].clear();
       LinkOrCopyFile(former, current);
       WriteImportRecord(GetImportRecordPath(root_, key_), record_);
@@ -136,7 +136,7 @@ UndoResult UndoImport(const std::filesystem::path& root,
   std::set<std::string> keys;
   keys.merge(ListFileNames(GetImportRecordFolder(root), ".json"));
   for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
-    // An import that was killed may have no record yet.
+    // A killed import may have no record yet.
     keys.merge(ListFileNames(GetFormerFolder(root, kind), ".bin"));
   }
   if (keys.empty() && !HasTemporaries(root)) {
@@ -146,7 +146,7 @@ UndoResult UndoImport(const std::filesystem::path& root,
                       "check " + OptionName("workspace_path"));
   }
   UndoResult result;
-  // All is looked at before the first file is changed.
+  // Everything is checked before the first file is changed.
   std::vector<ImageUndoer> images;
   for (const std::string& key : keys) {
     images.emplace_back(root, key, conflicts, &result);
@@ -154,7 +154,7 @@ UndoResult UndoImport(const std::filesystem::path& root,
   for (ImageUndoer& image : images) {
     image.Run();
   }
-  // Also those of images that have no record yet.
+  // This includes the temporaries of images without a record.
   for (const char* folder : kImportFolders) {
     RemoveTemporaries({root, std::filesystem::path("stereo") / folder});
   }

@@ -11,19 +11,19 @@
 namespace tsar {
 
 struct UndoResult {
-  int num_images = 0;  // Images and types whose import was undone.
-  // As in RestoreResult, by the paths of depth maps.
+  int num_images = 0;  // Undone imports, counted by image and type.
+  // Paths of depth maps, as in RestoreResult.
   std::vector<std::filesystem::path> kept;
   std::vector<std::filesystem::path> conflicts;
   std::vector<std::filesystem::path> superseded;
 };
 
-// Puts the former maps back and removes imported ones and stereo/tsar_import.
-// Nothing that somebody else wrote is removed, neither former maps nor what
-// stands in their place; see Restore() in restore.h, whose rules are these. Can
-// be called again after an interruption. The caller holds the WorkspaceLock.
-// Throws Error: kNotFound (nothing was imported), kUnsupported (see
-// RequireUnrefined() in import_store.h), kCorrupt (a record is broken), kIo.
+// Restores the former maps and removes imported ones and stereo/tsar_import. No
+// files of other programs are removed, neither former maps nor those in their
+// place, by the rules of Restore() in restore.h. Can be called again after an
+// interruption. The caller holds the WorkspaceLock. Throws Error: kNotFound
+// (nothing was imported), kUnsupported (see RequireUnrefined() in
+// import_store.h), kCorrupt (a record is broken), kIo.
 UndoResult UndoImport(const std::filesystem::path& root,
                       RestoreConflicts conflicts = RestoreConflicts::kReport);
 

@@ -12,10 +12,11 @@
 namespace tsar {
 namespace {
 
-// The sine of the angle from which on two planes meet in a line that is known
-// well enough: 10 degrees.
+// The sine of the least angle (10 degrees) at which the intersection of two
+// planes is well determined.
 constexpr double kMinSine = 0.17;
-// In pixels, how far from the crease the border between two labels may run.
+// The largest distance of the border between two labels from the crease, in
+// pixels.
 constexpr double kMaxDistance = 6.0;
 constexpr int64_t kMinPixels = 8;
 
@@ -36,7 +37,8 @@ Crease Intersect(int first,
   Eigen::Matrix3d normals;
   normals << a.normal.transpose(), b.normal.transpose(),
       crease.direction.transpose();
-  // About a point of the scene, since the world's origin may be far away.
+  // The point is relative to one of the scene, since the world's origin may be
+  // far away.
   crease.point =
       a.origin +
       normals.inverse() *
@@ -82,7 +84,7 @@ void CreaseFinder::AddPair(const PlaneView& view,
   if (crease.direction.isZero()) {
     return;
   }
-  // Where one is before the other, they touch in the image alone.
+  // If one plane occludes the other, they touch only in the image.
   Eigen::Vector2d along;
   int number = 0;
   for (const auto& [plane, at] :

@@ -15,41 +15,43 @@
 
 namespace tsar {
 
-// A line in which two planes of the scene meet, and where views see them meet
-// there: from point + begin * direction to point + end * direction.
+// The part of the intersection line of two scene planes that views observe:
+// from point + begin * direction to point + end * direction.
 struct Crease {
-  int first = 0;  // The smaller number.
+  int first = 0;  // The smaller index.
   int second = 0;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // Of unit length.
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  // Unit vector.
   double begin = 0.0;
   double end = 0.0;
-  int64_t num_pixels = 0;  // Pairs of neighbors, one of each plane.
+  int64_t num_pixels = 0;  // Pairs of neighboring pixels, one of each plane.
 };
 
-// The same in the coordinates of one of its planes.
+// A crease in the coordinates of one of its planes.
 struct CreaseLine {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
   double begin = 0.0;
   double end = 0.0;
 
-  // To the left of it, as signed distance, and along it.
+  // The signed distance of a point from the line, positive on its left, and its
+  // position along the line.
   double Height(const Eigen::Vector2d& at) const {
     return direction.x() * (at - point).y() - direction.y() * (at - point).x();
   }
   double Along(const Eigen::Vector2d& at) const {
     return direction.dot(at - point);
   }
-  // Whether a point lies beside what was seen of it, or up to so far beyond.
+  // Whether a point's position along the line is in the observed part, extended
+  // by margin.
   bool IsBeside(const Eigen::Vector2d& at, double margin) const {
     const double along = Along(at);
     return along >= begin - margin && along <= end + margin;
   }
 };
 
-// Finds the creases of the planes from where their labels touch in the views,
-// to be given one after the other.
+// Finds the creases of planes whose labels touch in the views, which are added
+// one by one.
 class CreaseFinder {
  public:
   explicit CreaseFinder(const std::vector<PlaneCoordinates>& planes)
@@ -57,7 +59,7 @@ class CreaseFinder {
 
   void Add(const PlaneView& view);
 
-  // Those that enough pixels tell of, by their planes.
+  // The creases that enough pixels support, ordered by their planes.
   std::vector<Crease> Creases() const;
 
  private:
@@ -71,7 +73,7 @@ class CreaseFinder {
   std::map<std::pair<int, int>, Crease> creases_;
 };
 
-// Those of plane p, in its coordinates.
+// The creases of plane p, in its coordinates.
 std::vector<CreaseLine> CreasesOf(int p,
                                   const PlaneCoordinates& coordinates,
                                   const std::vector<Crease>& creases);

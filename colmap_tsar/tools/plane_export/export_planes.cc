@@ -47,8 +47,8 @@ bool IsRefined(const Workspace& workspace) {
                     "the scene");
 }
 
-// What plane maps name are the planes that their images were composed with.
-// Those of another scene, or of a later run, are others of the same numbers.
+// Checks that plane maps refer to the planes of this model: those of another
+// scene or run have the same indices.
 void RequirePlanesOfMaps(const Workspace& workspace,
                          const std::vector<int>& images,
                          const std::filesystem::path& model_path) {
@@ -73,8 +73,7 @@ void RequirePlanesOfMaps(const Workspace& workspace,
   }
 }
 
-// Reads what the images show of the planes and calls function with it, one
-// image after the other.
+// Reads the plane views of the images and calls function with each.
 template <typename Function>
 void VisitPlaneViews(const Workspace& workspace,
                      const std::vector<int>& images,
@@ -108,7 +107,7 @@ Vertical VerticalOf(const Workspace& workspace,
   return FindVertical(ups, model.frames);
 }
 
-// Turned so that the normal points to where it is seen from.
+// Flips a plane so that its normal points to the views that see it.
 void Turn(ExportedPlane* plane) {
   plane->coordinates.normal *= -1.0;
   plane->coordinates.axis_t *= -1.0;
@@ -128,7 +127,7 @@ void Turn(ExportedPlane* plane) {
   }
 }
 
-// All but its shape, in the coordinates of the model.
+// Sets all members except the shape, in the coordinates of the model.
 ExportedPlane Describe(const ModelPlane& model_plane,
                        const PlaneStatistics& statistics,
                        const PlaneCoordinates& coordinates,

@@ -12,22 +12,20 @@
 namespace tsar {
 
 struct PlaneExportOptions {
-  // Planes of a smaller area, in square units of the sparse model, are left
-  // out.
+  // The least area of a plane, in square units of the sparse model.
   double min_area = 0.0;
 };
 
-// Whether a workspace has files of the planes of its scene and maps of them;
-// those refined without scene planes have none.
+// Whether a workspace has a file of scene planes and plane maps; those refined
+// without scene planes have none.
 bool HasPlanes(const Workspace& workspace);
 
-// The planes of a refined workspace: what its stereo/tsar/planes.bin says of
-// each, and where the refined maps of its type show it. Holds the maps of one
-// image at a time, and reads them twice. is_stopped: asked before each image.
+// The planes of a refined workspace, from its stereo/tsar/planes.bin, with
+// their visible parts in the refined maps of its type. Holds the maps of one
+// image at a time and reads them twice. is_stopped: called before each image.
 //
-// Throws Error: kNotFound (HasPlanes() is false),
-// kMismatch (maps, planes and model are not of one run), kInterrupted, and what
-// the readers throw.
+// Throws Error: kNotFound (HasPlanes() is false), kMismatch (maps, planes and
+// model are not of one run), kInterrupted, and those of the readers.
 ExportedPlanes ExportPlanes(const Workspace& workspace,
                             const PlaneExportOptions& options,
                             Progress& progress,

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSine15 = 0.25881904510252074;
 constexpr double kCosine15 = 0.9659258262890683;
 constexpr double kCosine30 = 0.8660254037844387;
-// Of the mean of unit vectors: shorter than this, it says nothing.
+// The least length of a meaningful mean of unit vectors.
 constexpr double kMinMeanUp = 0.2;
 
 }  // namespace

@@ -18,14 +18,14 @@ enum class PlaneClass { kFloor, kCeiling, kWall, kOther };
 // "floor", "ceiling", "wall" or "other".
 std::string ToString(PlaneClass of_plane);
 
-// Which way is up, and who says so.
+// The vertical direction and its source.
 struct Vertical {
   enum class Source {
-    kFrame,    // The axis of a Manhattan frame that the cameras come nearest.
-    kCameras,  // The mean of the cameras' own up, with no axis near it.
-    kNone,     // The cameras look all ways, and nothing is known.
+    kFrame,    // The axis of a Manhattan frame nearest to the cameras' up.
+    kCameras,  // The mean up of the cameras, with no axis near it.
+    kNone,     // Unknown: the cameras have no common up.
   };
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();  // Of unit length, or 0.
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();  // Unit vector or 0.
   Source source = Source::kNone;
 };
 
@@ -37,10 +37,11 @@ std::string ToString(Vertical::Source source);
 Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
                       const std::vector<Eigen::Matrix3d>& frames);
 
-// Floor and ceiling: the normal within 15 degrees of the vertical, and most of
-// the cameras that see it above or below. Wall: the normal within 15 degrees of
-// horizontal. All else, and all where there is no vertical, is other.
-// point: of the plane; cameras: the centers of those that see it.
+// Classifies a plane. Floor and ceiling: the normal within 15 degrees of the
+// vertical, and most of the cameras that see it above or below. Wall: the
+// normal within 15 degrees of horizontal. All others, and all without a
+// vertical, are `other`. point: on the plane; cameras: the centers of those
+// that see it.
 PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& point,
                          const std::vector<Eigen::Vector3d>& cameras,
@@ -51,18 +52,18 @@ PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
 struct ExportedPlane {
   int id = 0;  // In planes.bin; plane maps hold 1 + id.
   PlaneClass plane_class = PlaneClass::kOther;
-  // Its normal points to where most of its pixels are seen from.
+  // Coordinates whose normal points to the views of most of its pixels.
   PlaneCoordinates coordinates;
-  // Of the rotation about axis_s and about axis_t (radians), and of the shift
-  // along the normal. Infinite variances: not known.
+  // Covariance of the rotations about axis_s and axis_t (radians) and of the
+  // shift along the normal. Infinite variances: unknown.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double support = 0.0;  // See ModelPlane.
   int component = 0;
   int frame = -1;
   int axis = -1;
-  double area = 0.0;  // Of the polygons.
+  double area = 0.0;  // Area of the polygons.
   double cell =
-      0.0;  // The resolution of the polygons; 0 where nothing is seen.
+      0.0;  // The resolution of the polygons; 0 if the plane is not visible.
   int64_t num_pixels = 0;
   double share_measured = 0.0;
   struct Sighting {
@@ -71,15 +72,15 @@ struct ExportedPlane {
   };
   std::vector<Sighting> images;
   std::vector<int> meets;  // The planes with which it has a crease.
-  // In its coordinates; the largest first.
+  // Polygons in its coordinates; the largest first.
   std::vector<PlanePolygon> polygons;
 
-  // normal . X + Offset() = 0.
+  // The offset in normal . X + Offset() = 0.
   double Offset() const { return -coordinates.normal.dot(coordinates.origin); }
 };
 
 struct ExportedPlanes {
-  std::string type;  // Of the maps: "geometric" or "photometric".
+  std::string type;  // Type of the maps: "geometric" or "photometric".
   int num_images = 0;
   Vertical vertical;
   std::vector<Eigen::Matrix3d> frames;  // See SceneModel.

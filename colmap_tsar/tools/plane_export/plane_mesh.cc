@@ -13,7 +13,7 @@
 namespace tsar {
 namespace {
 
-using Loop = std::vector<int>;  // Numbers of points, counterclockwise.
+using Loop = std::vector<int>;  // Indices of points, counterclockwise.
 
 double Cross(const Eigen::Vector2d& a,
              const Eigen::Vector2d& b,
@@ -21,7 +21,7 @@ double Cross(const Eigen::Vector2d& a,
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-// Also on its border.
+// Whether a point lies in a triangle or on its border.
 bool IsInTriangle(const Eigen::Vector2d& point,
                   const Eigen::Vector2d& a,
                   const Eigen::Vector2d& b,
@@ -34,8 +34,8 @@ const Eigen::Vector2d& At(const Ring& points, const Loop& loop, size_t i) {
   return points[static_cast<size_t>(loop[i % loop.size()])];
 }
 
-// The place in the loop of a point that can be joined to the hole's rightmost
-// point without crossing the loop.
+// The position in the loop of a point that can be joined to the hole's
+// rightmost point without crossing the loop.
 size_t FindBridge(const Ring& points,
                   const Loop& loop,
                   const Eigen::Vector2d& rightmost) {
@@ -56,8 +56,8 @@ size_t FindBridge(const Ring& points,
       bridge = a.x() > b.x() ? i : (i + 1) % loop.size();
     }
   }
-  // What juts into the triangle between the ray and that edge's end hides it;
-  // of that, the point nearest to the ray's direction is visible.
+  // Points in the triangle between the ray and that edge's end occlude it; of
+  // these, the one nearest to the ray's direction is visible.
   const Eigen::Vector2d hit(nearest, rightmost.y());
   Eigen::Vector2d end = At(points, loop, bridge);
   const bool is_above = end.y() > rightmost.y();
@@ -72,8 +72,8 @@ size_t FindBridge(const Ring& points,
         point == rightmost) {
       continue;
     }
-    // Points where loops touch themselves occur several times; the one through
-    // whose corner the bridge runs is the right one.
+    // Points where loops touch themselves occur several times; the occurrence
+    // whose corner holds the bridge is chosen.
     const Eigen::Vector2d& before = At(points, loop, i + loop.size() - 1);
     const Eigen::Vector2d& after = At(points, loop, i + 1);
     const bool is_reflex = Cross(before, point, after) < 0.0;
@@ -127,7 +127,7 @@ bool IsEar(const Ring& points, const Loop& loop, size_t i) {
   });
 }
 
-// Three points on a line, which cover nothing.
+// Whether a corner's three points are collinear.
 bool IsFlat(const Ring& points, const Loop& loop, size_t i) {
   return Cross(At(points, loop, i + loop.size() - 1),
                At(points, loop, i),
@@ -140,8 +140,8 @@ void CutEars(const Ring& points,
   size_t i = 0;
   size_t num_tried = 0;
   while (loop.size() >= 3) {
-    // Rounding may leave no ear at last: then the next corner that turns the
-    // right way is cut, or any.
+    // Rounding may leave no ear: then the next convex corner is cut, or any
+    // corner.
     const bool is_stuck = num_tried > loop.size();
     const bool is_lost = num_tried > 2 * loop.size();
     i %= loop.size();
@@ -161,7 +161,7 @@ void CutEars(const Ring& points,
                             loop[(i + 1) % loop.size()]});
     }
     loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(i));
-    // Not next to the last one, or fans of thin triangles would come of it.
+    // The next corner is skipped, which avoids fans of thin triangles.
     ++i;
     num_tried = 0;
   }
@@ -187,7 +187,8 @@ Triangulation Triangulate(const PlanePolygon& polygon) {
     }
     return x;
   };
-  // From the right to the left, so that no hole is between a hole and the loop.
+  // Holes are inserted from right to left, so that no hole lies between a hole
+  // and the loop.
   std::stable_sort(
       holes.begin(), holes.end(), [&](const Loop& a, const Loop& b) {
         return right_end(a) > right_end(b);

@@ -15,20 +15,20 @@
 namespace tsar {
 
 struct Triangulation {
-  Ring points;  // Of the outline, then of the holes.
-  // Counterclockwise; numbers of points.
+  Ring points;  // Points of the outline, then of the holes.
+  // Indices of points, counterclockwise.
   std::vector<std::array<int, 3>> triangles;
 };
 
-// Covers a simple polygon (IsSimple) with triangles whose corners are its own:
-// holes are joined to the outline by cuts, then ears are cut off.
+// Triangulates a simple polygon (IsSimple) without new points: holes are joined
+// to the outline by bridges, then ears are clipped.
 Triangulation Triangulate(const PlanePolygon& polygon);
 
-// The polygons of a plane as triangles in the world frame, counterclockwise
-// where its normal points to the viewer.
+// The polygons of a plane as triangles in the world frame, counterclockwise if
+// its normal points to the viewer.
 struct PlaneMesh {
   std::vector<Eigen::Vector3d> points;
-  std::vector<std::array<int, 3>> triangles;  // Numbers of points.
+  std::vector<std::array<int, 3>> triangles;  // Indices of points.
 };
 
 PlaneMesh MakePlaneMesh(const ExportedPlane& plane);
@@ -36,7 +36,7 @@ PlaneMesh MakePlaneMesh(const ExportedPlane& plane);
 // The shortest text that reads as the same number, whatever the locale.
 std::string NumberText(double number);
 
-// Three of these with spaces.
+// The three coordinates, separated by spaces.
 std::string PointText(const Eigen::Vector3d& point);
 
 }  // namespace tsar

@@ -20,7 +20,7 @@ struct Edge {
   Eigen::Vector2d begin;
   Eigen::Vector2d end;
   size_t ring = 0;
-  size_t index = 0;  // In its ring.
+  size_t index = 0;  // Index in its ring.
 
   double MinX() const { return std::min(begin.x(), end.x()); }
   double MaxX() const { return std::max(begin.x(), end.x()); }
@@ -49,7 +49,7 @@ bool Meet(const Edge& a, const Edge& b) {
          (end_of_a == 0 && IsInBox(b, a.end));
 }
 
-// Of two edges that share a point: whether one runs back along the other.
+// Whether two edges that share a point overlap.
 bool Overlap(const Edge& first, const Edge& second) {
   const Eigen::Vector2d a = first.end - first.begin;
   const Eigen::Vector2d b = second.end - second.begin;
@@ -107,8 +107,8 @@ bool PlaneProjection::Intersect(double x, double y, Hit* hit) const {
     return false;
   }
   hit->point = Point(hit->depth * ray);
-  // From the derivatives of depth * ray by x and by y, along which the point
-  // stays on the plane.
+  // The footprint follows from the derivatives of depth * ray by x and y on the
+  // plane.
   const double slope = normal_.dot(ray);
   const double extent_x =
       (Eigen::Vector3d::UnitX() - ray * (normal_.x() / slope)).norm();
@@ -131,7 +131,8 @@ bool PlaneProjection::Intersect(double x,
 
 double SignedArea(const Ring& ring) {
   double twice = 0.0;
-  // About a point of it, since it may be small and far from the origin.
+  // Coordinates are relative to a point of the ring, which may be small and far
+  // from the origin.
   for (size_t i = 2; i < ring.size(); ++i) {
     twice += Cross(ring[i - 1] - ring[0], ring[i] - ring[0]);
   }

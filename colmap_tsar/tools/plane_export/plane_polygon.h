@@ -27,27 +27,26 @@ struct PlaneCoordinates {
   }
 };
 
-// With the plane's own normal and its first axis, about the point of the plane
-// that is nearest to its center.
+// Coordinates with the plane's normal and first axis, whose origin is the point
+// of the plane nearest to its center.
 PlaneCoordinates CoordinatesOf(const ModelPlane& plane);
 
-// Where the pixels of a view hit a plane.
+// The intersections of a view's pixels with a plane.
 class PlaneProjection {
  public:
   PlaneProjection(const PlaneCoordinates& coordinates, const Camera& camera);
 
   struct Hit {
     double depth = 0.0;     // > 0
-    Eigen::Vector2d point;  // In the plane's coordinates.
-    // What the pixel covers of the plane: an area, and how far from side to
-    // side and from top to bottom.
+    Eigen::Vector2d point;  // In plane coordinates.
+    // The footprint of the pixel on the plane: area, width and height.
     double area = 0.0;
     Eigen::Vector2d extent;
   };
 
-  // False where the pixel does not see the plane.
+  // Returns false if the pixel does not see the plane.
   bool Intersect(double x, double y, Hit* hit) const;
-  // The point alone.
+  // Computes the point alone.
   bool Intersect(double x, double y, Eigen::Vector2d* point) const;
 
  private:
@@ -64,7 +63,7 @@ class PlaneProjection {
   double offset_;
   Eigen::Vector3d axis_s_;
   Eigen::Vector3d axis_t_;
-  Eigen::Vector2d center_;  // The camera's.
+  Eigen::Vector2d center_;  // Camera center.
 };
 
 // A closed line; its last point is joined to its first one.
@@ -77,10 +76,10 @@ struct PlanePolygon {
   std::vector<Ring> holes;
 };
 
-// Positive where it runs counterclockwise.
+// The signed area of a ring, positive if counterclockwise.
 double SignedArea(const Ring& ring);
 
-// Without the holes.
+// The area without the holes.
 double Area(const PlanePolygon& polygon);
 
 // Whether every ring has at least three points and no two edges of the polygon

@@ -14,26 +14,26 @@
 
 namespace tsar {
 
-// A view's share of a plane.
+// The part of a plane that a view sees.
 struct PlaneSighting {
   int image = 0;  // Index into the sparse model's images.
   int64_t num_pixels = 0;
-  bool is_on_normal_side = false;  // The camera's center.
+  bool is_on_normal_side = false;  // Of the camera center.
 };
 
-// What all views show of a plane, before anything is drawn.
+// The statistics of a plane over all views.
 struct PlaneStatistics {
   int64_t num_pixels = 0;
-  int64_t num_measured = 0;  // Those whose depth was measured there.
+  int64_t num_measured = 0;              // Pixels with measured depth.
   std::vector<PlaneSighting> sightings;  // By image.
-  Eigen::AlignedBox2d box;               // Of the pixels' middles.
+  Eigen::AlignedBox2d box;               // Bounds of the pixel centers.
   // Numbers of pixels by the size of their footprints, in eighths of an octave.
   std::map<int, int64_t> footprints;
 
-  // How long the side of a pixel is on the plane, in the median; 0 where no
-  // pixel sees it.
+  // The median side length of a pixel's footprint; 0 if no pixel sees the
+  // plane.
   double MedianFootprint() const;
-  // Whether more pixels see it from where its normal points than from behind.
+  // Whether more pixels see the plane from its normal's side than from behind.
   bool IsSeenFromNormalSide() const;
 };
 

@@ -17,35 +17,37 @@
 
 namespace tsar {
 
-// The workspace whose planes are asked for. type: of the maps; if not given:
-// geometric, or photometric where only those have planes. Errors as Workspace.
+// Opens the workspace whose planes are exported. type: that of the maps; if not
+// given, geometric, or photometric if only those have planes. Errors as
+// Workspace.
 Workspace OpenWorkspaceWithPlanes(const std::filesystem::path& root,
                                   std::optional<MapType> type);
 
-// What one refined image tells about the planes of the scene.
+// The maps of one refined image that show the scene planes.
 struct PlaneView {
   int image = 0;  // Index into the sparse model's images.
-  Camera camera;  // Of the size of the maps, which is the same for all.
+  Camera camera;  // At the common size of the maps.
   Image<float> depth;
   Image<uint8_t> provenance;
-  Image<uint16_t> planes;  // 1 + the number of the plane, 0: none.
+  Image<uint16_t> planes;  // 1 + the index of the plane, 0: none.
 };
 
 // The images that have a plane map of the workspace's type, ascending.
 std::vector<int> FindPlaneViews(const Workspace& workspace);
 
-// Throws Error: kMismatch (maps of different sizes, a plane that there is not),
-// and what the readers of the maps throw.
+// Throws Error: kMismatch (maps of different sizes, a nonexistent plane), and
+// those of the readers of the maps.
 PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes);
 
-// Calls function(p, x, y, projection, hit) for each pixel that lies on a plane:
-// one with a depth that its plane agrees with.
+// Calls function(p, x, y, projection, hit) for each pixel whose depth agrees
+// with its plane.
 template <typename Function>
 void ForEachPlanePixel(const PlaneView& view,
                        const std::vector<PlaneCoordinates>& planes,
                        Function function) {
-  // Relative. A map that was edited since, or a measured depth that was kept,
-  // may be off its plane; far off, a ray along the plane tells nothing.
+  // The largest relative gap. In an edited map, or for a kept measurement, a
+  // depth may be off its plane; for rays along the plane a large gap is
+  // meaningless.
   constexpr double kMaxGap = 0.1;
   std::vector<PlaneProjection> projections;
   projections.reserve(planes.size());

@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kMaxCells = 1 << 20;
 constexpr double kMaxCellsOfAll = 1 << 26;
-constexpr double kPixelsPerCell = 2.0;  // Along a side.
+constexpr double kPixelsPerCell = 2.0;  // Per side.
 
-// Pixels that are larger than half a cell count at several of their points, at
-// most so many along a side.
+// The largest number of samples per side of a pixel, for pixels larger than
+// half a cell.
 constexpr int kMaxSamples = 16;
 
 Eigen::Vector2d NumCells(const Eigen::AlignedBox2d& box, double cell) {
@@ -28,7 +28,7 @@ Eigen::Vector2d NumCells(const Eigen::AlignedBox2d& box, double cell) {
 }
 
 double CellFor(const PlaneStatistics& statistics) {
-  // What the padding takes, too, must fit.
+  // The padding must fit, too.
   double cell = kPixelsPerCell * statistics.MedianFootprint();
   while (NumCells(statistics.box, cell).prod() > kMaxCells) {
     cell *= 1.25;
@@ -45,12 +45,12 @@ constexpr uint8_t kInside = 255;
 constexpr float kMinCoverage = 0.5f;
 constexpr float kMinShareOfMedian = 0.1f;
 constexpr float kMinShareOfNeighbours = 0.5f;
-// Gaps of up to twice so many cells are closed.
+// Gaps of up to twice this many cells are closed.
 constexpr int kClosingRadius = 2;
-constexpr int kMinCells = 16;  // Of a hole or an island.
-// Of a support that ends at a crease, the most that lies beyond it.
+constexpr int kMinCells = 16;  // Least cells of a hole or island.
+// The largest share of a support beyond a crease at which it ends.
 constexpr double kMaxShareBeyond = 0.05;
-// How far beyond its seen part, in cells, a crease clips.
+// The extension of a crease's observed part for clipping, in cells.
 constexpr double kCreaseMargin = 4.0;
 
 static_assert(kClosingRadius < SupportGrid::kPadding);
@@ -90,14 +90,14 @@ Image<uint8_t> Threshold(const Image<float>& coverage) {
   return mask;
 }
 
-// Gives components of `value` that are too small the other value.
+// Inverts components of `value` that are too small.
 void RemoveSmall(uint8_t value, Image<uint8_t>* mask) {
   cv::Mat pixels = ToMat(mask);
   const cv::Mat of_value = pixels == value;
   cv::Mat labels;
   cv::Mat statistics;
   cv::Mat centroids;
-  // Cells that touch in a corner are parts of one gap, and of two islands.
+  // Gaps are 8-connected, islands 4-connected.
   cv::connectedComponentsWithStats(of_value,
                                    labels,
                                    statistics,
@@ -115,7 +115,7 @@ void RemoveSmall(uint8_t value, Image<uint8_t>* mask) {
   }
 }
 
-// Where two cells touch in a corner alone, one of those between is added.
+// If two cells touch only in a corner, adds one of the cells between.
 void JoinCorners(Image<uint8_t>* mask) {
   bool has_changed = true;
   while (has_changed) {
@@ -214,8 +214,7 @@ void AddCoverage(const PlaneView& view,
               continue;
             }
             const Eigen::Vector2d place = (point - grid.corner) / grid.cell;
-            // What reaches beyond the padding belongs to pixels along the
-            // border.
+            // Samples outside of the padding belong to border pixels.
             if (place.x() >= 1.0 && place.y() >= 1.0 &&
                 place.x() < grid.coverage.Width() - 1 &&
                 place.y() < grid.coverage.Height() - 1) {

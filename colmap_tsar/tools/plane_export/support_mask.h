@@ -15,14 +15,14 @@
 
 namespace tsar {
 
-// How much views cover of a plane, in square cells of its coordinates. The
+// The coverage of a plane by views, in square cells of its coordinates. The
 // outermost cells are empty.
 struct SupportGrid {
   static constexpr int kPadding = 4;
 
-  Eigen::Vector2d corner = Eigen::Vector2d::Zero();  // Of the first cell.
-  double cell = 0.0;                                 // The length of its side.
-  // 1 for each view that sees all of a cell. Empty where nothing is seen.
+  Eigen::Vector2d corner = Eigen::Vector2d::Zero();  // Of cell (0, 0).
+  double cell = 0.0;                                 // Side length.
+  // 1 for each view that sees a full cell. Empty if the plane is not visible.
   Image<float> coverage;
 
   Eigen::Vector2d Middle(int x, int y) const {
@@ -30,9 +30,8 @@ struct SupportGrid {
   }
 };
 
-// Grids without coverage, whose cells measure two pixels in the median. Larger
-// ones where there would be too many: at most 1 million each, and 64 million
-// altogether.
+// Makes grids without coverage, whose cells are two median pixels wide, or
+// wider to keep to at most 1 million cells each and 64 million altogether.
 std::vector<SupportGrid> MakeSupportGrids(
     const std::vector<PlaneStatistics>& statistics);
 
@@ -40,11 +39,11 @@ void AddCoverage(const PlaneView& view,
                  const std::vector<PlaneCoordinates>& planes,
                  std::vector<SupportGrid>* grids);
 
-// Which cells belong to the support of a plane: 255, the others 0. Those that
-// views cover at least half as much as their neighbors, and a tenth as much as
-// the median; without gaps, holes and islands of a few cells, and without what
-// lies beyond creases on whose other side nearly all of it lies. Cells that
-// touch in a corner alone do not occur.
+// The support of a plane: 255 in its cells, 0 in the others. Cells of the
+// support have at least half the coverage of their neighbors and a tenth of the
+// median. Gaps, holes and islands of a few cells are removed, and so are cells
+// beyond creases on whose other side nearly all of the support lies. No cells
+// touch only in a corner.
 Image<uint8_t> FindSupport(const SupportGrid& grid,
                            const std::vector<CreaseLine>& creases);
 

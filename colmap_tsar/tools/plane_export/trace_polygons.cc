@@ -13,7 +13,7 @@
 namespace tsar {
 namespace {
 
-// In cells.
+// Tolerance of the simplification, in cells.
 constexpr double kTolerance = 1.5;
 constexpr double kMaxToCrease = 2.0;
 constexpr double kMaxToCorner = 3.5;
@@ -27,7 +27,7 @@ struct Contours {
   std::vector<Contour> holes;
 };
 
-// Contours step over the corners that jut into what is outside.
+// Adds the corners that contours skip at protrusions of the outside.
 Contour WithCorners(const Contour& contour, const cv::Mat& nodes) {
   Contour result;
   for (size_t i = 0; i < contour.size(); ++i) {
@@ -43,9 +43,9 @@ Contour WithCorners(const Contour& contour, const cv::Mat& nodes) {
   return result;
 }
 
-// In nodes, of which a cell has three along each side, the outer two shared
-// with its neighbors: so a contour, which runs through the outermost points
-// that are inside, follows the cells' borders.
+// Finds contours in a grid of nodes, three along each side of a cell, the outer
+// two shared with its neighbors: so a contour, which runs through the outermost
+// inner points, follows the cells' borders.
 std::vector<Contours> FindContours(const Image<uint8_t>& support) {
   cv::Mat nodes = cv::Mat::zeros(
       2 * support.Height() + 1, 2 * support.Width() + 1, CV_8UC1);
@@ -113,7 +113,8 @@ Eigen::Vector2d PutOntoCreases(const Eigen::Vector2d& point,
   return near[0]->point + near[0]->Along(point) * near[0]->direction;
 }
 
-// Those that lie on the line between their neighbors, or on one of them.
+// Removes corners that lie on the line between their neighbors, or on one of
+// them.
 void RemoveStraightCorners(double max_distance, Ring* ring) {
   bool has_changed = true;
   while (has_changed && ring->size() >= 3) {
@@ -169,7 +170,7 @@ PlanePolygon ToPolygon(const Contours& contours,
   polygon.outline = ToRing(contours.outline, tolerance, false, grid, creases);
   for (const Contour& hole : contours.holes) {
     Ring ring = ToRing(hole, tolerance, true, grid, creases);
-    // What fell together was small.
+    // Degenerate rings are small and dropped.
     if (ring.size() >= 3) {
       polygon.holes.push_back(std::move(ring));
     }
@@ -177,7 +178,8 @@ PlanePolygon ToPolygon(const Contours& contours,
   return polygon;
 }
 
-// The simplest polygon that does not cut itself; the contour itself does not.
+// The simplest polygon without self-intersections; the unsimplified contour has
+// none.
 PlanePolygon SimplestPolygon(const Contours& contours,
                              const SupportGrid& grid,
                              const std::vector<CreaseLine>& creases) {

@@ -12,10 +12,10 @@
 
 namespace tsar {
 
-// The outlines and holes of a support (FindSupport), as simple polygons that
-// are nowhere further than about 1.5 cells from the borders of its cells.
-// Corners within 2 cells of a crease are put onto it, and where two creases
-// meet near by, onto their point. The largest polygon is the first.
+// Traces the outlines and holes of a support (FindSupport) as simple polygons
+// within about 1.5 cells of the borders of its cells. Corners within 2 cells of
+// a crease are snapped to it, or to the intersection of two creases nearby. The
+// largest polygon is the first.
 std::vector<PlanePolygon> TracePolygons(const SupportGrid& grid,
                                         const Image<uint8_t>& support,
                                         const std::vector<CreaseLine>& creases);

@@ -20,8 +20,7 @@
 namespace tsar {
 namespace {
 
-// A layer has the name of its class, and one of the colors that all programs
-// number alike.
+// A layer with the name of its class and one of the standard color indices.
 struct Layer {
   PlaneClass plane_class;
   int color;
@@ -40,8 +39,7 @@ std::string LayerName(PlaneClass plane_class) {
   return name;
 }
 
-// A DXF file is a sequence of pairs: a line with the code that says what the
-// next line means, and that line.
+// Writes DXF, a sequence of pairs of lines: a group code and its value.
 class DxfWriter {
  public:
   explicit DxfWriter(std::ostream* out) : out_(out) {}
@@ -51,7 +49,7 @@ class DxfWriter {
     *out_ << std::string(3 - text.size(), ' ') << text << "\n" << value << "\n";
   }
   void Put(int code, int value) { Put(code, std::to_string(value)); }
-  // Codes code, code + 10 and code + 20.
+  // Writes a point with codes code, code + 10 and code + 20.
   void PutPoint(int code, const Eigen::Vector3d& point) {
     for (int i = 0; i < 3; ++i) {
       Put(code + 10 * i, NumberText(point[i]));
@@ -91,7 +89,7 @@ void PutTriangles(const PlaneMesh& mesh,
     dxf->Put(0, "3DFACE");
     dxf->Put(8, layer);
     int code = 10;
-    // A triangle has its last corner twice.
+    // A 3DFACE triangle repeats its last corner.
     for (const int corner : {a, b, c, c}) {
       dxf->PutPoint(code++, mesh.points[static_cast<size_t>(corner)]);
     }
@@ -126,7 +124,7 @@ Json ToJson(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
 
-// Row by row; what is infinite becomes null.
+// A matrix row by row; infinite values become null.
 Json ToJson(const Eigen::Matrix3d& matrix) {
   Json rows = Json::array();
   for (int row = 0; row < 3; ++row) {
@@ -226,7 +224,7 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
   json["vertical_from"] = ToString(planes.vertical.source);
   json["frames"] = Json::array();
   for (const Eigen::Matrix3d& frame : planes.frames) {
-    // An axis is a column.
+    // The axes are the columns.
     json["frames"].push_back(ToJson(Eigen::Matrix3d(frame.transpose())));
   }
   json["planes"] = Json::array();
@@ -256,7 +254,7 @@ void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out) {
     for (const auto& triangle : mesh.triangles) {
       *out << "f";
       for (const int corner : triangle) {
-        // Counted from 1 through the whole file.
+        // Indices count from 1 through the file.
         *out << " " << num_points + static_cast<size_t>(corner) + 1 << "//"
              << num_normals;
       }
@@ -275,7 +273,7 @@ void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out) {
     num_points += meshes.back().points.size();
     num_triangles += meshes.back().triangles.size();
   }
-  // Doubles, for the coordinates of georeferenced models.
+  // Coordinates are doubles, for georeferenced models.
   *out << "ply\nformat ascii 1.0\n"
        << "comment planes of the scene, by tsar_planes\n"
        << "element vertex " << num_points << "\n"

@@ -14,7 +14,7 @@ namespace tsar {
 
 // docs/planes.md describes the files.
 enum class PlaneFormat {
-  kJson,  // All that is known.
+  kJson,  // All members.
   kPly,   // ASCII: triangles, a color for each plane, the plane of each face.
   kObj,   // Triangles in groups, plane_ID_CLASS.
   kDxf,  // R12 ASCII: triangles (3DFACE) and outlines (POLYLINE) in a layer for
@@ -24,16 +24,17 @@ enum class PlaneFormat {
 // "json", "ply", "obj" and "dxf", in the order of PlaneFormat.
 const std::vector<std::string>& PlaneFormatNames();
 
-// By its name, or by the extension of a path where the name is empty; Error
-// kBadOption, which lists the formats.
+// The format by its name, or by the extension of a path if the name is empty.
+// Throws Error kBadOption, which lists the formats.
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
 
-// In one step; errors as AtomicFile. The same planes give the same bytes.
+// Writes the planes atomically; errors as AtomicFile. The same planes give the
+// same bytes.
 void WritePlanes(const ContainedPath& path,
                  PlaneFormat format,
                  const ExportedPlanes& planes);
 
-// The formats themselves.
+// Writers of the formats.
 void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out);

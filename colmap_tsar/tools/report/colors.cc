@@ -16,9 +16,10 @@ namespace tsar {
 namespace {
 
 constexpr double kIgnoredShare = 0.02;
-// Keeps the ends of the range apart where all depths are the same.
+// The least relative range, for maps of equal depths.
 constexpr float kMinRelativeRange = 0.01f;
-// OpenCV's scale begins with a violet that is nearly black, as holes are.
+// The number of skipped colors: OpenCV's scale begins with a violet that is
+// nearly black, like holes.
 constexpr int kNumDarkColors = 24;
 constexpr int kNumColors = 256 - kNumDarkColors;
 
@@ -39,7 +40,7 @@ std::vector<Rgb> ColorScale() {
 
 constexpr Rgb kBorder = {255, 214, 0};
 
-// From [-1, 1] to all of a byte.
+// Maps [-1, 1] to the range of a byte.
 uint8_t ToByte(float component) {
   return static_cast<uint8_t>(
       std::lround(std::clamp(0.5f * component + 0.5f, 0.f, 1.f) * 255.f));
@@ -108,7 +109,7 @@ Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals) {
   Image<Rgb> colors(normals.Width(), normals.Height());
   std::transform(
       normals.begin(), normals.end(), colors.begin(), [](const Vec3f& normal) {
-        // Not where a component is not a number, either.
+        // The comparison also fails for NaN.
         return Dot(normal, normal) > 0.f
                    ? Rgb{ToByte(normal.x), ToByte(-normal.y), ToByte(-normal.z)}
                    : Rgb();
@@ -130,7 +131,7 @@ Image<Rgb> ColorizeValues(const Image<float>& values,
     if (mask != nullptr && mask->Data()[i] == 0.f) {
       continue;
     }
-    // Not a number counts as 0.
+    // NaN counts as 0.
     const float share = std::max(0.f, std::min(values.Data()[i] / max, 1.f));
     const auto& bgr =
         scale.at<cv::Vec3b>(0, static_cast<int>(std::lround(255.f * share)));
@@ -140,8 +141,8 @@ Image<Rgb> ColorizeValues(const Image<float>& values,
 }
 
 const std::vector<ProvenanceKind>& ProvenanceKinds() {
-  // Colors that also people with color blindness tell apart (after Okabe and
-  // Ito); what was there before stays gray.
+  // Colors for color-blind readers (after Okabe and Ito); measured depths are
+  // gray.
   static const std::vector<ProvenanceKind> kinds = {
       {"none", {0, 0, 0}},
       {"measured", {190, 190, 190}},

@@ -19,7 +19,7 @@ namespace tsar {
 namespace {
 
 // A picture that grows downwards while it is drawn. Positions are in pixels
-// from the upper left corner; what does not fit on the width is cut off.
+// from the upper left corner; content beyond the width is clipped.
 class Canvas {
  public:
   explicit Canvas(int width) : width_(width) {}
@@ -27,7 +27,7 @@ class Canvas {
   // Adds a white strip below all others and returns its upper edge.
   int AddStrip(int height);
 
-  // All of what is drawn must lie on strips.
+  // All drawings must lie on strips.
   void Draw(const Image<Rgb>& image,
             int x,
             int y,
@@ -35,8 +35,8 @@ class Canvas {
             int height,
             Scaling scaling);
   void FillBox(int x, int y, int width, int height, const Rgb& color);
-  // y: the middle of the line of text. Only ASCII can be drawn; all else
-  // becomes '?'.
+  // y: the center of the line of text. Only ASCII can be drawn; other
+  // characters become '?'.
   void Write(const std::string& text, int x, int y);
 
   Image<Rgb> Picture() const;
@@ -70,7 +70,7 @@ void Canvas::Draw(const Image<Rgb>& image,
                   int width,
                   int height,
                   Scaling scaling) {
-  // OpenCV has no read-only matrices; this one is only read.
+  // OpenCV has no const matrices; this one is only read.
   const cv::Mat source(
       image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
   cv::resize(source,

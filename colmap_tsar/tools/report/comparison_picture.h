@@ -13,7 +13,7 @@
 namespace tsar {
 
 // One view before and after its refinement. The maps have the same size; the
-// image has the same proportions.
+// image has the same aspect ratio.
 struct ComparisonRow {
   std::string name;
   Image<Rgb> image;
@@ -28,10 +28,10 @@ struct ComparisonRow {
 constexpr int kComparisonColumnWidth = 360;
 
 // Draws a row per view: image, depth before and after, normals before and
-// after, and where each depth of the result comes from, with the share of
+// after, and the provenance of each depth of the result, with the share of
 // pixels that have a depth, and a legend. Both depth maps of a row have the
 // same color scale. Throws Error kMismatch (no rows, an empty raster, maps of
-// different sizes) and what ColorizeProvenance throws.
+// different sizes) and those of ColorizeProvenance.
 Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows);
 
 }  // namespace tsar

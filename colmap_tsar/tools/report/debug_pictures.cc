@@ -21,7 +21,8 @@
 namespace tsar {
 namespace {
 
-// As many agreeing sources as count, see ReliabilityOptions.
+// The number of agreeing sources at which agreement saturates, see
+// ReliabilityOptions.
 constexpr float kMaxAgreement = 4.f;
 
 float MaxValue(RefineStage stage) {
@@ -49,8 +50,8 @@ std::string FileName(RefineStage stage) {
   return number + RefineStages()[static_cast<size_t>(index)].name + ".png";
 }
 
-// Whether a file has the name of a picture, or of what a killed program left of
-// one.
+// Whether a file has the name of a picture or of its temporary left by a killed
+// program.
 bool IsPictureName(std::string name) {
   const std::string_view suffix = AtomicFile::kTemporarySuffix;
   if (name.ends_with(suffix)) {
@@ -63,7 +64,8 @@ bool IsPictureName(std::string name) {
       });
 }
 
-// What is not of debug pictures is not to be mixed with them, or replaced.
+// Throws if the folder has other content, which must not be mixed with pictures
+// or replaced.
 void RequirePicturesAlone(const std::filesystem::path& folder) {
   for (const TreeEntry& entry : ListTree({folder, {}})) {
     if (!entry.is_folder && !IsPictureName(entry.path.Filename().string())) {
@@ -89,7 +91,7 @@ Image<Rgb> ColorizeMask(const Image<uint8_t>& mask) {
   return colors;
 }
 
-// In the colors that provenance has for the same.
+// Colors evidence like the corresponding provenance.
 Image<Rgb> ColorizeEvidence(const Image<uint8_t>& evidence) {
   Image<uint8_t> kinds(evidence.Width(), evidence.Height());
   std::transform(
@@ -164,7 +166,7 @@ class ImagePictures : public StageObserver {
 
   const ContainedPath folder_;
   const DepthRange range_;
-  Image<Rgb> image_;  // That of kImage.
+  Image<Rgb> image_;  // The image of kImage.
 };
 
 }  // namespace

@@ -12,13 +12,13 @@
 
 namespace tsar {
 
-// Draws what the stages of a run find: for each image a folder of its name,
-// subfolders included, with a PNG for each stage called by its number and name,
-// such as "left/0001.jpg/07_score.png".
+// Draws the results of the stages of a run: for each image a folder of its
+// name, including subfolders, with a PNG for each stage named by its index and
+// name, such as "left/0001.jpg/07_score.png".
 class DebugPictures : public RefineObserver {
  public:
-  // Creates the folder, which may hold pictures of earlier runs; those of these
-  // names are replaced. Throws Error: kUnsupported where anything else is in it,
+  // Creates the folder, which may hold pictures of earlier runs; those of the
+  // same names are replaced. Throws Error: kUnsupported (it has other content),
   // kIo.
   explicit DebugPictures(const std::filesystem::path& folder);
 
@@ -30,12 +30,12 @@ class DebugPictures : public RefineObserver {
   std::filesystem::path folder_;
 };
 
-// Where the picture of a stage lies in the folder.
+// The path of the picture of a stage in the folder.
 std::filesystem::path DebugPicturePath(const std::filesystem::path& folder,
                                        const std::string& image_name,
                                        RefineStage stage);
 
-// For help texts: the names and descriptions of all pictures.
+// The names and descriptions of all pictures, for help texts.
 std::string DebugPicturesText();
 
 }  // namespace tsar

@@ -29,11 +29,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of each of the three parts of a preview.
+// The size of each of the three parts of a preview.
 constexpr int kPreviewSize = 220;
 
-// Of the pictures that --TsarRefine.debug_path makes, those that lie over the
-// image.
+// The pictures of --TsarRefine.debug_path that overlay the image.
 constexpr std::array<RefineStage, 5> kShownStages = {RefineStage::kSuperpixels,
                                                      RefineStage::kEdges,
                                                      RefineStage::kLines,
@@ -57,7 +56,8 @@ Image<float> ReadConfidence(const Workspace& workspace,
   return confidence;
 }
 
-// Shares of the depth. Up to so much: of what is right, nothing is further off.
+// The upper end of the color scale of relative sigma; correct depths do not
+// exceed it.
 constexpr float kMaxSigma = 0.01f;
 Image<float> ReadRelativeSigma(const fs::path& path,
                                const Image<float>& depth) {
@@ -71,7 +71,7 @@ Image<float> ReadRelativeSigma(const fs::path& path,
   return sigma;
 }
 
-// A color for each plane of the scene; black where there is none.
+// Draws each scene plane in its color; black where there is none.
 Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
   const Image<uint16_t> numbers =
       RequireSizeOf(depth, "the depth map", path, ReadGray16Png(path));

@@ -35,7 +35,7 @@ Json ColorTexts(const Image<Rgb>& colors) {
   return texts;
 }
 
-// The colors of depth from near to far, and of values from 0 to 1.
+// Adds the color scales of depth from near to far, and of values from 0 to 1.
 void AddScales(Json* json) {
   Image<float> ramp(kNumScaleColors, 1);
   for (int i = 0; i < kNumScaleColors; ++i) {

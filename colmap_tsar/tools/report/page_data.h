@@ -19,28 +19,28 @@
 
 namespace tsar {
 
-// The same measure before and after.
+// An evaluation before and after refinement.
 template <typename Evaluation>
 struct Gain {
   Evaluation before;
   Evaluation after;
 };
 
-// What refinement brought, against ground truth.
+// The gains of refinement by ground truth.
 struct Gains {
   std::optional<Gain<DepthEvaluation>> depth;
   std::optional<Gain<CloudEvaluation>> clouds;
 };
 
-// Scores the maps of the workspace's type, the originals and those in place.
-// ground_truth_path: see DepthEvaluationOptions; not empty. Throws what
-// EvaluateDepthMaps and FindOriginals throw.
+// Scores the original and the current maps of the workspace's type.
+// ground_truth_path: see DepthEvaluationOptions; not empty. Throws the errors
+// of EvaluateDepthMaps and FindOriginals.
 Gain<DepthEvaluation> EvaluateDepthGain(
     const Workspace& workspace,
     const std::filesystem::path& ground_truth_path,
     const std::vector<double>& tolerances);
 
-// Scores two clouds. Throws what EvaluateCloudFile throws.
+// Scores two clouds. Throws the errors of EvaluateCloudFile.
 Gain<CloudEvaluation> EvaluateCloudGain(
     const std::filesystem::path& before_path,
     const std::filesystem::path& after_path,
@@ -53,19 +53,19 @@ struct KeptImage {
   std::string reason;
 };
 
-// What the 3D view shows.
+// The content of the 3D view.
 struct PointView {
   bool from_clouds = false;       // Otherwise, sampled from the maps.
-  bool before_from_maps = false;  // Of those before, where after is a cloud.
+  bool before_from_maps = false;  // Though after is a cloud.
   int64_t num_shown[2] = {0, 0};  // Before, after.
   int64_t num_all[2] = {0, 0};
-  // Where to look from at first, relative to the points' origin, and what is
-  // up.
+  // The initial viewpoint, relative to the points' origin, and the up
+  // direction.
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 };
 
-// All that the page shows.
+// The content of the page.
 struct PageData {
   std::string version;
   std::string workspace;
@@ -77,8 +77,8 @@ struct PageData {
   Gains gains;
 };
 
-// The script that hands the data to the page: window.tsarReport = {...}.
-// Whatever names hold, it is one statement.
+// The script that passes the data to the page: window.tsarReport = {...}. It is
+// one statement for any names.
 std::string PageDataScript(const PageData& data);
 
 // The numbers of each refined image as a table (CSV, RFC 4180): its name, the

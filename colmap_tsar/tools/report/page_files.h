@@ -8,13 +8,13 @@
 
 namespace tsar {
 
-// One of the files of page/, which the build puts into the program.
+// One of the files of page/, which the build embeds in the program.
 struct PageFile {
   std::string_view name;
   std::string_view content;
 };
 
-// All of them.
+// All embedded files.
 const std::vector<PageFile>& PageFiles();
 
 }  // namespace tsar

@@ -30,7 +30,7 @@ void ReplaceAll(const std::string& from,
 
 std::string EscapeHtml(const std::string& text) {
   std::string escaped = text;
-  ReplaceAll("&", "&amp;", &escaped);  // Before those that bring new ones.
+  ReplaceAll("&", "&amp;", &escaped);  // "&" first, since the others add it.
   ReplaceAll("<", "&lt;", &escaped);
   ReplaceAll(">", "&gt;", &escaped);
   ReplaceAll("\"", "&quot;", &escaped);
@@ -50,7 +50,7 @@ std::string SafeFileName(int index, const std::string& image_name) {
   std::string plain = image_name.substr(0, kMaxNameLength);
   std::replace_if(
       plain.begin(), plain.end(), [](char c) { return !IsPlain(c); }, '_');
-  // A dot at the end, or two, mean something to some file systems.
+  // A trailing dot, or two dots, are special in some file systems.
   ReplaceAll("..", "_", &plain);
   char number[16];
   std::snprintf(number, sizeof(number), "%05d_", index);

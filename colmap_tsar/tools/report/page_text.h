@@ -7,17 +7,16 @@
 
 namespace tsar {
 
-// The text as it may stand in HTML, between tags and inside quoted attributes.
+// The text escaped for HTML, between tags and inside quoted attributes.
 std::string EscapeHtml(const std::string& text);
 
-// JSON as it may stand in a script: without "<", which could end a <script>,
-// and without the two line separators that JSON allows and older JavaScript
-// does not.
+// JSON escaped for a script: without "<", which could end a <script>, and
+// without the two line separators that JSON allows and older JavaScript does
+// not.
 std::string EscapeScript(const std::string& json);
 
-// A name for files about image number `index`: the number, which makes it
-// unique, and what of the image's name is plain ASCII. It has no separators and
-// is at most 64 letters long.
+// A file name for image `index`: the index, which makes it unique, and the
+// ASCII part of the image's name. It has no separators and at most 64 letters.
 std::string SafeFileName(int index, const std::string& image_name);
 
 }  // namespace tsar

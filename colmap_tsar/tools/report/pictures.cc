@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kJpegQuality = 88;
 
-// OpenCV has no read-only matrices; this one is only read.
+// OpenCV has no const matrices; this one is only read.
 cv::Mat AsMat(const Image<Rgb>& image) {
   return cv::Mat(
       image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));

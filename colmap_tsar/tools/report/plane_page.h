@@ -14,27 +14,27 @@
 
 namespace tsar {
 
-// What the page shows of the planes of the scene; its pictures and tsar_planes
-// have the same color for each, LabelColor() of its id.
+// The scene planes on the page; its pictures and tsar_planes use the same color
+// for each, LabelColor() of its id.
 struct PlanePage {
   struct Plane {
     int id = 0;
     PlaneClass plane_class = PlaneClass::kOther;
     double area = 0.0;  // In square units of the sparse model.
-    // From level or from upright, whichever is nearer, in degrees; not known
-    // where there is no vertical.
+    // The angle to horizontal or vertical, whichever is nearer, in degrees;
+    // unknown without a vertical.
     std::optional<double> tilt;
     int64_t num_images = 0;
     double share_measured = 0.0;
-    // Standard deviation of the offset, in units of the model, where known.
+    // Standard deviation of the offset, in units of the model, if known.
     std::optional<double> sigma;
     // Its part of the mesh.
     int64_t first_vertex = 0;
     int64_t num_vertices = 0;
   };
-  // The largest first; those of the same size by id.
+  // Planes by descending area, then by id.
   std::vector<Plane> planes;
-  // Three vertices for each triangle, counterclockwise where the plane's normal
+  // Three vertices for each triangle, counterclockwise if the plane's normal
   // points to the viewer; relative to the origin.
   PointSample mesh;
 };

@@ -87,7 +87,7 @@ PointSample SampleMap(const Image<float>& depth,
   PointSample sample;
   sample.num_all = std::count_if(
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });
-  // From the middle of the first cell, where the map is not too small.
+  // The center of the first cell, unless the map is too small.
   const auto first = [step](int size) { return std::min(step / 2, size - 1); };
   for (int y = first(depth.Height()); y < depth.Height(); y += step) {
     for (int x = first(depth.Width()); x < depth.Width(); x += step) {

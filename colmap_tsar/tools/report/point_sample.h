@@ -16,19 +16,19 @@
 namespace tsar {
 
 // Points for the 3D view, relative to an origin near them, so that single
-// precision does for georeferenced models, too.
+// precision suffices for georeferenced models.
 struct PointSample {
   std::vector<float> positions;  // x, y, z of each.
-  std::vector<Rgb> colors;       // Of each.
-  int64_t num_all = 0;           // Points that the sample stands for.
+  std::vector<Rgb> colors;       // One per point.
+  int64_t num_all = 0;           // Points before sampling.
 
   size_t NumPoints() const { return colors.size(); }
   void Add(const Eigen::Vector3d& point, const Rgb& color);
   void Append(const PointSample& other);
 };
 
-// At most max_num_points of a PLY file, evenly spread over it; gray where it
-// has no colors. Throws what ReadPlyCloud throws.
+// At most max_num_points of a PLY file, evenly spaced in it; gray if it has no
+// colors. Throws the errors of ReadPlyCloud.
 PointSample SampleCloud(const std::filesystem::path& path,
                         const Eigen::Vector3d& origin,
                         int64_t max_num_points);
@@ -37,15 +37,15 @@ PointSample SampleCloud(const std::filesystem::path& path,
 // has at most max_num_points.
 int GridStep(int width, int height, int64_t max_num_points);
 
-// The points of a map at the pixels of such a grid that have a depth. camera:
-// of the map's size; colors: too.
+// The points of a map at the pixels of such a grid that have a depth. camera,
+// colors: of the map's size.
 PointSample SampleMap(const Image<float>& depth,
                       const Image<Rgb>& colors,
                       const Camera& camera,
                       const Eigen::Vector3d& origin,
                       int step);
 
-// What a page loads as a script, since it may not read files: a call
+// Points as a script, since a page may not read files: a call
 // tsarPoints("NAME", "BASE64") with the positions as float32, little-endian,
 // followed by the colors as bytes.
 std::string PointScript(const std::string& name, const PointSample& sample);

@@ -14,11 +14,11 @@ namespace tsar {
 // its sparse model, ascending.
 std::vector<int> FindRefinedImages(const Workspace& workspace);
 
-// At most `count` elements, evenly spread, the first among them.
+// At most `count` evenly spaced elements, including the first.
 std::vector<int> PickEvenly(const std::vector<int>& values, int count);
 
-// Reads what one refined image is drawn from. Throws Error: kMismatch (the
-// files differ in size, or the original is lost), and what the readers throw.
+// Reads the data of one refined image's row. Throws Error: kMismatch (the files
+// differ in size, or the original is lost), and those of the readers.
 ComparisonRow ReadComparisonRow(const Workspace& workspace, int image);
 
 }  // namespace tsar

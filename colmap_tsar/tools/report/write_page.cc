@@ -39,7 +39,7 @@ inline constexpr OutputFolderKind kPageFolder = {"report",
 
 namespace fs = std::filesystem;
 
-// In page/index.html, for the name of the workspace.
+// The placeholder in page/index.html for the name of the workspace.
 constexpr std::string_view kTitle = "@TITLE@";
 constexpr std::string_view kPointNames[] = {"before", "after"};
 constexpr std::string_view kPlaneMeshName = "planes";
@@ -50,7 +50,7 @@ void Check(const PageOptions& options) {
                 OptionName("before_path") + " is compared with " +
                     OptionName("after_path") + "; give that cloud, too");
   }
-  // Points of maps that are not fused would score worse than they are.
+  // Points of unfused maps would score too low.
   if (!options.scans_path.empty() && options.before_path.empty()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("scans_path") + " is for clouds; give " +
@@ -85,7 +85,7 @@ void WriteStaticFiles(const std::string& title, const fs::path& folder) {
   }
 }
 
-// What tells this workspace from others: its folder's name.
+// The name of the workspace's folder, which identifies it.
 std::string WorkspaceName(const Workspace& workspace) {
   const fs::path root = fs::absolute(workspace.Root()).lexically_normal();
   return (root.has_filename() ? root : root.parent_path()).filename().string();
@@ -121,7 +121,8 @@ Eigen::Vector3d MeanCenter(const Workspace& workspace,
   return sum / static_cast<double>(images.size());
 }
 
-// From the image in the middle of the list, upright as most images are.
+// Sets the viewpoint to the middle image of the list, with the mean up of the
+// images.
 void SetViewpoint(const Workspace& workspace,
                   const std::vector<int>& images,
                   const Eigen::Vector3d& origin,
@@ -131,7 +132,7 @@ void SetViewpoint(const Workspace& workspace,
   for (const int image : images) {
     up -= CameraOf(workspace, image).rotation.row(1).transpose();
   }
-  // Cameras that look about in all directions may cancel out.
+  // The up vectors of cameras may cancel out.
   if (up.norm() > 1e-3 * static_cast<double>(images.size())) {
     view->up = up.normalized();
   }
@@ -186,7 +187,7 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
   return pages;
 }
 
-// The points of the maps before (0) and after (1), which the pages give away.
+// The points of the maps before (0) and after (1), moved out of the pages.
 std::vector<PointSample> TakePoints(std::vector<ImagePage>* pages) {
   std::vector<PointSample> samples(2);
   for (ImagePage& page : *pages) {
@@ -220,7 +221,7 @@ int WritePage(const Workspace& workspace,
   Check(options);
   RequireOutsideInputs(
       workspace.Root(), options.report_path, OptionName("report_path"));
-  // So that the maps before and after belong together.
+  // The lock keeps the maps before and after consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   std::optional<WorkspaceLock> input_lock;
   if (workspace.IsOutput()) {
@@ -239,8 +240,8 @@ int WritePage(const Workspace& workspace,
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
   const Eigen::Vector3d origin = MeanCenter(workspace, refined);
-  // What may be wrong with the files of these options shows before the long
-  // work on the images begins.
+  // The files of these options are read first, so that errors appear before the
+  // long work on the images.
   PageData data;
   data.points.from_clouds = !options.after_path.empty();
   std::vector<PointSample> samples;

@@ -16,31 +16,32 @@ namespace tsar {
 struct PageOptions {
   std::filesystem::path report_path;
   bool overwrite = false;  // An earlier page alone may be replaced.
-  // What --TsarRefine.debug_path was when the maps were made; may be empty.
+  // The --TsarRefine.debug_path of the run that made the maps; may be empty.
   std::filesystem::path debug_path;
-  // Fused clouds (PLY) for the 3D view, both or none; without, its points are
+  // Fused clouds (PLY) for the 3D view, both or none; if none, its points are
   // sampled from the maps.
   std::filesystem::path before_path;
   std::filesystem::path after_path;
-  // Depth maps to score against, see DepthEvaluationOptions; and the laser
-  // scans for the clouds, see EvaluateCloudFile. Empty: no scores.
+  // Ground truth of depth maps, see DepthEvaluationOptions, and laser scans for
+  // the clouds, see EvaluateCloudFile. Empty: no scores.
   std::filesystem::path ground_truth_path;
   std::filesystem::path scans_path;
   std::vector<double> tolerances = {0.02, 0.1};
   int max_picture_size = 1000;      // Longer side, in pixels.
-  int64_t max_num_points = 300000;  // Of the 3D view, before and after each.
+  int64_t max_num_points = 300000;  // For each of before and after.
   int num_threads = -1;             // -1: one for each core.
 };
 
-// Writes the page about a refined workspace: one folder with index.html, which
-// a browser opens from the disk. The page is there as a whole or not at all.
-// Returns the number of images that it shows.
+// Writes the page of a refined workspace: one folder with index.html, which a
+// browser opens from the disk. The folder appears only when complete. Returns
+// the number of images on the page.
 //
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (one cloud without the other; scans without clouds),
-// kInterrupted once should_stop returned true, what RequireOutsideInputs,
-// WorkspaceLock (shared: a program is changing the workspace), OutputFolder,
-// WriteImagePage, SampleCloud, ExportPlanes and the evaluations throw.
+// kInterrupted once should_stop returned true, and those of
+// RequireOutsideInputs, WorkspaceLock (shared: a program is changing the
+// workspace), OutputFolder, WriteImagePage, SampleCloud, ExportPlanes and the
+// evaluations.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
               Progress& progress,

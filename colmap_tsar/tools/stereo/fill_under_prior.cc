@@ -14,7 +14,7 @@ namespace {
 
 // A second one changes the clouds by 0.003 at most.
 constexpr int kNumIterations = 1;
-// A surface that one other view confirms is one too; fusion asks for more.
+// One confirming view suffices here; fusion requires more.
 constexpr int kMinNumConsistent = 1;
 
 bool IsFilled(const ViewData& view, size_t pixel) {
@@ -22,7 +22,7 @@ bool IsFilled(const ViewData& view, size_t pixel) {
          view.min_cost.Data()[pixel] == kUndefinedCost;
 }
 
-// The planes of the filled pixels. Without one, a pixel has nothing to gain.
+// The planes of the filled pixels, invalid elsewhere.
 Image<Plane> PriorOf(const ViewData& view, const Intrinsics& intrinsics) {
   Image<Plane> prior(view.depth.Width(), view.depth.Height());
   for (int y = 0; y < prior.Height(); ++y) {
@@ -44,7 +44,8 @@ Image<uint8_t> PixelsThatKeepTheirPlane(const ViewData& view) {
   return keeps_plane;
 }
 
-// The measured pixels of the view, and depth and normal of the filled ones.
+// Merges the measured pixels of the view and the depth and normal of the filled
+// ones.
 StereoMaps Merge(const ViewData& view,
                  const Image<float>& depth,
                  const Image<Vec3f>& normal) {

@@ -13,11 +13,10 @@
 #include <cstdint>
 #include <vector>
 
-// Surfaces in which nothing was measured, since they have no texture, filled
-// under the planar prior. What was measured stays as it is, bit for bit, and
-// what is filled has no evidence (kCostWithoutEvidence in the final maps), so
-// that a refinement, which knows more of the scene's planes, takes it for no
-// measurement.
+// Filling of textureless surfaces without measurements under the planar prior.
+// Measured depths stay bit-identical, and filled ones have no evidence
+// (kCostWithoutEvidence in the final maps), so that a refinement, which knows
+// more of the scene's planes, does not treat them as measured.
 namespace tsar {
 
 // Whether a run fills its maps, in one pass after the geometric ones.
@@ -25,19 +24,18 @@ inline bool FillsUnderPrior(const StereoOptions& options) {
   return options.geom_consistency && options.planar_prior;
 }
 
-// Gives pixels without a depth that of their prior plane, if it lies in the
-// range, and marks them by kUndefinedCost, which no measured pixel of these
-// maps has: one that was measured without a defined cost has
-// kCostWithoutEvidence. prior: of the maps' size.
+// Fills pixels without a depth by that of their prior plane, if it lies in the
+// range, and marks them by kUndefinedCost, which no measured pixel has: one
+// without a defined cost has kCostWithoutEvidence. prior: of the maps' size.
 void FillWithPrior(const Image<Plane>& prior,
                    const Intrinsics& intrinsics,
                    const DepthInterval& range,
                    StereoMaps* maps);
 
-// Matches the pixels that FillWithPrior filled, with the depth and normal that
-// they were given as prior, and keeps what the sources' depths confirm, which
-// may be filled themselves. Filled pixels are those of the reference whose
-// min_cost is kUndefinedCost.
+// Matches the pixels that FillWithPrior filled, with their depth and normal as
+// prior, and keeps the depths that the sources' depths, including filled ones,
+// confirm. Filled pixels are those of the reference whose min_cost is
+// kUndefinedCost.
 StereoMaps MatchUnderPrior(const ViewData& reference,
                            const std::vector<const ViewData*>& sources,
                            const DepthInterval& range,

@@ -17,15 +17,15 @@
 namespace tsar {
 namespace {
 
-// The side of the squares, in pixels, and the size of the images from which on
-// they grow with it: there are never more than 100,000.
+// The least side of the squares, in pixels, which grow with the size of large
+// images so that there are at most 100,000.
 constexpr int kMinSquareSide = 5;
 constexpr int kImageSidePerSquareSide = 256;
-// The share of a square's pixels that need a depth.
+// The least share of a square's pixels with a depth.
 constexpr float kMinDensity = 0.25f;
 
-// What makes a depth reliable: windows match this well only where there is
-// texture, and a prior may stand on points that are less exact than maps.
+// The least NCC of a reliable depth: only textured windows match this well, and
+// a prior tolerates less exact points than maps do.
 constexpr float kMinNcc = 0.7f;
 constexpr float kMinTriangulationAngle = 1.f;
 constexpr int kMinNumConsistent = 2;
@@ -78,20 +78,20 @@ std::vector<cv::Point2f> SelectVertices(const Image<float>& depth) {
 
 using Triangle = std::array<Pixel, 3>;
 
-// Twice the signed area of the triangle a, b, c; exact, so that neighboring
-// triangles leave no pixel out between them.
+// Twice the signed area of the triangle a, b, c; exact, so that adjacent
+// triangles leave no pixel between them.
 int64_t SignedArea(const Pixel& a, const Pixel& b, const Pixel& c) {
   return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{c.x - a.x} * (b.y - a.y);
 }
 
-// The largest integer not above numerator / denominator, for a positive one.
+// The largest integer not above numerator / denominator; denominator > 0.
 int64_t FloorOfRatio(int64_t numerator, int64_t denominator) {
   const int64_t quotient = numerator / denominator;
   return quotient - (numerator % denominator < 0 ? 1 : 0);
 }
 
-// Sets the pixels in the triangle and on its sides, row by row: long slivers
-// fill little of the box around them.
+// Sets the pixels in the triangle and on its sides, row by row, since long
+// slivers fill little of their bounding box.
 void FillTriangle(const Triangle& triangle,
                   const Plane& plane,
                   Image<Plane>* planes) {
@@ -118,8 +118,8 @@ void FillTriangle(const Triangle& triangle,
   }
 }
 
-// The corners of the triangle; none where it is one of those with which the
-// subdivision surrounds the vertices.
+// The corners of the triangle; nullopt for the outer triangles of the
+// subdivision.
 std::optional<Triangle> CornersInImage(const cv::Vec6f& corners,
                                        const Image<float>& depth) {
   Triangle triangle;

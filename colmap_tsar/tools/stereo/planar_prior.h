@@ -3,9 +3,9 @@
 
 #pragma once
 
-// The planar prior (Xu and Tao, "Planar Prior Assisted
-// PatchMatch Multi-View Stereo", AAAI 2020): between depths that can be relied
-// on, a surface without texture is probably flat.
+// The planar prior (Xu and Tao, "Planar Prior Assisted PatchMatch Multi-View
+// Stereo", AAAI 2020): between reliable depths, a textureless surface is
+// probably planar.
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
@@ -17,16 +17,15 @@
 
 namespace tsar {
 
-// For each pixel the plane of the triangle that it lies in, of the Delaunay
-// triangulation of at most one depth for each small square of the image: the
-// median of the square's depths, if it is dense with them. Invalid outside of
-// all triangles.
-// depth: z in the camera frame, 0 where none can be relied on.
+// For each pixel, the plane of its triangle in the Delaunay triangulation of at
+// most one depth for each small square of the image: the median of the square's
+// depths, if it has enough. Invalid outside of all triangles. depth: z in the
+// camera frame, 0 if unreliable.
 Image<Plane> TriangulatePlanes(const Image<float>& depth,
                                const Intrinsics& intrinsics);
 
-// The planes of the triangles between those depths of the reference that match
-// well and that the depths of two sources confirm, or that of the only one.
+// The planes of the triangles of the reference's depths that match well and
+// that the depths of two sources (or the only one) confirm.
 Image<Plane> FindPlanarPrior(const ReferenceView& reference,
                              const Buffer<SourceView>& sources,
                              float window_radius,

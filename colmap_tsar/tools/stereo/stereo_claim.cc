@@ -48,7 +48,7 @@ Error Foreign(const fs::path& path) {
                          "copy");
 }
 
-// It would go, and nothing come in its place.
+// The error for a map that would be removed without a replacement.
 Error NotListed(const fs::path& path) {
   return Error::File(ErrorCode::kUnsupported,
                      path.string(),
@@ -81,14 +81,14 @@ bool HaveRightSize(const MapPaths& paths,
         return false;
       }
     } catch (const Error&) {
-      return false;  // Not even a map.
+      return false;  // The file is no map.
     }
   }
   return true;
 }
 
-// Whether the maps that lie there have the sizes of this run's: somebody may
-// have put others in their place.
+// Whether the existing maps have the sizes of this run's; they may have been
+// replaced.
 bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
   return std::all_of(
       workspace.Problems().begin(),
@@ -129,7 +129,7 @@ void ClaimMaps(const Workspace& workspace,
     change = known ? FindStereoChange(*known, inputs) : std::nullopt;
   }
   const bool goes_on = known && !change && HaveRightSizes(workspace, options);
-  // All of it is looked at before the first file goes.
+  // Everything is checked before the first file is removed.
   std::vector<ContainedPath> foreign;
   for (size_t place = 0; place < workspace.Problems().size(); ++place) {
     const StereoProblem& problem = workspace.Problems()[place];
@@ -159,8 +159,8 @@ void ClaimMaps(const Workspace& workspace,
     RemoveFile(path);
   }
   if (goes_on) {
-    // Those of images that are no longer matched tell what their maps, which
-    // are still there, were made from.
+    // Inputs of images that are no longer matched describe their maps, which
+    // still exist.
     const size_t num_known = known->size();
     known->insert(inputs.begin(), inputs.end());
     if (known->size() > num_known) {
@@ -171,7 +171,7 @@ void ClaimMaps(const Workspace& workspace,
   RemoveTree(GetStereoFolder(workspace));
   CreateFolders(GetStereoFolder(workspace));
   WriteStereoInputs(inputs_path, inputs);
-  // Last: without it, nothing counts.
+  // The options file is written last: without it, the claim is invalid.
   AtomicFile file(options_path);
   file.Stream() << options.Text();
   file.Commit();

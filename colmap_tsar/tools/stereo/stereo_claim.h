@@ -10,17 +10,17 @@
 
 namespace tsar {
 
-// stereo/tsar_stereo: what MatchWorkspace keeps between the passes and from run
-// to run.
+// The folder stereo/tsar_stereo, the state of MatchWorkspace between passes and
+// runs.
 ContainedPath GetStereoFolder(const Workspace& workspace);
 
-// Sees to it that all maps there are of the images to match are those that a
-// run with these options on these inputs makes, of which a former run may have
-// done a part. overwrite: whether others may be removed. is_listed: by place in
+// Makes sure that all existing maps of the images to match are those of a run
+// with these options and inputs, of which an earlier run may have completed a
+// part. overwrite: whether other maps may be removed. is_listed: by index in
 // Problems(), whether the run makes the image's maps. Throws Error
-// kUnsupported, before a file is changed, where there are others and overwrite
-// is false or their image is not listed, or where the workspace has been
-// refined; and what StereoDepths, removing and writing throw.
+// kUnsupported, before a file is changed, if there are other maps and overwrite
+// is false or their image is not listed, or if the workspace has been refined;
+// and those of StereoDepths, removing and writing.
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
                bool overwrite,

@@ -18,7 +18,7 @@
 namespace tsar {
 namespace {
 
-// A pass updates planes that are good already.
+// Few iterations suffice, since a pass starts from good planes.
 constexpr int kGeometricIterations = 2;
 
 Image<float> WithoutUndefined(Image<float> costs) {
@@ -56,7 +56,8 @@ StereoMaps ToHostWithCosts(ReferenceView reference,
   return host;
 }
 
-// As many as leave the smaller side of the image room for a window.
+// The number of levels at which the smaller side of the image still holds a
+// window.
 int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
   int num_levels = 1;
   const int side = std::min(color.Width(), color.Height());
@@ -67,7 +68,7 @@ int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
   return num_levels;
 }
 
-// 1 where there is no depth.
+// The mask (1) of pixels without depth.
 Image<uint8_t> HolesOf(const Image<float>& depth) {
   auto holes = Image<uint8_t>::Uninitialized(depth.Width(), depth.Height());
   std::transform(

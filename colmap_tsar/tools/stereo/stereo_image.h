@@ -14,8 +14,8 @@
 namespace tsar {
 
 // The maps of one image. Costs are 1 - NCC, in [0, 2], as COLMAP's patch writes
-// them: kCostWithoutEvidence where there is none. Geometric passes but the last
-// leave them empty.
+// them; kCostWithoutEvidence without evidence. Only the last geometric pass
+// sets them.
 struct StereoMaps {
   Image<float> depth;
   Image<Vec3f> normal;
@@ -23,9 +23,9 @@ struct StereoMaps {
   Image<float> second_cost;
 };
 
-// Matches an image with its sources, from a small size to the whole one. Of the
-// views, color and camera are read. Every pixel gets a depth. stream: key of
-// the random numbers.
+// Matches an image with its sources, coarse to fine. Only color and camera of
+// the views are used. Every pixel gets a depth. stream: key of the random
+// numbers.
 StereoMaps MatchImage(const ViewData& reference,
                       const std::vector<const ViewData*>& sources,
                       const DepthInterval& range,
@@ -33,12 +33,12 @@ StereoMaps MatchImage(const ViewData& reference,
                       const StereoOptions& options,
                       Device& device);
 
-// Improves the depth and normal of the reference with regard to the depth of
-// the sources, some of which may have none. keeps_holes: pixels of the
-// reference without a depth, which a mask hides, get none. pass counts from 0.
-// The last pass filters: depths that too few sources confirm become 0, with
-// their normals; where the run fills its maps, they then get those of the
-// planar prior (FillWithPrior).
+// Updates the depth and normal of the reference with geometric consistency to
+// the depth of the sources, some of which may have none. keeps_holes: whether
+// pixels of the reference without a depth, which are masked, get none. pass
+// counts from 0. The last pass filters: depths that too few sources confirm
+// become 0, with their normals; if the run fills its maps, these pixels then
+// get those of the planar prior (FillWithPrior).
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
                                    const DepthInterval& range,

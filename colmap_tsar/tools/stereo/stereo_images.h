@@ -11,9 +11,9 @@
 
 namespace tsar {
 
-// For each pass, the places in Problems() of the images to match in it, so that
-// the last pass makes those listed as it would among all images: in every other
-// pass also the sources of the images of the next one.
+// For each pass, the indices in Problems() of the images to match in it, so
+// that the last pass makes the listed maps as in a run on all images: every
+// other pass includes the sources of the images of the next one.
 std::vector<std::vector<size_t>> FindImagesOfPasses(
     const Workspace& workspace,
     const StereoOptions& options,

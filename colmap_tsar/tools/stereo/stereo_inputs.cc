@@ -20,8 +20,8 @@
 namespace tsar {
 namespace {
 
-// In the order of the words of a line, of which the image's name is the last;
-// that of the photo has the mask behind a plus sign where there is one.
+// The inputs in the order of the words of a line, whose last word is the
+// image's name; that of the photo has the mask after a plus sign, if any.
 constexpr std::array<const char*, 4> kWords = {
     "camera", "photo", "sources", "depths"};
 constexpr char kMaskSign = '+';
@@ -36,12 +36,12 @@ const std::array<Part, 5> kParts = {
     Part{"mask", {"its mask", false}},
     Part{"sources", {"its list of sources", false}},
     Part{"depths", {"the range of its sparse points", false}}};
-// The value of a part that does not matter.
+// The value of an unused input.
 constexpr const char* kNone = "-";
 // The first line of a file.
 const std::string kHead = std::string("fingerprints ") + kContentHashName;
 
-// Into the photo and the mask.
+// Splits the word of the photo into photo and mask.
 void SplitPhoto(InputState* state) {
   std::string& photo = (*state)["photo"];
   const size_t sign = photo.find(kMaskSign);

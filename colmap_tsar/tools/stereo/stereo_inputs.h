@@ -21,8 +21,8 @@ namespace tsar {
 std::vector<int> StereoSources(const StereoProblem& problem,
                                const StereoOptions& options);
 
-// The depths to look for in an image. Throws kNotFound where neither the
-// options nor sparse points tell.
+// The depth range of an image. Throws kNotFound if neither options nor sparse
+// points determine it.
 DepthInterval StereoDepths(const Workspace& workspace,
                            int image,
                            const StereoOptions& options);
@@ -31,22 +31,23 @@ DepthInterval StereoDepths(const Workspace& workspace,
 // in StereoOptions.
 std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
 
-// By the names of the images that are matched, or matched with, what is used of
-// them: "camera", "photo", "mask" and, of the former, "sources" and "depths".
-// Every map depends on all of them, over the passes.
+// The inputs by the names of reference and source images: "camera", "photo",
+// "mask" and, for references, "sources" and "depths". Over the passes, every
+// map depends on all of them.
 using StereoInputs = std::map<std::string, InputState>;
 
-// Throws what StereoDepths throws.
+// Throws the errors of StereoDepths.
 StereoInputs FindStereoInputs(const Workspace& workspace,
                               const StereoOptions& options);
 
-// As a file of text. Nothing where there is no such file, it is not whole, or
-// its fingerprints are not comparable with those of this version.
+// Reads the inputs from a text file. Returns nullopt if there is no such file,
+// it is incomplete, or its hashes are not comparable with those of this
+// version.
 std::optional<StereoInputs> ReadStereoInputs(const std::filesystem::path& path);
 void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs);
 
-// The first image that is in both and differs, what does, and how many other
-// such images there are: for an error. Nothing where none differs.
+// The first image of both that differs, the input that differs, and the number
+// of other such images, for an error; nullopt if none differs.
 struct StereoChange {
   std::string image;
   std::string text;

@@ -13,14 +13,14 @@ namespace tsar {
 
 namespace {
 
-// Of the device's memory, with the sources: linear in the pixels. The factors
-// were measured (tests/stereo/stereo_memory_test.cc).
+// Bytes of the device's memory, including the sources, linear in the pixels.
+// The factors were measured (tests/stereo/stereo_memory_test.cc).
 int64_t MatchingBytes(const StereoOptions& options,
                       int64_t num_pixels,
                       int num_sources) {
   const auto linear = [&](int64_t fixed, int64_t per_source) {
     constexpr int64_t kFixed = 16384;
-    // Of many sources, more is kept to choose among them.
+    // Many sources take additional memory for view selection.
     const int64_t num_more = std::max(0, num_sources - 16);
     return kFixed + num_pixels * (fixed + per_source * num_sources + num_more);
   };
@@ -36,13 +36,13 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   const int64_t num_pixels = overview.max_num_pixels;
   MemoryPlan plan;
   plan.num_sources = overview.max_num_sources;
-  // Each image uploads its sources anew: they count as work.
+  // Each image uploads its sources again, so that they count as work.
   plan.work = MatchingBytes(options, num_pixels, plan.num_sources) +
               (overview.has_masks ? BytesOf<uint8_t>(num_pixels) : 0);
   plan.view = ViewBytes(overview);
-  // Costs are copied from and into one array for their file; before they are
-  // written, prior planes lie beside the maps, or depth and normal beside those
-  // they are merged with.
+  // Costs are copied from and to one array for their file; before that, prior
+  // planes exist besides the maps, or depth and normal besides those they are
+  // merged with.
   const int64_t costs = 2 * BytesOf<float>(num_pixels);
   plan.load = std::max(LoadBytes(overview), costs);
   const int64_t filling =

@@ -9,7 +9,7 @@
 
 namespace tsar {
 
-// What tsar_stereo takes of the memories. overview: of the maps to make.
+// The memory plan of tsar_stereo. overview: that of the maps to make.
 MemoryPlan PlanStereo(const StereoOptions& options,
                       const WorkspaceOverview& overview);
 

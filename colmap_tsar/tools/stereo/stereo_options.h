@@ -7,31 +7,32 @@
 
 namespace tsar {
 
-// What a user of tsar_stereo can set and what its result depends on; names and
-// meanings are those of COLMAP's patch_match_stereo where it has them.
+// The options of tsar_stereo, on which its result depends; they have the names
+// and meanings of COLMAP's patch_match_stereo where it has them.
 struct StereoOptions {
   int max_image_size = -1;  // Longer side of the maps; -1: that of the images.
   double depth_min = -1.0;  // In units of the model; -1: from sparse points.
   double depth_max = -1.0;
-  int num_sources = 20;  // At most, the first of those in patch-match.cfg.
+  int num_sources = 20;  // At most; the first in patch-match.cfg.
   int window_radius = 5;
   int num_iterations = 4;
-  // Sizes at which an image is matched, each half as large as the one before.
+  // The number of sizes at which an image is matched, each half the previous
+  // one.
   int num_levels = 2;
   bool geom_consistency = true;
-  int num_geometric_passes = 2;  // Each over all images.
-  bool planar_prior = true;      // Fills what was not measured.
-  bool smooth_normals = true;    // Those of the geometric maps.
+  int num_geometric_passes = 2;  // Passes over all images.
+  bool planar_prior = true;      // Fills unmeasured pixels.
+  bool smooth_normals = true;    // In the geometric maps.
   // The filter of the geometric maps.
   double filter_min_ncc = 0.1;
   double filter_min_triangulation_angle = 3.0;
   int filter_min_num_consistent = 2;
   double filter_geom_consistency_max_cost = 1.0;
 
-  // Throws kBadOption, naming the option.
+  // Throws kBadOption with the option.
   void Check() const;
 
-  // All values, and the program's version.
+  // Text of all values and the program's version.
   std::string Text() const;
 };
 

@@ -82,7 +82,7 @@ StereoMapFiles StereoPasses::Files(int pass, int image) const {
     StereoMapFiles files{folder / "depth" / (key + ".bin"),
                          folder / "normal" / (key + ".bin"),
                          std::nullopt};
-    // Costs tell the next pass what was filled.
+    // The next pass identifies filled pixels by their costs.
     if (IsUnderPrior(pass + 1)) {
       files.cost = folder / "cost" / (key + ".bin");
     }

@@ -16,21 +16,22 @@ namespace tsar {
 struct StereoMapFiles {
   ContainedPath depth;
   ContainedPath normal;
-  std::optional<ContainedPath> cost;  // Not of every pass.
+  std::optional<ContainedPath> cost;  // Some passes have none.
 
   bool Exist() const;
 };
 
-// Each file in one step, the depth map last; creates the folders.
+// Writes each file atomically, the depth map last; creates the folders.
 void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps);
 
-// Sets the view's maps, and its costs if asked for; then files must name them.
+// Reads the view's maps and, if with_cost, its costs, which files must then
+// name.
 void ReadStereoMaps(const StereoMapFiles& files,
                     bool with_costs,
                     ViewData* view);
 
-// The passes over all images: the photometric one, number 0, after it the
-// geometric ones, and the one that matches under the planar prior.
+// The passes over all images: the photometric one (index 0), the geometric
+// ones, and the one that matches under the planar prior.
 class StereoPasses {
  public:
   // workspace must outlive this object.
@@ -39,9 +40,9 @@ class StereoPasses {
   int NumPasses() const { return 1 + num_geometric_ + num_prior_; }
   bool IsUnderPrior(int pass) const { return pass > num_geometric_; }
   StereoMapFiles Files(int pass, int image) const;
-  // Whether the image has all maps that the run is to leave.
+  // Whether the image has all final maps of the run.
   bool IsDone(int image) const;
-  // Removes, once the last pass is done, what lay between the passes.
+  // Removes the intermediate files after the last pass.
   void RemoveFilesBetween() const;
 
  private:

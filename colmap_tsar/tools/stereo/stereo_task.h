@@ -15,9 +15,9 @@
 
 namespace tsar {
 
-// One pass of tsar_stereo over the images of a workspace, by their places in
-// Workspace::Problems(). Images that this pass has done before, and those
-// without sources, are skipped.
+// One pass of tsar_stereo over the images of a workspace, by their indices in
+// Workspace::Problems(). Images done before and those without sources are
+// skipped.
 class StereoTask : public ImageTasks<StereoMaps> {
  public:
   // All references must outlive this object.
@@ -27,8 +27,8 @@ class StereoTask : public ImageTasks<StereoMaps> {
              int pass,
              std::vector<RefineWorker>& workers);
 
-  // The image and, after the first pass, its maps so far. What other images
-  // than those to match have there is of former runs.
+  // Loads the image and, after the first pass, its current maps. Maps of images
+  // that are not to be matched are of earlier runs and ignored.
   ViewCache::View Load(int image) const;
 
   ImageReport Begin(size_t index) override;
@@ -37,9 +37,10 @@ class StereoTask : public ImageTasks<StereoMaps> {
                      size_t worker,
                      ViewCache::Lease* views,
                      ImageReport* report) override;
-  // On a CPU an image takes minutes.
+  // Results are still written after an interruption: on a CPU an image takes
+  // minutes.
   bool WritesAfterStop() const override { return true; }
-  // Nothing is left of the maps where the image is masked.
+  // Clears the maps where the image is masked and writes them.
   void Write(size_t index, StereoMaps maps, ImageReport* report) override;
 
  private:

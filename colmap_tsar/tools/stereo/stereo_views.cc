@@ -22,7 +22,7 @@ Intrinsics LevelIntrinsics(const Camera& camera, int level) {
   return intrinsics;
 }
 
-// The image at all sizes.
+// Makes the image at all levels.
 std::vector<DeviceImage<float>> MakePyramid(const Image<Rgb>& color,
                                             int num_levels,
                                             Device& device) {

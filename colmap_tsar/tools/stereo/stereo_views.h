@@ -17,18 +17,18 @@
 namespace tsar {
 
 // An image and its sources in a device's memory, at the size of their views
-// (level 0) and at sizes each half as large as the one before.
+// (level 0) and at levels of half the previous size each.
 class StereoViews {
  public:
-  // Keeps a reference to the device.
+  // Holds a reference to the device.
   StereoViews(const ViewData& reference,
               const std::vector<const ViewData*>& sources,
               int num_levels,
               Device& device);
 
-  // Without depth and normal.
+  // The reference without depth and normal.
   ReferenceView Reference(int level) const;
-  // With depth at level 0, where the views have it.
+  // The sources, with depth at level 0 if the views have it.
   Buffer<SourceView> Sources(int level) const;
 
  private:
@@ -47,8 +47,8 @@ class StereoViews {
 PatchMatchOptions SearchOptions(const StereoOptions& options,
                                 const DepthInterval& range);
 
-// The key of the random numbers of one use of them: no two uses in an image
-// share theirs. image_stream: the image's own.
+// The key of the random numbers of one use, unique within an image.
+// image_stream: the image's key.
 uint32_t StreamOf(uint32_t image_stream, int use);
 
 }  // namespace tsar

@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the devices need to know of the workspace before it has maps.
+// The overview of the workspace for the devices before it has maps.
 WorkspaceOverview OverviewOf(const Workspace& workspace,
                              const StereoOptions& options) {
   WorkspaceOverview overview;
@@ -65,7 +65,7 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
   return overview;
 }
 
-// A workspace that image_undistorter made, with the folders for maps.
+// Opens a workspace of image_undistorter with the folders for maps.
 Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
   if (path.empty()) {
     throw Error(ErrorCode::kBadOption,
@@ -79,8 +79,8 @@ Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
         "make the maps of that one");
   }
   RequireFoldersInside(path);
-  // image_undistorter makes them, but who has deleted maps may have deleted the
-  // folders.
+  // image_undistorter creates these folders, but they may have been deleted
+  // with their maps.
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     if (fs::is_directory(path / "stereo")) {
       CreateFolders({path, fs::path("stereo") / folder});
@@ -91,8 +91,8 @@ Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
   return workspace;
 }
 
-// What the passes take, relative to each other. Measured for the photometric
-// one, a geometric one and that under the prior: 2.5 : 1 : 0.1 on two cores.
+// The relative durations of the passes, measured on two cores: 2.5 : 1 : 0.1
+// for the photometric one, a geometric one and that under the prior.
 std::vector<double> PassCosts(const StereoPasses& passes) {
   std::vector<double> costs;
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
@@ -101,7 +101,7 @@ std::vector<double> PassCosts(const StereoPasses& passes) {
   return costs;
 }
 
-// Returns how many images the pass had done before.
+// Returns the number of images that were done before.
 int RunPass(const Workspace& workspace,
             const StereoOptions& options,
             const StereoPasses& passes,
@@ -201,7 +201,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   const auto num_without_sources =
       static_cast<int>(summary.without_sources.size());
   if (is_done) {
-    // What lay between the passes is gone, and need not be made again.
+    // The intermediate files are gone and need not be made again.
     summary.num_skipped = summary.num_images - num_without_sources;
   } else {
     progress.PlanPasses(PassCosts(passes));

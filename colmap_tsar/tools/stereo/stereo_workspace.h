@@ -25,12 +25,12 @@ struct StereoSummary {
   };
 
   std::filesystem::path workspace_path;
-  // The maps that the next step is to take.
+  // The type of maps for the next step.
   MapType type = MapType::kGeometric;
   std::string device;
   int num_images = 0;
-  int num_skipped = 0;  // Had been done before.
-  // Of the images, those with a mask; nothing where no masks were given.
+  int num_skipped = 0;  // Images done before.
+  // The number of images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks;
   std::vector<WithoutSources> without_sources;
   double wall_seconds = 0.0;
@@ -38,22 +38,21 @@ struct StereoSummary {
 };
 
 // Makes depth, normal and cost maps for all images of stereo/patch-match.cfg,
-// photometric and, unless told otherwise, geometric ones, in as many passes
-// over the images. What lies between the passes is kept in stereo/tsar_stereo
-// until the run ends. overwrite: whether maps may be
-// replaced that this program did not make, or made with other options or from
-// what has changed since. image_list_path: a text file with the names of the
-// images to make maps of, the same as among all; empty: all. The photometric
-// maps of those that they need for it stay, too.
-// mask_path: the folder with the masks of images, see io/image_mask.h;
+// photometric and, by default, geometric ones, in several passes over the
+// images. Intermediate files are kept in stereo/tsar_stereo until the run ends.
+// overwrite: whether to replace maps that this program did not make, or made
+// with other options or inputs. image_list_path: a text file with the names of
+// the images whose maps are made, identical to those of a run on all images;
+// empty: all. The photometric maps of the images that they depend on are kept,
+// too. mask_path: the folder with the masks of images, see io/image_mask.h;
 // empty: none. Masked pixels get no depth, and those of sources confirm none.
 //
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined), kNotFound (no image has sources; an image
 // without sparse points needs options.depth_min and depth_max), kInterrupted
-// once should_stop returned true, and what the workspace, its lock, the devices
-// and writing throw, and Workspace::UseMasks. Images that were done stay done;
-// the same call goes on.
+// once should_stop returned true, and those of the workspace, its lock, the
+// devices, writing and Workspace::UseMasks. Completed images are kept; the same
+// call resumes the run.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const DeviceOptions& device_options,
                              const StereoOptions& options,

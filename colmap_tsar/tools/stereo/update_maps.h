@@ -12,23 +12,23 @@
 
 #include <cstdint>
 
-// What the passes after the first have in common: they go on from the maps of
-// the pass before, and the last ones filter.
+// Functions common to the passes after the first, which continue from the maps
+// of the previous pass; the last ones filter.
 namespace tsar {
 
-// PatchMatch that begins with the depth and normal of `view`. inputs: of this
-// view, as its reference.
+// Runs PatchMatch from the depth and normal of `view`. inputs: those with this
+// view as reference.
 PlaneMaps UpdateMaps(const ViewData& view,
                      const PatchMatchInputs& inputs,
                      const PatchMatchOptions& search,
                      Device& device);
 
-// What confirms the depths of an image with so many sources.
+// The options of the filter for an image with num_sources sources.
 HypothesisFilterOptions FilterOptions(const StereoOptions& options,
                                       int num_sources);
 
-// Filters the depths of the inputs' reference and, if asked for, smooths its
-// normals.
+// Filters the depths of the inputs' reference and, with smooth_normals, smooths
+// its normals.
 void FilterMaps(const PatchMatchInputs& inputs,
                 const HypothesisFilterOptions& filter,
                 bool smooth_normals,
