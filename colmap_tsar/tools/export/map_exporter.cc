@@ -187,8 +187,8 @@ void MapExporter::Finish(const std::vector<int>& /*images*/,
     statistics.push_back(image.depth);
   }
   const DepthStatistics depth = JoinStatistics(statistics);
-  // The largest rounding error, half a step, relative to depth, without a
-  // warning.
+  // The largest step without a warning, as a share of the median depth;
+  // rounding errors are at most half a step.
   constexpr double kCoarseStep = 0.005;
   const std::string option = OptionName("depth_scale");
   TextStream text;

@@ -56,7 +56,7 @@ struct KeptImage {
 // The content of the 3D view.
 struct PointView {
   bool from_clouds = false;       // Otherwise, sampled from the maps.
-  bool before_from_maps = false;  // Though after is a cloud.
+  bool before_from_maps = false;  // Maps before, a cloud after.
   int64_t num_shown[2] = {0, 0};  // Before, after.
   int64_t num_all[2] = {0, 0};
   // The initial viewpoint, relative to the points' origin, and the up

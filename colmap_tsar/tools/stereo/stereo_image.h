@@ -14,8 +14,8 @@
 namespace tsar {
 
 // The maps of one image. Costs are 1 - NCC, in [0, 2], as COLMAP's patch writes
-// them; kCostWithoutEvidence without evidence. Only the last geometric pass
-// sets them.
+// them; kCostWithoutEvidence without evidence. Geometric passes except the last
+// leave them empty.
 struct StereoMaps {
   Image<float> depth;
   Image<Vec3f> normal;
