@@ -13,9 +13,10 @@
 namespace tsar {
 
 // Selects the source images of a reference, which must confirm its depths
-// independently. Images from one viewpoint agree at any depth: two viewpoints
-// are independent if the 75th percentile of the triangulation angles of sparse
-// points reaches a minimum.
+// independently. Images from one viewpoint agree at any depth: a viewpoint is
+// independent of the reference's if the 75th percentile of the triangulation
+// angles of sparse points reaches a minimum, and of another source's if it
+// reaches 0.2 degrees, about the parallax within which views agree.
 class SourceSelector {
  public:
   // The model must outlive the selector.
@@ -24,9 +25,9 @@ class SourceSelector {
 
   // Selects sources as COLMAP's `__auto__` does: those that share most sparse
   // points with the reference, among the images whose triangulation angles of
-  // shared points reach the minimum; here also relative to the sources selected
-  // before. COLMAP leaves the order of equal counts open; here the lower index
-  // goes first.
+  // shared points reach the minimum; here they are independent of the sources
+  // selected before as well. COLMAP leaves the order of equal counts open; here
+  // the lower index goes first.
   //
   // Time: the reference's observations times the length of their tracks, and
   // once through the observations of each image that is considered.
