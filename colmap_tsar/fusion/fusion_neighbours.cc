@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/image_list.h"
-#include "colmap_tsar/io/patch_match_config.h"
+#include "colmap_tsar/io/source_selector.h"
 #include "colmap_tsar/run/neighbour_order.h"
 #include "colmap_tsar/tools/export/image_maps.h"
 

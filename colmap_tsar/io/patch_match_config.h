@@ -5,64 +5,11 @@
 
 #include "colmap_tsar/io/sparse_model.h"
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace tsar {
-
-// Selects the source images of a reference, which must confirm its depths
-// independently. Images from one viewpoint agree at any depth: a viewpoint is
-// independent of the reference's if the 75th percentile of the triangulation
-// angles of sparse points reaches a minimum, and of another source's if it
-// reaches 0.2 degrees, about the parallax within which views agree.
-class SourceSelector {
- public:
-  // The model must outlive the selector.
-  SourceSelector(const SparseModel& model,
-                 double min_triangulation_angle_degrees);
-
-  // Selects sources as COLMAP's `__auto__` does: those that share most sparse
-  // points with the reference, among the images whose triangulation angles of
-  // shared points reach the minimum; here they are independent of the sources
-  // selected before as well. COLMAP leaves the order of equal counts open; here
-  // the lower index goes first.
-  //
-  // Time: the reference's observations times the length of their tracks, and
-  // once through the observations of each image that is considered.
-  std::vector<int> SelectSources(int reference, int max_num_sources) const;
-
-  // The given images whose viewpoints are independent of the reference's and of
-  // each one selected before. All of them if the reference sees no sparse
-  // point.
-  std::vector<int> SelectIndependent(int reference,
-                                     const std::vector<int>& images) const;
-
-  // Whether some other image shares a sparse point with the reference.
-  bool HasOverlap(int reference) const;
-
- private:
-  // The number of points of a reference that are sampled.
-  static constexpr size_t kMaxNumPoints = 64;
-
-  std::vector<Eigen::Vector3d> PointsOf(int reference) const;
-  bool AreDifferent(const std::vector<Eigen::Vector3d>& points,
-                    int image_a,
-                    int image_b) const;
-  bool IsIndependent(const std::vector<Eigen::Vector3d>& points,
-                     int image,
-                     const std::vector<int>& sources) const;
-  bool HasTriangulationAngle(int reference, int source) const;
-
-  const SparseModel& model_;
-  const double min_tangent_;
-  std::vector<Eigen::Vector3d> centers_;
-  // Point i is seen by track_images_[track_begins_[i] ... track_begins_[i +
-  // 1]).
-  std::vector<size_t> track_begins_;
-  std::vector<int> track_images_;
-};
 
 // One depth map to estimate: indices into SparseModel::images.
 struct StereoProblem {
@@ -71,13 +18,15 @@ struct StereoProblem {
   // be empty for the reason without_sources.
   std::vector<int> sources;
   std::string without_sources;
+  // The number of sources that the file names and that are not independent of
+  // the reference and of each other.
+  int num_left_out = 0;
 };
 
 // Reads stereo/patch-match.cfg: pairs of lines, the reference image and its
-// sources: `__all__`, `__auto__, N` (see SelectSources) or a list of names.
+// sources: `__all__`, `__auto__, N` (see SourceSelector) or a list of names.
 // Blank lines and lines that begin with '#' are skipped. Sources that are not
-// independent (see SourceSelector) are left out, with one warning if the file
-// names them.
+// independent (see SourceSelector) are left out.
 //
 // Throws Error: kNotFound (no such file), kMismatch (an image that the sparse
 // model does not hold), kCorrupt (a reference without sources, twice, or among
@@ -86,5 +35,9 @@ std::vector<StereoProblem> ReadPatchMatchConfig(
     const std::filesystem::path& path,
     const SparseModel& model,
     double min_triangulation_angle_degrees = 1.0);
+
+// Warns, in one line, if sources that the file names were left out.
+void WarnOfSourcesLeftOut(const std::filesystem::path& path,
+                          const std::vector<StereoProblem>& problems);
 
 }  // namespace tsar

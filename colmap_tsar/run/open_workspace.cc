@@ -26,6 +26,7 @@ Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
 
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   Workspace workspace = OpenMapsOf(options);
+  workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
   workspace.Priors().WarnOfStrayFiles();

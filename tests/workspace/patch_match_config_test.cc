@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/io/patch_match_config.h"
 
+#include "colmap_tsar/io/source_selector.h"
+
 #include <cmath>
 #include <numbers>
 
@@ -82,12 +84,17 @@ TEST_F(PatchMatchConfigTest, KeepsReferencesWithoutOverlap) {
 TEST_F(PatchMatchConfigTest, CopiesOfAViewAreNoSources) {
   model_ = MakeModel({0, 0, 0, 1});
   AddPoint({0, 0, 5}, {0, 1, 2, 3}, &model_);
-  testing::internal::CaptureStderr();
   const std::vector<StereoProblem> problems = Read(
       "v0.jpg\n__all__\nv1.jpg\nv0.jpg, v2.jpg\nv3.jpg\nv2.jpg, v1.jpg\n"
       "v2.jpg\n__auto__, 20\n");
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              testing::HasSubstr("5 of 7 sources are left out"));
+  testing::internal::CaptureStderr();
+  WarnOfSourcesLeftOut(path_, problems);
+  EXPECT_THAT(
+      testing::internal::GetCapturedStderr(),
+      testing::HasSubstr(path_.string() + ": 5 of 7 sources are left out"));
+  testing::internal::CaptureStderr();
+  WarnOfSourcesLeftOut(path_, {problems[3]});
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_THAT(problems[0].sources, ElementsAre(3));
   EXPECT_EQ(problems[0].without_sources, "");
   EXPECT_THAT(problems[1].sources, IsEmpty());

@@ -73,6 +73,10 @@ std::vector<std::string> NamesOf(const SparseModel& model) {
   return names;
 }
 
+std::filesystem::path ConfigPath(const std::filesystem::path& root) {
+  return root / "stereo" / "patch-match.cfg";
+}
+
 }  // namespace
 
 Workspace::Workspace(const std::filesystem::path& root, MapType type)
@@ -94,7 +98,11 @@ Workspace::Workspace(const std::filesystem::path& root, MapType type)
   }
   model_folder_ = FindModelFolder(root);
   model_ = ReadWorkspaceModel(model_folder_);
-  problems_ = ReadPatchMatchConfig(root / "stereo" / "patch-match.cfg", model_);
+  problems_ = ReadPatchMatchConfig(ConfigPath(root), model_);
+}
+
+void Workspace::WarnOfSourcesLeftOut() const {
+  tsar::WarnOfSourcesLeftOut(ConfigPath(root_), problems_);
 }
 
 std::filesystem::path Workspace::ImagePath(int image) const {

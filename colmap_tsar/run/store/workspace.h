@@ -58,6 +58,8 @@ class Workspace {
   // The folder of the model: sparse, or sparse/0.
   const std::filesystem::path& ModelFolder() const { return model_folder_; }
   const std::vector<StereoProblem>& Problems() const { return problems_; }
+  // Warns in one line of sources of these problems that were left out.
+  void WarnOfSourcesLeftOut() const;
 
   // The workspace that holds the originals: another one if this one was made by
   // CreateOutputWorkspace, otherwise this one.

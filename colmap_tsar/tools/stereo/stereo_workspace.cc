@@ -87,6 +87,7 @@ Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
     }
   }
   Workspace workspace(path, MapType::kPhotometric);
+  workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(mask_path);
   return workspace;
 }
