@@ -12,7 +12,7 @@ import unittest
 
 import colmap_tsar
 from sample_testing import digests
-from support import QUICK, SampleTest, results, run_program, write_black_mask
+from support import PLANES, QUICK, SampleTest, results, run_program, write_black_mask
 
 
 def refine(workspace, **options):
@@ -97,14 +97,14 @@ class RefineTest(SampleTest):
         priors.mkdir()
         depth = array.array("f", [1.0]) * (64 * 48)
         (priors / "v000.pfm").write_bytes(b"Pf\n64 48\n-1\n" + depth.tobytes())
-        summary = refine(self.workspace, **QUICK, prior_path=priors, prior_type="inverse")
+        summary = refine(self.workspace, **PLANES, prior_path=priors, prior_type="inverse")
         self.assertEqual(summary.num_priors, 1)
         self.assertIn("depth priors for 1 of 3 images", str(summary))
-        self.assertIsNone(refine(self.workspace, **QUICK).num_priors)
+        self.assertIsNone(refine(self.workspace, **PLANES).num_priors)
         with self.assertRaisesRegex(colmap_tsar.NotFoundError, "no depth prior of any image"):
-            refine(self.workspace, **QUICK, prior_path=self.workspace / "sparse")
+            refine(self.workspace, **PLANES, prior_path=self.workspace / "sparse")
         with self.assertRaisesRegex(colmap_tsar.BadOptionError, "prior_type"):
-            refine(self.workspace, **QUICK, prior_path=priors, prior_type="depth")
+            refine(self.workspace, **PLANES, prior_path=priors, prior_type="depth")
 
     def test_arrays_as_depth_priors(self):
         priors = self.workspace / "priors"
@@ -119,17 +119,17 @@ class RefineTest(SampleTest):
             asked.append(name)
             return {"v000.jpg": view, "v001.jpg": (None, normals)}.get(name)
 
-        summary = refine(self.workspace, **QUICK, priors=tell, prior_type="inverse")
+        summary = refine(self.workspace, **PLANES, priors=tell, prior_type="inverse")
         self.assertEqual(summary.num_priors, 2)
         self.assertEqual(asked, list(colmap_tsar.Workspace(self.workspace)))
         again = {"v000.jpg": (view, None), "v001.jpg": (None, normals), "v002.jpg": None}
         ws = colmap_tsar.Workspace(self.workspace)
         summary = ws.refine(
-            **QUICK, priors=again, prior_type="inverse", device="cpu", progress=False
+            **PLANES, priors=again, prior_type="inverse", device="cpu", progress=False
         )
         self.assertEqual((summary.num_refined, summary.num_skipped), (0, self.num_images))
         depth[0] = 7.0
-        summary = refine(self.workspace, **QUICK, priors={"v000.jpg": view})
+        summary = refine(self.workspace, **PLANES, priors={"v000.jpg": view})
         self.assertEqual((summary.num_priors, summary.num_refined), (1, self.num_images))
         for kind, text, options in (
             (ValueError, "no image 'v00.jpg'; did you mean v00", {"priors": {"v00.jpg": view}}),
@@ -141,7 +141,7 @@ class RefineTest(SampleTest):
             (TypeError, "num_thread", {"priors": tell, "num_thread": 1}),
         ):
             with self.subTest(text=text), self.assertRaisesRegex(kind, text):
-                refine(self.workspace, **QUICK, **options)
+                refine(self.workspace, **PLANES, **options)
 
     def test_regions(self):
         regions = self.workspace / "regions"
@@ -231,13 +231,15 @@ class RefineTest(SampleTest):
     def test_one_run_at_a_time(self):
         errors = []
 
-        def refine_again(line):
+        def refine_again(*_):
             try:
                 refine(self.workspace, **QUICK)
             except colmap_tsar.Error as error:
                 errors.append(error)
 
-        refine(self.workspace, **QUICK, num_threads=1, progress=refine_again)
+        colmap_tsar.Workspace(self.workspace).refine(
+            **QUICK, device="cpu", num_threads=1, progress=refine_again
+        )
         self.assertIsInstance(errors[0], colmap_tsar.UnsupportedError)
         self.assertIn("another program is working", str(errors[0]))
 

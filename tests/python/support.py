@@ -17,6 +17,8 @@ WORK_FOLDER = pathlib.Path(os.environ["TSAR_WORK_FOLDER"])
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE.
 # Options of refine() that leave out what takes most of the time.
 QUICK = {"scene_planes": False, "experiment": {"segment": False, "num_iterations": 1}}
+# The same with the planes of the scene.
+PLANES = {"experiment": QUICK["experiment"]}
 
 
 def run_program(*arguments):
