@@ -181,7 +181,9 @@ def check_priors(suite, scene):
               f"more is right to 5 cm with the {kind}")
     check("min left" not in suite(*options, results="priors"),
           "runs with priors are recognised")
-    check("ground_truth" in suite.fail(suite.folder / "bare", *options[1:]),
+    check("ground_truth" in suite.fail(
+        suite.folder / "bare", "--seeds", 1, "--variant",
+        "one=--prior_path {network_prior}"),
           "without ground truth there are no priors")
 
 
