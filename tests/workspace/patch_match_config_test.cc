@@ -91,7 +91,7 @@ TEST_F(PatchMatchConfigTest, CopiesOfAViewAreNoSources) {
   WarnOfSourcesLeftOut(path_, problems);
   EXPECT_THAT(
       testing::internal::GetCapturedStderr(),
-      testing::HasSubstr(path_.string() + ": 5 of 7 sources are left out"));
+      testing::HasSubstr(path_.string() + ": 5 of 8 sources are left out"));
   testing::internal::CaptureStderr();
   WarnOfSourcesLeftOut(path_, {problems[3]});
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
