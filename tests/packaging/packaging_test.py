@@ -26,7 +26,7 @@ PROGRAM_FILES = [
     "share/fish/vendor_completions.d/colmap_tsar.fish",
 ]
 LIBRARY_FILES = [
-    "include/colmap_tsar/controllers/refine_workspace.h",
+    "include/colmap_tsar/run/refine_workspace.h",
     "include/colmap_tsar/cli/commands.h",
     "lib/libcolmap_tsar.a",
     "lib/cmake/ColmapTsar/ColmapTsarConfig.cmake",

@@ -24,9 +24,6 @@ folder = make_folder(args.folder)
 work, log = (os.path.join(folder.name, name) for name in ("work", "log"))
 start = StartWorkspaces(folder.name)
 start.make(program)
-# An image without maps is told of in the end.
-for kind in ("depth_maps", "normal_maps"):
-    os.remove(os.path.join(start.mapped, "stereo", kind, "v0.png.geometric.bin"))
 CASES = {
     "refine": (["tsar_refine", work, "--TsarRefine.num_threads", 2], start.mapped),
     "restore": (["tsar_refine", work, "--restore", 1], start.refined),
