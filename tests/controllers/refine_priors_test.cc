@@ -93,7 +93,8 @@ TEST_F(RefinePriorsTest, TellsOfHowManyImagesThereArePriors) {
   EXPECT_EQ(summary.counts.at(kPriorsDropped), 2);
   EXPECT_FALSE(summary.counts.contains(kPriorsUsed));
   std::map<std::string, std::string> notes;
-  for (const auto& image : Manifest()["images"]) {
+  const nlohmann::json manifest = Manifest();
+  for (const auto& image : manifest["images"]) {
     notes[image["image"]] = image["note"];
   }
   EXPECT_EQ(notes["v0.png"], "");
