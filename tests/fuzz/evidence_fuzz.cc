@@ -10,8 +10,8 @@ namespace tsar {
 namespace {
 
 // Of the header, see evidence_file.cc.
-constexpr size_t kHeaderSize = 136;
-constexpr SignedLayout kLayout = {kHeaderSize, 112, 120, 128};
+constexpr size_t kHeaderSize = 144;
+constexpr SignedLayout kLayout = {kHeaderSize, 120, 128, 136};
 
 std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
   // The arrays that neighbours read come first.
@@ -19,9 +19,10 @@ std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
     const size_t num_pixels =
         static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
         ValueAt<uint16_t>(bytes, 20);
-    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 64) + 4 +
-           17 * ValueAt<uint16_t>(bytes, 72) +
-           4 * ValueAt<uint16_t>(bytes, 80) + 16 * ValueAt<uint16_t>(bytes, 96);
+    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 72) + 4 +
+           17 * ValueAt<uint16_t>(bytes, 80) +
+           4 * ValueAt<uint16_t>(bytes, 88) +
+           16 * ValueAt<uint16_t>(bytes, 104);
   });
 }
 
