@@ -138,13 +138,10 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
 }
 
 bool HasAlpha(const std::filesystem::path& path) {
-  // The kind of its pixels follows signature, header and size.
-  constexpr size_t kColorType = 25;
-  constexpr uint8_t kAlpha = 4;
   PictureInput file = OpenPhoto(path);
-  const Bytes head = file.ReadHead(kColorType + 1);
-  return head.size() > kColorType && FormatOf(head) == PhotoFormat::kPng &&
-         (head[kColorType] & kAlpha) != 0;
+  const std::optional<PngHeader> header =
+      ReadPngHeader(file.ReadHead(kPngHeadSize));
+  return header && header->has_alpha;
 }
 
 void CheckPhotoFile(const std::filesystem::path& path) {

@@ -180,7 +180,8 @@ std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
                    ReadBigEndian(head.subspan(20)),
                    head[24],
                    head[25] == PNG_COLOR_TYPE_GRAY,
-                   (head[25] & PNG_COLOR_MASK_COLOR) != 0};
+                   (head[25] & PNG_COLOR_MASK_COLOR) != 0,
+                   (head[25] & PNG_COLOR_MASK_ALPHA) != 0};
 }
 
 Image<Rgb> DecodePng(std::span<const uint8_t> bytes, const PngError& error) {

@@ -26,6 +26,7 @@ struct PngHeader {
   int bits_per_channel = 0;
   bool is_gray = false;  // Gray without transparency.
   bool has_colors = false;
+  bool has_alpha = false;
 };
 
 // The header of a file that begins with these bytes, at least kPngHeadSize;

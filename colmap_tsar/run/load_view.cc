@@ -50,6 +50,8 @@ class HypothesisReader {
   size_t NumPixels() const { return own_.NumPixels(); }
   // Whether costs of the map to refine were exported.
   bool HasCosts() const { return own_costs_.has_value(); }
+  // At the size of the maps; empty: none.
+  const Image<uint8_t>& Mask() const { return mask_; }
 
   // Reads the hypotheses from this pixel on, as many as the piece has room for.
   // Throws kCorrupt where a file has become shorter.
@@ -305,15 +307,14 @@ Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   return depth;
 }
 
-// The depth prior without masked pixels. maps: the size of the maps.
+// The depth prior without masked pixels. mask: of the image's maps, or empty.
 std::shared_ptr<const DepthPrior> ReadPrior(const Workspace& workspace,
                                             int image,
-                                            const RasterSize& maps) {
+                                            const Image<uint8_t>& mask) {
   std::shared_ptr<DepthPrior> prior = workspace.ReadPrior(image);
-  if (prior == nullptr || !workspace.HasMask(image)) {
+  if (prior == nullptr || mask.Empty()) {
     return prior;
   }
-  const Image<uint8_t> mask = workspace.ReadMask(image, maps);
   const auto clear = [&](auto* values) {
     if (!values->Empty()) {
       ClearMasked(ResizeMask(mask, {values->Width(), values->Height()}),
@@ -341,7 +342,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
       IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
   view.color = workspace.ReadImage(image, width, height);
   view.camera = CameraOfMaps(workspace, image, width, height);
-  view.prior = ReadPrior(workspace, image, {width, height});
+  view.prior = ReadPrior(workspace, image, reader.Mask());
   view.segments = workspace.ReadLabels(image);
   return view;
 }
@@ -368,7 +369,7 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   }
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
-  reduced.prior = ReadPrior(workspace, image, {width, height});
+  reduced.prior = ReadPrior(workspace, image, reader.Mask());
   reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }
