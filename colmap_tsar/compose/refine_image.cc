@@ -14,6 +14,13 @@
 
 namespace tsar {
 
+std::string ReasonToKeep(const RefinedMaps& maps,
+                         const RefineOptions& options) {
+  return options.min_confidence <= 0.0 && !HasDepth(maps.depth)
+             ? kNothingReliable
+             : "";
+}
+
 RefineResult RefineImage(const ViewData& reference,
                          const std::vector<const ViewData*>& sources,
                          uint32_t image_id,
@@ -68,10 +75,7 @@ RefineResult RefineImage(
   Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
-  // With min_confidence, an empty map is a valid result.
-  if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
-    result.reason_to_keep = kNothingReliable;
-  }
+  result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;
 }
 

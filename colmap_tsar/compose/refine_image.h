@@ -48,6 +48,10 @@ struct RefineResult {
 inline constexpr const char* kNothingReliable =
     "none of its depths is reliable";
 
+// That reason if these refined maps have no depth, and empty otherwise. With
+// min_confidence, an empty map is a valid result.
+std::string ReasonToKeep(const RefinedMaps& maps, const RefineOptions& options);
+
 // Takes one image through the stages of a single view. It reads and writes no
 // files; the result is a function of the arguments, for any number of the
 // device's threads. image_id keys the random numbers. When it returns, the

@@ -282,7 +282,7 @@ void MakeEvidence(const RefineOptions& options,
     measured.inputs.prior =
         AlignPrior(*measured.prior, SamplesToAlignBy(measured.inputs));
     evidence_options.tolerance = static_cast<float>(
-        PlaneTolerance(options, MeasureNoise(measured.inputs)));
+        ScenePlaneTolerance(options, MeasureNoise(measured.inputs)));
     timer.Finish("prior");
   }
   GatheredEvidence gathered = GatherEvidence(measured.inputs, evidence_options);
@@ -421,10 +421,7 @@ RefineResult ComposeImage(
   Download(composed, confidence, &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
-  // With min_confidence, an empty map is a valid result.
-  if (options.min_confidence <= 0.0 && !HasDepth(result.maps.depth)) {
-    result.reason_to_keep = kNothingReliable;
-  }
+  result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;
 }
 

@@ -3,6 +3,9 @@
 
 #include "colmap_tsar/scene/scene_options.h"
 
+#include "colmap_tsar/base/median.h"
+#include "colmap_tsar/view/stage_options.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,18 +30,17 @@ double MedianNoise(const std::vector<ObservedView>& views) {
       noise.push_back(view.evidence->noise);
     }
   }
-  std::sort(noise.begin(), noise.end());
-  return noise.empty() ? 0.0 : noise[noise.size() / 2];
+  return noise.empty() ? 0.0 : UpperMedian(&noise);
 }
 
-double PlaneTolerance(const RefineOptions& options, double noise) {
+double ScenePlaneTolerance(const RefineOptions& options, double noise) {
   return std::clamp(
       options.plane_tolerance * noise, kMinTolerance, kMaxTolerance);
 }
 
 SceneOptions MakeSceneOptions(const RefineOptions& options,
                               const std::vector<ObservedView>& views) {
-  const double tolerance = PlaneTolerance(options, MedianNoise(views));
+  const double tolerance = ScenePlaneTolerance(options, MedianNoise(views));
   SceneOptions scene;
   scene.discovery.tolerance = tolerance;
   scene.discovery.min_gain = options.min_scene_plane;
@@ -54,11 +56,8 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   // Lengths at borders scale with the superpixels.
   const double border_scale =
       std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
-  const auto scaled = [&](int length) {
-    return std::max(1, static_cast<int>(std::lround(length * border_scale)));
-  };
-  scene.borders.reach = scaled(scene.borders.reach);
-  scene.borders.radius = scaled(scene.borders.radius);
+  scene.borders.reach = ScaledLength(scene.borders.reach, border_scale);
+  scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
   scene.borders.spatial_sigma *= static_cast<float>(border_scale);
   scene.surfaces.labels = scene.labels;
   return scene;

@@ -28,7 +28,7 @@ struct SceneOptions {
 
 // The tolerance of residuals at a plane, in relative depths of one pixel of
 // disparity. noise: see ViewEvidence.
-double PlaneTolerance(const RefineOptions& options, double noise);
+double ScenePlaneTolerance(const RefineOptions& options, double noise);
 
 // The median of the views' noise where it is above 0; 0 where it never is.
 double MedianNoise(const std::vector<ObservedView>& views);

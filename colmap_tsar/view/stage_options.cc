@@ -8,13 +8,10 @@
 #include <limits>
 
 namespace tsar {
-namespace {
 
-int ScaledLength(double length, double raster_scale) {
-  return std::max(1, static_cast<int>(std::lround(length * raster_scale)));
+int ScaledLength(double length, double scale) {
+  return std::max(1, static_cast<int>(std::lround(length * scale)));
 }
-
-}  // namespace
 
 RefineOptions MeasuringOptions(const RefineOptions& options) {
   RefineOptions measuring = options;

@@ -17,6 +17,9 @@ namespace tsar {
 // every pixel's own depth and no others.
 RefineOptions MeasuringOptions(const RefineOptions& options);
 
+// A length in pixels, at least 1, at another scale.
+int ScaledLength(double length, double scale);
+
 // The options of single stages from the options of a run. raster_scale: that of
 // DeviceViews; lengths scale by it, areas by its square. image_id keys the
 // random numbers.
