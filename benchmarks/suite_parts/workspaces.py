@@ -63,39 +63,40 @@ class Workspaces:
 
     def with_priors(self, configuration, options):
         """The options, with the folders of simulated priors that they name."""
+        kinds = {name_of(kind): kind for kind in KINDS}
         return [self._priors(configuration, kinds[word]) if word in kinds
-                else word for kinds in [{name_of(kind): kind for kind in KINDS}]
-                for word in options]
+                else word for word in options]
+
+    def _kept(self, name, content, key, make):
+        """What make(path) writes at cache/name/content, made again only where
+        the key is another than the last time."""
+        folder = own_folder(self.cache / name)
+        record, path = folder / "made_from.json", folder / content
+        if not (record.is_file() and json.loads(record.read_text()) == key):
+            shutil.rmtree(path, ignore_errors=True)
+            record.unlink(missing_ok=True)
+            make(path)
+            record.write_text(json.dumps(key))
+        return path
 
     def _priors(self, configuration, kind):
         scene = configuration.path
         key = {"version": simulated_priors.VERSION,
                "scene": self.hash_of(scene, ("images", "ground_truth"))}
-        folder = own_folder(self.cache / f"{scene.name}-{kind}-prior")
-        record, priors = folder / "made_from.json", folder / "priors"
-        if not (record.is_file() and json.loads(record.read_text()) == key):
-            shutil.rmtree(priors, ignore_errors=True)
-            record.unlink(missing_ok=True)
-            make_priors(scene, kind, priors)
-            record.write_text(json.dumps(key))
-        return priors
+        return self._kept(f"{scene.name}-{kind}-prior", "priors", key,
+                          lambda folder: make_priors(scene, kind, folder))
 
     def _made(self, configuration):
-        scene = configuration.path
         key = {"version": VERSION, "options": self.stereo_options,
-               "scene": self.hash_of(scene, INPUTS[:2] + INPUTS[4:])}
-        folder = own_folder(self.cache / configuration.stem())
-        record, workspace = folder / "made_from.json", folder / "workspace"
-        if record.is_file() and json.loads(record.read_text()) == key:
-            return workspace
-        print(f"making {configuration.label()}", flush=True)
-        shutil.rmtree(workspace, ignore_errors=True)
-        record.unlink(missing_ok=True)
-        self._write(configuration, workspace)
-        run([self.program, "tsar_stereo", "--workspace_path", workspace,
-             *STEREO_OPTIONS, *self.stereo_options])
-        record.write_text(json.dumps(key))
-        return workspace
+               "scene": self.hash_of(configuration.path, INPUTS[:2] + INPUTS[4:])}
+
+        def make(workspace):
+            print(f"making {configuration.label()}", flush=True)
+            self._write(configuration, workspace)
+            run([self.program, "tsar_stereo", "--workspace_path", workspace,
+                 *STEREO_OPTIONS, *self.stereo_options])
+
+        return self._kept(configuration.stem(), "workspace", key, make)
 
     def _write(self, configuration, workspace):
         """The scene without maps, at the size and noise that are asked for."""
